@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace bouncelab {
+
+/// Linear elastic material.
+struct Material {
+  double youngs_modulus_pa = 0.0;  ///< > 0 [Pa]
+  double poisson_ratio = 0.0;      ///< in [0, 0.5)
+  double density_kgpm3 = 0.0;      ///< > 0 [kg/m^3]
+};
+
+/// Bearing steel of Montaine et al., Phys. Rev. E 84, 041306 (2011), doi:10.1103/PhysRevE.84.041306.
+inline constexpr Material kSteel{200e9, 0.30, 7900.0};
+/// Hard (soda-lime) glass, the paper's ground plate.
+inline constexpr Material kGlass{70e9, 0.22, 2500.0};
+/// Sintered silicon carbide, one of the paper's two disks.
+inline constexpr Material kSiliconCarbide{410e9, 0.14, 3100.0};
+/// Vitreloy (Zr-based bulk metallic glass), the other disk.
+inline constexpr Material kVitreloy{96e9, 0.36, 6100.0};
+
+/// Homogeneous ball. Defaults: the paper's stainless-steel bearing ball.
+struct Ball {
+  double radius_m = 3.0e-3;
+  Material material = kSteel;
+};
+
+/// 4/3 pi rho R^3 [kg].
+double mass_kg(const Ball& ball);
+/// (2/5) m R^2 [kg m^2]; the asperities' mass is neglected (mass ratio 1e-9).
+double moment_of_inertia_kgm2(const Ball& ball);
+
+/// Duration of a Hertzian contact of the ball with a half-space [s]:
+///
+///   tau = 2.943 (15 m / (16 E* sqrt R))^(2/5) v^(-1/5),   1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2
+///
+/// @param v_mps  normal impact speed, > 0 [m/s]
+/// Elastic: neglects dissipation (relative error of order 1 - eps). Source: Johnson, Contact Mechanics (1985), 11.4,
+/// doi:10.1017/CBO9781139171731.
+double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mps);
+
+}  // namespace bouncelab

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <vector>
+
+#include "bouncelab/core/table.hpp"
+
+namespace bouncelab {
+
+/// Reads the columns wanted from a CSV file: one header line, comma, '.', quotes as in RFC 4180, CRLF or LF, a byte
+/// order mark is skipped. Other columns are passed over. Columns come in the order of `wanted`.
+/// @throws FileError naming line and column: file missing or empty, a required column absent, a row of another length,
+///         a cell that is not a number (an empty cell of a real column is NaN; of an integer column an error)
+Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+
+/// Writes header and rows; reals with the fewest digits that read back to the same double (at most 17), NaN as an
+/// empty cell.
+void write_csv(std::ostream& out, const Table& table);
+/// Rows only: a long table can be written in pieces.
+void write_csv_rows(std::ostream& out, const Table& table);
+
+}  // namespace bouncelab

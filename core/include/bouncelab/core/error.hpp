@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace bouncelab {
+
+/// What went wrong, in one line that names the quantity or file, the place, the value and the remedy.
+/// Thrown for broken contracts and unreadable input; caught only in main. Results that are merely poor are
+/// data (a status beside the numbers), never an exception.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An argument is outside its stated range. The command line answers with exit code 2.
+class InvalidArgument : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A file cannot be read, written or understood. Exit code 3.
+class FileError : public Error {
+ public:
+  /// @param path    the file as the user named it
+  /// @param what    place and reason, without the path ("line 7, column t_s: 'abc' is not a number")
+  FileError(const std::string& path, const std::string& what) : Error(path + ": " + what) {}
+};
+
+/// The user (Ctrl-C) or the system asked to stop. Thrown by progress callbacks; unfinished outputs vanish.
+class Interrupted : public Error {
+ public:
+  Interrupted() : Error("interrupted; nothing was left half-written") {}
+};
+
+}  // namespace bouncelab

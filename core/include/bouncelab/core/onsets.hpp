@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bouncelab/core/table.hpp"
+
+namespace bouncelab {
+
+/// One impact as heard.
+struct Onset {
+  std::string recording;            ///< file as named by the user
+  std::int64_t drop = 0;            ///< number of the drop within the recording, from 0
+  std::int64_t impact = 0;          ///< number within its drop, from 0
+  double t_s = 0.0;                 ///< start of contact as heard, from the first sample of the recording
+  std::optional<double> sigma_t_s;  ///< standard error of t_s
+  std::optional<double> amplitude;  ///< peak of the impact's sound, full scale = 1
+  std::optional<double> snr_db;     ///< amplitude over noise rms
+  std::string flags;                ///< words joined by '|': clipped, overlap, inferred, doubtful, ...
+};
+
+/// Onsets ordered by recording (in the order given), then time.
+using Onsets = std::vector<Onset>;
+
+/// Is `word` one of the words of `flags`?
+bool has_flag(std::string_view flags, std::string_view word);
+/// Adds a word unless it is there.
+void add_flag(std::string& flags, std::string_view word);
+
+/// The `onsets` table of INTERFACE.md.
+Table to_table(const Onsets& onsets);
+/// Columns that onsets_from_table understands; only `t_s` is required (drop 0, numbered in order, where not said).
+std::vector<ColumnSpec> onset_columns();
+/// @throws FileError naming the first row (by its line) whose time is not finite or does not increase in its drop
+Onsets onsets_from_table(const Table& table, const std::string& name);
+
+}  // namespace bouncelab

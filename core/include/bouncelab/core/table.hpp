@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace bouncelab {
+
+enum class ColumnType { real, integer, text };
+
+/// A column by name: reals (an empty cell is NaN), integers or texts.
+struct Column {
+  std::string name;
+  std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>> values;
+};
+
+/// What a reader wants of a column.
+struct ColumnSpec {
+  std::string name;
+  ColumnType type = ColumnType::real;
+  bool required = true;
+};
+
+/// Columns of equal length: what a CSV file or an HDF5 group holds. The file formats know tables only, the value types
+/// know tables only; neither knows the other.
+struct Table {
+  std::vector<Column> columns;
+
+  std::size_t n_rows() const;
+  bool has(std::string_view name) const;
+  /// nullptr where there is no such column or it is of another type.
+  const std::vector<double>* reals(std::string_view name) const;
+  const std::vector<std::int64_t>* integers(std::string_view name) const;
+  const std::vector<std::string>* texts(std::string_view name) const;
+};
+
+}  // namespace bouncelab

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/ball.hpp"
+
+#include <cmath>
+
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab {
+
+double mass_kg(const Ball& ball) {
+  return 4.0 / 3.0 * kPi * ball.radius_m * ball.radius_m * ball.radius_m * ball.material.density_kgpm3;
+}
+
+double moment_of_inertia_kgm2(const Ball& ball) { return 0.4 * mass_kg(ball) * ball.radius_m * ball.radius_m; }
+
+double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mps) {
+  const auto compliance = [](const Material& m) {
+    return (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus_pa;
+  };
+  const double effective_modulus_pa = 1.0 / (compliance(ball.material) + compliance(plate));
+  const double scale = 15.0 * mass_kg(ball) / (16.0 * effective_modulus_pa * std::sqrt(ball.radius_m));
+  return 2.943 * std::pow(scale, 0.4) * std::pow(v_mps, -0.2);
+}
+
+}  // namespace bouncelab

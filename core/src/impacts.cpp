@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/impacts.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab {
+namespace {
+
+/// Names of the state columns and where each number lives.
+struct StateColumn {
+  const char* name;
+  double (*get)(const ImpactState&);
+  void (*set)(ImpactState&, double);
+};
+
+#define BOUNCELAB_STATE_COLUMN(column, member, k)                                                               \
+  StateColumn {                                                                                                 \
+    column, [](const ImpactState& s) { return s.member[k]; }, [](ImpactState& s, double x) { s.member[k] = x; } \
+  }
+
+const StateColumn kStateColumns[] = {
+    BOUNCELAB_STATE_COLUMN("x_m", position_m, 0),
+    BOUNCELAB_STATE_COLUMN("y_m", position_m, 1),
+    BOUNCELAB_STATE_COLUMN("z_m", position_m, 2),
+    BOUNCELAB_STATE_COLUMN("qw", orientation, 0),
+    BOUNCELAB_STATE_COLUMN("qx", orientation, 1),
+    BOUNCELAB_STATE_COLUMN("qy", orientation, 2),
+    BOUNCELAB_STATE_COLUMN("qz", orientation, 3),
+    BOUNCELAB_STATE_COLUMN("vx_mps", velocity_mps, 0),
+    BOUNCELAB_STATE_COLUMN("vy_mps", velocity_mps, 1),
+    BOUNCELAB_STATE_COLUMN("vz_mps", velocity_mps, 2),
+    BOUNCELAB_STATE_COLUMN("wx_radps", spin_radps, 0),
+    BOUNCELAB_STATE_COLUMN("wy_radps", spin_radps, 1),
+    BOUNCELAB_STATE_COLUMN("wz_radps", spin_radps, 2),
+    BOUNCELAB_STATE_COLUMN("vx_after_mps", velocity_after_mps, 0),
+    BOUNCELAB_STATE_COLUMN("vy_after_mps", velocity_after_mps, 1),
+    BOUNCELAB_STATE_COLUMN("vz_after_mps", velocity_after_mps, 2),
+    BOUNCELAB_STATE_COLUMN("wx_after_radps", spin_after_radps, 0),
+    BOUNCELAB_STATE_COLUMN("wy_after_radps", spin_after_radps, 1),
+    BOUNCELAB_STATE_COLUMN("wz_after_radps", spin_after_radps, 2),
+};
+#undef BOUNCELAB_STATE_COLUMN
+
+struct ImpactColumns {
+  std::vector<std::int64_t> drop, impact, asperity;
+  std::vector<double> t, v, v_after, eps_macro, v_contact, eps_contact;
+};
+
+}  // namespace
+
+Table to_table(const Impacts& impacts) {
+  ImpactColumns c;
+  for (const Impact& i : impacts.rows) {
+    c.drop.push_back(i.drop);
+    c.impact.push_back(i.impact);
+    c.t.push_back(i.t_s);
+    c.v.push_back(i.v_mps);
+    c.v_after.push_back(i.v_after_mps);
+    c.eps_macro.push_back(i.eps_macro);
+    c.v_contact.push_back(i.v_contact_mps);
+    c.eps_contact.push_back(i.eps_contact);
+    c.asperity.push_back(i.asperity);
+  }
+  Table table{{{"drop", std::move(c.drop)},
+               {"impact", std::move(c.impact)},
+               {"t_s", std::move(c.t)},
+               {"v_mps", std::move(c.v)},
+               {"v_after_mps", std::move(c.v_after)},
+               {"eps_macro", std::move(c.eps_macro)},
+               {"v_contact_mps", std::move(c.v_contact)},
+               {"eps_contact", std::move(c.eps_contact)},
+               {"asperity", std::move(c.asperity)}}};
+  if (impacts.states.empty()) return table;
+  for (const StateColumn& column : kStateColumns) {
+    std::vector<double> values;
+    values.reserve(impacts.states.size());
+    for (const ImpactState& state : impacts.states) values.push_back(column.get(state));
+    table.columns.push_back({column.name, std::move(values)});
+  }
+  return table;
+}
+
+std::vector<ColumnSpec> impact_columns() {
+  std::vector<ColumnSpec> columns{{"drop", ColumnType::integer},
+                                  {"impact", ColumnType::integer},
+                                  {"t_s", ColumnType::real},
+                                  {"v_mps", ColumnType::real},
+                                  {"v_after_mps", ColumnType::real},
+                                  {"eps_macro", ColumnType::real, false},
+                                  {"v_contact_mps", ColumnType::real, false},
+                                  {"eps_contact", ColumnType::real, false},
+                                  {"asperity", ColumnType::integer, false}};
+  for (const StateColumn& column : kStateColumns) columns.push_back({column.name, ColumnType::real, false});
+  return columns;
+}
+
+Impacts impacts_from_table(const Table& table, const std::string& name) {
+  const auto& drop = *table.integers("drop");
+  const auto& impact = *table.integers("impact");
+  const auto& t = *table.reals("t_s");
+  const auto& v = *table.reals("v_mps");
+  const auto& v_after = *table.reals("v_after_mps");
+  const auto* v_contact = table.reals("v_contact_mps");
+  const auto* eps_contact = table.reals("eps_contact");
+  const auto* asperity = table.integers("asperity");
+
+  Impacts impacts;
+  impacts.rows.reserve(t.size());
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    const std::string place = "line " + std::to_string(k + 2);
+    if (!std::isfinite(t[k])) throw FileError(name, place + ", column t_s: not a finite time");
+    if (!std::isfinite(v[k]) || !std::isfinite(v_after[k]))
+      throw FileError(name, place + ", columns v_mps and v_after_mps: not finite speeds");
+    if (k > 0 && drop[k] < drop[k - 1]) throw FileError(name, place + ": drops must not go back; sort the file");
+    if (k > 0 && drop[k] == drop[k - 1] && t[k] <= t[k - 1])
+      throw FileError(name, place + ", column t_s: times must increase within a drop; sort the file");
+    impacts.rows.push_back({drop[k], impact[k], t[k], v[k], v_after[k], v_after[k] / v[k],
+                            v_contact ? (*v_contact)[k] : v[k], eps_contact ? (*eps_contact)[k] : v_after[k] / v[k],
+                            asperity ? (*asperity)[k] : -1});
+  }
+  bool has_state = true;
+  for (const StateColumn& column : kStateColumns) has_state = has_state && table.has(column.name);
+  if (!has_state) return impacts;
+  impacts.states.resize(t.size());
+  for (const StateColumn& column : kStateColumns) {
+    const auto& values = *table.reals(column.name);
+    for (std::size_t k = 0; k < t.size(); ++k) column.set(impacts.states[k], values[k]);
+  }
+  return impacts;
+}
+
+}  // namespace bouncelab

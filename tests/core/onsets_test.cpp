@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/onsets.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/impacts.hpp"
+
+namespace bouncelab {
+namespace {
+
+TEST(Onsets, RoundTripThroughTheTableKeepsWhatIsNotKnown) {
+  const Onsets onsets{{"a.wav", 0, 0, 0.5, 1e-6, 0.3, std::nullopt, "clipped"},
+                      {"a.wav", 0, 1, 0.7, std::nullopt, 0.2, 30.0, ""}};
+  const Onsets back = onsets_from_table(to_table(onsets), "a.csv");
+  ASSERT_EQ(back.size(), 2u);
+  EXPECT_EQ(back[0].sigma_t_s, 1e-6);
+  EXPECT_FALSE(back[0].snr_db.has_value());
+  EXPECT_FALSE(back[1].sigma_t_s.has_value());
+  EXPECT_EQ(back[0].flags, "clipped");
+  EXPECT_EQ(back[1].impact, 1);
+}
+
+TEST(Onsets, BareTimesAreOneDropNumberedInOrder) {
+  const Onsets onsets = onsets_from_table(Table{{{"t_s", std::vector<double>{0.1, 0.3, 0.4}}}}, "times.csv");
+  EXPECT_EQ(onsets[2].drop, 0);
+  EXPECT_EQ(onsets[2].impact, 2);
+}
+
+TEST(Onsets, TimesThatGoBackAreNamedByLine) {
+  const Table table{{{"t_s", std::vector<double>{0.1, 0.3, 0.2}}}};
+  try {
+    onsets_from_table(table, "times.csv");
+    FAIL() << "unsorted times were accepted";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("times.csv: line 4, column t_s"));
+  }
+}
+
+TEST(Onsets, ANewDropMayStartAtAnEarlierTime) {
+  const Table table{{{"drop", std::vector<std::int64_t>{0, 0, 1}}, {"t_s", std::vector<double>{0.1, 0.3, 0.2}}}};
+  EXPECT_EQ(onsets_from_table(table, "t.csv").size(), 3u);
+}
+
+TEST(Flags, AreWholeWords) {
+  std::string flags;
+  add_flag(flags, "overlap");
+  add_flag(flags, "clipped");
+  add_flag(flags, "overlap");
+  EXPECT_EQ(flags, "overlap|clipped");
+  EXPECT_TRUE(has_flag(flags, "clipped"));
+  EXPECT_FALSE(has_flag(flags, "clip"));
+  EXPECT_FALSE(has_flag("", ""));
+}
+
+TEST(Impacts, StatesSurviveTheRoundTrip) {
+  Impacts impacts;
+  impacts.rows.push_back({3, 0, 0.1, 1.2, 1.1, 1.1 / 1.2, 1.21, 0.98, 17});
+  impacts.states.push_back({{1, 2, 3}, {1, 0, 0, 0}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}, {13, 14, 15}});
+  const Impacts back = impacts_from_table(to_table(impacts), "i.csv");
+  ASSERT_EQ(back.states.size(), 1u);
+  EXPECT_EQ(back.rows[0].asperity, 17);
+  EXPECT_EQ(back.states[0].spin_after_radps, (std::array<double, 3>{13, 14, 15}));
+}
+
+}  // namespace
+}  // namespace bouncelab
