@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "provenance.hpp"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <array>
+#include <fstream>
+#include <memory>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/version.hpp"
+
+namespace bouncelab::cli {
+namespace fs = std::filesystem;
+
+std::string sha256_of_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path.string(), "cannot be opened for reading");
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  std::vector<char> buffer(1 << 20);
+  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0)
+    EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(in.gcount()));
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  EVP_DigestFinal_ex(context.get(), digest.data(), &size);
+  std::string text;
+  for (unsigned int k = 0; k < size; ++k) text += fmt::format("{:02x}", digest[k]);
+  return text;
+}
+
+void write_provenance(const Run& run, const fs::path& output, const std::vector<fs::path>& inputs) {
+  Json meta;
+  meta["command_line"] = run.command_line;
+  meta["version"] = version();
+  meta["commit"] = commit();
+  meta["seed"] = run.common.seed;
+  meta["inputs"] = Json::array();
+  for (const fs::path& input : inputs)
+    meta["inputs"].push_back({{"path", input.string()}, {"sha256", sha256_of_file(input)}});
+  meta["parameters"] = run.parameters;
+  write_whole(output.string() + ".meta.json", meta.dump(2) + "\n", true);
+}
+
+}  // namespace bouncelab::cli
