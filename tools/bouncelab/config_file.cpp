@@ -32,8 +32,8 @@ class Arguments {
     std::replace(key.begin(), key.end(), '_', '-');
     const CLI::Option* option = command_.get_option_no_throw("--" + key);
     if (option == nullptr || key == "config" || key == "help")
-      throw FileError(path_, line_of(value) + ": unknown key '" + key + "'; bouncelab " + command_.get_name() +
-                                 " --help lists the options");
+      throw InvalidArgument(path_ + ": " + line_of(value) + ": unknown key '" + key + "'; bouncelab " +
+                            command_.get_name() + " --help lists the options");
     if (const auto* array = value.as_array()) {
       for (const toml::node& element : *array) push(key, element);
     } else {
@@ -47,7 +47,7 @@ class Arguments {
   void push(const std::string& key, const toml::node& value) {
     const std::string text = typed(value);
     if (text.empty())
-      throw FileError(path_, line_of(value) + ": key '" + key + "' needs a number, a word or true/false");
+      throw InvalidArgument(path_ + ": " + line_of(value) + ": key '" + key + "' needs a number, a word or true/false");
     list.push_back("--" + key + "=" + text);
   }
 
@@ -75,7 +75,7 @@ std::vector<std::string> config_arguments(const std::string& path, const CLI::Ap
       continue;
     }
     if (std::find(known_sections.begin(), known_sections.end(), name) == known_sections.end())
-      throw FileError(path, line_of(value) + ": unknown section [" + name + "]");
+      throw InvalidArgument(path + ": " + line_of(value) + ": unknown section [" + name + "]");
     for (const auto& [inner_key, inner_value] : *section) arguments.add(std::string(inner_key.str()), inner_value);
   }
   return arguments.list;
