@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bouncelab {
+
+/// How a computation ended. What could be computed is there whatever the status.
+enum class FitStatus {
+  ok,
+  not_identifiable,  ///< converged, but some parameter is not determined by these data (message says which)
+  not_applicable,    ///< the model cannot describe such data at all
+  not_converged,
+  too_few_samples,
+};
+/// The words of fit.json: "ok", "not_identifiable", ...
+const char* to_string(FitStatus status);
+
+struct Interval {
+  double lo = 0.0;
+  double hi = 0.0;
+};
+
+/// A number with its uncertainty. Absent = not known; never a placeholder.
+struct Estimate {
+  double value = 0.0;
+  std::optional<double> se;      ///< standard error, from the information matrix
+  std::optional<Interval> ci68;  ///< 68.27 % confidence interval
+  std::optional<Interval> ci95;  ///< 95 % confidence interval
+  std::string interval_method;   ///< "covariance", "profile" or "bootstrap"
+  bool identified = true;        ///< false: the data do not determine it (see the fit's message)
+};
+
+struct NamedEstimate {
+  std::string name;
+  Estimate estimate;
+};
+
+/// A curve with its pointwise 95 % band.
+struct CurvePoint {
+  double x = 0.0;
+  double y = 0.0;
+  std::optional<Interval> band95;
+};
+
+/// Square matrix by rows.
+using Matrix = std::vector<std::vector<double>>;
+
+/// value, standard error and the normal intervals value -+ 1 se, value -+ 1.96 se.
+Estimate normal_estimate(double value, double se);
+
+}  // namespace bouncelab

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Start here: impact times to coefficients of restitution (restitution.hpp), these to the law eps(v) (law_fit.hpp)
+/// and to the histograms p(eps) (histogram_fit.hpp); fit_all does all that a report needs, json.hpp writes it.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/density_picture.hpp"
+#include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/histogram_fit.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+#include "bouncelab/fit/restitution.hpp"
+
+namespace bouncelab {
+
+struct FitConfig {
+  LawFitConfig law;  ///< the main fit; least squares and the viscoelastic law use its nodes
+  HistogramConfig histograms;
+};
+
+struct FitResult {
+  FitStatus status = FitStatus::too_few_samples;  ///< of the main law
+  LawFit law;                                     ///< as configured; by default the asymmetric Laplace
+  LawFit law_least_squares;
+  LawFit law_viscoelastic;
+  std::vector<HistogramFit> histograms;
+  DensityPicture density;
+  std::vector<std::string> warnings;  ///< in words, most important first
+  std::size_t n_used = 0;
+  std::map<std::string, std::size_t> n_left_out;  ///< by reason
+};
+
+/// Fits everything. Left out and counted: samples with a flag, not finite, with v <= 0.
+/// @param progress  called between the fits, in steps of one
+FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
+
+/// Is there a curve eps(v) worth using? (`ok` and `not_identifiable`: the curve is known although A may not be.)
+bool usable(const FitResult& result);
+
+}  // namespace bouncelab

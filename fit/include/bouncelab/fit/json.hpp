@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "bouncelab/fit/fit.hpp"
+
+namespace bouncelab {
+
+/// fit.json: everything of a FitResult, numbers with 17 digits, null where a value is not known.
+std::string to_json(const FitResult& result);
+
+}  // namespace bouncelab

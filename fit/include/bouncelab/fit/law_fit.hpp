@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/estimate.hpp"
+
+namespace bouncelab {
+
+/// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form.
+enum class LawKind { series, viscoelastic, constant };
+
+/// What is assumed of the scatter about eps(v).
+enum class LawMethod {
+  /// Two exponentials of different slope with their common peak at eps(v), convolved with each sample's own normal
+  /// timing error (normal-Laplace). eps(v) is the peak.
+  asymmetric_laplace,
+  /// Weighted least squares; eps(v) is the mean.
+  least_squares,
+  /// Weighted least absolute deviations: symmetric Laplace, likewise convolved; eps(v) is the median.
+  least_absolute,
+};
+const char* to_string(LawKind kind);
+const char* to_string(LawMethod method);
+
+struct LawFitConfig {
+  LawKind kind = LawKind::series;
+  std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
+  LawMethod method = LawMethod::asymmetric_laplace;
+  /// Speeds at which eps(v) is reported [m/s]; empty: 0.25, 0.6, 1.2 where the data reach there, else within the data.
+  std::vector<double> node_speeds_mps;
+};
+
+/// Mean distance from the peak, below and above, as functions of speed: log b = sum_k c_k x^k, x = log(v / v_ref).
+struct ScatterModel {
+  double v_ref_mps = 1.0;
+  std::vector<double> log_below;  ///< c_k of the lower (rising) side
+  std::vector<double> log_above;  ///< c_k of the upper (falling) side; equal to log_below in symmetric models
+  double below(double v_mps) const;
+  double above(double v_mps) const;
+};
+
+struct NodeEstimate {
+  double v_mps = 0.0;
+  Estimate eps;
+};
+
+/// Residuals in a bin of speeds.
+struct ResidualBin {
+  double v_mps = 0.0;  ///< median speed
+  std::size_t n = 0;
+  double mean_residual = 0.0;  ///< of eps - eps(v)
+  double median_residual = 0.0;
+  double pull = 0.0;           ///< mean score of the location over its standard error: standard normal if the law holds
+  double scatter_ratio = 0.0;  ///< mean absolute residual over what the scatter model expects
+};
+
+struct LawFit {
+  FitStatus status = FitStatus::too_few_samples;
+  std::string message;  ///< in words, empty where all is well
+  LawKind kind = LawKind::series;
+  LawMethod method = LawMethod::asymmetric_laplace;
+  std::size_t n = 0;           ///< samples used
+  std::size_t n_outliers = 0;  ///< left out: further from the curve than any exponential tail can put one of n samples
+  std::size_t n_parameters = 0;            ///< of law and scatter together
+  std::vector<NamedEstimate> parameters;   ///< A2, A4, A5 ... | gamma | eps
+  Matrix correlation;                      ///< of `parameters`
+  Matrix covariance;                       ///< of `parameters`
+  std::optional<double> condition_number;  ///< of the correlation matrix of `parameters`
+  std::vector<NodeEstimate> nodes;
+  Matrix node_correlation;
+  std::optional<ScatterModel> scatter;
+  std::optional<double> loglik, aic, bic, chi2, p_value;
+  std::optional<std::size_t> ndf;
+  std::vector<CurvePoint> curve;  ///< eps(v), x in m/s
+  std::vector<ResidualBin> residuals;
+  std::optional<RestitutionLaw> law;  ///< usable wherever a law is wanted; absent where the fit failed
+};
+
+/// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
+///
+/// The parameters of the search are values of eps at well spread speeds, which are almost uncorrelated; A follows
+/// linearly (or gamma by inversion). Standard errors come from the expected Fisher information of the likelihood at
+/// the estimate, which exists also where the density has a kink; they hold when the scatter is as modelled and
+/// samples are independent (timing errors of neighbours are not: then they are too large, never too small).
+///
+/// Samples without sigma_eps are taken as free of timing noise. So that the kink does no harm to the search every
+/// sample's timing error is widened, in quadrature, to b sqrt(p/n), b the local scatter: about the standard error of
+/// the curve, which shifts the estimate by less than a hundredth of it.
+/// @throws InvalidArgument where orders are not valid or a sample is not finite
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config);
+
+}  // namespace bouncelab

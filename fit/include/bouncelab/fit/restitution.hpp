@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab {
+
+struct RestitutionConfig {
+  double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
+};
+
+/// What became of the onsets.
+struct RestitutionCounts {
+  std::size_t n_onsets = 0;
+  std::size_t n_drops = 0;
+  std::size_t n_samples = 0;
+  std::size_t n_flagged = 0;  ///< samples that carry a flag; they stay in the table and out of the fit
+  /// Places where the chain of one drop was broken, by reason: `doubtful`, `inferred`, `missing_impact`, ...
+  std::map<std::string, std::size_t> breaks;
+};
+
+struct Restitution {
+  RestitutionSamples samples;  ///< ordered as the onsets
+  RestitutionCounts counts;
+};
+
+/// Coefficients of restitution from successive impact times (eq. 2 of the paper), drop by drop.
+///
+///   eps_i = T_{i+1} / T_i,   v_i = g T_i / 2,   T_i = t_i - t_{i-1}
+///
+/// Errors to first order from the onsets' own: with s_i the standard error of t_i,
+///
+///   var eps_i = [ s_{i+1}^2 + (1 + eps)^2 s_i^2 + eps^2 s_{i-1}^2 ] / T_i^2,   var v_i = (g/2)^2 (s_i^2 + s_{i-1}^2)
+///
+/// absent where one of the three is. Neighbours share onsets: lag one correlates by about -2/3, lag two by +1/6.
+///
+/// A sample needs three successive impacts. The chain of a drop is broken, there and nowhere else, by an onset
+/// flagged `doubtful`, `inferred` or `overlap_merged`, and by a jump in the column `impact`. Where the ratio of two
+/// neighbouring intervals leaves the median ratio m of its drop by more than a factor sqrt(1 + m), an impact was missed
+/// (or one invented) between them: the factor is half-way, on a log scale, to what one missing impact does. Such a
+/// sample and its neighbours that share the wrong interval stay in the table, flagged `missing_impact` or
+/// `extra_impact`. (Needs at least 5 samples in the drop.)
+///
+/// Assumes drag-free vertical flight and contacts much shorter than flights. Nothing is clamped.
+/// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s]
+/// @throws InvalidArgument where gravity is not positive or times do not increase
+Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
+
+}  // namespace bouncelab

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/estimate.hpp"
+
+namespace bouncelab {
+
+const char* to_string(FitStatus status) {
+  switch (status) {
+    case FitStatus::ok:
+      return "ok";
+    case FitStatus::not_identifiable:
+      return "not_identifiable";
+    case FitStatus::not_applicable:
+      return "not_applicable";
+    case FitStatus::not_converged:
+      return "not_converged";
+    case FitStatus::too_few_samples:
+      return "too_few_samples";
+  }
+  return "unknown";
+}
+
+Estimate normal_estimate(double value, double se) {
+  constexpr double k95 = 1.959963984540054;  // normal quantile of 0.975
+  return {value,        se,  Interval{value - se, value + se}, Interval{value - k95 * se, value + k95 * se},
+          "covariance", true};
+}
+
+}  // namespace bouncelab

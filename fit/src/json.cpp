@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace bouncelab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json json_of(std::size_t n) { return n; }
+Json json_of(const Interval& i) { return {json_of(i.lo), json_of(i.hi)}; }
+
+Json json_of(const Estimate& e);
+Json json_of(const ScatterModel& s);
+template <class T>
+Json json_of(const std::optional<T>& x) {
+  return x ? json_of(*x) : Json(nullptr);
+}
+
+Json json_of(const Estimate& e) {
+  return {{"value", json_of(e.value)},      {"se", json_of(e.se)},
+          {"ci68", json_of(e.ci68)},        {"ci95", json_of(e.ci95)},
+          {"intervals", e.interval_method}, {"identified", e.identified}};
+}
+
+Json json_of(const Matrix& m) {
+  Json rows = Json::array();
+  for (const auto& row : m) {
+    Json cells = Json::array();
+    for (const double x : row) cells.push_back(json_of(x));
+    rows.push_back(std::move(cells));
+  }
+  return rows;
+}
+
+Json json_of(const ScatterModel& s) {
+  return {{"form", "log b = sum_k c_k log(v/v_ref)^k, b the mean distance from the peak"},
+          {"v_ref_mps", s.v_ref_mps},
+          {"log_below", s.log_below},
+          {"log_above", s.log_above}};
+}
+
+Json nodes_of(const LawFit& fit) {
+  Json nodes = Json::array();
+  for (const NodeEstimate& node : fit.nodes)
+    nodes.push_back({{"v_mps", node.v_mps},
+                     {"eps", json_of(node.eps.value)},
+                     {"se", json_of(node.eps.se)},
+                     {"ci68", json_of(node.eps.ci68)},
+                     {"ci95", json_of(node.eps.ci95)}});
+  return nodes;
+}
+
+Json curve_of(const std::vector<CurvePoint>& curve) {
+  Json points = Json::array();
+  for (const CurvePoint& p : curve)
+    points.push_back({{"v_mps", p.x},
+                      {"eps", json_of(p.y)},
+                      {"lo95", p.band95 ? json_of(p.band95->lo) : Json(nullptr)},
+                      {"hi95", p.band95 ? json_of(p.band95->hi) : Json(nullptr)}});
+  return points;
+}
+
+Json residuals_of(const LawFit& fit) {
+  Json bins = Json::array();
+  for (const ResidualBin& b : fit.residuals)
+    bins.push_back({{"v_mps", b.v_mps},
+                    {"n", b.n},
+                    {"mean_residual", json_of(b.mean_residual)},
+                    {"median_residual", json_of(b.median_residual)},
+                    {"pull", json_of(b.pull)},
+                    {"scatter_ratio", json_of(b.scatter_ratio)}});
+  return bins;
+}
+
+Json json_of(const LawFit& fit) {
+  Json j{{"status", to_string(fit.status)},
+         {"message", fit.message},
+         {"law", to_string(fit.kind)},
+         {"method", to_string(fit.method)},
+         {"n", fit.n},
+         {"n_outliers", fit.n_outliers},
+         {"n_parameters", fit.n_parameters}};
+  for (const NamedEstimate& p : fit.parameters) j[p.name] = json_of(p.estimate);
+  Json names = Json::array();
+  for (const NamedEstimate& p : fit.parameters) names.push_back(p.name);
+  j["parameters"] = names;
+  j["correlation"] = json_of(fit.correlation);
+  j["covariance"] = json_of(fit.covariance);
+  j["condition_number"] = json_of(fit.condition_number);
+  j["nodes"] = nodes_of(fit);
+  j["node_correlation"] = json_of(fit.node_correlation);
+  j["scatter"] = json_of(fit.scatter);
+  j["loglik"] = json_of(fit.loglik);
+  j["aic"] = json_of(fit.aic);
+  j["bic"] = json_of(fit.bic);
+  j["chi2"] = json_of(fit.chi2);
+  j["ndf"] = json_of(fit.ndf);
+  j["p_value"] = json_of(fit.p_value);
+  j["curve"] = curve_of(fit.curve);
+  j["residuals"] = residuals_of(fit);
+  return j;
+}
+
+Json json_of(const HistogramFit& h) {
+  Json curve{{"eps", Json::array()}, {"density", Json::array()}};
+  for (const CurvePoint& p : h.curve) {
+    curve["eps"].push_back(p.x);
+    curve["density"].push_back(json_of(p.y));
+  }
+  return {{"status", to_string(h.status)},
+          {"message", h.message},
+          {"v_lo_mps", h.v_lo_mps},
+          {"v_hi_mps", h.v_hi_mps},
+          {"v_mps", h.v_mps},
+          {"n", h.n},
+          {"peak_eps", json_of(h.peak_eps)},
+          {"slope_rising", json_of(h.slope_rising)},
+          {"slope_falling", json_of(h.slope_falling)},
+          {"loglik", json_of(h.loglik)},
+          {"chi2", json_of(h.chi2)},
+          {"ndf", json_of(h.ndf)},
+          {"p_value", json_of(h.p_value)},
+          {"delta_aic_gaussian", json_of(h.delta_aic_gaussian)},
+          {"bins",
+           {{"eps_edges", h.bins.eps_edges},
+            {"counts", h.bins.counts},
+            {"underflow", h.bins.underflow},
+            {"overflow", h.bins.overflow}}},
+          {"curve", curve}};
+}
+
+}  // namespace
+
+std::string to_json(const FitResult& result) {
+  Json histograms = Json::array();
+  for (const HistogramFit& h : result.histograms) histograms.push_back(json_of(h));
+  const Json j{{"status", to_string(result.status)},
+               {"warnings", result.warnings},
+               {"n_used", result.n_used},
+               {"n_left_out", result.n_left_out},
+               {"law", json_of(result.law)},
+               {"law_least_squares", json_of(result.law_least_squares)},
+               {"law_viscoelastic", json_of(result.law_viscoelastic)},
+               {"histograms", histograms},
+               {"density",
+                {{"v_edges_mps", result.density.v_edges_mps},
+                 {"eps_edges", result.density.eps_edges},
+                 {"counts", result.density.counts},
+                 {"n_outside", result.density.n_outside}}}};
+  return j.dump(1) + "\n";
+}
+
+}  // namespace bouncelab

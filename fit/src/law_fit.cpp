@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/law_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "law_likelihood.hpp"
+#include "law_result.hpp"
+#include "maximise.hpp"
+#include "start_values.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr std::size_t kFewest = 10;  // below: more parameters than a scatter can be judged by
+constexpr double kSpeedRatioMin = 1.2;
+
+LawData law_data(const RestitutionSamples& samples) {
+  std::vector<std::size_t> order(samples.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  std::map<std::pair<std::string, std::int64_t>, std::size_t> drops;
+  LawData data;
+  for (const std::size_t k : order) {
+    const RestitutionSample& s = samples[k];
+    if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps) || !(s.v_mps > 0.0))
+      throw InvalidArgument("sample " + std::to_string(k) + ": speed " + std::to_string(s.v_mps) + " m/s, eps " +
+                            std::to_string(s.eps) + ": must be finite, the speed positive; leave it out");
+    data.v_mps.push_back(s.v_mps);
+    data.eps.push_back(s.eps);
+    data.tau.push_back(std::max(0.0, s.sigma_eps.value_or(0.0)));
+    data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
+  }
+  return data;
+}
+
+/// Scatter families from plain to rich; few samples take the plainest that BIC prefers, many the richest.
+std::vector<ScatterFamily> scatter_families(LawMethod method, const LawData& data) {
+  constexpr std::size_t kMany = 1000;
+  const double v_ref = data.v_mps[data.size() / 2];
+  const ScatterKind rich = method == LawMethod::asymmetric_laplace ? ScatterKind::asymmetric_laplace
+                           : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
+                                                                   : ScatterKind::normal;
+  const ScatterKind plain = rich == ScatterKind::asymmetric_laplace ? ScatterKind::symmetric_laplace : rich;
+  if (data.size() >= kMany) return {{rich, 3, v_ref}};
+  std::vector<ScatterFamily> families{{plain, 1, v_ref}, {plain, 2, v_ref}};
+  if (rich != plain) families.push_back({rich, 1, v_ref});
+  if (rich != plain) families.push_back({rich, 2, v_ref});
+  families.push_back({rich, 3, v_ref});
+  return families;
+}
+
+struct Candidate {
+  ScatterFamily family;
+  LawData data;  ///< with widened timing errors
+  Maximum maximum;
+  double bic = HUGE_VAL;
+};
+
+std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+  Candidate candidate{family, data, {}};
+  const Eigen::VectorXd start = start_values(data, model, family);
+  if (start.size() == 0) return std::nullopt;
+  const auto n = static_cast<double>(data.size());
+  if (family.kind != ScatterKind::normal)
+    widen(candidate.data, LawLikelihood(data, model, family), start,
+          std::sqrt(static_cast<double>(model.n_parameters()) / n));
+  const LawLikelihood likelihood(candidate.data, model, family);
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  candidate.maximum = maximise(function, start, likelihood.information(start));
+  // the metric of a poor start may be poor: once more from where it led
+  if (!candidate.maximum.converged)
+    candidate.maximum = maximise(function, candidate.maximum.x, likelihood.information(candidate.maximum.x));
+  candidate.bic = static_cast<double>(likelihood.n_parameters()) * std::log(n) - 2.0 * candidate.maximum.loglik;
+  return candidate;
+}
+
+std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, LawMethod method) {
+  std::optional<Candidate> best;
+  for (const ScatterFamily& family : scatter_families(method, data)) {
+    auto candidate = fit_family(data, model, family);
+    if (!candidate) return std::nullopt;
+    const bool better = !best || (candidate->maximum.converged && !best->maximum.converged) ||
+                        (candidate->maximum.converged == best->maximum.converged && candidate->bic < best->bic);
+    if (better) best = std::move(candidate);
+  }
+  return best;
+}
+
+/// Removes samples that no exponential tail can have put among n: chance below 1e-6 for the whole set.
+std::size_t remove_outliers(LawData& data, const LawModel& model, const Candidate& fit) {
+  const LawLikelihood likelihood(data, model, fit.family);
+  const ScatterModel scatter = likelihood.scatter_model(fit.maximum.x);
+  const double in_scales = std::log(static_cast<double>(data.size()) / 1e-6);
+  LawData kept;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double d = data.eps[k] - likelihood.eps_of(fit.maximum.x, k);
+    const double b = d > 0.0 ? scatter.above(data.v_mps[k]) : scatter.below(data.v_mps[k]);
+    if (std::abs(d) > in_scales * b + 6.0 * data.tau[k]) continue;
+    kept.v_mps.push_back(data.v_mps[k]);
+    kept.eps.push_back(data.eps[k]);
+    kept.tau.push_back(data.tau[k]);
+    kept.drop.push_back(data.drop[k]);
+  }
+  const std::size_t n_removed = data.size() - kept.size();
+  data = std::move(kept);
+  return n_removed;
+}
+
+std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, FitStatus& status) {
+  if (data.size() < kFewest) {
+    status = FitStatus::too_few_samples;
+    return std::to_string(data.size()) + " samples: at least " + std::to_string(kFewest) + " are needed";
+  }
+  const double lo = data.v_mps[data.size() / 20], hi = data.v_mps[data.size() - 1 - data.size() / 20];
+  if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
+    status = FitStatus::not_identifiable;
+    return "all speeds lie between " + std::to_string(lo) + " and " + std::to_string(hi) +
+           " m/s: eps(v) is known there only, the constants A are not identifiable";
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* to_string(LawKind kind) {
+  switch (kind) {
+    case LawKind::series:
+      return "series";
+    case LawKind::viscoelastic:
+      return "viscoelastic";
+    case LawKind::constant:
+      return "constant";
+  }
+  return "unknown";
+}
+
+const char* to_string(LawMethod method) {
+  switch (method) {
+    case LawMethod::asymmetric_laplace:
+      return "asymmetric_laplace";
+    case LawMethod::least_squares:
+      return "least_squares";
+    case LawMethod::least_absolute:
+      return "least_absolute";
+  }
+  return "unknown";
+}
+
+namespace {
+double scale_at(const std::vector<double>& c, double x) {
+  double sum = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) sum = sum * x + c[k];
+  return std::exp(sum);
+}
+}  // namespace
+
+double ScatterModel::below(double v_mps) const { return scale_at(log_below, std::log(v_mps / v_ref_mps)); }
+double ScatterModel::above(double v_mps) const { return scale_at(log_above, std::log(v_mps / v_ref_mps)); }
+
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+  LawFit fit;
+  fit.kind = config.kind;
+  fit.method = config.method;
+  LawData data = law_data(samples);
+  fit.n = data.size();
+  fit.message = reason_not_to_fit(data, config, fit.status);
+  if (!fit.message.empty()) return fit;
+
+  const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
+  auto candidate = best_candidate(data, model, config.method);
+  // outliers widen the scatter they are judged by: again until none is left
+  for (std::size_t n_removed = 1; candidate && n_removed > 0 && data.size() > kFewest;) {
+    n_removed = remove_outliers(data, model, *candidate);
+    fit.n_outliers += n_removed;
+    if (n_removed > 0) candidate = best_candidate(data, model, config.method);
+  }
+  fit.n = data.size();
+  if (!candidate) {
+    fit.status = FitStatus::not_applicable;
+    fit.message = "the median eps is not between 0.05 and 1: no viscoelastic sphere does that";
+    return fit;
+  }
+  describe_fit(fit, LawLikelihood(candidate->data, model, candidate->family), candidate->maximum,
+               config.node_speeds_mps.empty() ? spread_speeds(data.v_mps, 3) : config.node_speeds_mps);
+  return fit;
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "law_likelihood.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab {
+namespace {
+
+// exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
+constexpr double kLogScaleMin = -23.0, kLogScaleMax = 3.0;
+
+NormalLaplace normal_density(double d, double s, double tau) {
+  const double variance = s * s + tau * tau;
+  const double ratio = d * d / variance;
+  return {-0.5 * (ratio + std::log(2.0 * kPi * variance)), d / variance, (ratio - 1.0) * s * s / variance, 0.0};
+}
+
+double polynomial(const double* c, std::size_t n, double x) {
+  double sum = 0.0;
+  for (std::size_t k = n; k-- > 0;) sum = sum * x + c[k];
+  return sum;
+}
+
+void add_powers(double value, double x, std::size_t n, double* sums) {
+  for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
+}
+
+}  // namespace
+
+Eigen::Index ScatterFamily::n_parameters() const {
+  return static_cast<Eigen::Index>(kind == ScatterKind::asymmetric_laplace ? 2 * n_terms : n_terms);
+}
+
+LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
+    : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
+  for (const double v : data.v_mps) x_.push_back(std::log(v / scatter.v_ref_mps));
+  if (model.is_linear()) law_rows_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
+}
+
+const Eigen::MatrixXd& LawLikelihood::law_rows(const Eigen::VectorXd& theta, Eigen::MatrixXd& storage) const {
+  if (model_.is_linear()) return law_rows_;
+  storage = model_.jacobian(data_.v_mps, theta.head(n_law_)).transpose();
+  return storage;
+}
+
+LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
+  const double* c = theta.data() + n_law_;
+  const double log_below = polynomial(c, scatter_.n_terms, x_[k]);
+  if (scatter_.kind != ScatterKind::asymmetric_laplace) {
+    const double b = std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax));
+    return {b, b};
+  }
+  const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x_[k]);
+  return {std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax)),
+          std::exp(std::clamp(log_above, kLogScaleMin, kLogScaleMax))};
+}
+
+NormalLaplace LawLikelihood::density_at(double d, Scales b, double tau) const {
+  return scatter_.kind == ScatterKind::normal ? normal_density(d, b.below, tau)
+                                              : normal_laplace(d, b.below, b.above, tau);
+}
+
+void LawLikelihood::add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const {
+  for (Eigen::Index i = 0; i < n_law_; ++i) gradient[i] += f.d_location * law_row[i];
+  double* of_scales = gradient + n_law_;
+  if (scatter_.kind == ScatterKind::asymmetric_laplace) {
+    add_powers(f.d_log_below, x_[k], scatter_.n_terms, of_scales);
+    add_powers(f.d_log_above, x_[k], scatter_.n_terms, of_scales + scatter_.n_terms);
+  } else {
+    add_powers(f.d_log_below + f.d_log_above, x_[k], scatter_.n_terms, of_scales);
+  }
+}
+
+double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
+  if (!theta.allFinite()) return -HUGE_VAL;
+  Eigen::MatrixXd storage;
+  const Eigen::MatrixXd* rows = gradient ? &law_rows(theta, storage) : nullptr;
+  const Eigen::VectorXd fitted =
+      model_.is_linear()
+          ? Eigen::VectorXd((law_rows_.transpose() * (theta.head(n_law_).array() - 1.0).matrix()).array() + 1.0)
+          : model_.eps(data_.v_mps, theta.head(n_law_));
+  if (gradient) gradient->setZero(n_parameters());
+  double sum = 0.0;
+  for (std::size_t k = 0; k < data_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const NormalLaplace f = density_at(data_.eps[k] - fitted[column], scales(theta, k), data_.tau[k]);
+    sum += f.log_density;
+    if (gradient) add_score(f, k, rows->col(column).data(), gradient->data());
+  }
+  return sum;
+}
+
+double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k) const {
+  return model_.eps(std::span(&data_.v_mps[k], 1), theta.head(n_law_))[0];
+}
+
+NormalLaplace LawLikelihood::density(const Eigen::VectorXd& theta, std::size_t k) const {
+  return density_at(data_.eps[k] - eps_of(theta, k), scales(theta, k), data_.tau[k]);
+}
+
+double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_t k) const {
+  const Scales b = scales(theta, k);
+  const double d = data_.eps[k] - eps_of(theta, k), tau = data_.tau[k];
+  if (scatter_.kind == ScatterKind::normal)
+    return 0.5 * std::erfc(-d / std::sqrt(2.0 * (b.below * b.below + tau * tau)));
+  return normal_laplace_cdf(d, b.below, b.above, tau);
+}
+
+Information3 LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
+  const Scales b = scales(theta, k);
+  const double tau = data_.tau[k];
+  if (scatter_.kind != ScatterKind::normal) return normal_laplace_information(b.below, b.above, tau);
+  const double variance = b.below * b.below + tau * tau, share = b.below * b.below / variance;
+  return {1.0 / variance, 0.0, 0.0, 2.0 * share * share, 0.0, 0.0};
+}
+
+Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
+  constexpr std::size_t kEnough = 2048;  // a stratified mean over so many speeds is good to a fraction of a percent
+  const std::size_t stride = std::max<std::size_t>(1, data_.size() / kEnough);
+  Eigen::MatrixXd storage;
+  const Eigen::MatrixXd& rows = law_rows(theta, storage);
+  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
+  const bool two_sided = scatter_.kind == ScatterKind::asymmetric_laplace;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
+  std::size_t n = 0;
+  for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
+    const Information3 info = information_of(theta, k);
+    Eigen::VectorXd powers(n_terms);
+    for (Eigen::Index i = 0; i < n_terms; ++i) powers[i] = std::pow(x_[k], static_cast<double>(i));
+    // predictors (rows): location, log b_below, log b_above
+    Eigen::MatrixXd design = Eigen::MatrixXd::Zero(3, n_parameters());
+    design.row(0).head(n_law_) = rows.col(static_cast<Eigen::Index>(k)).transpose();
+    design.row(1).segment(n_law_, n_terms) = powers.transpose();
+    design.row(2).segment(n_law_ + (two_sided ? n_terms : 0), n_terms) = powers.transpose();
+    Eigen::Matrix3d j;
+    j << info.ll, info.lb, info.la, info.lb, info.bb, info.ba, info.la, info.ba, info.aa;
+    sum.noalias() += design.transpose() * j * design;
+  }
+  return sum * (static_cast<double>(data_.size()) / static_cast<double>(n));
+}
+
+Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
+  const std::size_t n_drops = data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops));
+  Eigen::MatrixXd storage;
+  const Eigen::MatrixXd& rows = law_rows(theta, storage);
+  for (std::size_t k = 0; k < data_.size(); ++k)
+    add_score(density(theta, k), k, rows.col(static_cast<Eigen::Index>(k)).data(),
+              scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
+  return scores;
+}
+
+ScatterModel LawLikelihood::scatter_model(const Eigen::VectorXd& theta) const {
+  const double* c = theta.data() + n_law_;
+  ScatterModel result;
+  result.v_ref_mps = scatter_.v_ref_mps;
+  result.log_below.assign(c, c + scatter_.n_terms);
+  if (scatter_.kind == ScatterKind::asymmetric_laplace) c += scatter_.n_terms;
+  result.log_above.assign(c, c + scatter_.n_terms);
+  return result;
+}
+
+}  // namespace bouncelab

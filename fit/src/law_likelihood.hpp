@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "law_model.hpp"
+#include "normal_laplace.hpp"
+
+namespace bouncelab {
+
+/// What is fitted: columns of equal length, sorted by speed.
+struct LawData {
+  std::vector<double> v_mps, eps;
+  std::vector<double> tau;        ///< standard deviation of the normal part: timing error (0 = none)
+  std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to
+  std::size_t size() const { return v_mps.size(); }
+};
+
+/// Density of the scatter about the curve.
+enum class ScatterKind {
+  asymmetric_laplace,  ///< scales b_below(v), b_above(v)
+  symmetric_laplace,   ///< b_below = b_above
+  normal,              ///< standard deviation b(v)
+};
+
+/// log b = sum_k c_k x^k, x = log(v / v_ref), k < n_terms; for both sides or for each.
+struct ScatterFamily {
+  ScatterKind kind = ScatterKind::asymmetric_laplace;
+  std::size_t n_terms = 3;
+  double v_ref_mps = 1.0;
+  Eigen::Index n_parameters() const;
+};
+
+/// Log-likelihood of the curve and the scatter together: theta = (q, c_below[, c_above]).
+class LawLikelihood {
+ public:
+  LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
+
+  Eigen::Index n_parameters() const { return n_law_ + scatter_.n_parameters(); }
+  double operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
+
+  /// Expected information at theta; from every n-th sample (in order of speed) where there are many.
+  Eigen::MatrixXd information(const Eigen::VectorXd& theta) const;
+
+  /// Of sample k: density of its residual, with derivatives by location and log scales.
+  NormalLaplace density(const Eigen::VectorXd& theta, std::size_t k) const;
+  double probability_below(const Eigen::VectorXd& theta, std::size_t k) const;
+  Information3 information_of(const Eigen::VectorXd& theta, std::size_t k) const;
+  double eps_of(const Eigen::VectorXd& theta, std::size_t k) const;
+  /// Gradients of each drop's log-likelihood, a column a drop.
+  Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
+  ScatterModel scatter_model(const Eigen::VectorXd& theta) const;
+
+  const LawData& data() const { return data_; }
+  const LawModel& model() const { return model_; }
+  const ScatterFamily& scatter() const { return scatter_; }
+
+ private:
+  struct Scales {
+    double below, above;
+  };
+  Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
+  NormalLaplace density_at(double d, Scales b, double tau) const;
+  void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
+  const Eigen::MatrixXd& law_rows(const Eigen::VectorXd& theta, Eigen::MatrixXd& storage) const;
+
+  const LawData& data_;
+  const LawModel& model_;
+  ScatterFamily scatter_;
+  Eigen::Index n_law_;
+  std::vector<double> x_;     ///< log(v / v_ref)
+  Eigen::MatrixXd law_rows_;  ///< transposed: a column a sample; linear models only
+};
+
+}  // namespace bouncelab

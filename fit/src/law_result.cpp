@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "law_result.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "goodness.hpp"
+
+namespace bouncelab {
+namespace {
+
+Matrix to_matrix(const Eigen::MatrixXd& m) {
+  Matrix rows(static_cast<std::size_t>(m.rows()));
+  for (Eigen::Index i = 0; i < m.rows(); ++i)
+    for (Eigen::Index j = 0; j < m.cols(); ++j) rows[static_cast<std::size_t>(i)].push_back(m(i, j));
+  return rows;
+}
+
+Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd inverse_se = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
+}
+
+double standard_error(const Eigen::MatrixXd& covariance, Eigen::Index i) { return std::sqrt(covariance(i, i)); }
+
+/// A parameter is identified when it is known to within itself (95 %), or its term C_i A_i v^(i/10) is known, in the
+/// middle of the data, to within the whole loss 1 - eps that the series has to explain.
+bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, double v_mps, double eps) {
+  if (!a.se || !std::isfinite(*a.se)) return false;
+  if (2.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
+  const int order = model.orders[static_cast<std::size_t>(i)];
+  const double of_term = std::abs(kViscoelasticC[static_cast<std::size_t>(order)]) * std::pow(v_mps, 0.1 * order);
+  return *a.se * of_term < std::abs(1.0 - eps);
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Eigen::VectorXd& q,
+                         const Eigen::MatrixXd& covariance_q) {
+  const LawModel& model = likelihood.model();
+  const Eigen::MatrixXd j = model.reported_jacobian(q);
+  const Eigen::MatrixXd covariance = j * covariance_q * j.transpose();
+  const Eigen::MatrixXd correlation = correlation_of(covariance);
+  const Eigen::VectorXd values = model.reported(q);
+  const auto& v = likelihood.data().v_mps;
+  const double v_middle = v[v.size() / 2];
+  const double eps_middle = model.eps(std::span(&v_middle, 1), q)[0];
+  const auto names = model.names();
+  std::string unknown;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    Estimate a = normal_estimate(values[i], standard_error(covariance, i));
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    a.identified = is_identified(model, i, a, v_middle, eps_middle);
+    if (!a.identified)
+      unknown += (unknown.empty() ? "" : "; ") + name + " is not identifiable: its 95 % interval is " +
+                 number(a.ci95->lo) + " to " + number(a.ci95->hi);
+    fit.parameters.push_back({name, a});
+  }
+  fit.covariance = to_matrix(covariance);
+  fit.correlation = to_matrix(correlation);
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues();
+  if (eigenvalues.minCoeff() > 0.0) fit.condition_number = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
+  if (!unknown.empty()) {
+    fit.status = FitStatus::not_identifiable;
+    fit.message = unknown + " (eps(v) itself is known: see the nodes)";
+  }
+}
+
+void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Eigen::VectorXd& q,
+                    const Eigen::MatrixXd& covariance_q, const std::vector<double>& node_speeds_mps) {
+  const LawModel& model = likelihood.model();
+  const Eigen::MatrixXd node_rows = model.jacobian(node_speeds_mps, q);
+  const Eigen::MatrixXd node_covariance = node_rows * covariance_q * node_rows.transpose();
+  const Eigen::VectorXd node_eps = model.eps(node_speeds_mps, q);
+  for (Eigen::Index j = 0; j < node_eps.size(); ++j)
+    fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)],
+                         normal_estimate(node_eps[j], standard_error(node_covariance, j))});
+  fit.node_correlation = to_matrix(correlation_of(node_covariance));
+
+  constexpr std::size_t kPoints = 80;
+  const auto& v = likelihood.data().v_mps;
+  std::vector<double> speeds;
+  for (std::size_t k = 0; k < kPoints; ++k)
+    speeds.push_back(v.front() * std::pow(v.back() / v.front(), static_cast<double>(k) / (kPoints - 1)));
+  const Eigen::MatrixXd rows = model.jacobian(speeds, q);
+  const Eigen::VectorXd eps = model.eps(speeds, q);
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double variance = rows.row(i) * covariance_q * rows.row(i).transpose();
+    fit.curve.push_back({speeds[k], eps[i], normal_estimate(eps[i], std::sqrt(variance)).ci95});
+  }
+}
+
+void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
+  const double n_parameters = static_cast<double>(fit.n_parameters), n = static_cast<double>(fit.n);
+  fit.loglik = maximum.loglik;
+  fit.aic = 2.0 * n_parameters - 2.0 * maximum.loglik;
+  fit.bic = n_parameters * std::log(n) - 2.0 * maximum.loglik;
+  std::vector<double> u;
+  for (std::size_t k = 0; k < fit.n; ++k) u.push_back(likelihood.probability_below(maximum.x, k));
+  if (const auto chi2 = pearson_chi2(u, fit.n_parameters)) {
+    fit.chi2 = chi2->chi2;
+    fit.ndf = chi2->ndf;
+    fit.p_value = chi2->p_value;
+  }
+  fit.residuals = residual_bins(likelihood, maximum.x);
+}
+
+}  // namespace
+
+void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
+                  const std::vector<double>& node_speeds_mps) {
+  fit.status = FitStatus::ok;
+  const Eigen::Index n_law = likelihood.model().n_parameters();
+  const Eigen::VectorXd q = maximum.x.head(n_law);
+  const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
+  const Eigen::MatrixXd covariance_q = (white * white.transpose()).topLeftCorner(n_law, n_law);
+  fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
+  fit.scatter = likelihood.scatter_model(maximum.x);
+  fit.law = likelihood.model().law(q);
+  describe_parameters(fit, likelihood, q, covariance_q);
+  describe_curve(fit, likelihood, q, covariance_q, node_speeds_mps);
+  describe_goodness(fit, likelihood, maximum);
+  if (!maximum.converged) {
+    fit.status = FitStatus::not_converged;
+    fit.message = "the search did not converge: a gain of " + number(maximum.gain_left) + " in log-likelihood is left";
+  }
+}
+
+}  // namespace bouncelab

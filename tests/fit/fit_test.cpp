@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "bouncelab/fit/json.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab {
+namespace {
+
+TEST(FitAll, OfTheQuickLoopKnowsTheCurveAndItsSlopes) {
+  testing::SyntheticRun run;
+  run.timing_sigma_s = 3e-6;
+  const auto restitution_result = restitution_samples(synthetic_onsets(run), {});
+  EXPECT_EQ(restitution_result.samples.size(), 40u * 95u);
+  const auto result = fit_all(restitution_result.samples, {});
+  ASSERT_TRUE(usable(result)) << result.law.message;
+  for (const auto& node : result.law.nodes)
+    EXPECT_LT(std::abs(node.eps.value - restitution(run.law, node.v_mps)), 4.5 * *node.eps.se) << node.v_mps;
+  EXPECT_EQ(result.law_least_squares.nodes.size(), 3u);
+  EXPECT_EQ(result.law_viscoelastic.parameters.size(), 1u);
+  EXPECT_EQ(result.histograms.size(), 8u);
+}
+
+TEST(FitAll, LeavesOutAndCountsWhatIsFlaggedOrNotANumber) {
+  auto samples = testing::independent_samples({}, 500, 0.2, 1.4, 0.0);
+  samples[3].eps = std::numeric_limits<double>::quiet_NaN();
+  samples[4].v_mps = 0.0;
+  samples[5].flags = "missing_impact";
+  samples[6].flags = "missing_impact|other";
+  const auto result = fit_all(samples, {});
+  EXPECT_EQ(result.n_used, 496u);
+  EXPECT_EQ(result.n_left_out.at("not_finite"), 1u);
+  EXPECT_EQ(result.n_left_out.at("speed_not_positive"), 1u);
+  EXPECT_EQ(result.n_left_out.at("missing_impact"), 2u);
+}
+
+TEST(FitAll, OfNothingSaysSo) {
+  for (const std::size_t n : {0u, 3u}) {
+    const auto result = fit_all(testing::independent_samples({}, n, 0.2, 1.4, 0.0), {});
+    EXPECT_FALSE(usable(result));
+    EXPECT_EQ(result.status, FitStatus::too_few_samples);
+    EXPECT_FALSE(result.warnings.empty());
+    EXPECT_NE(to_json(result).find("\"too_few_samples\""), std::string::npos);
+  }
+}
+
+TEST(FitAll, WarnsInWordsOfConstantsThatCannotBeToldApart) {
+  const auto result = fit_all(testing::independent_samples({}, 5000, 0.2, 1.4, 0.0), {});
+  const auto it = std::find_if(result.warnings.begin(), result.warnings.end(),
+                               [](const auto& w) { return w.find("cannot be told apart") != std::string::npos; });
+  EXPECT_NE(it, result.warnings.end());
+}
+
+}  // namespace
+}  // namespace bouncelab

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "normal_laplace.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <tuple>
+#include <vector>
+
+namespace bouncelab {
+namespace {
+
+double laplace(double d, double below, double above) {
+  return std::exp(d > 0.0 ? -d / above : d / below) / (below + above);
+}
+
+/// The convolution by brute force: Simpson's rule in the normal's argument, the kink on a panel's edge.
+double convolved(double d, double below, double above, double tau) {
+  const auto integrand = [&](double z) {
+    return std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI) * laplace(d - tau * z, below, above);
+  };
+  const double kink = std::clamp(d / tau, -12.0, 12.0);
+  double sum = 0.0;
+  for (const auto& [lo, hi] : {std::pair{-12.0, kink}, std::pair{kink, 12.0}}) {
+    constexpr int kPanels = 20000;
+    const double h = (hi - lo) / (2 * kPanels);
+    if (h == 0.0) continue;
+    for (int i = 0; i < kPanels; ++i) {
+      const double z = lo + 2 * i * h;
+      sum += h / 3.0 * (integrand(z) + 4.0 * integrand(z + h) + integrand(z + 2.0 * h));
+    }
+  }
+  return sum;
+}
+
+const std::vector<std::tuple<double, double, double>> kShapes{{1.0, 1.0, 0.01}, {1.0, 1.0, 1.0}, {1.0, 0.3, 0.5},
+                                                              {0.2, 2.0, 1.0},  {1.0, 1.5, 8.0}, {0.05, 0.08, 1.0}};
+
+TEST(ScaledErfc, AgreesWithTheStandardLibrary) {
+  for (double x = 0.0; x < 25.0; x += 0.0173)
+    // erfc itself is good to a few ulp, exp(x^2) loses x^2 ulp
+    EXPECT_NEAR(scaled_erfc(x) / (std::exp(x * x) * std::erfc(x)), 1.0, 1e-15 * (4.0 + 2.0 * x * x)) << x;
+}
+
+TEST(ScaledErfc, HasItsAsymptote) {
+  // 1/(x sqrt pi) (1 - 1/(2x^2) + 3/(4x^4)): next term 15/(8 x^6) = 2e-18
+  const double x = 1000.0, y = 1.0 / (x * x);
+  EXPECT_NEAR(scaled_erfc(x) * x * std::sqrt(M_PI), 1.0 - 0.5 * y + 0.75 * y * y, 4e-16);
+}
+
+TEST(NormalLaplace, IsTheConvolutionByBruteForce) {
+  for (const auto& [below, above, tau] : kShapes)
+    for (const double d : {-6.0, -1.7, -0.2, 0.0, 0.03, 0.9, 5.0}) {
+      const double expected = convolved(d, below, above, tau);
+      if (expected < 1e-25) continue;  // Simpson's own range of +-12 sigma ends there
+      EXPECT_NEAR(std::exp(normal_laplace(d, below, above, tau).log_density) / expected, 1.0, 1e-9)
+          << d << " " << below << " " << above << " " << tau;
+    }
+}
+
+TEST(NormalLaplace, DerivativesAreThoseOfItsLogarithm) {
+  for (const auto& [below, above, tau] : kShapes)
+    for (const double d : {-30.0, -1.7, -0.2, 0.0, 0.03, 0.9, 40.0}) {
+      const auto f = normal_laplace(d, below, above, tau);
+      const auto at = [&](double x, double b, double a) { return normal_laplace(x, b, a, tau).log_density; };
+      const double h = 1e-5 * std::min(tau, std::min(below, above));
+      const double g = 1e-5;
+      // central differences: error h^2 f''' / 6 plus rounding 1e-16 |log f| / h
+      const double tolerance = 1e-5 * (1.0 + std::abs(f.log_density));
+      EXPECT_NEAR(f.d_location, -(at(d + h, below, above) - at(d - h, below, above)) / (2 * h),
+                  tolerance / std::min(below, above));
+      EXPECT_NEAR(f.d_log_below, (at(d, below * (1 + g), above) - at(d, below * (1 - g), above)) / (2 * g), tolerance);
+      EXPECT_NEAR(f.d_log_above, (at(d, below, above * (1 + g)) - at(d, below, above * (1 - g))) / (2 * g), tolerance);
+    }
+}
+
+TEST(NormalLaplace, IsAPureLaplaceFarFromThePeakAndForSmallTau) {
+  // a convolved exponential tail is the tail times exp(tau^2 / (2 b^2))
+  EXPECT_NEAR(normal_laplace(50.0, 1.0, 0.7, 0.2).log_density, std::log(laplace(50.0, 1.0, 0.7)) + 0.5 * 0.04 / 0.49,
+              1e-12);
+  EXPECT_NEAR(normal_laplace(-50.0, 1.0, 0.7, 0.2).log_density, std::log(laplace(-50.0, 1.0, 0.7)) + 0.5 * 0.04, 1e-12);
+  for (const double d : {-2.0, -0.1, 0.1, 2.0})
+    EXPECT_NEAR(normal_laplace(d, 1.0, 0.7, 1e-9).log_density, normal_laplace(d, 1.0, 0.7, 0.0).log_density, 1e-12);
+}
+
+TEST(NormalLaplace, IsNormalWhereTheTimingErrorDominates) {
+  // first order in b/tau: the mean shifts by above - below, the width is tau; second order 1e-6
+  const double tau = 1.0, b = 1e-3;
+  for (const double d : {-5.0, -1.0, 0.0, 3.0}) {
+    const double normal = -0.5 * d * d - 0.5 * std::log(2.0 * M_PI);
+    EXPECT_NEAR(normal_laplace(d, b, b, tau).log_density, normal, 30e-6) << d;
+  }
+}
+
+TEST(NormalLaplace, NeverOverflows) {
+  for (const double tau : {0.0, 1e-12, 1e-6, 1.0, 1e6})
+    for (const double d : {-1e6, -1.0, 0.0, 1e-12, 1.0, 1e6}) {
+      const auto f = normal_laplace(d, 1e-4, 1e-3, tau);
+      EXPECT_TRUE(std::isfinite(f.log_density)) << tau << " " << d;
+      EXPECT_TRUE(std::isfinite(f.d_location) && std::isfinite(f.d_log_below) && std::isfinite(f.d_log_above));
+    }
+}
+
+TEST(NormalLaplaceCdf, DifferentiatesToTheDensity) {
+  for (const auto& [below, above, tau] : kShapes)
+    for (const double d : {-4.0, -0.5, 0.01, 0.7, 3.0}) {
+      const double h = 1e-4 * std::min(tau, std::min(below, above));
+      const double slope =
+          (normal_laplace_cdf(d + h, below, above, tau) - normal_laplace_cdf(d - h, below, above, tau)) / (2 * h);
+      // h^2 relative curvature 1e-8, rounding 1e-16/h = 1e-10
+      EXPECT_NEAR(slope, std::exp(normal_laplace(d, below, above, tau).log_density), 1e-7);
+    }
+  EXPECT_NEAR(normal_laplace_cdf(100.0, 1.0, 2.0, 0.5), 1.0, 1e-15);
+  EXPECT_NEAR(normal_laplace_cdf(-100.0, 1.0, 2.0, 0.5), 0.0, 1e-15);
+}
+
+TEST(NormalLaplaceInformation, TendsToTheClosedFormOfTheKink) {
+  // 1 / (b_below b_above): what a location is worth, though the log-density has no second derivative there.
+  // The loss by a small tau is of first order in tau / b.
+  const auto exact = normal_laplace_information(1.0, 0.6, 0.0);
+  EXPECT_NEAR(exact.ll, 1.0 / 0.6, 1e-14);
+  const auto nearly = normal_laplace_information(1.0, 0.6, 1e-4);
+  EXPECT_NEAR(nearly.ll / exact.ll, 1.0, 5e-4);
+  EXPECT_NEAR(nearly.lb, exact.lb, 5e-4);
+  EXPECT_NEAR(nearly.la, exact.la, 5e-4);
+  EXPECT_NEAR(nearly.bb, exact.bb, 1e-4);
+  EXPECT_NEAR(nearly.ba, exact.ba, 1e-4);
+  EXPECT_NEAR(nearly.aa, exact.aa, 1e-4);
+}
+
+TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
+  // second identity of Bartlett: E[score^2] = -E[d score]; the curvature by differences, the mean by Simpson's rule
+  for (const auto& [below, above, tau] : kShapes) {
+    if (tau < 0.1) continue;  // the curvature is a spike there
+    const double span = 12.0 * tau + 30.0 * std::max(below, above), h = std::min({below, above, tau}) / 40.0;
+    double curvature = 0.0;
+    for (double d = -span; d < span; d += h) {
+      const double g = 1e-4 * tau;
+      const double second =
+          (normal_laplace(d + g, below, above, tau).d_location - normal_laplace(d - g, below, above, tau).d_location) /
+          (2 * g);
+      curvature += h * std::exp(normal_laplace(d, below, above, tau).log_density) * second;
+    }
+    EXPECT_NEAR(normal_laplace_information(below, above, tau).ll / curvature, 1.0, 1e-4) << tau;
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/restitution.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab {
+namespace {
+
+Onsets onsets_at(const std::vector<double>& times, std::int64_t drop = 0) {
+  Onsets onsets;
+  for (const double t : times) {
+    Onset o;
+    o.drop = drop;
+    o.impact = static_cast<std::int64_t>(onsets.size());
+    o.t_s = t;
+    o.sigma_t_s = 1e-5;
+    onsets.push_back(o);
+  }
+  return onsets;
+}
+
+/// A ball of constant eps: intervals T, eps T, eps^2 T ...
+std::vector<double> geometric_times(double first_interval, double eps, std::size_t n) {
+  std::vector<double> times{0.1};
+  double interval = first_interval;
+  for (std::size_t k = 1; k < n; ++k, interval *= eps) times.push_back(times.back() + interval);
+  return times;
+}
+
+std::size_t n_clean(const RestitutionSamples& samples) {
+  return static_cast<std::size_t>(
+      std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.flags.empty(); }));
+}
+
+TEST(Restitution, IsTheRatioOfNeighbouringIntervals) {
+  const auto r = restitution_samples(onsets_at(geometric_times(0.2, 0.9, 6)), {});
+  ASSERT_EQ(r.samples.size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(r.samples[k].eps, 0.9, 1e-12);
+    EXPECT_NEAR(r.samples[k].v_mps, 0.5 * 9.81 * 0.2 * std::pow(0.9, k), 1e-12);
+    EXPECT_EQ(r.samples[k].impact, static_cast<std::int64_t>(k) + 1);
+  }
+}
+
+TEST(Restitution, PropagatesTimingErrorsToFirstOrder) {
+  // the spread over many noisy copies is what sigma_eps says; 4000 copies: 1.1 % standard error of a spread
+  const auto truth = geometric_times(0.05, 0.95, 3);
+  const double sigma[3] = {2e-5, 5e-5, 3e-5};
+  double sum = 0.0, sum2 = 0.0, sum_v2 = 0.0, stated = 0.0, stated_v = 0.0;
+  constexpr int kCopies = 4000;
+  for (int i = 0; i < kCopies; ++i) {
+    Random random(5, RandomStream::test, static_cast<std::uint64_t>(i));
+    auto onsets = onsets_at(truth);
+    for (int k = 0; k < 3; ++k) {
+      onsets[k].t_s += sigma[k] * random.normal();
+      onsets[k].sigma_t_s = sigma[k];
+    }
+    const auto s = restitution_samples(onsets, {}).samples.at(0);
+    sum += s.eps - 0.95;
+    sum2 += std::pow(s.eps - 0.95, 2);
+    sum_v2 += std::pow(s.v_mps - 0.5 * 9.81 * 0.05, 2);
+    stated = *s.sigma_eps;
+    stated_v = *s.sigma_v_mps;
+  }
+  EXPECT_NEAR(std::sqrt(sum2 / kCopies) / stated, 1.0, 0.045);  // 4 standard errors
+  EXPECT_NEAR(std::sqrt(sum_v2 / kCopies) / stated_v, 1.0, 0.045);
+  EXPECT_LT(std::abs(sum / kCopies), 4.0 * stated / std::sqrt(kCopies));
+}
+
+TEST(Restitution, TimingNoiseAnticorrelatesNeighbours) {
+  testing::SyntheticRun run;
+  run.n_drops = 60;
+  run.timing_sigma_s = 2e-5;
+  run.below_at_1mps = run.above_at_1mps = 1e-9;
+  run.law = ConstantLaw{0.98};
+  const auto samples = restitution_samples(synthetic_onsets(run), {}).samples;
+  double lag0 = 0.0, lag1 = 0.0;
+  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
+    if (samples[k + 1].drop != samples[k].drop) continue;
+    const double a = (samples[k].eps - 0.98) / *samples[k].sigma_eps;
+    const double b = (samples[k + 1].eps - 0.98) / *samples[k + 1].sigma_eps;
+    lag0 += a * a;
+    lag1 += a * b;
+  }
+  // -(1+e)^2 / (1 + (1+e)^2 + e^2) = -2/3 for e = 1; about 5600 pairs: 1.3 % standard error
+  EXPECT_NEAR(lag1 / lag0, -2.0 / 3.0, 0.04);
+}
+
+TEST(Restitution, KeepsDropsApart) {
+  auto onsets = onsets_at({0.1, 0.3, 0.48});
+  const auto second = onsets_at({2.1, 2.3, 2.48}, 1);
+  onsets.insert(onsets.end(), second.begin(), second.end());
+  const auto r = restitution_samples(onsets, {});
+  EXPECT_EQ(r.counts.n_drops, 2u);
+  EXPECT_EQ(r.samples.size(), 2u);
+}
+
+TEST(Restitution, BreaksTheChainAtADoubtfulOnsetAndNowhereElse) {
+  auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
+  onsets[5].flags = "clipped|doubtful";
+  const auto r = restitution_samples(onsets, {});
+  // of 10 samples the three that use onset 5 are gone; a flag that does not touch the time breaks nothing
+  ASSERT_EQ(r.samples.size(), 7u);
+  EXPECT_EQ(n_clean(r.samples), 7u);
+  for (const auto& s : r.samples) EXPECT_NEAR(s.eps, 0.9, 1e-12);
+  EXPECT_EQ(r.counts.breaks.at("doubtful"), 1u);
+}
+
+TEST(Restitution, FlagsAMissedImpact) {
+  auto times = geometric_times(0.2, 0.95, 30);
+  times.erase(times.begin() + 12);
+  const auto r = restitution_samples(onsets_at(times), {});
+  ASSERT_EQ(r.samples.size(), 27u);
+  // the two samples that use the doubled interval, and only they
+  EXPECT_EQ(n_clean(r.samples), 25u);
+  EXPECT_EQ(r.counts.breaks.at("missing_impact"), 1u);
+  for (const auto& s : r.samples) {
+    if (s.flags.empty()) {
+      EXPECT_NEAR(s.eps, 0.95, 1e-12);
+    }
+  }
+}
+
+TEST(Restitution, BreaksWhereTheDetectorLeftAGapInTheNumbers) {
+  auto onsets = onsets_at(geometric_times(0.2, 0.95, 30));
+  onsets.erase(onsets.begin() + 12);
+  const auto r = restitution_samples(onsets, {});
+  EXPECT_EQ(r.samples.size(), 25u);
+  for (const auto& s : r.samples) EXPECT_NEAR(s.eps, 0.95, 1e-12);
+}
+
+TEST(Restitution, FlagsAnInventedImpactWhereverItSplitsTheFlight) {
+  for (const double fraction : {0.03, 0.3, 0.5, 0.8, 0.97}) {
+    auto times = geometric_times(0.2, 0.95, 30);
+    times.insert(times.begin() + 13, times[12] + fraction * (times[13] - times[12]));
+    const auto r = restitution_samples(onsets_at(times), {});
+    EXPECT_EQ(r.counts.breaks.at("extra_impact"), 1u) << fraction;
+    EXPECT_GE(n_clean(r.samples), 24u) << fraction;
+    for (const auto& s : r.samples) {
+      if (s.flags.empty()) {
+        EXPECT_NEAR(s.eps, 0.95, 1e-12) << fraction << " " << s.impact;
+      }
+    }
+  }
+}
+
+TEST(Restitution, LeavesSigmaAbsentWhereATimeHasNone) {
+  auto onsets = onsets_at(geometric_times(0.2, 0.9, 6));
+  onsets[2].sigma_t_s.reset();
+  const auto r = restitution_samples(onsets, {});
+  EXPECT_FALSE(r.samples[0].sigma_eps);
+  EXPECT_TRUE(r.samples[0].sigma_v_mps);
+  EXPECT_TRUE(r.samples[3].sigma_eps);
+}
+
+TEST(Restitution, RejectsBadGravityAndUnsortedTimes) {
+  EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.2, 0.3}), {0.0}), InvalidArgument);
+  EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.3, 0.2}), {}), InvalidArgument);
+}
+
+TEST(Restitution, OfFewerThanThreeOnsetsIsEmpty) {
+  EXPECT_TRUE(restitution_samples({}, {}).samples.empty());
+  EXPECT_TRUE(restitution_samples(onsets_at({0.1, 0.2}), {}).samples.empty());
+}
+
+}  // namespace
+}  // namespace bouncelab
