@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/sim/contact.hpp"
+
+namespace bouncelab {
+
+/// Kinetic energy by kind.
+struct KineticEnergy {
+  double vertical_j = 0.0;    ///< m v_z^2 / 2 (normal to the plate)
+  double horizontal_j = 0.0;  ///< m (v_x^2 + v_y^2) / 2
+  double rotational_j = 0.0;  ///< J omega^2 / 2
+  double total_j() const { return vertical_j + horizontal_j + rotational_j; }
+};
+
+KineticEnergy kinetic_energy(const Ball& ball, const Motion& motion);
+
+/// What one impact did to the energy: before + created = after + dissipated, to rounding.
+struct ImpactEnergy {
+  KineticEnergy before, after;
+  double dissipated_j = 0.0;  ///< >= 0
+  double created_j = 0.0;     ///< >= 0; the `paper` contact with spin can create energy
+};
+ImpactEnergy impact_energy(const Ball& ball, const Motion& before, const Motion& after);
+ImpactEnergy impact_energy(const Ball& ball, const ImpactState& state);
+
+/// The account of a drop or a run; sums over drops and impacts. It closes:
+///
+///   released + created = dissipated + drag + remaining
+///
+/// where energies of position count from the plate's centre and `remaining` is after the last impact of each drop.
+struct EnergyLedger {
+  double released_j = 0.0;   ///< kinetic and potential, at release
+  double remaining_j = 0.0;  ///< kinetic and potential, after the last impact
+  double dissipated_j = 0.0;
+  double created_j = 0.0;
+  double drag_j = 0.0;            ///< lost to the air
+  long long n_creating = 0;       ///< impacts that created energy
+  KineticEnergy gained_impact_j;  ///< sum over impacts of after - before, by kind
+
+  /// released + created - dissipated - drag - remaining, relative to released.
+  double closure() const;
+  void add(const ImpactEnergy& impact);
+  void add(const EnergyLedger& other);
+};
+
+}  // namespace bouncelab

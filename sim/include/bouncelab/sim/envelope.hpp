@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bouncelab/core/progress.hpp"
+#include "bouncelab/sim/surface.hpp"
+
+namespace bouncelab {
+
+/// The upper envelope of the asperities, indexed for constant-time search whatever the radii.
+///
+/// With n the body-fixed direction that points at the plate, the ball reaches R (1 + E(n)) below its centre,
+///
+///   E(n) = max(0, max_j e_j(n)),   e_j(n) = R_j/R - |n - u_j|^2 / 2   (|n| = |u_j| = 1),
+///
+/// a power diagram restricted to the sphere. Each face of the cube around the sphere carries a quadtree in gnomonic
+/// coordinates. A cell's region is the cap |n - c| <= r around its centre that holds the cell and a margin; the cell
+/// lists every asperity that can be the highest anywhere in its region (a superset; none is missed), because
+/// e_k - e_j is linear in n: k beats j in the whole region where (e_k - e_j)(c) >= r |u_k - u_j|. Cells are split until
+/// the list is short, so one large asperity lengthens no list but those of the cells in which it can touch.
+/// Source: Aurenhammer, SIAM J. Comput. 16, 78 (1987), doi:10.1137/0216006 (power diagrams).
+class Envelope {
+ public:
+  /// An asperity that can touch.
+  struct Site {
+    Vector3 direction;
+    double height = 0.0;         ///< R_j / R
+    std::uint32_t asperity = 0;  ///< index into the surface
+  };
+
+  /// Where a direction lies: a cell with its region and what can touch there.
+  struct Cell {
+    Vector3 centre;              ///< unit vector
+    double radius = 0.0;         ///< of the region, as a chord
+    double max_elevation = 0.0;  ///< E(n) <= max_elevation in the region
+    bool is_leaf = false;
+    std::span<const std::uint32_t> list;  ///< of a leaf: what can be highest somewhere in the region, as indices ...
+    std::span<const Site> sites;          ///< ... into these
+  };
+
+  /// @param surface    directions of unit length, radii in (0, R)
+  /// @param n_threads  >= 1; the result does not depend on it
+  /// @param progress   called with patches done; may throw to stop
+  Envelope(const Ball& ball, const Surface& surface, int n_threads = 1, const ProgressCallback& progress = {});
+
+  /// max E(n) over all directions.
+  double max_elevation() const { return max_elevation_; }
+
+  /// E(n) and the asperity that makes it (-1: the smooth sphere).
+  struct Support {
+    double elevation = 0.0;
+    std::int64_t asperity = -1;
+  };
+  /// @param n  unit vector of the body frame
+  Support support(Vector3 n) const;
+
+  /// The largest cell around n whose region lies below `elevation`; where there is none, the leaf.
+  Cell find(Vector3 n, double elevation) const;
+
+  /// Asperities kept, counted once for each patch of the sphere that they can touch in.
+  std::int64_t n_sites() const;
+  /// Bytes held by the index.
+  std::int64_t n_bytes() const;
+
+  struct Node {
+    float max_elevation = 0.0F;
+    std::uint32_t first = 0;  ///< first of four children, or first entry of the list
+    std::uint32_t n_list = 0;
+  };
+  /// A square of one of the cube's faces with its quadtree; node 0 is the root.
+  struct Patch {
+    std::vector<Node> nodes;
+    std::vector<std::uint32_t> lists;  ///< indices into sites
+    std::vector<Site> sites;
+  };
+
+ private:
+  int n_side_ = 1;  ///< patches along an edge of the cube
+  double max_elevation_ = 0.0;
+  std::vector<Patch> patches_;
+};
+
+}  // namespace bouncelab

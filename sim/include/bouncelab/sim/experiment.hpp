@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/core/units.hpp"
+#include "bouncelab/sim/contact.hpp"
+#include "bouncelab/sim/energy.hpp"
+#include "bouncelab/sim/envelope.hpp"
+#include "bouncelab/sim/surface.hpp"
+
+namespace bouncelab {
+
+/// An experiment: one ball dropped many times on a plate. Defaults: the paper's ball, 40 drops.
+/// Frame: origin at the plate's centre, z along its normal, x downhill where it is tilted.
+struct SimulationConfig {
+  Ball ball;
+  RestitutionLaw law = SeriesLaw{};
+  ContactModel contact = PaperContact{};
+  double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0
+  double tilt_rad = 0.0;                       ///< of the plate, in [0, pi/2)
+  /// A drop ends where the ball comes down beyond the edge. Without bounds by default: a rough ball wanders off a plate
+  /// of 30 x 20 cm in nine drops of ten before its hundredth bounce.
+  std::array<double, 2> plate_size_m{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+
+  std::int64_t n_drops = 40;        ///< >= 1
+  std::int64_t first_drop = 0;      ///< number of the first one; a drop depends on (seed, its number) alone
+  double drop_height_min_m = 0.09;  ///< of the ball's lowest point above the plate, drawn uniformly
+  double drop_height_max_m = 0.10;
+  std::array<double, 2> start_position_m{0.0, 0.0};  ///< of the centre, along the plate
+  std::array<double, 2> start_velocity_mps{0.0, 0.0};
+  std::array<double, 3> start_spin_radps{0.0, 0.0, 0.0};
+
+  std::int64_t n_impacts_max = 100;                             ///< per drop, >= 1
+  double min_speed_mps = 0.0;                                   ///< a drop ends when an impact is slower
+  double max_time_s = std::numeric_limits<double>::infinity();  ///< from release
+  bool with_state = false;                                      ///< keep ImpactState for each impact
+
+  std::uint64_t seed = 1;
+  int n_threads = 0;  ///< 0: all cores; results do not depend on it
+};
+
+/// @throws InvalidArgument naming the quantity, its value and its range
+void validate(const SimulationConfig& config);
+
+/// Why a drop ended.
+enum class DropEnd { impacts_reached, speed_reached, time_reached, left_plate };
+
+struct DropResult {
+  Impacts impacts;
+  EnergyLedger energy;
+  DropEnd end = DropEnd::impacts_reached;
+};
+
+/// One drop: a pure function of its arguments, for callers that let drops stream through memory.
+/// @param config    validated
+/// @param surface   what `envelope` was made from
+/// @throws InvalidArgument where the ball starts inside the plate
+DropResult simulate_drop(const SimulationConfig& config, const Surface& surface, const Envelope& envelope,
+                         std::int64_t drop);
+
+struct SimulationResult {
+  Impacts impacts;  ///< ordered by drop and time
+  EnergyLedger energy;
+  std::array<std::int64_t, 4> n_ended{};  ///< drops by DropEnd
+  std::int64_t n_smooth = 0;              ///< impacts of the smooth sphere between the asperities
+  std::vector<std::string> warnings;
+};
+
+/// All drops, in parallel; the bytes of the result depend neither on the number of threads nor on which other drops
+/// are simulated with them.
+/// @param progress  called with drops done; may throw to stop
+/// @throws InvalidArgument as `validate` and `simulate_drop`
+SimulationResult simulate(const SimulationConfig& config, const Surface& surface,
+                          const ProgressCallback& progress = {});
+
+}  // namespace bouncelab

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/sim/contact.hpp"
+#include "bouncelab/sim/envelope.hpp"
+#include "bouncelab/sim/vector3.hpp"
+
+namespace bouncelab {
+
+/// The ball in the plate's frame: origin at the plate's centre, z along its normal.
+struct BallState {
+  double x_m = 0.0, y_m = 0.0;  ///< of the centre
+  double clearance_m = 0.0;     ///< z of the centre minus R: kept apart, it is micrometres at a contact
+  Quaternion orientation;       ///< body -> lab
+  Motion motion;
+};
+
+/// The next contact of a flight.
+struct FirstContact {
+  double dt_s = 0.0;           ///< from the start of the flight
+  std::int64_t asperity = -1;  ///< -1: the smooth sphere
+  BallState state;             ///< at contact, before the collision
+};
+
+/// The first instant at which the gap of any asperity, or of the smooth sphere, closes: the centre on a parabola, the
+/// orientation turning with constant angular velocity (eqs. 3-5 of the paper, Rodrigues' rotation),
+///
+///   gap_j(t) = z_G(t) - R - R e_j(n(t)),   n(t) = -A(t)^T e_z,   e_j as in Envelope.
+///
+/// Method: conservative advancement. While z_G - R is above a bound of the envelope in the region around n, time goes
+/// on until the bound is reached or the region left; inside a leaf it goes on by the smallest of the steps that gap_j +
+/// gap_j' s - (g + R w |n'|) s^2 / 2 > 0 allows, which never passes a closing and converges quadratically.
+/// @param gravity_mps2  acceleration of the centre, gravity_mps2.z < 0
+/// @param left  what the ball touches at the start and must not find again while it opens (-1: the smooth sphere);
+///              absent at a release
+/// Error of dt: 1e-15 s + 4 ulp(dt), plus the rounding of the gap (2e-17 m per 0.1 m of height) over the closing speed;
+/// at grazing contacts, closing slower than 1e-6 m/s, the square root of that rounding counts.
+/// @throws InvalidArgument where gravity does not pull to the plate
+FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
+                                Vector3 gravity_mps2, std::optional<std::int64_t> left);
+
+/// From the centre to the point of contact: r_c = R A u_j - R_j e_z; -R e_z for the smooth sphere [m].
+Vector3 contact_lever_m(const Ball& ball, const Surface& surface, std::int64_t asperity, Quaternion orientation);
+
+}  // namespace bouncelab

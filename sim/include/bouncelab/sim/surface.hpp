@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/sim/vector3.hpp"
+
+namespace bouncelab {
+
+// Laws of the asperities' radii, relative to the ball's radius R. The paper gives N ~ 1e6 and R_j ~ 1e-3 R but no law,
+// and the law sets the width of p(eps): it is a parameter of every study.
+struct ConstantRadii {
+  double radius = 1e-3;  ///< > 0
+};
+struct UniformRadii {
+  double lo = 0.5e-3, hi = 1.5e-3;  ///< 0 < lo < hi
+};
+/// Normal, truncated at 0 (values <= 0 are drawn again).
+struct NormalRadii {
+  double mean = 1e-3, sd = 1e-4;  ///< both > 0
+};
+struct LognormalRadii {
+  double median = 1e-3, sigma = 0.1;  ///< sigma = sd of the logarithm; both > 0
+};
+struct ExponentialRadii {
+  double mean = 1e-3;  ///< > 0
+};
+using RadiusLaw = std::variant<UniformRadii, ConstantRadii, NormalRadii, LognormalRadii, ExponentialRadii>;
+
+/// Reads "constant:1e-3", "uniform:0.5e-3,1.5e-3", "normal:1e-3,1e-4", "lognormal:1e-3,0.1", "exponential:1e-3"; the
+/// parameters may be left out (then the defaults above hold). @throws InvalidArgument naming the text and what may
+/// stand
+RadiusLaw radius_law_from_text(std::string_view text);
+/// The text that radius_law_from_text reads back to the same law.
+std::string to_text(const RadiusLaw& law);
+
+/// A small sphere on the ball; its centre lies on the ball's sphere of radius R, seen from the ball's centre along
+/// `direction` (unit vector of the body frame).
+struct Asperity {
+  Vector3 direction;
+  double radius_m = 0.0;  ///< > 0, < R
+};
+
+/// The ball's roughness; may be empty (a smooth ball). Order is identity: impacts name asperities by index.
+struct Surface {
+  std::vector<Asperity> asperities;
+};
+
+/// Asperities with directions uniform on the sphere and radii by `law`. Asperity j depends on (seed, j) alone: a
+/// surface of fewer asperities is the beginning of a larger one.
+/// @param n_asperities  0 ... 4e9
+/// @throws InvalidArgument where the law's parameters are out of range, or a radius drawn reaches R
+Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLaw& law, std::uint64_t seed);
+
+/// The `surface` table: ux, uy, uz, radius_m.
+Table to_table(const Surface& surface);
+std::vector<ColumnSpec> surface_columns();
+/// Normalises the directions.
+/// @param name  of the file, for messages
+/// @throws FileError naming the first line whose direction has no length or whose radius is not in (0, R)
+Surface surface_from_table(const Table& table, const std::string& name, const Ball& ball);
+
+}  // namespace bouncelab

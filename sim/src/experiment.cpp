@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/sim/experiment.hpp"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cmath>
+#include <mutex>
+#include <sstream>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/sim/flight.hpp"
+
+namespace bouncelab {
+namespace {
+
+Vector3 gravity(const SimulationConfig& config) {
+  return {config.gravity_mps2 * std::sin(config.tilt_rad), 0.0, -config.gravity_mps2 * std::cos(config.tilt_rad)};
+}
+
+/// Uniform on the rotations (Shoemake, Graphics Gems III (1992), 124).
+Quaternion random_orientation(Random& random) {
+  const double u = random.uniform();
+  const double p = 2.0 * kPi * random.uniform(), q = 2.0 * kPi * random.uniform();
+  const double a = std::sqrt(1.0 - u), b = std::sqrt(u);
+  return normalized(Quaternion{a * std::sin(p), a * std::cos(p), b * std::sin(q), b * std::cos(q)});
+}
+
+BallState release(const SimulationConfig& config, std::int64_t drop) {
+  Random random(config.seed, RandomStream::drop_start, static_cast<std::uint64_t>(drop));
+  BallState state;
+  state.clearance_m = random.uniform(config.drop_height_min_m, config.drop_height_max_m);
+  state.orientation = random_orientation(random);
+  state.x_m = config.start_position_m[0];
+  state.y_m = config.start_position_m[1];
+  state.motion.velocity_mps = {config.start_velocity_mps[0], config.start_velocity_mps[1], 0.0};
+  state.motion.spin_radps = {config.start_spin_radps[0], config.start_spin_radps[1], config.start_spin_radps[2]};
+  return state;
+}
+
+/// Kinetic and potential energy; zero potential with the ball on the plate's centre.
+double energy_j(const SimulationConfig& config, const BallState& state) {
+  const Vector3 place{state.x_m, state.y_m, state.clearance_m};
+  return kinetic_energy(config.ball, state.motion).total_j() - mass_kg(config.ball) * dot(gravity(config), place);
+}
+
+ImpactState impact_state(const Ball& ball, const BallState& s, const Motion& after) {
+  const auto array = [](Vector3 a) { return std::array<double, 3>{a.x, a.y, a.z}; };
+  const Quaternion q = s.orientation;
+  return {{s.x_m, s.y_m, s.clearance_m + ball.radius_m},
+          {q.w, q.x, q.y, q.z},
+          array(s.motion.velocity_mps),
+          array(s.motion.spin_radps),
+          array(after.velocity_mps),
+          array(after.spin_radps)};
+}
+
+Impact impact_row(std::int64_t drop, std::int64_t impact, double t_s, const Motion& before, const Collision& collision,
+                  std::int64_t asperity) {
+  const double v = -before.velocity_mps.z, v_after = collision.after.velocity_mps.z;
+  return {drop, impact, t_s, v, v_after, v_after / v, collision.v_contact_mps, collision.eps_contact, asperity};
+}
+
+bool is_on_plate(const SimulationConfig& config, const BallState& state) {
+  return std::abs(state.x_m) <= 0.5 * config.plate_size_m[0] && std::abs(state.y_m) <= 0.5 * config.plate_size_m[1];
+}
+
+void require(bool holds, const std::string& quantity, double value, const std::string& range) {
+  if (holds) return;
+  std::ostringstream out;
+  out << quantity << " = " << value << " is outside its range: " << range;
+  throw InvalidArgument(out.str());
+}
+
+void append(Impacts& all, const Impacts& some) {
+  all.rows.insert(all.rows.end(), some.rows.begin(), some.rows.end());
+  all.states.insert(all.states.end(), some.states.begin(), some.states.end());
+}
+
+std::vector<std::string> warnings_about(const SimulationResult& result) {
+  std::vector<std::string> warnings;
+  const auto n_left = result.n_ended[static_cast<std::size_t>(DropEnd::left_plate)];
+  if (n_left > 0) warnings.push_back(std::to_string(n_left) + " drops ended early: the ball left the plate");
+  if (result.energy.n_creating > 0) {
+    std::ostringstream out;
+    out << result.energy.n_creating << " of " << result.impacts.rows.size() << " impacts created energy, "
+        << result.energy.created_j / result.energy.released_j << " of what was released (the contact model allows it)";
+    warnings.push_back(out.str());
+  }
+  return warnings;
+}
+
+}  // namespace
+
+void validate(const SimulationConfig& c) {
+  require(c.ball.radius_m > 0.0 && std::isfinite(c.ball.radius_m), "radius of the ball", c.ball.radius_m, "> 0 m");
+  require(c.ball.material.density_kgpm3 > 0.0, "density of the ball", c.ball.material.density_kgpm3, "> 0 kg/m^3");
+  validate(c.law);
+  validate(c.contact);
+  require(c.gravity_mps2 > 0.0 && std::isfinite(c.gravity_mps2), "gravity", c.gravity_mps2, "> 0 m/s^2");
+  require(c.tilt_rad >= 0.0 && std::cos(c.tilt_rad) > 1e-6, "tilt of the plate", c.tilt_rad,
+          "[0, pi/2) rad; a ball never lands on an upright plate");
+  for (const double size_m : c.plate_size_m) require(size_m > 0.0, "size of the plate", size_m, "> 0 m");
+  require(c.n_drops >= 1, "number of drops", static_cast<double>(c.n_drops), ">= 1");
+  require(c.first_drop >= 0, "number of the first drop", static_cast<double>(c.first_drop), ">= 0");
+  require(c.n_impacts_max >= 1, "impacts per drop", static_cast<double>(c.n_impacts_max), ">= 1");
+  require(c.drop_height_min_m > 0.0, "least drop height", c.drop_height_min_m, "> 0 m");
+  require(c.drop_height_max_m >= c.drop_height_min_m && std::isfinite(c.drop_height_max_m), "greatest drop height",
+          c.drop_height_max_m, "not below the least drop height");
+  require(c.min_speed_mps >= 0.0, "least speed", c.min_speed_mps, ">= 0 m/s");
+  require(c.max_time_s > 0.0, "time limit", c.max_time_s, "> 0 s");
+}
+
+DropResult simulate_drop(const SimulationConfig& config, const Surface& surface, const Envelope& envelope,
+                         std::int64_t drop) {
+  const Vector3 g = gravity(config);
+  BallState state = release(config, drop);
+  require(state.clearance_m > envelope.max_elevation() * config.ball.radius_m, "drop height", state.clearance_m,
+          "above the highest asperity; a lower start is inside the plate");
+  DropResult result;
+  result.energy.released_j = energy_j(config, state);
+  double t_s = 0.0;
+  std::optional<std::int64_t> left;
+  for (std::int64_t impact = 0; impact < config.n_impacts_max; ++impact) {
+    const FirstContact contact = find_first_contact(config.ball, envelope, state, g, left);
+    // times must increase even where two asperities touch within the resolution of t
+    const double t_next_s = std::max(t_s + contact.dt_s, std::nextafter(t_s, std::numeric_limits<double>::infinity()));
+    if (t_next_s > config.max_time_s) {
+      result.end = DropEnd::time_reached;
+      break;
+    }
+    if (!is_on_plate(config, contact.state)) {
+      result.end = DropEnd::left_plate;
+      break;
+    }
+    if (std::abs(contact.state.motion.velocity_mps.z) < config.min_speed_mps) {
+      result.end = DropEnd::speed_reached;
+      break;
+    }
+    t_s = t_next_s;
+    left = contact.asperity;
+    const Vector3 lever_m = contact_lever_m(config.ball, surface, contact.asperity, contact.state.orientation);
+    const Collision collision = collide(config.ball, config.law, config.contact, lever_m, contact.state.motion);
+    result.impacts.rows.push_back(impact_row(drop, impact, t_s, contact.state.motion, collision, contact.asperity));
+    if (config.with_state) result.impacts.states.push_back(impact_state(config.ball, contact.state, collision.after));
+    result.energy.add(impact_energy(config.ball, contact.state.motion, collision.after));
+    state = contact.state;
+    state.motion = collision.after;
+  }
+  result.energy.remaining_j = energy_j(config, state);
+  return result;
+}
+
+SimulationResult simulate(const SimulationConfig& config, const Surface& surface, const ProgressCallback& progress) {
+  validate(config);
+  const int n_threads = config.n_threads > 0 ? config.n_threads : oneapi::tbb::info::default_concurrency();
+  const Envelope envelope(config.ball, surface, n_threads);
+  std::vector<DropResult> drops(static_cast<std::size_t>(config.n_drops));
+  std::mutex mutex;
+  std::int64_t n_done = 0;
+  // as many workers as asked for, even where there are fewer cores
+  const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(n_threads));
+  oneapi::tbb::task_arena arena(n_threads);
+  arena.execute([&] {
+    oneapi::tbb::parallel_for(std::int64_t{0}, config.n_drops, [&](std::int64_t k) {
+      drops[static_cast<std::size_t>(k)] = simulate_drop(config, surface, envelope, config.first_drop + k);
+      if (!progress) return;
+      const std::lock_guard lock(mutex);
+      progress(static_cast<double>(++n_done), static_cast<double>(config.n_drops));
+    });
+  });
+  SimulationResult result;
+  for (const DropResult& drop : drops) {
+    append(result.impacts, drop.impacts);
+    result.energy.add(drop.energy);
+    ++result.n_ended[static_cast<std::size_t>(drop.end)];
+    for (const Impact& impact : drop.impacts.rows) result.n_smooth += impact.asperity < 0 ? 1 : 0;
+  }
+  result.warnings = warnings_about(result);
+  return result;
+}
+
+}  // namespace bouncelab

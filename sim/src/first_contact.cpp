@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/sim/flight.hpp"
+#include "pole.hpp"
+
+namespace bouncelab {
+namespace {
+
+/// Clearance of the centre on its parabola.
+struct Parabola {
+  double y0_m, v0_mps, g_mps2;
+
+  double height_m(double t) const { return y0_m + t * (v0_mps - 0.5 * g_mps2 * t); }
+  double velocity_mps(double t) const { return v0_mps - g_mps2 * t; }
+  /// The last time at which the centre is at `level`; t where it is below already.
+  double descent_to(double level_m, double t) const {
+    const double y = height_m(t), v = velocity_mps(t);
+    if (y <= level_m) return t;
+    const double root = std::sqrt(v * v + 2.0 * g_mps2 * (y - level_m));
+    return t + (v > 0.0 ? (v + root) / g_mps2 : 2.0 * (y - level_m) / (root - v));
+  }
+};
+
+/// How long gap + slope s - bend s^2/2 stays positive, for gap >= 0.
+double safe_step_s(double gap_m, double slope_mps, double bend_mps2) {
+  const double root = std::sqrt(slope_mps * slope_mps + 2.0 * bend_mps2 * gap_m);
+  return slope_mps > 0.0 ? (slope_mps + root) / bend_mps2 : 2.0 * gap_m / (root - slope_mps);
+}
+
+/// A bound of the envelope is passed by when the ball is higher by this: far below what matters (femtoseconds),
+/// far above the rounding of heights.
+constexpr double kClear_m = 1e-12;
+/// Looks at the envelope after which a search is given up: only a broken state gets there.
+constexpr int kMaxLooks = 10'000'000;
+
+/// The search for one flight.
+class Search {
+ public:
+  Search(const Ball& ball, const Envelope& envelope, const BallState& start, double g_mps2,
+         std::optional<std::int64_t> left)
+      : radius_m_(ball.radius_m),
+        envelope_(envelope),
+        path_{start.clearance_m, start.motion.velocity_mps.z, g_mps2},
+        pole_(make_pole(start.orientation, start.motion.spin_radps)),
+        bend_mps2_(g_mps2 + radius_m_ * pole_.rate_radps * pole_.speed_radps),
+        left_(left) {}
+
+  struct Found {
+    double t_s;
+    std::int64_t asperity;
+  };
+
+  Found run() {
+    double t = time_of_unhindered_rise();
+    for (int look = 0; look < kMaxLooks; ++look) {
+      t = skip_above(envelope_.max_elevation(), t);
+      const double y = path_.height_m(t);
+      const Vector3 n = pole_.at(t).direction;
+      const Envelope::Cell cell = envelope_.find(n, (y - kClear_m) / radius_m_);
+      const double t_exit = t + (cell.radius - norm(n - cell.centre)) / pole_.speed_radps;
+      if (!cell.is_leaf) {
+        t = std::min(t_exit, skip_above(cell.max_elevation, t));
+        continue;
+      }
+      if (const auto found = search_leaf(cell, t, t_exit)) return *found;
+      t = t_exit;
+    }
+    throw Error("flight: no contact found in " + std::to_string(kMaxLooks) +
+                " looks at the surface; is the spin or the speed absurd?");
+  }
+
+ private:
+  struct Candidate {
+    double step_s = std::numeric_limits<double>::infinity();
+    double slope_mps = 0.0;
+    std::int64_t asperity = -1;
+  };
+
+  /// The envelope follows the pole no faster than R |n'| sqrt(2 max E): a ball that rises faster leaves all behind.
+  double time_of_unhindered_rise() const {
+    const double chase_mps = radius_m_ * pole_.speed_radps * std::sqrt(2.0 * envelope_.max_elevation());
+    if (!left_) return 0.0;
+    return std::max(0.0, (path_.v0_mps - chase_mps) / path_.g_mps2);
+  }
+
+  double skip_above(double elevation, double t) const {
+    const double level_m = radius_m_ * elevation;
+    return path_.height_m(t) > level_m + kClear_m ? path_.descent_to(level_m, t) : t;
+  }
+
+  /// Advances from t to t_exit through a leaf; what it hits, if anything.
+  std::optional<Found> search_leaf(const Envelope::Cell& cell, double t, double t_exit) const {
+    while (t < t_exit) {
+      const Candidate first = nearest(cell, t);
+      const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
+      if (first.slope_mps < 0.0 && first.step_s <= resolution_s) return Found{t + first.step_s, first.asperity};
+      t += std::max(first.step_s, resolution_s);
+      if (path_.height_m(t) > radius_m_ * cell.max_elevation + kClear_m)
+        t = std::max(t, std::min(t_exit, skip_above(cell.max_elevation, t)));
+    }
+    return std::nullopt;
+  }
+
+  /// The smallest safe step of all that can touch in the cell.
+  Candidate nearest(const Envelope::Cell& cell, double t) const {
+    const double y = path_.height_m(t), v = path_.velocity_mps(t);
+    const Pole::Instant pole = pole_.at(t);
+    Candidate first = judge(-1, y, v, t);
+    for (const std::uint32_t k : cell.list) {
+      const Envelope::Site& site = cell.sites[k];
+      const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
+      const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
+      const Candidate candidate = judge(site.asperity, gap, slope, t);
+      if (candidate.step_s < first.step_s) first = candidate;
+    }
+    return first;
+  }
+
+  Candidate judge(std::int64_t asperity, double gap_m, double slope_mps, double t) const {
+    const double bend = asperity < 0 ? path_.g_mps2 : bend_mps2_;
+    // what was just left opens with the contact's speed: its gap cannot close before 2 slope / bend
+    if (left_ == asperity && t == 0.0 && slope_mps > 0.0) return {slope_mps / bend, slope_mps, asperity};
+    if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), slope_mps, asperity};
+    if (slope_mps < 0.0) return {0.0, slope_mps, asperity};
+    return {2.0 * slope_mps / bend, slope_mps, asperity};
+  }
+
+  double radius_m_;
+  const Envelope& envelope_;
+  Parabola path_;
+  Pole pole_;
+  double bend_mps2_;  ///< bound of -gap'' for asperities
+  std::optional<std::int64_t> left_;
+};
+
+}  // namespace
+
+FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
+                                Vector3 gravity_mps2, std::optional<std::int64_t> left) {
+  if (!(gravity_mps2.z < 0.0))
+    throw InvalidArgument("flight: gravity must pull towards the plate, its normal part is " +
+                          std::to_string(gravity_mps2.z) + " m/s^2; tilt the plate less");
+  Search search(ball, envelope, start, -gravity_mps2.z, left);
+  const auto [dt_s, asperity] = search.run();
+  FirstContact contact{dt_s, asperity, start};
+  BallState& state = contact.state;
+  const Vector3 v = start.motion.velocity_mps;
+  state.x_m += dt_s * (v.x + 0.5 * gravity_mps2.x * dt_s);
+  state.y_m += dt_s * (v.y + 0.5 * gravity_mps2.y * dt_s);
+  state.clearance_m += dt_s * (v.z + 0.5 * gravity_mps2.z * dt_s);
+  state.orientation = normalized(rotation_by(dt_s * start.motion.spin_radps) * start.orientation);
+  state.motion.velocity_mps = v + dt_s * gravity_mps2;
+  return contact;
+}
+
+Vector3 contact_lever_m(const Ball& ball, const Surface& surface, std::int64_t asperity, Quaternion orientation) {
+  if (asperity < 0) return {0.0, 0.0, -ball.radius_m};
+  const Asperity& touching = surface.asperities[static_cast<std::size_t>(asperity)];
+  return ball.radius_m * rotate(orientation, touching.direction) - Vector3{0.0, 0.0, touching.radius_m};
+}
+
+}  // namespace bouncelab

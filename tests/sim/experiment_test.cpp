@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/sim/experiment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab {
+namespace {
+
+SimulationConfig small_config() {
+  SimulationConfig config;
+  config.n_drops = 10;
+  config.n_impacts_max = 60;
+  config.with_state = true;
+  config.n_threads = 1;
+  return config;
+}
+
+Surface small_surface(const SimulationConfig& config) {
+  return make_surface(config.ball, 50'000, UniformRadii{}, config.seed);
+}
+
+std::string bytes(const Impacts& impacts) {
+  std::ostringstream out;
+  write_csv(out, to_table(impacts));
+  return out.str();
+}
+
+TEST(Simulate, GivesTheSameBytesForOneTwoAndSevenThreads) {
+  SimulationConfig config = small_config();
+  const Surface surface = small_surface(config);
+  const std::string one = bytes(simulate(config, surface).impacts);
+  for (const int n_threads : {2, 7}) {
+    config.n_threads = n_threads;
+    EXPECT_EQ(bytes(simulate(config, surface).impacts), one);
+  }
+}
+
+TEST(Simulate, GivesTheSameDropAloneAndInABatch) {
+  SimulationConfig config = small_config();
+  const Surface surface = small_surface(config);
+  const Impacts batch = simulate(config, surface).impacts;
+  config.first_drop = 7;
+  config.n_drops = 1;
+  Impacts alone = simulate(config, surface).impacts;
+  Impacts same;
+  for (std::size_t k = 0; k < batch.rows.size(); ++k) {
+    if (batch.rows[k].drop != 7) continue;
+    same.rows.push_back(batch.rows[k]);
+    same.states.push_back(batch.states[k]);
+  }
+  EXPECT_EQ(bytes(alone), bytes(same));
+}
+
+TEST(Simulate, SmoothBallHasTheLawsRestitutionExactly) {
+  SimulationConfig config = small_config();
+  config.n_impacts_max = 100;
+  const SimulationResult result = simulate(config, Surface{});
+  ASSERT_EQ(result.impacts.rows.size(), 1000U);
+  for (const Impact& impact : result.impacts.rows) {
+    // some twenty roundings of 1e-16 on the way through the impulse
+    EXPECT_NEAR(impact.eps_macro, restitution(config.law, impact.v_mps), 4e-15);
+    EXPECT_EQ(impact.asperity, -1);
+  }
+  EXPECT_EQ(result.n_smooth, 1000);
+}
+
+TEST(Simulate, EnergyLedgerClosesForEveryContactModel) {
+  SimulationConfig config = small_config();
+  config.start_spin_radps = {100.0, 50.0, -80.0};
+  config.start_velocity_mps = {0.05, -0.02};
+  const Surface surface = small_surface(config);
+  for (const ContactModel& model :
+       {ContactModel{PaperContact{}}, ContactModel{FrictionlessContact{}}, ContactModel{CoulombContact{0.2}}}) {
+    config.contact = model;
+    const EnergyLedger energy = simulate(config, surface).energy;
+    EXPECT_LT(std::abs(energy.closure()), 1e-12) << describe(model);
+    EXPECT_GT(energy.dissipated_j, 0.5 * energy.released_j);
+  }
+}
+
+TEST(Simulate, FallTimeAndSpeedFollowFromTheHeight) {
+  SimulationConfig config = small_config();
+  config.drop_height_min_m = config.drop_height_max_m = 0.1;
+  const Impact first = simulate(config, Surface{}).impacts.rows.front();
+  EXPECT_NEAR(first.v_mps, std::sqrt(2 * 9.81 * 0.1), 1e-15);
+  EXPECT_NEAR(first.t_s, std::sqrt(2 * 0.1 / 9.81), 1e-15);
+}
+
+TEST(Simulate, TiltedPlateLetsTheSmoothBallBounceDownhill) {
+  SimulationConfig config = small_config();
+  config.n_drops = 1;
+  config.tilt_rad = 0.1;
+  const SimulationResult result = simulate(config, Surface{});
+  // along the plate nothing acts but gravity: x = g sin(tilt) t^2 / 2 whatever the bounces
+  const auto& rows = result.impacts.rows;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    EXPECT_NEAR(result.impacts.states[k].position_m[0], 0.5 * 9.81 * std::sin(0.1) * rows[k].t_s * rows[k].t_s, 1e-12);
+  EXPECT_LT(std::abs(result.energy.closure()), 1e-12);
+}
+
+TEST(Simulate, DropEndsWhereTheBallLeavesThePlateAndIsCounted) {
+  SimulationConfig config = small_config();
+  config.plate_size_m = {0.30, 0.20};
+  config.start_velocity_mps = {0.0, 0.1};
+  const SimulationResult result = simulate(config, Surface{});
+  EXPECT_EQ(result.n_ended[static_cast<std::size_t>(DropEnd::left_plate)], 10);
+  for (const ImpactState& state : result.impacts.states) EXPECT_LE(state.position_m[1], 0.1);
+  EXPECT_FALSE(result.warnings.empty());
+}
+
+TEST(Simulate, StopsBySpeedAndByTime) {
+  SimulationConfig config = small_config();
+  config.n_impacts_max = 100'000;
+  config.min_speed_mps = 0.5;
+  for (const Impact& impact : simulate(config, Surface{}).impacts.rows) EXPECT_GE(impact.v_mps, 0.5);
+  config.min_speed_mps = 0.0;
+  config.max_time_s = 2.0;
+  for (const Impact& impact : simulate(config, Surface{}).impacts.rows) EXPECT_LE(impact.t_s, 2.0);
+}
+
+TEST(Simulate, RefusesWhatCannotBe) {
+  const auto refuses = [](auto change) {
+    SimulationConfig config = small_config();
+    change(config);
+    EXPECT_THROW(simulate(config, Surface{{{{0, 0, 1}, 1e-3}}}), InvalidArgument);
+  };
+  refuses([](SimulationConfig& c) { c.n_drops = 0; });
+  refuses([](SimulationConfig& c) { c.gravity_mps2 = -9.81; });
+  refuses([](SimulationConfig& c) { c.tilt_rad = kPi / 2; });
+  refuses([](SimulationConfig& c) { c.drop_height_min_m = c.drop_height_max_m = 0.5e-3; });  // asperity of 1 mm
+  refuses([](SimulationConfig& c) { c.drop_height_max_m = 0.01; });
+  refuses([](SimulationConfig& c) { c.law = ConstantLaw{2.0}; });
+}
+
+TEST(Simulate, ProgressMayStopIt) {
+  const SimulationConfig config = small_config();
+  EXPECT_THROW(simulate(config, Surface{}, [](double, double) { throw Interrupted(); }), Interrupted);
+}
+
+}  // namespace
+}  // namespace bouncelab
