@@ -11,6 +11,7 @@
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "config_file.hpp"
+#include "detect_command.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -99,6 +100,7 @@ int run(std::vector<std::string> line) {
   CommonOptions common;
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
+      add_detect_command(app),
   };
   for (const Command& command : commands) add_common_options(*command.app, common);
 

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Start here: impact times to sound, and sound to impact times.
+#pragma once
+
+#include "bouncelab/acoustic/audio_reader.hpp"  // any file that libsndfile reads, as samples
+#include "bouncelab/acoustic/detection.hpp"     // sound -> impact times with standard errors
+#include "bouncelab/acoustic/sound.hpp"         // one channel that can be read anywhere
+#include "bouncelab/acoustic/wave_preview.hpp"  // a recording small enough to be drawn

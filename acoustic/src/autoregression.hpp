@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "bouncelab/acoustic/sound.hpp"
+
+namespace bouncelab {
+
+/// Prediction error filter of an autoregressive model: u[n] = sum_k filter[k] x[n-k], filter[0] = 1. What rings freely
+/// and what hums is predicted from the past and vanishes from u; what an impact adds does not.
+struct Autoregression {
+  std::vector<float> filter;
+  double quiet_variance = 0.0;  ///< of u in the quiet tenth of the recording; 0 only in digital silence
+};
+
+/// Learned from frames of 10 ms over all of the recording (at most 2^21 samples, evenly spread), each weighted by the
+/// inverse of its energy, so that noise and ringing count alike however loud.
+/// Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
+/// @param order  of the model, before the difference; >= 1
+/// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
+Autoregression learn_autoregression(const Sound& sound, int order);
+
+/// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
+void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out);
+
+}  // namespace bouncelab
