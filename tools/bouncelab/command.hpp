@@ -38,6 +38,7 @@ struct Outcome {
   int exit_code = kDone;
   Json summary = Json::object();      ///< printed with --json
   std::string text;                   ///< printed on standard output otherwise
+  std::string trouble;                ///< why the result is not usable: one line on standard error, --quiet or not
   std::vector<std::string> warnings;  ///< one line each, on standard error
 };
 

@@ -13,6 +13,7 @@
 #include "config_file.hpp"
 #include "detect_command.hpp"
 #include "progress_line.hpp"
+#include "report_command.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -69,6 +70,7 @@ std::vector<std::string> with_config(const std::vector<std::string>& arguments, 
 int report(const Outcome& outcome, const CommonOptions& common) {
   if (!common.quiet)
     for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << "\n";
+  if (!outcome.trouble.empty()) std::cerr << "bouncelab: " << outcome.trouble << "\n";
   if (common.json)
     std::cout << outcome.summary.dump(2) << "\n";
   else if (!common.quiet)
@@ -100,6 +102,7 @@ int run(std::vector<std::string> line) {
   CommonOptions common;
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
+      add_report_command(app),
       add_detect_command(app),
   };
   for (const Command& command : commands) add_common_options(*command.app, common);

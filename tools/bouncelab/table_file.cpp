@@ -29,13 +29,18 @@ void write_text(const Run& run, const fs::path& path, const std::string& content
   write_provenance(run, path, inputs);
 }
 
-void make_output_folder(const fs::path& folder) {
+OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder))
-    throw FileError(folder.string(), "cannot be made a folder (" + (error ? error.message() : "it is a file") +
-                                         "); choose another --out");
-  OutputFile probe(folder / "probe", true);  // vanishes again; throws where nothing can be written
+  created_ = fs::create_directories(folder_, error);
+  if (!fs::is_directory(folder_))
+    throw FileError(folder_.string(), "cannot be made a folder (" + (error ? error.message() : "it is a file") +
+                                          "); choose another --out");
+  OutputFile probe(folder_ / "probe", true);  // vanishes again; throws where nothing can be written
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code not_empty;
+  if (created_) fs::remove(folder_, not_empty);
 }
 
 void check_may_write(const Run& run, const fs::path& path) { OutputFile probe(path, run.common.force); }

@@ -20,8 +20,19 @@ void write_table(const Run& run, const std::filesystem::path& path, const Table&
 void write_text(const Run& run, const std::filesystem::path& path, const std::string& content,
                 const std::vector<std::filesystem::path>& inputs = {});
 
-/// Creates the folder where it is missing. @throws FileError where that cannot be, or nothing can be written in it
-void make_output_folder(const std::filesystem::path& folder);
+/// A folder for outputs, created where it is missing; removed again where nothing was put in.
+class OutputFolder {
+ public:
+  /// @throws FileError where it cannot be created, or nothing can be written in it
+  explicit OutputFolder(std::filesystem::path folder);
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  ~OutputFolder();
+
+ private:
+  std::filesystem::path folder_;
+  bool created_ = false;
+};
 
 /// Throws FileError where the output exists and --force was not said: asked before the work, not after it.
 void check_may_write(const Run& run, const std::filesystem::path& path);

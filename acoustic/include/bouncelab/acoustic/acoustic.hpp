@@ -4,5 +4,6 @@
 
 #include "bouncelab/acoustic/audio_reader.hpp"  // any file that libsndfile reads, as samples
 #include "bouncelab/acoustic/detection.hpp"     // sound -> impact times with standard errors
+#include "bouncelab/acoustic/score.hpp"         // detected against true times
 #include "bouncelab/acoustic/sound.hpp"         // one channel that can be read anywhere
 #include "bouncelab/acoustic/wave_preview.hpp"  // a recording small enough to be drawn

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "bouncelab/core/onsets.hpp"
+
+namespace bouncelab {
+
+/// How a detector did against known times.
+struct OnsetScore {
+  std::size_t n_true = 0;
+  std::size_t n_found = 0;     ///< true impacts with a detected one within the tolerance, one to one
+  std::size_t n_missed = 0;    ///< true impacts without
+  std::size_t n_invented = 0;  ///< detected impacts that belong to no true one
+  /// Median of (detected - true): a constant latency, which intervals do not see [s]. Absent without a match.
+  std::optional<double> offset_s;
+  std::optional<double> rms_s;  ///< root mean square of the errors about the offset [s]
+  /// Standard deviation of error / sigma_t over matches that state a sigma; 1 for honest standard errors.
+  std::optional<double> pull_sd;
+  std::vector<std::optional<std::size_t>> match;  ///< for each true impact, the index of its detected one
+};
+
+/// Matches detected to true times one to one, nearest pairs first. Both may hold several recordings; times of different
+/// recordings are never matched.
+/// @param tolerance_s  > 0; largest distance of a match [s]. Half the shortest interval to be told apart, or less.
+/// Expects any constant latency to be below the tolerance.
+OnsetScore score_onsets(const Onsets& truth, const Onsets& detected, double tolerance_s = 1e-3);
+
+}  // namespace bouncelab

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/acoustic/score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab {
+namespace {
+
+struct Pair {
+  double distance_s;
+  std::size_t truth, detected;
+};
+
+/// Order by recording, then time: matches can then be looked for by bisection, whatever the order of the tables.
+bool earlier(const Onset& a, const Onset& b) { return std::tie(a.recording, a.t_s) < std::tie(b.recording, b.t_s); }
+
+std::vector<Pair> candidate_pairs(const Onsets& truth, const Onsets& detected, double tolerance_s) {
+  std::vector<std::size_t> order(detected.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return earlier(detected[a], detected[b]); });
+  std::vector<Pair> pairs;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    Onset first = truth[k];
+    first.t_s -= tolerance_s;
+    auto it = std::lower_bound(order.begin(), order.end(), first,
+                               [&](std::size_t d, const Onset& value) { return earlier(detected[d], value); });
+    for (; it != order.end() && detected[*it].recording == truth[k].recording &&
+           detected[*it].t_s <= truth[k].t_s + tolerance_s;
+         ++it)
+      pairs.push_back({std::abs(detected[*it].t_s - truth[k].t_s), k, *it});
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return a.distance_s < b.distance_s; });
+  return pairs;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+OnsetScore score_onsets(const Onsets& truth, const Onsets& detected, double tolerance_s) {
+  if (!(tolerance_s > 0.0)) throw InvalidArgument("tolerance_s must be above 0");
+  OnsetScore score;
+  score.n_true = truth.size();
+  score.match.resize(truth.size());
+  std::vector<bool> taken(detected.size(), false);
+  for (const Pair& pair : candidate_pairs(truth, detected, tolerance_s)) {
+    if (score.match[pair.truth].has_value() || taken[pair.detected]) continue;
+    score.match[pair.truth] = pair.detected;
+    taken[pair.detected] = true;
+    ++score.n_found;
+  }
+  score.n_missed = score.n_true - score.n_found;
+  score.n_invented = detected.size() - score.n_found;
+  if (score.n_found == 0) return score;
+
+  std::vector<double> errors, pulls;
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    if (score.match[k]) errors.push_back(detected[*score.match[k]].t_s - truth[k].t_s);
+  score.offset_s = median(errors);
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    if (!score.match[k]) continue;
+    errors[n] -= *score.offset_s;
+    if (const auto sigma = detected[*score.match[k]].sigma_t_s) pulls.push_back(errors[n] / *sigma);
+    ++n;
+  }
+  score.rms_s = root_mean_square(errors);
+  if (!pulls.empty()) score.pull_sd = root_mean_square(pulls);
+  return score;
+}
+
+}  // namespace bouncelab

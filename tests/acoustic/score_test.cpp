@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/acoustic/score.hpp"
+
+#include <gtest/gtest.h>
+
+namespace bouncelab {
+namespace {
+
+Onsets at(std::initializer_list<double> times_s, const std::string& recording = "a") {
+  Onsets onsets;
+  for (const double t : times_s) onsets.push_back({recording, 0, 0, t, {}, {}, {}, ""});
+  return onsets;
+}
+
+TEST(Score, CountsFoundMissedAndInvented) {
+  const OnsetScore score = score_onsets(at({1.0, 2.0, 3.0}), at({1.0001, 2.5, 3.0001, 4.0}));
+  EXPECT_EQ(score.n_found, 2u);
+  EXPECT_EQ(score.n_missed, 1u);
+  EXPECT_EQ(score.n_invented, 2u);
+  EXPECT_FALSE(score.match[1].has_value());
+}
+
+TEST(Score, AConstantLatencyIsReportedAndTakenOut) {
+  const OnsetScore score = score_onsets(at({1.0, 2.0, 3.0}), at({1.0002, 2.0002, 3.0002}));
+  EXPECT_NEAR(*score.offset_s, 2e-4, 1e-15);  // rounding of numbers near 3
+  EXPECT_NEAR(*score.rms_s, 0.0, 1e-15);
+}
+
+TEST(Score, MatchesAreOneToOneNearestFirst) {
+  const OnsetScore score = score_onsets(at({1.0, 1.0008}), at({1.0007}));
+  EXPECT_EQ(score.n_found, 1u);
+  EXPECT_TRUE(score.match[1].has_value());
+}
+
+TEST(Score, RecordingsDoNotMix) {
+  Onsets truth = at({1.0}, "a");
+  EXPECT_EQ(score_onsets(truth, at({1.0}, "b")).n_found, 0u);
+}
+
+TEST(Score, PullsComeFromStatedSigmasOnly) {
+  Onsets detected = at({1.00000, 2.00002, 2.99998});
+  EXPECT_FALSE(score_onsets(at({1, 2, 3}), detected).pull_sd.has_value());
+  detected[1].sigma_t_s = 1e-5;
+  EXPECT_NEAR(*score_onsets(at({1, 2, 3}), detected).pull_sd, 2.0, 1e-9);  // error 2e-5 over sigma 1e-5
+}
+
+TEST(Score, NothingFoundIsNoNumber) {
+  const OnsetScore score = score_onsets(at({1.0}), {});
+  EXPECT_FALSE(score.rms_s.has_value());
+  EXPECT_EQ(score.n_missed, 1u);
+}
+
+}  // namespace
+}  // namespace bouncelab

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "command.hpp"
+
+namespace bouncelab::cli {
+
+struct ReportOptions {
+  std::string folder;  ///< with fit.json, and summary.json, samples.csv, wave.json where they exist
+  std::string out;
+  std::string title;  ///< empty: named after the folder
+};
+
+Outcome run_report(const ReportOptions& options, Run& run);
+Command add_report_command(CLI::App& app);
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+namespace bouncelab::report {
+
+/// What the report shows. All texts are JSON as the commands leave them in files; an empty text is left out of the
+/// report. Nothing is computed here: pictures and tables show numbers of these files.
+struct ReportInput {
+  std::string title;
+  std::string summary_json;  ///< summary.json of `loop` or `analyze`
+  std::string fit_json;      ///< fit.json
+  std::string wave_json;     ///< wave.json: the recording's envelope and excerpts with the impacts found
+  std::string samples_json;  ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
+};
+
+/// One HTML file that carries everything it needs (pictures are drawn by the plotting library inside it; no network).
+/// @throws InvalidArgument where a text is not JSON
+std::string render(const ReportInput& input);
+
+}  // namespace bouncelab::report
