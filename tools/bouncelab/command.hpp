@@ -38,8 +38,8 @@ struct Outcome {
   int exit_code = kDone;
   Json summary = Json::object();      ///< printed with --json
   std::string text;                   ///< printed on standard output otherwise
-  std::string trouble;                ///< why the result is not usable: one line on standard error, --quiet or not
   std::vector<std::string> warnings;  ///< one line each, on standard error
+  std::string trouble;                ///< why the result is not usable: one line on standard error, --quiet or not
 };
 
 /// A command as main knows it.

@@ -63,7 +63,7 @@ Outcome run_report(const ReportOptions& options, Run& run) {
   input.samples_json = samples_json(folder / "samples.csv", inputs);
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   write_text(run, out, report::render(input), inputs);
-  return {kDone, {{"report", out.string()}}, "Report: " + fs::absolute(out).lexically_normal().string() + "\n", {}};
+  return {kDone, {{"report", out.string()}}, "Report: " + fs::absolute(out).lexically_normal().string() + "\n", {}, {}};
 }
 
 Command add_report_command(CLI::App& app) {
