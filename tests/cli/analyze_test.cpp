@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+#include "wav.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+using Analyze = ProgramTest;
+
+TEST_F(Analyze, ARecordingGivesEveryFileOfTheInterface) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  const Result result = run("analyze drop.wav --out out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* name : {"onsets.csv", "samples.csv", "fit.json", "summary.json", "wave.json", "report.html"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+    EXPECT_TRUE(fs::exists(folder_ / "out" / (std::string(name) + ".meta.json"))) << name;
+  }
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_EQ(summary["n_onsets"], 20);
+  // intervals shrink by exactly 0.9; timing errors of a few microseconds on intervals above 40 ms are 1e-4 of eps
+  EXPECT_NEAR(summary["eps_median"].get<double>(), 0.9, 1e-3);
+  const Json meta = Json::parse(content_of(folder_ / "out" / "onsets.csv.meta.json"));
+  EXPECT_EQ(meta["inputs"][0]["path"], "drop.wav");
+  EXPECT_EQ(meta["inputs"][0]["sha256"].get<std::string>().size(), 64u);
+}
+
+TEST_F(Analyze, TheReportNeedsNoNetwork) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);
+  const std::string html = content_of(folder_ / "out" / "report.html");
+  EXPECT_EQ(html.find("<script src"), std::string::npos);
+  EXPECT_EQ(html.find("<link"), std::string::npos);
+  EXPECT_NE(html.find("Plotly"), std::string::npos);
+}
+
+TEST_F(Analyze, TheStagesByHandGiveTheSameNumbers) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);
+  ASSERT_EQ(run("detect drop.wav --out o.csv").exit_code, 0);
+  ASSERT_EQ(run("restitution o.csv --out s.csv").exit_code, 0);
+  run("fit s.csv --out f.json");
+  EXPECT_EQ(content_of(folder_ / "o.csv"), content_of(folder_ / "out" / "onsets.csv"));
+  EXPECT_EQ(content_of(folder_ / "s.csv"), content_of(folder_ / "out" / "samples.csv"));
+  EXPECT_EQ(content_of(folder_ / "f.json"), content_of(folder_ / "out" / "fit.json"));
+}
+
+TEST_F(Analyze, ThePingPongBallOfAKitchenIsHeard) {
+  const char* folder = std::getenv("BOUNCELAB_RECORDINGS");
+  if (folder == nullptr) GTEST_SKIP() << "BOUNCELAB_RECORDINGS names no folder with recordings";
+  const fs::path wav = fs::absolute(fs::path(folder) / "eeps_pingpong.wav");
+  const Result result = run("analyze '" + wav.string() + "' --out out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_NEAR(summary["eps_median"].get<double>(), 0.946, 0.004);  // annotated by ear and eye: README of the recordings
+  EXPECT_GE(summary["n_onsets"].get<int>(), 48);
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+
+#include "program.hpp"
+#include "wav.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+/// Every error here: one line that names the file and the place, the exit code of INTERFACE, and not one new file.
+class BadInput : public ProgramTest {
+ protected:
+  void expect_refused(const std::string& arguments, int exit_code, const std::vector<std::string>& words) {
+    const auto before = files();
+    SCOPED_TRACE(arguments);
+    expect_one_line_error(run(arguments), exit_code, words);
+    EXPECT_EQ(files(), before) << "something half-written was left";
+  }
+};
+
+TEST_F(BadInput, MissingRecording) {
+  expect_refused("detect nothing.wav --out o.csv", 3, {"nothing.wav"});
+  expect_refused("analyze nothing.wav --out out", 3, {"nothing.wav"});
+}
+
+TEST_F(BadInput, EmptyRecording) {
+  write("empty.wav", "");
+  expect_refused("detect empty.wav --out o.csv", 3, {"empty.wav", "empty"});
+  expect_refused("analyze empty.wav --out out", 3, {"empty.wav"});
+}
+
+TEST_F(BadInput, RecordingThatIsNoSound) {
+  write("notes.wav", "dropped the ball 40 times today, all from 10 cm\n");
+  expect_refused("detect notes.wav --out o.csv", 3, {"notes.wav"});
+}
+
+TEST_F(BadInput, TruncatedRecording) {
+  const std::string whole = float_wav(bouncing(12), 44100);
+  write("cut.wav", whole.substr(0, whole.size() / 2));
+  expect_refused("detect cut.wav --out o.csv", 3, {"cut.wav"});
+}
+
+TEST_F(BadInput, RecordingWithNotANumberIsNamedByPlace) {
+  std::vector<float> samples = bouncing(12);
+  samples[4410] = std::numeric_limits<float>::quiet_NaN();
+  write("nan.wav", float_wav(samples, 44100));
+  expect_refused("detect nan.wav --out o.csv", 3, {"nan.wav", "4410"});
+}
+
+TEST_F(BadInput, OnsetsWithAMissingColumnAWordOrUnsortedTimes) {
+  write("a.csv", "drop,impact\n0,0\n");
+  expect_refused("restitution a.csv --out s.csv", 3, {"a.csv", "line 1", "t_s"});
+  write("b.csv", "t_s\n0.1\nlater\n0.3\n");
+  expect_refused("restitution b.csv --out s.csv", 3, {"b.csv", "line 3", "t_s", "later"});
+  write("c.csv", "t_s\n0.1\n0.3\n0.2\n");
+  expect_refused("restitution c.csv --out s.csv", 3, {"c.csv", "line 4"});
+  expect_refused("restitution missing.csv --out s.csv", 3, {"missing.csv"});
+}
+
+TEST_F(BadInput, SamplesWithAMissingColumnOrAWord) {
+  write("a.csv", "v_mps\n1\n");
+  expect_refused("fit a.csv --out f.json", 3, {"a.csv", "line 1", "eps"});
+  write("b.csv", "v_mps,eps\n1,high\n");
+  expect_refused("fit b.csv --out f.json", 3, {"b.csv", "line 2", "high"});
+}
+
+TEST_F(BadInput, ImpactsWithAMissingColumnOrUnsortedTimes) {
+  write("a.csv", "drop,impact,t_s\n0,0,0.1\n");
+  expect_refused("synthesize a.csv --out r.wav", 3, {"a.csv", "line 1", "v_mps"});
+  write("b.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.4,1.3,1.2\n0,1,0.3,1.2,1.1\n");
+  expect_refused("synthesize b.csv --out r.wav", 3, {"b.csv", "line 3", "t_s"});
+}
+
+TEST_F(BadInput, OutOfRangeOptions) {
+  expect_refused("simulate --asperities 0 --out i.csv", 2, {"--asperities", "0"});
+  expect_refused("simulate --drops -3 --out i.csv", 2, {"--drops", "-3"});
+  expect_refused("simulate --radius-law potato --out i.csv", 2, {"--radius-law", "potato"});
+  expect_refused("restitution o.csv --gravity 0 --out s.csv", 2, {"--gravity", "0"});
+}
+
+TEST_F(BadInput, OutputThatCannotBeWritten) {
+  write("file", "");
+  expect_refused("simulate --drops 1 --impacts 3 --asperities 100 --out file/i.csv", 3, {"file/i.csv"});
+  expect_refused("simulate --drops 1 --impacts 3 --asperities 100 --out nowhere/i.csv", 3, {"nowhere/i.csv"});
+  expect_refused("loop --drops 1 --asperities 100 --out file/loop", 3, {"file/loop"});
+  write("ok.wav", float_wav(bouncing(12), 44100));
+  expect_refused("analyze ok.wav --out file/out", 3, {"file/out"});
+}
+
+TEST_F(BadInput, AnExistingOutputIsKeptUnlessForced) {
+  write("i.csv", "mine");
+  expect_refused("simulate --drops 1 --impacts 3 --asperities 100 --out i.csv", 3, {"i.csv", "--force"});
+  EXPECT_EQ(content_of(folder_ / "i.csv"), "mine");
+  EXPECT_EQ(run("simulate --drops 1 --impacts 3 --asperities 100 --out i.csv --force").exit_code, 0);
+  EXPECT_NE(content_of(folder_ / "i.csv"), "mine");
+}
+
+TEST_F(BadInput, SoundWithNoBounceInventsNothing) {
+  write("noise.wav", float_wav(noise(3 * 44100, 0.01), 44100));
+  write("silence.wav", float_wav(std::vector<float>(3 * 44100, 0.0f), 44100));
+  write("one.wav", float_wav(bouncing(1), 44100));
+  for (const std::string name : {"noise", "silence", "one"}) {
+    const Result result = run("detect " + name + ".wav --out " + name + ".csv --json");
+    EXPECT_EQ(result.exit_code, 1) << name << ": " << result.err;
+    const std::string table = content_of(folder_ / (name + ".csv"));
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1) << name << " has invented impacts:\n" << table;
+    EXPECT_EQ(run("analyze " + name + ".wav --out out_" + name).exit_code, 1) << name;
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test
