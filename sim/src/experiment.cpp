@@ -75,6 +75,23 @@ void require(bool holds, const std::string& quantity, double value, const std::s
   throw InvalidArgument(out.str());
 }
 
+/// A law is asked for speeds from rest to what the fall, the throw and the spin can bring to the point of contact.
+void require_sane_restitution(const SimulationConfig& c) {
+  const auto& [wx, wy, wz] = c.start_spin_radps;
+  const auto& [vx, vy] = c.start_velocity_mps;
+  const double fastest_mps = std::sqrt(2.0 * c.gravity_mps2 * c.drop_height_max_m) + std::hypot(vx, vy) +
+                             c.ball.radius_m * std::hypot(wx, wy, wz);
+  constexpr int kPoints = 1000;
+  for (int k = 0; k <= kPoints; ++k) {
+    const double v_mps = fastest_mps * k / kPoints;
+    const double eps = restitution(c.law, v_mps);
+    std::ostringstream range;
+    range << "(0, 1.5]; at " << v_mps << " m/s, which this experiment reaches, the law " << describe(c.law)
+          << " cannot hold";
+    require(eps > 0.0 && eps <= 1.5, "coefficient of restitution", eps, range.str());
+  }
+}
+
 void append(Impacts& all, const Impacts& some) {
   all.rows.insert(all.rows.end(), some.rows.begin(), some.rows.end());
   all.states.insert(all.states.end(), some.states.begin(), some.states.end());
@@ -110,6 +127,10 @@ void validate(const SimulationConfig& c) {
   require(c.drop_height_min_m > 0.0, "least drop height", c.drop_height_min_m, "> 0 m");
   require(c.drop_height_max_m >= c.drop_height_min_m && std::isfinite(c.drop_height_max_m), "greatest drop height",
           c.drop_height_max_m, "not below the least drop height");
+  for (const double v : c.start_velocity_mps) require(std::isfinite(v), "start velocity", v, "finite, m/s");
+  for (const double x : c.start_position_m) require(std::isfinite(x), "start position", x, "finite, m");
+  for (const double w : c.start_spin_radps) require(std::isfinite(w), "start spin", w, "finite, rad/s");
+  require_sane_restitution(c);
   require(c.min_speed_mps >= 0.0, "least speed", c.min_speed_mps, ">= 0 m/s");
   require(c.max_time_s > 0.0, "time limit", c.max_time_s, "> 0 s");
 }
@@ -157,7 +178,8 @@ DropResult simulate_drop(const SimulationConfig& config, const Surface& surface,
 SimulationResult simulate(const SimulationConfig& config, const Surface& surface, const ProgressCallback& progress) {
   validate(config);
   const int n_threads = config.n_threads > 0 ? config.n_threads : oneapi::tbb::info::default_concurrency();
-  const Envelope envelope(config.ball, surface, n_threads);
+  const ProgressCallback not_yet = [&](double, double) { progress(0.0, static_cast<double>(config.n_drops)); };
+  const Envelope envelope(config.ball, surface, n_threads, progress ? not_yet : ProgressCallback{});
   std::vector<DropResult> drops(static_cast<std::size_t>(config.n_drops));
   std::mutex mutex;
   std::int64_t n_done = 0;

@@ -21,13 +21,15 @@ Vector3 random_direction(Random& random) {
 
 }  // namespace
 
-Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLaw& law, std::uint64_t seed) {
+Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLaw& law, std::uint64_t seed,
+                     const ProgressCallback& progress) {
   if (n_asperities < 0 || n_asperities > std::numeric_limits<std::uint32_t>::max() - 1)
     throw InvalidArgument("surface: " + std::to_string(n_asperities) + " asperities are outside [0, 4e9]");
   validate(law);
   Surface surface;
   surface.asperities.reserve(static_cast<std::size_t>(n_asperities));
   for (std::int64_t j = 0; j < n_asperities; ++j) {
+    if (progress && j % 100'000 == 0) progress(static_cast<double>(j), static_cast<double>(n_asperities));
     Random random(seed, RandomStream::surface, static_cast<std::uint64_t>(j));
     const Vector3 direction = random_direction(random);
     const double radius = draw_radius(law, random);

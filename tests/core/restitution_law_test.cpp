@@ -51,6 +51,20 @@ TEST(RestitutionLaw, TableInterpolatesAndHoldsItsEnds) {
   EXPECT_DOUBLE_EQ(restitution(table, 2.0), 0.96);
 }
 
+TEST(RestitutionLaw, IsReadFromText) {
+  const double v = 0.5;
+  const auto eps = [v](const char* text) { return restitution(restitution_law_from_text(text), v); };
+  EXPECT_EQ(eps("series:A2=0.0467,A4=0.1339,A5=-0.2876"), restitution(SeriesLaw{}, v));
+  EXPECT_EQ(eps("series"), restitution(SeriesLaw{}, v));
+  EXPECT_EQ(eps("series:A10=0.1"), restitution(SeriesLaw{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1}}, v));
+  EXPECT_EQ(eps("viscoelastic:0.01"), restitution(ViscoelasticLaw{0.01}, v));
+  EXPECT_EQ(eps("constant:0.9"), 0.9);
+  for (const char* text : {"", "series:", "series:A2", "series:A3=1", "series:A11=1", "series:A2=1,", "constant:x",
+                           "constant:0", "viscoelastic:-1", "table", "newton:0.9"})
+    EXPECT_THROW(restitution_law_from_text(text), InvalidArgument) << text;
+  EXPECT_THROW(restitution_law_from_text("table:no-such-file.csv"), FileError);
+}
+
 TEST(RestitutionLaw, BadParametersAreRefused) {
   EXPECT_THROW(validate(ViscoelasticLaw{-1.0}), InvalidArgument);
   EXPECT_THROW(validate(ConstantLaw{0.0}), InvalidArgument);

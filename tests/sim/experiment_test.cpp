@@ -136,6 +136,8 @@ TEST(Simulate, RefusesWhatCannotBe) {
   refuses([](SimulationConfig& c) { c.drop_height_min_m = c.drop_height_max_m = 0.5e-3; });  // asperity of 1 mm
   refuses([](SimulationConfig& c) { c.drop_height_max_m = 0.01; });
   refuses([](SimulationConfig& c) { c.law = ConstantLaw{2.0}; });
+  refuses([](SimulationConfig& c) { c.law = TableLaw{{0.0, 1.0}, {1.0, -0.1}}; });  // below 0 at 1 m/s
+  refuses([](SimulationConfig& c) { c.start_spin_radps[1] = NAN; });
 }
 
 TEST(Simulate, ProgressMayStopIt) {

@@ -14,6 +14,7 @@
 #include "detect_command.hpp"
 #include "progress_line.hpp"
 #include "report_command.hpp"
+#include "simulate_command.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -102,6 +103,7 @@ int run(std::vector<std::string> line) {
   CommonOptions common;
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
+      add_simulate_command(app),
       add_report_command(app),
       add_detect_command(app),
   };

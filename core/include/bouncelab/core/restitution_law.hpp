@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -55,6 +56,11 @@ double restitution(const RestitutionLaw& law, double v_mps);
 
 /// Throws InvalidArgument unless every parameter of the law is finite and in its range.
 void validate(const RestitutionLaw& law);
+
+/// Reads "series:A2=0.0467,A4=0.1339,A5=-0.2876" (any A_i up to A10, those not named are 0), "viscoelastic:0.02072",
+/// "constant:0.98" or "table:FILE.csv" (columns v_mps, eps); without parameters the defaults above hold.
+/// @throws InvalidArgument naming the text and what may stand; FileError where the table cannot be read
+RestitutionLaw restitution_law_from_text(std::string_view text);
 
 /// One line for people, e.g. "A2 = 0.0467, A4 = 0.1339, A5 = -0.2876".
 std::string describe(const RestitutionLaw& law);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
@@ -55,8 +56,10 @@ struct Surface {
 /// Asperities with directions uniform on the sphere and radii by `law`. Asperity j depends on (seed, j) alone: a
 /// surface of fewer asperities is the beginning of a larger one.
 /// @param n_asperities  0 ... 4e9
+/// @param progress  called with asperities done; may throw to stop
 /// @throws InvalidArgument where the law's parameters are out of range, or a radius drawn reaches R
-Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLaw& law, std::uint64_t seed);
+Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLaw& law, std::uint64_t seed,
+                     const ProgressCallback& progress = {});
 
 /// The `surface` table: ux, uy, uz, radius_m.
 Table to_table(const Surface& surface);

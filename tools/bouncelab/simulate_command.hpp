@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bouncelab/sim/experiment.hpp"
+#include "command.hpp"
+
+namespace bouncelab::cli {
+
+/// What `simulate` and `loop` let the user choose of the simulation. Texts are read by simulation_config().
+struct SimulateOptions {
+  SimulationConfig config;
+  std::int64_t n_asperities = 1'000'000;
+  std::string radius_law = "uniform:5e-4,1.5e-3";
+  std::string restitution_law = "series:A2=0.0467,A4=0.1339,A5=-0.2876";
+  std::string contact = "paper";
+  double beta = 1.0;
+  double mu = 0.2;
+  std::vector<double> height_m{0.09, 0.10};
+  std::vector<double> plate_m, start_m, velocity_mps, spin_radps;
+  std::string surface_file;
+
+  std::string out;  ///< of the impacts
+  std::string write_surface;
+  std::string preset;
+};
+
+/// Registers the physics, without files of output.
+void add_simulate_options(CLI::App& app, SimulateOptions& options);
+
+/// The experiment that the options describe. @throws InvalidArgument
+SimulationConfig simulation_config(const SimulateOptions& options, const CommonOptions& common);
+
+/// Simulates and writes options.out (and options.write_surface where named).
+Outcome run_simulate(const SimulateOptions& options, Run& run);
+
+Command add_simulate_command(CLI::App& app);
+
+}  // namespace bouncelab::cli
