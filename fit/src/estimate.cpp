@@ -21,8 +21,13 @@ const char* to_string(FitStatus status) {
 
 Estimate normal_estimate(double value, double se) {
   constexpr double k95 = 1.959963984540054;  // normal quantile of 0.975
-  return {value,        se,  Interval{value - se, value + se}, Interval{value - k95 * se, value + k95 * se},
-          "covariance", true};
+  Estimate estimate;
+  estimate.value = value;
+  estimate.se = se;
+  estimate.ci68 = Interval{value - se, value + se};
+  estimate.ci95 = Interval{value - k95 * se, value + k95 * se};
+  estimate.interval_method = "covariance";
+  return estimate;
 }
 
 }  // namespace bouncelab

@@ -107,12 +107,11 @@ Estimate slope_estimate(double log_b, double variance) {
   constexpr double k95 = 1.959963984540054;
   constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
   const double se = std::sqrt(variance), slope = std::exp(-log_b);
-  return {slope,
-          slope * se,
-          Interval{slope * std::exp(-se), slope * std::exp(se)},
-          Interval{slope * std::exp(-k95 * se), slope * std::exp(k95 * se)},
-          "covariance",
-          se < kKnownToAFactor2};
+  Estimate estimate = normal_estimate(slope, slope * se);
+  estimate.ci68 = Interval{slope * std::exp(-se), slope * std::exp(se)};
+  estimate.ci95 = Interval{slope * std::exp(-k95 * se), slope * std::exp(k95 * se)};
+  estimate.identified = se < kKnownToAFactor2;
+  return estimate;
 }
 
 void describe(HistogramFit& result, const LawData& data) {

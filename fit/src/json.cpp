@@ -21,9 +21,9 @@ Json json_of(const std::optional<T>& x) {
 }
 
 Json json_of(const Estimate& e) {
-  return {{"value", json_of(e.value)},      {"se", json_of(e.se)},
-          {"ci68", json_of(e.ci68)},        {"ci95", json_of(e.ci95)},
-          {"intervals", e.interval_method}, {"identified", e.identified}};
+  return {{"value", json_of(e.value)}, {"se", json_of(e.se)},     {"se_robust", json_of(e.se_robust)},
+          {"ci68", json_of(e.ci68)},   {"ci95", json_of(e.ci95)}, {"intervals", e.interval_method},
+          {"identified", e.identified}};
 }
 
 Json json_of(const Matrix& m) {
@@ -49,6 +49,7 @@ Json nodes_of(const LawFit& fit) {
     nodes.push_back({{"v_mps", node.v_mps},
                      {"eps", json_of(node.eps.value)},
                      {"se", json_of(node.eps.se)},
+                     {"se_robust", json_of(node.eps.se_robust)},
                      {"ci68", json_of(node.eps.ci68)},
                      {"ci95", json_of(node.eps.ci95)}});
   return nodes;

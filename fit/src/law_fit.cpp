@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kFewest = 10;  // below: more parameters than a scatter can be judged by
 constexpr double kSpeedRatioMin = 1.2;
+constexpr double kResolution = 1e-8;  // of eps: far below any timing; samples without any scatter are fitted too
 
 LawData law_data(const RestitutionSamples& samples) {
   std::vector<std::size_t> order(samples.size());
@@ -34,7 +35,7 @@ LawData law_data(const RestitutionSamples& samples) {
                             std::to_string(s.eps) + ": must be finite, the speed positive; leave it out");
     data.v_mps.push_back(s.v_mps);
     data.eps.push_back(s.eps);
-    data.tau.push_back(std::max(0.0, s.sigma_eps.value_or(0.0)));
+    data.tau.push_back(std::hypot(s.sigma_eps.value_or(0.0), kResolution));
     data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
   }
   return data;

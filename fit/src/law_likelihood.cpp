@@ -10,7 +10,7 @@ namespace bouncelab {
 namespace {
 
 // exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
-constexpr double kLogScaleMin = -23.0, kLogScaleMax = 3.0;
+constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
@@ -90,7 +90,35 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
     sum += f.log_density;
     if (gradient) add_score(f, k, rows->col(column).data(), gradient->data());
   }
+  return sum - asymmetry_penalty(theta, gradient);
+}
+
+double LawLikelihood::asymmetry_penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
+  if (scatter_.kind != ScatterKind::asymmetric_laplace) return 0.0;
+  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
+  double sum = 0.0;
+  for (Eigen::Index k = n_law_; k < n_law_ + n_terms; ++k) {
+    const double d = theta[k + n_terms] - theta[k], r = 1.0 / (1.0 + d * d);
+    sum += 0.5 * (d * d - 1.0 + r);
+    if (!gradient) continue;
+    const double slope = d - d * r * r;
+    (*gradient)[k] += slope;
+    (*gradient)[k + n_terms] -= slope;
+  }
   return sum;
+}
+
+void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const {
+  if (scatter_.kind != ScatterKind::asymmetric_laplace) return;
+  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
+  for (Eigen::Index k = n_law_; k < n_law_ + n_terms; ++k) {
+    const double d = theta[k + n_terms] - theta[k], r = 1.0 / (1.0 + d * d);
+    const double curvature = 1.0 - (1.0 - 3.0 * d * d) * r * r * r;
+    information(k, k) += curvature;
+    information(k + n_terms, k + n_terms) += curvature;
+    information(k, k + n_terms) -= curvature;
+    information(k + n_terms, k) -= curvature;
+  }
 }
 
 double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k) const {
@@ -118,7 +146,7 @@ Information3 LawLikelihood::information_of(const Eigen::VectorXd& theta, std::si
 }
 
 Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
-  constexpr std::size_t kEnough = 2048;  // a stratified mean over so many speeds is good to a fraction of a percent
+  constexpr std::size_t kEnough = 600;  // a stratified mean over so many speeds is good to a percent
   const std::size_t stride = std::max<std::size_t>(1, data_.size() / kEnough);
   Eigen::MatrixXd storage;
   const Eigen::MatrixXd& rows = law_rows(theta, storage);
@@ -139,7 +167,9 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
     j << info.ll, info.lb, info.la, info.lb, info.bb, info.ba, info.la, info.ba, info.aa;
     sum.noalias() += design.transpose() * j * design;
   }
-  return sum * (static_cast<double>(data_.size()) / static_cast<double>(n));
+  sum *= static_cast<double>(data_.size()) / static_cast<double>(n);
+  add_penalty_curvature(theta, sum);
+  return sum;
 }
 
 Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {

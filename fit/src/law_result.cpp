@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law_result.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,45 @@ Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
   return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
 }
 
-double standard_error(const Eigen::MatrixXd& covariance, Eigen::Index i) { return std::sqrt(covariance(i, i)); }
+/// Covariance of theta that does not lean on the model of the scatter: H^-1 (sum over drops of score score^T) H^-1.
+///
+/// In coordinates whitened by the model's own covariance, where H is minus the unit matrix if the model holds. H by
+/// differences over one standard error: that far the kinks of single samples are smoothed out.
+/// Source: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13. nullopt for too few drops.
+std::optional<Eigen::MatrixXd> sandwich(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                        const Eigen::MatrixXd& white) {
+  const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
+  const Eigen::Index n_theta = theta.size(), n_drops = scores.cols();
+  if (n_drops < 2 * n_theta) return std::nullopt;
+  Eigen::MatrixXd curvature(n_theta, n_theta);
+  for (Eigen::Index j = 0; j < n_theta; ++j) {
+    Eigen::VectorXd ahead, behind;
+    const Eigen::VectorXd step = white.col(j);
+    likelihood(theta + step, &ahead);
+    likelihood(theta - step, &behind);
+    curvature.col(j) = 0.5 * white.transpose() * (behind - ahead);
+  }
+  curvature = 0.5 * (curvature + curvature.transpose()).eval();
+  const Eigen::LLT<Eigen::MatrixXd> llt(curvature);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const auto n = static_cast<double>(n_drops);
+  const Eigen::MatrixXd half = white * llt.solve(scores);
+  return Eigen::MatrixXd(half * half.transpose() * (n / (n - 1.0)));
+}
+
+/// What is known of the law's coordinates q.
+struct Knowledge {
+  Eigen::VectorXd q;
+  Eigen::MatrixXd covariance;
+  std::optional<Eigen::MatrixXd> robust;
+
+  /// Value with errors of a function whose gradient by q is `row`.
+  Estimate estimate(double value, const Eigen::RowVectorXd& row) const {
+    Estimate e = normal_estimate(value, std::sqrt(row * covariance * row.transpose()));
+    if (robust) e.se_robust = std::sqrt(row * *robust * row.transpose());
+    return e;
+  }
+};
 
 /// A parameter is identified when it is known to within itself (95 %), or its term C_i A_i v^(i/10) is known, in the
 /// middle of the data, to within the whole loss 1 - eps that the series has to explain.
@@ -42,11 +81,11 @@ std::string number(double x) {
   return text;
 }
 
-void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Eigen::VectorXd& q,
-                         const Eigen::MatrixXd& covariance_q) {
+void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Knowledge& known) {
   const LawModel& model = likelihood.model();
+  const Eigen::VectorXd& q = known.q;
   const Eigen::MatrixXd j = model.reported_jacobian(q);
-  const Eigen::MatrixXd covariance = j * covariance_q * j.transpose();
+  const Eigen::MatrixXd covariance = j * known.covariance * j.transpose();
   const Eigen::MatrixXd correlation = correlation_of(covariance);
   const Eigen::VectorXd values = model.reported(q);
   const auto& v = likelihood.data().v_mps;
@@ -55,7 +94,7 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Eig
   const auto names = model.names();
   std::string unknown;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
-    Estimate a = normal_estimate(values[i], standard_error(covariance, i));
+    Estimate a = known.estimate(values[i], j.row(i));
     const std::string& name = names[static_cast<std::size_t>(i)];
     a.identified = is_identified(model, i, a, v_middle, eps_middle);
     if (!a.identified)
@@ -73,15 +112,15 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Eig
   }
 }
 
-void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Eigen::VectorXd& q,
-                    const Eigen::MatrixXd& covariance_q, const std::vector<double>& node_speeds_mps) {
+void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Knowledge& known,
+                    const std::vector<double>& node_speeds_mps) {
+  const Eigen::VectorXd& q = known.q;
   const LawModel& model = likelihood.model();
   const Eigen::MatrixXd node_rows = model.jacobian(node_speeds_mps, q);
-  const Eigen::MatrixXd node_covariance = node_rows * covariance_q * node_rows.transpose();
+  const Eigen::MatrixXd node_covariance = node_rows * known.covariance * node_rows.transpose();
   const Eigen::VectorXd node_eps = model.eps(node_speeds_mps, q);
   for (Eigen::Index j = 0; j < node_eps.size(); ++j)
-    fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)],
-                         normal_estimate(node_eps[j], standard_error(node_covariance, j))});
+    fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)], known.estimate(node_eps[j], node_rows.row(j))});
   fit.node_correlation = to_matrix(correlation_of(node_covariance));
 
   constexpr std::size_t kPoints = 80;
@@ -93,8 +132,7 @@ void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Eigen::V
   const Eigen::VectorXd eps = model.eps(speeds, q);
   for (std::size_t k = 0; k < kPoints; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    const double variance = rows.row(i) * covariance_q * rows.row(i).transpose();
-    fit.curve.push_back({speeds[k], eps[i], normal_estimate(eps[i], std::sqrt(variance)).ci95});
+    fit.curve.push_back({speeds[k], eps[i], known.estimate(eps[i], rows.row(i)).ci95});
   }
 }
 
@@ -119,14 +157,14 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
                   const std::vector<double>& node_speeds_mps) {
   fit.status = FitStatus::ok;
   const Eigen::Index n_law = likelihood.model().n_parameters();
-  const Eigen::VectorXd q = maximum.x.head(n_law);
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
-  const Eigen::MatrixXd covariance_q = (white * white.transpose()).topLeftCorner(n_law, n_law);
+  Knowledge known{maximum.x.head(n_law), (white * white.transpose()).topLeftCorner(n_law, n_law), std::nullopt};
+  if (const auto robust = sandwich(likelihood, maximum.x, white)) known.robust = robust->topLeftCorner(n_law, n_law);
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
   fit.scatter = likelihood.scatter_model(maximum.x);
-  fit.law = likelihood.model().law(q);
-  describe_parameters(fit, likelihood, q, covariance_q);
-  describe_curve(fit, likelihood, q, covariance_q, node_speeds_mps);
+  fit.law = likelihood.model().law(known.q);
+  describe_parameters(fit, likelihood, known);
+  describe_curve(fit, likelihood, known, node_speeds_mps);
   describe_goodness(fit, likelihood, maximum);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;

@@ -75,7 +75,7 @@ Eigen::VectorXd log_scales(const LawData& data, const std::vector<SpeedBin>& bin
     timing /= static_cast<double>(bins[j].end - bins[j].begin);
     // an exponential of mean b and a half-normal add in variance: 2 b^2 + tau^2 against 2 mean^2
     const double free_of_timing = std::sqrt(std::max(mean * mean - 0.5 * timing, 0.04 * mean * mean));
-    result[static_cast<Eigen::Index>(j)] = std::log(std::max(free_of_timing, 1e-9));
+    result[static_cast<Eigen::Index>(j)] = std::log(std::max(free_of_timing, 1e-8));
   }
   return result;
 }

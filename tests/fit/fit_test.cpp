@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "bouncelab/fit/json.hpp"
 #include "synthetic_samples.hpp"
@@ -54,6 +55,41 @@ TEST(FitAll, WarnsInWordsOfConstantsThatCannotBeToldApart) {
   const auto it = std::find_if(result.warnings.begin(), result.warnings.end(),
                                [](const auto& w) { return w.find("cannot be told apart") != std::string::npos; });
   EXPECT_NE(it, result.warnings.end());
+}
+
+nlohmann::json json_of(const RestitutionSamples& samples) {
+  return nlohmann::json::parse(to_json(fit_all(samples, {})));
+}
+
+TEST(FitJson, HasTheKeysOfTheInterface) {
+  const auto j = json_of(testing::independent_samples({}, 3000, 0.2, 1.4, 1e-4));
+  for (const char* law : {"law", "law_least_squares"}) {
+    for (const char* a : {"A2", "A4", "A5"})
+      for (const char* key : {"value", "se"}) EXPECT_TRUE(j.at(law).at(a).at(key).is_number());
+    EXPECT_EQ(j.at(law).at("correlation").size(), 3u);
+    for (const char* key : {"condition_number", "loglik", "aic", "bic", "n", "chi2", "ndf", "p_value"})
+      EXPECT_TRUE(j.at(law).at(key).is_number()) << key;
+    EXPECT_TRUE(j.at(law).at("method").is_string() && j.at(law).at("status").is_string());
+    EXPECT_EQ(j.at(law).at("A2").at("ci95").size(), 2u);
+    for (const auto& node : j.at(law).at("nodes"))
+      EXPECT_TRUE(node.at("v_mps").is_number() && node.at("eps").is_number() && node.at("se").is_number());
+    EXPECT_GT(j.at(law).at("curve").size(), 10u);
+    EXPECT_TRUE(j.at(law).at("curve")[0].at("lo95").is_number());
+  }
+  EXPECT_TRUE(j.at("law_viscoelastic").at("gamma").at("value").is_number());
+  EXPECT_EQ(j.at("histograms").size(), 8u);
+  for (const char* key : {"peak_eps", "slope_rising", "slope_falling"})
+    EXPECT_EQ(j.at("histograms")[0].at(key).at("ci68").size(), 2u);
+  for (const char* key : {"v_lo_mps", "v_hi_mps", "v_mps", "n", "p_value", "delta_aic_gaussian"})
+    EXPECT_TRUE(j.at("histograms")[0].at(key).is_number()) << key;
+}
+
+TEST(FitJson, HasNullsAndNoNumbersWhereNothingIsKnown) {
+  const auto j = json_of(testing::independent_samples({}, 3, 0.2, 1.4, 0.0));
+  EXPECT_EQ(j.at("status"), "too_few_samples");
+  EXPECT_FALSE(j.at("law").contains("A2"));
+  EXPECT_TRUE(j.at("law").at("loglik").is_null());
+  EXPECT_TRUE(j.at("histograms")[0].at("slope_rising").is_null());
 }
 
 }  // namespace

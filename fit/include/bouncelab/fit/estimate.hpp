@@ -26,7 +26,9 @@ struct Interval {
 /// A number with its uncertainty. Absent = not known; never a placeholder.
 struct Estimate {
   double value = 0.0;
-  std::optional<double> se;      ///< standard error, from the information matrix
+  std::optional<double> se;         ///< standard error, from the expected information
+  std::optional<double> se_robust;  ///< the same from the scores' scatter between drops (sandwich): holds also where
+                                    ///< the model of the scatter does not, or samples of a drop are correlated
   std::optional<Interval> ci68;  ///< 68.27 % confidence interval
   std::optional<Interval> ci95;  ///< 95 % confidence interval
   std::string interval_method;   ///< "covariance", "profile" or "bootstrap"
