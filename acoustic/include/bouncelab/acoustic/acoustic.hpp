@@ -3,7 +3,10 @@
 #pragma once
 
 #include "bouncelab/acoustic/audio_reader.hpp"  // any file that libsndfile reads, as samples
+#include "bouncelab/acoustic/audio_writer.hpp"  // samples to WAV, RF64, W64, FLAC
 #include "bouncelab/acoustic/detection.hpp"     // sound -> impact times with standard errors
+#include "bouncelab/acoustic/plate.hpp"         // the grounds and their modes
 #include "bouncelab/acoustic/score.hpp"         // detected against true times
 #include "bouncelab/acoustic/sound.hpp"         // one channel that can be read anywhere
+#include "bouncelab/acoustic/synthesis.hpp"     // impact times -> sound and its truth
 #include "bouncelab/acoustic/wave_preview.hpp"  // a recording small enough to be drawn

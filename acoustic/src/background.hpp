@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "bouncelab/acoustic/synthesis.hpp"
+#include "converter.hpp"
+#include "noise.hpp"
+#include "schedule.hpp"
+
+namespace bouncelab {
+
+/// Everything in a channel that is not a strike on the ground: noise, hum, drift, clicks, bursts. A function of time:
+/// any stretch may be asked for.
+class Background {
+ public:
+  Background(const SynthesisConfig& config, const Schedule& schedule, const Levels& levels);
+  /// Adds frames first ... first + out.size() - 1 of one channel.
+  void add(std::size_t channel, std::int64_t first, std::span<double> out) const;
+
+ private:
+  void add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const;
+  void add_hum_and_drift(std::int64_t first, std::span<double> out) const;
+  void add_clicks(std::int64_t first, std::span<double> out) const;
+  void add_burst(std::size_t index, std::int64_t first, std::span<double> out) const;
+
+  const SynthesisConfig& config_;
+  const Schedule& schedule_;
+  Levels levels_;
+  FlickerFilter flicker_;
+  ConverterFilter filter_;
+};
+
+}  // namespace bouncelab

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/acoustic/synthesis.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/units.hpp"
+#include "fourier.hpp"
+
+namespace bouncelab {
+namespace {
+
+namespace fs = std::filesystem;
+using Complex = std::complex<double>;
+
+Impact impact(std::int64_t drop, std::int64_t number, double t_s, double v_mps) {
+  return {drop, number, t_s, v_mps, 0.98 * v_mps, 0.98, v_mps, 0.98, -1};
+}
+
+Impacts impacts(const std::vector<double>& times_s, double v_mps = 1.0) {
+  Impacts result;
+  for (std::size_t k = 0; k < times_s.size(); ++k)
+    result.rows.push_back(impact(0, static_cast<std::int64_t>(k), times_s[k], v_mps));
+  return result;
+}
+
+/// A short recording in which only the ball is heard: noise at -200 dB.
+SynthesisConfig quiet() {
+  SynthesisConfig config;
+  config.snr_db = 200.0;
+  config.lead_in_s = 0.1;
+  config.pause_s = 0.3;
+  config.start_spread_m = 0.0;
+  return config;
+}
+
+double rms(std::span<const double> x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+TEST(Synthesis, TheSameImpactAtSixtyFourFractionsOfASampleIsTheSameWaveShiftedInPhase) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  const auto spectrum_at = [&](double offset_samples) {
+    std::vector<double> x =
+        SyntheticRecording(impacts({0.05 + offset_samples / config.rate_hz}), config, instrument).samples();
+    x.resize(1 << 15, 0.0);  // 0.34 s: what is left of the ringing is below 1e-8
+    return fourier(x);
+  };
+  const std::vector<Complex> reference = spectrum_at(0.0);
+  const auto n = static_cast<double>(1 << 15);
+  for (int k = 1; k < 64; ++k) {
+    const double offset = k / 64.0;
+    const std::vector<Complex> shifted = spectrum_at(offset);
+    // least squares of the residual shift: phase = -2 pi f d, weight |f X|^2
+    double numerator = 0.0, denominator = 0.0, difference = 0.0, energy = 0.0;
+    for (std::size_t f = 1; f < reference.size() / 2; ++f) {
+      const double radians = 2.0 * kPi * static_cast<double>(f) / n;
+      const Complex aligned = shifted[f] * std::polar(1.0, radians * offset);
+      numerator += radians * std::imag(std::conj(aligned) * reference[f]);
+      denominator += radians * radians * std::norm(reference[f]);
+      difference += std::norm(aligned - reference[f]);
+      energy += std::norm(reference[f]);
+    }
+    EXPECT_LT(std::abs(numerator / denominator), 1e-5) << "shift left, in samples, at offset " << offset;
+    // what folds back past the converter's 100 dB, and the filter table's 1e-8
+    EXPECT_LT(std::sqrt(difference / energy), 2e-5) << offset;
+  }
+}
+
+TEST(Synthesis, BothSidesOfTheSoundAreWhereTheTruthSays) {
+  SynthesisConfig config = quiet();
+  const SyntheticRecording recording(impacts({0.05, 0.15}), config);
+  const std::vector<double> x = recording.samples();
+  for (const TrueImpact& hit : recording.truth()) {
+    const auto at = static_cast<std::size_t>((hit.t_s + hit.travel_time_s) * config.rate_hz);
+    // the converter's precursor is below 1% beyond six samples; two samples of a pulse starting like s^1.5 are small
+    if (hit.impact == 0) EXPECT_LT(rms(std::span(x).subspan(at - 100, 94)), 0.01 * hit.amplitude);
+    EXPECT_GT(rms(std::span(x).subspan(at, 40)), 0.05 * hit.amplitude);
+    double largest = 0.0;
+    for (std::size_t k = at; k < at + 4000; ++k) largest = std::max(largest, std::abs(x[k]));
+    EXPECT_NEAR(largest, hit.amplitude, (hit.impact == 0 ? 1e-9 : 0.02)) << "the second rides on the first's ringing";
+  }
+  EXPECT_NEAR(recording.truth()[0].t_s, 0.15, 1e-15);
+  EXPECT_NEAR(recording.truth()[1].t_s - recording.truth()[0].t_s, 0.10, 1e-15);
+}
+
+TEST(Synthesis, ImpactsAddUp) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  // 0.7 ms apart: both within one head; and 40 ms
+  const Impacts both = impacts({0.05, 0.0507, 0.0907});
+  std::vector<double> sum(SyntheticRecording(both, config, instrument).samples().size(), 0.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::vector<double> one = SyntheticRecording(impacts({both.rows[k].t_s}), config, instrument).samples();
+    for (std::size_t j = 0; j < std::min(one.size(), sum.size()); ++j) sum[j] += one[j];
+  }
+  const std::vector<double> together = SyntheticRecording(both, config, instrument).samples();
+  for (std::size_t j = 0; j < 30000; ++j) ASSERT_NEAR(together[j], sum[j], 1e-9) << j;  // 1e-12 noise, 1e-11 silence
+}
+
+TEST(Synthesis, TheMomentumIsHeard) {
+  // quasi-static: at equal contact time the wave is proportional to m v (1 + eps)
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  Impacts soft = impacts({0.05}), hard = impacts({0.05});
+  soft.rows[0].v_after_mps = 0.0;
+  hard.rows[0].v_after_mps = 1.0;
+  EXPECT_NEAR(SyntheticRecording(hard, config, instrument).truth()[0].amplitude /
+                  SyntheticRecording(soft, config, instrument).truth()[0].amplitude,
+              2.0, 1e-12);
+}
+
+TEST(Synthesis, SamplesDependNeitherOnThreadsNorOnSegments) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  config.noise_corner_hz = 300.0;
+  config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
+  std::vector<double> times_s;
+  for (int k = 0; k < 60; ++k) times_s.push_back(0.1 + 0.1 * k);
+  const Impacts many = impacts(times_s);
+  const SyntheticRecording one(many, config);
+  config.n_threads = 3;
+  const SyntheticRecording three(many, config);
+  ASSERT_GE(one.n_segments(), 3);
+  EXPECT_EQ(three.segment(2), one.segment(2));
+  EXPECT_EQ(one.samples(), three.samples());
+
+  // across a segment's border the wave goes on: the second difference has no step there
+  SynthesisConfig clean = quiet();
+  clean.levels = Levels{1e-4, 1e-12, 1.0};
+  const double border_s = static_cast<double>(one.segment_frames()) / clean.rate_hz;
+  const SyntheticRecording across(impacts({border_s - 0.1 - 0.01, border_s - 0.1 - 0.0001}), clean);
+  clean.lead_in_s += 0.25;  // the same sound, elsewhere in its segment
+  const SyntheticRecording within(impacts({border_s - 0.1 - 0.01, border_s - 0.1 - 0.0001}), clean);
+  const std::vector<double> a = across.samples(), b = within.samples();
+  const auto border = static_cast<std::size_t>(one.segment_frames());
+  for (std::size_t k = border - 2000; k < border + 2000; ++k) ASSERT_NEAR(a[k], b[k + 24000], 1e-9) << k;
+}
+
+TEST(Synthesis, NoiseIsAsLoudAsTheSnrSays) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 20.0;
+  config.lead_in_s = 3.0;
+  for (const double corner_hz : {0.0, 1000.0}) {
+    config.noise_corner_hz = corner_hz;
+    Impacts two = impacts({0.05, 0.15});
+    two.rows[1].v_mps = 0.3;
+    two.rows[1].v_after_mps = 0.29;
+    const SyntheticRecording recording(two, config);
+    const std::vector<double> x = recording.samples();
+    const double weakest = recording.truth()[1].amplitude;
+    EXPECT_NEAR(recording.truth()[1].snr_db, 20.0, 1e-9);
+    EXPECT_NEAR(recording.truth()[0].amplitude, config.peak, 1e-12);
+    // 288,000 samples: 0.13% white; a 5 Hz floor leaves some 30 independent values of its slowest third, 10%
+    EXPECT_NEAR(rms(std::span(x).first(288000)) / (0.1 * weakest), 1.0, corner_hz > 0.0 ? 0.15 : 0.006);
+  }
+}
+
+TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBound) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  config.pause_s = 0.2;
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  // one clean wave and its slope (from the wave moved by +-0.05 samples)
+  constexpr double kMove_samples = 0.05;
+  const auto wave_at = [&](double offset_samples) {
+    return SyntheticRecording(impacts({0.05 + offset_samples / config.rate_hz}), config, instrument).samples();
+  };
+  const std::vector<double> ahead = wave_at(-kMove_samples), behind = wave_at(kMove_samples), wave = wave_at(0.0);
+  std::vector<double> slope(wave.size());
+  double energy = 0.0;
+  for (std::size_t k = 0; k < wave.size(); ++k) {
+    slope[k] = (ahead[k] - behind[k]) / (2.0 * kMove_samples);
+    energy += slope[k] * slope[k];
+  }
+  const double noise_rms = 0.03 * *std::max_element(wave.begin(), wave.end());
+  config.levels->noise_rms = noise_rms;
+  double sum_of_squares = 0.0, bound_s = 0.0;
+  constexpr int kTrials = 2000;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    config.seed = static_cast<std::uint64_t>(trial) + 1;
+    const SyntheticRecording recording(impacts({0.05}), config, instrument);
+    bound_s = recording.truth()[0].sigma_t_s;
+    const std::vector<double> x = recording.samples();
+    double shift =
+        0.0;  // one Newton step from the truth: the error is thousandths of a sample, the log-likelihood parabolic
+    for (std::size_t k = 0; k < x.size(); ++k) shift -= (x[k] - wave[k]) * slope[k] / energy;
+    sum_of_squares += shift * shift;
+  }
+  const double rms_s = std::sqrt(sum_of_squares / kTrials) / config.rate_hz;
+  EXPECT_NEAR(rms_s / bound_s, 1.0, 0.05) << "statistical error of an rms from 2000 trials: 1.6%";
+}
+
+TEST(Synthesis, TheTimbreChangesAsTheBallWanders) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  Impacts here = impacts({0.05}), there = impacts({0.05});
+  here.states.resize(1);
+  there.states.resize(1);
+  there.states[0].position_m = {0.02, 0.01, 0.003};
+  const auto instrument = make_instrument(config);
+  const SyntheticRecording a(here, config, instrument), b(there, config, instrument);
+  const std::vector<double> x = a.samples(), y = b.samples();
+  double xy = 0.0, xx = 0.0, yy = 0.0;
+  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) {
+    xy += x[k] * y[k];
+    xx += x[k] * x[k];
+    yy += y[k] * y[k];
+  }
+  EXPECT_LT(std::abs(xy) / std::sqrt(xx * yy), 0.9);
+  EXPECT_EQ(b.truth()[0].x_m, 0.02);
+  const double nearer_m = std::hypot(0.115, 0.065) - std::hypot(0.095, 0.055);
+  EXPECT_NEAR(a.truth()[0].travel_time_s - b.truth()[0].travel_time_s, nearer_m / rayleigh_speed_mps(kGlass), 1e-15);
+  EXPECT_NEAR(1e6 * 0.01 / rayleigh_speed_mps(kGlass), 3.25, 0.1) << "3 to 5 us per cm (PHYSICS.md 5)";
+}
+
+TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 40.0;
+  config.pause_s = 3.0;
+  const Impacts three = impacts({0.1, 0.3, 0.5});
+  const SyntheticRecording plain(three, config);
+  config.disturbances = {0.5, 50.0, 0.2, 3.0, 2.0, 1.0, true, 0.0, 0.0};
+  const SyntheticRecording rough(three, config);
+  ASSERT_EQ(rough.truth().size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rough.truth()[k].t_s, plain.truth()[k].t_s);
+  const auto n_of = [&](const std::string& kind) {
+    return std::count_if(rough.others().begin(), rough.others().end(), [&](const auto& o) { return o.kind == kind; });
+  };
+  EXPECT_GE(n_of("knock"), 3) << "every impact has its double hit";
+  EXPECT_EQ(n_of("release"), 1);
+  EXPECT_EQ(n_of("fan"), 1);
+  EXPECT_EQ(n_of("motor"), 1);
+  EXPECT_EQ(n_of("pickup"), 1);
+  EXPECT_GT(n_of("click"), 0);
+  EXPECT_TRUE(plain.others().empty());
+  EXPECT_EQ(rough.samples(), rough.samples());
+  EXPECT_GT(rms(rough.samples()), rms(plain.samples()));
+}
+
+TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 40.0;
+  config.peak = 2.0;
+  config.channels = {Channel{0.1, 0.0, 0.0, 0.0}, Channel{}};
+  const SyntheticRecording recording(impacts({0.05}), config);
+  const std::vector<double> x = recording.samples();
+  double largest[2] = {0.0, 0.0};
+  for (std::size_t k = 0; k < x.size(); ++k) largest[k % 2] = std::max(largest[k % 2], std::abs(x[k]));
+  EXPECT_LT(largest[0], 6.0 * recording.levels().noise_rms);
+  EXPECT_EQ(largest[1], 1.0);
+  EXPECT_TRUE(has_flag(recording.truth()[0].flags, "clipped"));
+}
+
+TEST(Synthesis, EveryPresetSensorAndRateMakesASound) {
+  for (const GroundPreset preset : {GroundPreset::glass, GroundPreset::sic, GroundPreset::vitreloy})
+    for (const bool by_air : {false, true})
+      for (const int rate_hz : {8000, 44100, 192000, 2000000}) {
+        SynthesisConfig config = quiet();
+        config.pause_s = 0.05;
+        config.ground = ground_preset(preset);
+        config.rate_hz = rate_hz;
+        if (by_air) {
+          config.sensor = microphone();
+          config.channels = {Channel{0.1, 0.1, 0.2, 1.0}};
+        }
+        const SyntheticRecording recording(impacts({0.05}), config);
+        EXPECT_NEAR(recording.truth()[0].amplitude, 0.5, 1e-12);
+        EXPECT_GT(rms(recording.samples()), 1e-3);
+        EXPECT_EQ(recording.n_frames(), static_cast<std::int64_t>(std::ceil((0.1 + 0.05 + 0.05) * rate_hz - 1e-6)));
+      }
+}
+
+class SynthesizeFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("bouncelab_synthesize_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directory(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string bytes(const fs::path& path) const {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  fs::path folder_;
+};
+
+TEST_F(SynthesizeFile, SameBytesForAnyNumberOfThreads) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  config.lead_in_s = 9.0;
+  for (const std::string extension : {".wav", ".flac"}) {
+    config.n_threads = 1;
+    synthesize(impacts({0.1, 0.3}), config, folder_ / ("one" + extension), false);
+    config.n_threads = 4;
+    synthesize(impacts({0.1, 0.3}), config, folder_ / ("four" + extension), false);
+    EXPECT_GT(bytes(folder_ / ("one" + extension)).size(), 900000u);
+    EXPECT_EQ(bytes(folder_ / ("one" + extension)), bytes(folder_ / ("four" + extension)));
+  }
+}
+
+TEST_F(SynthesizeFile, AnInterruptionLeavesNothing) {
+  SynthesisConfig config = quiet();
+  config.lead_in_s = 9.0;
+  EXPECT_THROW(
+      synthesize(impacts({0.1}), config, folder_ / "a.wav", false, [](double, double) { throw Interrupted(); }),
+      Interrupted);
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(SynthesizeFile, TheTruthReadsAsOnsets) {
+  SynthesisConfig config = quiet();
+  const SynthesisResult result = synthesize(impacts({0.1, 0.3}), config, folder_ / "a.wav", false);
+  {
+    std::ofstream out(folder_ / "truth.csv");
+    write_csv(out, truth_table(result.truth, "a.wav"));
+  }
+  const std::string name = (folder_ / "truth.csv").string();
+  const Onsets onsets = onsets_from_table(read_csv(name, onset_columns()), name);
+  ASSERT_EQ(onsets.size(), 2u);
+  EXPECT_EQ(onsets[1].recording, "a.wav");
+  EXPECT_EQ(onsets[1].impact, 1);
+  EXPECT_EQ(onsets[1].t_s, result.truth[1].t_s);
+  EXPECT_EQ(onsets[1].sigma_t_s, result.truth[1].sigma_t_s);
+}
+
+TEST_F(SynthesizeFile, ARateTooLowForTheModesSaysWhichAreLeftOut) {
+  SynthesisConfig config = quiet();
+  config.rate_hz = 44100;
+  const SynthesisResult result = synthesize(impacts({0.1}), config, folder_ / "a.wav", false);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], testing::HasSubstr("modes from 22"));
+  EXPECT_THAT(result.warnings[0], testing::HasSubstr("44100 Hz"));
+}
+
+std::string refusal(const Impacts& what, const SynthesisConfig& config) {
+  try {
+    SyntheticRecording recording(what, config);
+  } catch (const InvalidArgument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SynthesisBadInput, IsRefusedByNameAndValue) {
+  const SynthesisConfig good = quiet();
+  SynthesisConfig config = good;
+  config.snr_db = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("snr_db is nan"));
+  config = good;
+  config.rate_hz = 4000;
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("rate_hz is 4000"));
+  config = good;
+  config.channels.clear();
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("channels"));
+  config.channels = {Channel{0.2, 0.0, 0.0, 1.0}};
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("sensor x_m is 0.2"));
+  EXPECT_THAT(refusal({}, good), testing::HasSubstr("no impacts"));
+  EXPECT_THAT(refusal(impacts({0.3, 0.1}), good), testing::HasSubstr("drop 0, impact 1: t_s 0.1"));
+  EXPECT_THAT(refusal(impacts({0.1}, -1.0), good), testing::HasSubstr("v_mps is -1"));
+  Impacts away = impacts({0.1});
+  away.states.resize(1);
+  away.states[0].position_m = {0.16, 0.0, 0.003};
+  EXPECT_THAT(refusal(away, good), testing::HasSubstr("x = 0.16"));
+  config = good;
+  config.disturbances.robot_cycle = true;
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("pause_s"));
+}
+
+}  // namespace
+}  // namespace bouncelab
