@@ -7,14 +7,14 @@ namespace bouncelab {
 
 /// The anti-alias filter of the analogue-to-digital converter: linear phase, no delay, in continuous time.
 ///
-///   h(u) = 2 f_c sinc(2 f_c u) Kaiser_beta(u / W),  |u| <= W = 32 samples, f_c = 0.45 cycles per sample, beta = 10.06
+///   h(u) = 2 f_c sinc(2 f_c u) (Kaiser_beta(u / W) - pedestal),  |u| <= W = 34,  f_c = 0.45,  beta = 10.06
 ///
-/// Passes up to 0.40 of the sample rate within 1e-5, stops everything from 0.50 by 100 dB: after it, samples hold the
+/// Passes up to 0.40 of the sample rate within 2e-5, stops everything from 0.50 by 98 dB: after it, samples hold the
 /// whole wave, and a shift of the impact by a fraction of a sample is a shift of phase. u in samples; unit integral.
 /// Source: Kaiser's design rule, Oppenheim & Schafer, Discrete-Time Signal Processing (3rd ed. 2010), 7.5.3.
 class ConverterFilter {
  public:
-  static constexpr double kHalfWidth_samples = 32.0;
+  static constexpr double kHalfWidth_samples = 34.0;
   static constexpr double kPassband = 0.40;  ///< of the sample rate
 
   ConverterFilter();

@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <mutex>
-#include <numeric>
 #include <vector>
 
 #include "bouncelab/core/units.hpp"
@@ -60,32 +58,18 @@ double hertz_force(double s) {
   return 1.25 * x * std::sqrt(x) * kHalfDuration;
 }
 
-QuadratureRule hertz_impulses(int n) {
-  QuadratureRule rule = gauss_legendre(n, 0.0, kPi);
-  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
-    const double theta = rule.nodes[k];
-    rule.nodes[k] = 0.5 * (1.0 - std::cos(theta));
-    rule.weights[k] *= 0.5 * std::sin(theta) * hertz_force(rule.nodes[k]);
+PointImpulses hertz_impulses(double duration_samples) {
+  const int n = static_cast<int>(std::ceil(12.0 + 0.95 * duration_samples));
+  PointImpulses points;
+  double total = 0.0;
+  for (int k = 1; k < n; ++k) {
+    const double theta = kPi * k / n;
+    points.nodes.push_back(0.5 * (1.0 - std::cos(theta)));
+    points.weights.push_back(std::sin(theta) * hertz_force(points.nodes.back()));
+    total += points.weights.back();
   }
-  const double total = std::accumulate(rule.weights.begin(), rule.weights.end(), 0.0);
-  for (double& weight : rule.weights) weight /= total;
-  return rule;
-}
-
-const QuadratureRule& hertz_impulses_for(double duration_samples) {
-  // 16, 24, 32, 48 ... 2048 points, each made when first needed
-  constexpr std::size_t kRules = 15;
-  static std::array<QuadratureRule, kRules> rules;
-  static std::array<std::once_flag, kRules> made;
-  const double n_needed = 10.0 + 1.2 * duration_samples;
-  std::size_t k = 0;
-  int n = 16;
-  while (n < n_needed && k + 1 < kRules) {
-    ++k;
-    n = k % 2 == 1 ? n + n / 2 : n / 3 * 4;
-  }
-  std::call_once(made[k], [k, n] { rules[k] = hertz_impulses(n); });
-  return rules[k];
+  for (double& weight : points.weights) weight /= total;
+  return points;
 }
 
 }  // namespace bouncelab

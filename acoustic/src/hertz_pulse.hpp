@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "quadrature.hpp"
+#include <vector>
 
 namespace bouncelab {
 
@@ -14,14 +14,19 @@ namespace bouncelab {
 /// samples.
 double hertz_force(double s);
 
-/// The pulse as point impulses: sum_q weight_q delta(s - node_q), total weight 1. Convolved with anything smooth over
-/// 1/n of the contact time it is the pulse itself: the rule is Gauss-Legendre in theta, s = (1 - cos theta)/2, where
-/// the force is analytic, so it converges geometrically.
-QuadratureRule hertz_impulses(int n);
+/// Point impulses that stand for a force pulse: at node_q of its duration, with weight_q; total weight 1.
+struct PointImpulses {
+  std::vector<double> nodes;
+  std::vector<double> weights;
+};
 
-/// The smallest of a few ready rules that is exact within 1e-9 for a contact of this many samples seen through a filter
-/// that ends at half the sample rate. @param duration_samples  in (0, kMaxContact_samples]
-const QuadratureRule& hertz_impulses_for(double duration_samples);
+/// The pulse of a contact as point impulses whose spectrum is the pulse's own, within 1e-9, up to half the sample rate.
+///
+/// The nodes are equally spaced in theta, s = (1 - cos theta)/2: there the force times ds/dtheta, continued evenly and
+/// periodically, is smooth to the ninth derivative, so that the trapezoidal rule converges like n^-10 once n exceeds
+/// the phase that passes during the contact.
+/// @param duration_samples  of the contact, in (0, kMaxContact_samples]
+PointImpulses hertz_impulses(double duration_samples);
 inline constexpr double kMaxContact_samples = 1600.0;
 
 }  // namespace bouncelab

@@ -108,7 +108,7 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
   }
 }
 
-double ResonatorBank::force(const Contact& contact, const QuadratureRule& pulse, double frame) const {
+double ResonatorBank::force(const Contact& contact, const PointImpulses& pulse, double frame) const {
   const double u = frame - contact.arrival_samples;
   double sum = 0.0;
   for (std::size_t q = 0; q < pulse.nodes.size(); ++q)
@@ -126,7 +126,7 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
   const auto first = static_cast<std::int64_t>(std::floor(contact.arrival_samples - kReach));
   const auto last = static_cast<std::int64_t>(std::ceil(contact.arrival_samples + contact.duration_samples + kReach));
   const std::int64_t end = (last + kBlock - 1) / kBlock * kBlock;
-  const QuadratureRule& pulse = hertz_impulses_for(contact.duration_samples);
+  const PointImpulses pulse = hertz_impulses(contact.duration_samples);
 
   // dy/dt = Re sum a_p (s_p z_p + g)
   const PoleValues slope_amplitudes = with_slopes ? product(amplitudes, pole_steps_) : PoleValues();

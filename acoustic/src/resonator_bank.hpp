@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "converter.hpp"
+#include "hertz_pulse.hpp"
 #include "quadrature.hpp"
 
 namespace bouncelab {
@@ -72,7 +73,7 @@ class ResonatorBank {
 
  private:
   /// g at a frame, fractions allowed.
-  double force(const Contact& contact, const QuadratureRule& pulse, double frame) const;
+  double force(const Contact& contact, const PointImpulses& pulse, double frame) const;
   void step(PoleValues& z, std::span<const double> drive) const;
 
   std::vector<std::complex<double>> poles_;
