@@ -12,8 +12,10 @@
 #include "command.hpp"
 #include "config_file.hpp"
 #include "detect_command.hpp"
+#include "fit_command.hpp"
 #include "progress_line.hpp"
 #include "report_command.hpp"
+#include "restitution_command.hpp"
 #include "simulate_command.hpp"
 
 namespace bouncelab::cli {
@@ -104,8 +106,10 @@ int run(std::vector<std::string> line) {
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
       add_simulate_command(app),
-      add_report_command(app),
       add_detect_command(app),
+      add_restitution_command(app),
+      add_fit_command(app),
+      add_report_command(app),
   };
   for (const Command& command : commands) add_common_options(*command.app, common);
 

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "bouncelab/fit/json.hpp"
+#include "progress_line.hpp"
+#include "table_file.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+std::string with_error(const Estimate& e) {
+  std::string text = fmt::format("{:.6g}", e.value);
+  if (e.se) text += fmt::format(" +- {:.2g}", *e.se);
+  return text + (e.identified ? "" : " (not identifiable)");
+}
+
+}  // namespace
+
+void add_fit_options(CLI::App& app, FitOptions& options) {
+  app.add_option("--nodes", options.config.law.node_speeds_mps,
+                 "Speeds at which eps(v) is reported, m/s; default 0.25 0.6 1.2, or within the data")
+      ->check(CLI::PositiveNumber)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
+      ->check(CLI::Range(2, 10))
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--window-width", options.config.histograms.width_mps, "Width of the histograms' windows, m/s")
+      ->check(CLI::PositiveNumber);
+}
+
+std::string describe(const FitResult& result) {
+  std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, to_string(result.status));
+  for (const NodeEstimate& node : result.law.nodes)
+    text += fmt::format("eps({:.3g} m/s) = {}\n", node.v_mps, with_error(node.eps));
+  for (const LawFit* law : {&result.law, &result.law_viscoelastic})
+    for (const NamedEstimate& p : law->parameters) text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));
+  for (const HistogramFit& h : result.histograms)
+    if (h.slope_rising && h.slope_falling)
+      text += fmt::format("p(eps) at {:.2g} m/s: slopes {} rising, {} falling\n", h.v_mps, with_error(*h.slope_rising),
+                          with_error(*h.slope_falling));
+  return text;
+}
+
+Outcome run_fit(const FitOptions& options, Run& run) {
+  check_may_write(run, options.out);
+  const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
+  const FitResult result = fit_all(samples, options.config, progress_line(run, "fit", "fits"));
+  Outcome outcome;
+  const std::string json = to_json(result);
+  write_text(run, options.out, json, {options.samples});
+  outcome.summary = Json::parse(json);
+  outcome.text = describe(result);
+  outcome.warnings = result.warnings;
+  if (!usable(result)) {
+    outcome.exit_code = kNotUsable;
+    outcome.trouble = options.samples + ": " + result.law.message;
+  }
+  return outcome;
+}
+
+Command add_fit_command(CLI::App& app) {
+  auto options = std::make_shared<FitOptions>();
+  CLI::App* command = app.add_subcommand("fit",
+                                         "The law eps(v) and the histograms p(eps) from coefficients of restitution\n"
+                                         "Example: bouncelab fit samples.csv --out fit.json");
+  command->add_option("samples", options->samples, "Samples; columns v_mps and eps are enough")->required();
+  command->add_option("--out", options->out, "Results, .json")->required();
+  add_fit_options(*command, *options);
+  return {command, [options](Run& run) { return run_fit(*options, run); }};
+}
+
+}  // namespace bouncelab::cli

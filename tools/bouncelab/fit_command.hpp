@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "bouncelab/fit/fit.hpp"
+#include "command.hpp"
+
+namespace bouncelab::cli {
+
+struct FitOptions {
+  std::string samples;
+  std::string out;
+  FitConfig config;
+};
+
+/// The physics options, shared with `loop` and `analyze`.
+void add_fit_options(CLI::App& app, FitOptions& options);
+/// The result in a few lines, for people.
+std::string describe(const FitResult& result);
+Outcome run_fit(const FitOptions& options, Run& run);
+Command add_fit_command(CLI::App& app);
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "restitution_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "table_file.hpp"
+
+namespace bouncelab::cli {
+
+void add_restitution_options(CLI::App& app, RestitutionOptions& options) {
+  app.add_option("--gravity", options.config.gravity_mps2, "Gravity, m/s^2")->check(CLI::Range(1e-3, 1e3));
+}
+
+std::string describe(const RestitutionCounts& counts) {
+  std::string line = fmt::format("{} coefficients of restitution from {} onsets of {} drops", counts.n_samples,
+                                 counts.n_onsets, counts.n_drops);
+  for (const auto& [reason, n] : counts.breaks) line += fmt::format("; chain broken {} times: {}", n, reason);
+  if (counts.n_flagged > 0) line += fmt::format("; {} samples flagged, the fit leaves them out", counts.n_flagged);
+  return line;
+}
+
+Json to_json(const RestitutionCounts& counts) {
+  return {{"n_onsets", counts.n_onsets},
+          {"n_drops", counts.n_drops},
+          {"n_samples", counts.n_samples},
+          {"n_flagged", counts.n_flagged},
+          {"breaks", counts.breaks}};
+}
+
+Outcome run_restitution(const RestitutionOptions& options, Run& run) {
+  check_may_write(run, options.out);
+  const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), options.onsets);
+  const Restitution result = restitution_samples(onsets, options.config);
+  Outcome outcome;
+  outcome.text = describe(result.counts) + "\n";
+  outcome.summary = to_json(result.counts);
+  write_table(run, options.out, to_table(result.samples), {options.onsets});
+  if (result.samples.empty()) {
+    outcome.exit_code = kNotUsable;
+    outcome.trouble = options.onsets + ": no three successive impacts: no coefficient of restitution";
+  }
+  return outcome;
+}
+
+Command add_restitution_command(CLI::App& app) {
+  auto options = std::make_shared<RestitutionOptions>();
+  CLI::App* command = app.add_subcommand("restitution",
+                                         "Coefficients of restitution from impact times: ratios of neighbouring "
+                                         "intervals\n"
+                                         "Example: bouncelab restitution onsets.csv --out samples.csv");
+  command->add_option("onsets", options->onsets, "Onsets, as detect writes them; a column t_s is enough")->required();
+  command->add_option("--out", options->out, "Samples, .csv")->required();
+  add_restitution_options(*command, *options);
+  return {command, [options](Run& run) { return run_restitution(*options, run); }};
+}
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "bouncelab/fit/restitution.hpp"
+#include "command.hpp"
+
+namespace bouncelab::cli {
+
+struct RestitutionOptions {
+  std::string onsets;
+  std::string out;
+  RestitutionConfig config;
+};
+
+/// The physics options, shared with `loop` and `analyze`.
+void add_restitution_options(CLI::App& app, RestitutionOptions& options);
+/// What was counted, for people: one line.
+std::string describe(const RestitutionCounts& counts);
+/// The same for --json.
+Json to_json(const RestitutionCounts& counts);
+Outcome run_restitution(const RestitutionOptions& options, Run& run);
+Command add_restitution_command(CLI::App& app);
+
+}  // namespace bouncelab::cli
