@@ -68,23 +68,39 @@ std::vector<double> levinson(const std::vector<double>& r) {
   return a;
 }
 
-std::vector<double> mean_autocorrelation(const Sound& sound, std::size_t order) {
+/// One frame's autocorrelation over its energy.
+struct Frame {
+  double energy = 0.0;
+  std::vector<double> r;
+};
+
+std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
   const auto n_frame = std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
   const std::vector<float> window = hann(n_frame);
-  std::vector<double> r(order + 1, 0.0);
+  std::vector<Frame> frames;
   std::vector<float> block(static_cast<std::size_t>(kBlock) + 1);
-  std::vector<float> frame(n_frame);
+  std::vector<float> x(n_frame);
   for (const std::int64_t start : block_starts(sound)) {
     read_padded(sound, start - 1, block);
     const auto n_here = static_cast<std::size_t>(std::min(kBlock, sound.n_samples - start));
     for (std::size_t at = 1; at + n_frame <= n_here; at += n_frame) {
-      for (std::size_t k = 0; k < n_frame; ++k) frame[k] = window[k] * (block[at + k] - block[at + k - 1]);
-      const double energy = dot(frame.data(), frame.data(), n_frame);
-      if (energy <= 0.0) continue;
+      for (std::size_t k = 0; k < n_frame; ++k) x[k] = window[k] * (block[at + k] - block[at + k - 1]);
+      Frame frame;
+      frame.energy = dot(x.data(), x.data(), n_frame);
+      if (frame.energy <= 0.0) continue;
       for (std::size_t lag = 0; lag <= order; ++lag)
-        r[lag] += dot(frame.data(), frame.data() + lag, n_frame - lag) / energy;
+        frame.r.push_back(dot(x.data(), x.data() + lag, n_frame - lag) / frame.energy);
+      frames.push_back(std::move(frame));
     }
   }
+  return frames;
+}
+
+std::vector<double> mean_autocorrelation(const std::vector<Frame>& frames, std::size_t order, double most_energy) {
+  std::vector<double> r(order + 1, 0.0);
+  for (const Frame& frame : frames)
+    if (frame.energy <= most_energy)
+      for (std::size_t lag = 0; lag <= order; ++lag) r[lag] += frame.r[lag];
   return r;
 }
 
@@ -107,10 +123,8 @@ double quiet_variance(const Sound& sound, const Autoregression& model) {
   return *tenth;
 }
 
-}  // namespace
-
-Autoregression learn_autoregression(const Sound& sound, int order) {
-  const std::vector<double> r = mean_autocorrelation(sound, static_cast<std::size_t>(order));
+/// The model of a signal whose difference has this autocorrelation.
+Autoregression model_of(const Sound& sound, const std::vector<double>& r) {
   std::vector<double> a = levinson(r);
   a.push_back(0.0);
   Autoregression model;
@@ -118,6 +132,23 @@ Autoregression learn_autoregression(const Sound& sound, int order) {
   for (std::size_t k = 0; k < a.size(); ++k) model.filter[k] = static_cast<float>(a[k] - (k > 0 ? a[k - 1] : 0.0));
   model.quiet_variance = quiet_variance(sound, model);
   return model;
+}
+
+}  // namespace
+
+SoundModels learn_sound_models(const Sound& sound, int order) {
+  const auto n_lags = static_cast<std::size_t>(order);
+  const std::vector<Frame> frames = frames_of(sound, n_lags);
+  std::vector<double> energies;
+  for (const Frame& frame : frames) energies.push_back(frame.energy);
+  double quiet = 0.0;
+  if (!energies.empty()) {
+    const auto tenth = energies.begin() + static_cast<std::ptrdiff_t>(energies.size() / 10);
+    std::nth_element(energies.begin(), tenth, energies.end());
+    quiet = *tenth;
+  }
+  return {model_of(sound, mean_autocorrelation(frames, n_lags, INFINITY)),
+          model_of(sound, mean_autocorrelation(frames, n_lags, quiet))};
 }
 
 void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out) {

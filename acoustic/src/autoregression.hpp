@@ -16,12 +16,18 @@ struct Autoregression {
   double quiet_variance = 0.0;  ///< of u in the quiet tenth of the recording; 0 only in digital silence
 };
 
+/// What a recording is made of, as autoregressive models.
+struct SoundModels {
+  Autoregression all;    ///< noise and ringing alike
+  Autoregression noise;  ///< the quiet tenth alone
+};
+
 /// Learned from frames of 10 ms over all of the recording (at most 2^21 samples, evenly spread), each weighted by the
-/// inverse of its energy, so that noise and ringing count alike however loud.
+/// inverse of its energy, so that noise and ringing count alike however loud; the noise from the quiet tenth of them.
 /// Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
 /// @param order  of the model, before the difference; >= 1
 /// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
-Autoregression learn_autoregression(const Sound& sound, int order);
+SoundModels learn_sound_models(const Sound& sound, int order);
 
 /// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
 void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out);

@@ -9,6 +9,7 @@
 #include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 #include "candidates.hpp"
+#include "impact_timing.hpp"
 #include "trains.hpp"
 
 namespace bouncelab {
@@ -20,7 +21,7 @@ constexpr int kOrder = 48;
 /// What one channel has to say.
 struct Hearing {
   int channel = 0;
-  Autoregression model;
+  SoundModels models;
   std::vector<Candidate> candidates;
   std::vector<Train> trains;
 
@@ -34,14 +35,14 @@ struct Hearing {
 Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) {
   Hearing h;
   h.channel = channel;
-  h.model = learn_autoregression(sound, kOrder);
-  h.candidates = find_candidates(sound, h.model, progress);
+  h.models = learn_sound_models(sound, kOrder);
+  h.candidates = find_candidates(sound, h.models.all, progress);
   h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz);
   return h;
 }
 
 /// Standard deviation of what is left in the quiet tenth after hum and drift.
-double quiet_rms(const Hearing& h) { return std::sqrt(h.model.quiet_variance); }
+double quiet_rms(const Hearing& h) { return std::sqrt(h.models.noise.quiet_variance); }
 
 Onsets onsets_of(const Hearing& h, const Sound& sound, const std::string& name) {
   Onsets onsets;
@@ -59,6 +60,23 @@ Onsets onsets_of(const Hearing& h, const Sound& sound, const std::string& name) 
     }
   }
   return onsets;
+}
+
+/// Times by the learned wave in place of the rough ones, where the recording has a wave to learn.
+void refine(const Hearing& h, const Sound& sound, Detection& d) {
+  std::vector<RoughImpact> rough;
+  for (const Train& train : h.trains)
+    for (const TrainImpact& impact : train.impacts)
+      rough.push_back({h.candidates[impact.candidate].t_s, h.candidates[impact.candidate].amplitude, impact.impact == 0});
+  const std::optional<ImpactWave> wave = learn_impact_wave(sound, h.models.noise, rough);
+  if (!wave) return;
+  const std::vector<TimedImpact> timed = time_impacts(sound, *wave, rough);
+  if (getenv("BL_DBG")) fprintf(stderr, "wave corr %.3f n %ld contact %.1f\n", wave->correlation, (long)wave->n_impacts, wave->contact_index);
+  for (std::size_t k = 0; k < timed.size(); ++k) {
+    if (getenv("BL_DBG")) fprintf(stderr, "%3zu %.6f move %8.1f us sigma %.3f A %.3f gain %.1f misfit %.2f rho %.3f\n", k, timed[k].t_s, (timed[k].t_s-rough[k].t_s)*1e6, timed[k].sigma_s*1e6, timed[k].amplitude, timed[k].gain, timed[k].misfit, timed[k].correlation);
+    d.onsets[k].t_s = timed[k].t_s;
+    d.onsets[k].sigma_t_s = timed[k].sigma_s;
+  }
 }
 
 void summarize_trains(const Hearing& h, RecordingSummary& summary) {
@@ -120,6 +138,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.summary.noise_rms = quiet_rms(best);
   summarize_trains(best, d.summary);
   d.onsets = onsets_of(best, sound, name);
+  refine(best, sound, d);
   conclude(d);
   return d;
 }

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "impact_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace bouncelab {
+namespace {
+
+constexpr double kWave_s = 15e-3;     // holds more than nine tenths of what a plate's sound says of its time
+constexpr double kBefore_s = 0.5e-3;  // quiet part in front of the rough time
+constexpr double kSearch_s = 1e-3;    // error of the rough times
+constexpr std::size_t kMostLearned = 48;
+constexpr int kRounds = 4;
+constexpr double kLeastCorrelation = 0.5;
+
+std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
+
+std::vector<float> read_whitened(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n) {
+  std::vector<float> out(n);
+  read_innovations(sound, {whitener, 0.0}, first, out);
+  return out;
+}
+
+/// One impact to learn from.
+struct Row {
+  std::int64_t first = 0;    // sample at which the stretch begins
+  std::vector<float> sound;  // whitened
+  double position = 0.0;     // of the wave's first sample within the stretch
+  double amplitude = 1.0;
+  double correlation = 1.0;
+};
+
+/// Strong impacts that ring alone; where none does, the strong ones.
+std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts) {
+  std::vector<std::size_t> alone;
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    all.push_back(k);
+    const bool next_far = k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > kWave_s + 2.0 * kSearch_s;
+    const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > kWave_s;
+    if (next_far && last_far) alone.push_back(k);
+  }
+  std::vector<std::size_t>& chosen = alone.size() >= 5 ? alone : all;
+  if (chosen.size() > kMostLearned) {
+    std::nth_element(chosen.begin(), chosen.begin() + kMostLearned, chosen.end(),
+                     [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; });
+    chosen.resize(kMostLearned);
+  }
+  std::sort(chosen.begin(), chosen.end(),
+            [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; });
+  return chosen;
+}
+
+std::vector<Row> read_rows(const Sound& sound, const std::vector<float>& whitener, const std::vector<RoughImpact>& impacts,
+                           const std::vector<std::size_t>& chosen, std::size_t n_wave) {
+  const std::int64_t margin = samples(kSearch_s, sound) + static_cast<std::int64_t>(FractionalShift::kReach) + 2;
+  std::vector<Row> rows;
+  for (const std::size_t k : chosen) {
+    Row row;
+    row.first = samples(impacts[k].t_s - kBefore_s, sound) - margin;
+    row.sound = read_whitened(sound, whitener, row.first, n_wave + 2 * static_cast<std::size_t>(margin));
+    row.position = static_cast<double>(margin);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// The wave as this row has it, at its position.
+std::vector<float> aligned(const Row& row, std::size_t n_wave) {
+  std::vector<float> out(n_wave);
+  const double whole = std::floor(row.position);
+  const auto begin = static_cast<std::size_t>(whole) - FractionalShift::kReach;
+  FractionalShift(row.position - whole)
+      .apply(std::span(row.sound).subspan(begin, n_wave + 2 * FractionalShift::kReach), out);
+  return out;
+}
+
+/// Average of the rows that sound alike, each as heavy as its amplitude.
+std::vector<float> average(const std::vector<Row>& rows, std::size_t n_wave) {
+  std::vector<double> sum(n_wave, 0.0);
+  double weight = 0.0;
+  for (const Row& row : rows) {
+    if (row.correlation < kLeastCorrelation) continue;
+    const std::vector<float> y = aligned(row, n_wave);
+    for (std::size_t n = 0; n < n_wave; ++n) sum[n] += row.amplitude * y[n];
+    weight += row.amplitude * row.amplitude;
+  }
+  std::vector<float> mean(n_wave);
+  for (std::size_t n = 0; n < n_wave; ++n) mean[n] = weight > 0.0 ? static_cast<float>(sum[n] / weight) : 0.0F;
+  return mean;
+}
+
+void align_rows(std::vector<Row>& rows, const WaveTemplate& wave, const Sound& sound, bool search) {
+  const auto margin = static_cast<std::ptrdiff_t>(FractionalShift::kReach) + 2;
+  const std::ptrdiff_t reach = 2 * samples(kSearch_s, sound);
+  for (Row& row : rows) {
+    double start = row.position;
+    if (search) start = static_cast<double>(wave.search(row.sound, margin, margin + reach, wave.size()));
+    const WaveFit fit = wave.fit(row.sound, start, wave.size());
+    const double limit = static_cast<double>(row.sound.size() - wave.size()) - static_cast<double>(margin);
+    row.position = std::clamp(fit.shift, static_cast<double>(margin), limit);
+    row.amplitude = std::max(fit.amplitude, 1e-6);
+    const double explained = 2.0 * fit.gain;
+    row.correlation = std::sqrt(explained / (explained + fit.misfit * static_cast<double>(wave.size()) + 1e-30));
+  }
+}
+
+double median(std::vector<double> x) {
+  if (x.empty()) return 0.0;
+  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  return *middle;
+}
+
+/// Where the wave begins: the most likely change of variance in its first milliseconds.
+double begin_of(const std::vector<float>& mean, std::size_t n_search) {
+  std::vector<double> running(mean.size() + 1, 0.0);
+  for (std::size_t k = 0; k < mean.size(); ++k)
+    running[k + 1] = running[k] + static_cast<double>(mean[k]) * mean[k];
+  const std::size_t n = std::min(n_search, mean.size());
+  const double floor = 1e-9 * running[n] / static_cast<double>(n);
+  double best = -INFINITY;
+  std::size_t at = 0;
+  for (std::size_t k = 4; k + 4 < n; ++k) {
+    const auto before = static_cast<double>(k);
+    const auto after = static_cast<double>(n - k);
+    const double likelihood = -before * std::log(running[k] / before + floor) -
+                              after * std::log((running[n] - running[k]) / after + floor);
+    if (likelihood > best) {
+      best = likelihood;
+      at = k;
+    }
+  }
+  return static_cast<double>(at);
+}
+
+std::vector<float> white(const Autoregression& noise) {
+  std::vector<float> filter = noise.filter;
+  const auto scale = static_cast<float>(1.0 / std::sqrt(noise.quiet_variance));
+  for (float& c : filter) c *= scale;
+  return filter;
+}
+
+}  // namespace
+
+std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
+                                            const std::vector<RoughImpact>& impacts) {
+  if (impacts.size() < 3 || !(noise.quiet_variance > 0.0)) return std::nullopt;
+  const auto n_wave = static_cast<std::size_t>(samples(kBefore_s + kWave_s, sound));
+  ImpactWave learned;
+  learned.whitener = white(noise);
+  std::vector<Row> rows = read_rows(sound, learned.whitener, impacts, choose_rows(impacts), n_wave);
+  std::vector<float> mean = aligned(rows.front(), n_wave);
+  for (int round = 0; round < kRounds; ++round) {
+    learned.wave = WaveTemplate(mean);
+    align_rows(rows, learned.wave, sound, round < 2);
+    mean = average(rows, n_wave);
+  }
+  learned.wave = WaveTemplate(mean);
+  std::vector<double> correlations;
+  for (const Row& row : rows) {
+    correlations.push_back(row.correlation);
+    if (row.correlation >= kLeastCorrelation) ++learned.n_impacts;
+  }
+  learned.correlation = median(correlations);
+  learned.contact_index = begin_of(mean, static_cast<std::size_t>(samples(kBefore_s + 3e-3, sound)));
+  if (learned.n_impacts < 3) return std::nullopt;
+  return learned;
+}
+
+std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& w, const std::vector<RoughImpact>& impacts) {
+  struct Heard {
+    double first;  // of the wave, in samples of the recording
+    double amplitude;
+  };
+  std::vector<Heard> heard;
+  std::vector<TimedImpact> timed;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    const double to_next_s = k + 1 < impacts.size() ? impacts[k + 1].t_s - impacts[k].t_s : 1.0;
+    const double to_last_s = k > 0 ? impacts[k].t_s - impacts[k - 1].t_s : 1.0;
+    const double search_s = std::min({kSearch_s, 0.25 * to_next_s, 0.25 * to_last_s});
+    const std::int64_t reach = samples(search_s, sound) + 2;
+    const auto contact = static_cast<std::int64_t>(w.contact_index);
+    const std::int64_t first = samples(impacts[k].t_s, sound) - contact - reach;
+    const auto n_fit = static_cast<std::size_t>(
+        std::clamp<std::int64_t>(contact + samples(to_next_s - search_s, sound) - reach, contact + 8,
+                                 static_cast<std::int64_t>(w.wave.size())));
+    std::vector<float> x = read_whitened(sound, w.whitener, first, w.wave.size() + 2 * static_cast<std::size_t>(reach));
+    for (std::size_t j = heard.size(); j-- > 0 && heard[j].first + static_cast<double>(w.wave.size()) > static_cast<double>(first);)
+      w.wave.subtract(x, heard[j].first - static_cast<double>(first), heard[j].amplitude);
+    const std::ptrdiff_t start = w.wave.search(x, 0, 2 * reach, n_fit);
+    const WaveFit fit = w.wave.fit(x, static_cast<double>(start), n_fit);
+    TimedImpact t;
+    t.t_s = (static_cast<double>(first) + fit.shift + w.contact_index) / sound.rate_hz;
+    t.sigma_s = fit.sigma_shift * std::sqrt(std::max(1.0, fit.misfit)) / sound.rate_hz;
+    t.amplitude = fit.amplitude;
+    t.gain = fit.gain;
+    t.misfit = fit.misfit;
+    const double explained = 2.0 * fit.gain;
+    t.correlation = std::sqrt(explained / (explained + fit.misfit * static_cast<double>(n_fit) + 1e-30));
+    timed.push_back(t);
+    if (fit.amplitude > 0.0) heard.push_back({static_cast<double>(first) + fit.shift, fit.amplitude});
+  }
+  return timed;
+}
+
+}  // namespace bouncelab

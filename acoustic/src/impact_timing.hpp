@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "autoregression.hpp"
+#include "bouncelab/acoustic/sound.hpp"
+#include "wave_template.hpp"
+
+namespace bouncelab {
+
+/// An impact whose time is known to a millisecond or better.
+struct RoughImpact {
+  double t_s = 0.0;
+  double amplitude = 0.0;  ///< any unit, the same for all
+  bool starts_train = false;
+};
+
+/// An impact timed by maximum likelihood.
+struct TimedImpact {
+  double t_s = 0.0;
+  double sigma_s = 0.0;
+  double amplitude = 0.0;    ///< in units of the wave
+  double gain = 0.0;         ///< log likelihood ratio against no impact there
+  double misfit = 0.0;       ///< mean square residual, noise = 1
+  double correlation = 0.0;  ///< of the sound with the wave, 0 ... 1
+};
+
+/// The sound of an impact, whitened by the noise, as learned from the recording.
+struct ImpactWave {
+  std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
+  WaveTemplate wave;
+  double contact_index = 0.0;   ///< start of contact, in samples from the template's first
+  double correlation = 0.0;     ///< median of the learned impacts with the template
+  std::int64_t n_impacts = 0;   ///< learned from
+};
+
+/// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again.
+/// Absent where no three impacts sound alike.
+std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
+                                            const std::vector<RoughImpact>& impacts);
+
+/// Times each impact by the learned wave, what still rings of earlier ones subtracted.
+/// @param impacts  in time order
+std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& wave, const std::vector<RoughImpact>& impacts);
+
+}  // namespace bouncelab
