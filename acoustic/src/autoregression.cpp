@@ -46,28 +46,6 @@ float dot(const float* a, const float* b, std::size_t n) {
   return sum;
 }
 
-/// Coefficients of the prediction error filter, filter[0] = 1.
-std::vector<double> levinson(const std::vector<double>& r) {
-  const std::size_t order = r.size() - 1;
-  std::vector<double> a(order + 1, 0.0);
-  a[0] = 1.0;
-  double error = r[0] * (1.0 + kRidge);
-  for (std::size_t m = 1; m <= order && error > 0.0; ++m) {
-    double reflection = r[m];
-    for (std::size_t k = 1; k < m; ++k) reflection += a[k] * r[m - k];
-    reflection /= -error;
-    for (std::size_t k = 1; k <= m / 2; ++k) {
-      const double low = a[k];
-      const double high = a[m - k];
-      a[k] = low + reflection * high;
-      if (k != m - k) a[m - k] = high + reflection * low;
-    }
-    a[m] = reflection;
-    error *= 1.0 - reflection * reflection;
-  }
-  return a;
-}
-
 /// One frame's autocorrelation over its energy.
 struct Frame {
   double energy = 0.0;
@@ -125,7 +103,7 @@ double quiet_variance(const Sound& sound, const Autoregression& model) {
 
 /// The model of a signal whose difference has this autocorrelation.
 Autoregression model_of(const Sound& sound, const std::vector<double>& r) {
-  std::vector<double> a = levinson(r);
+  std::vector<double> a = prediction_error_filter(r);
   a.push_back(0.0);
   Autoregression model;
   model.filter.resize(a.size());
@@ -149,6 +127,27 @@ SoundModels learn_sound_models(const Sound& sound, int order) {
   }
   return {model_of(sound, mean_autocorrelation(frames, n_lags, INFINITY)),
           model_of(sound, mean_autocorrelation(frames, n_lags, quiet))};
+}
+
+std::vector<double> prediction_error_filter(const std::vector<double>& r) {
+  const std::size_t order = r.size() - 1;
+  std::vector<double> a(order + 1, 0.0);
+  a[0] = 1.0;
+  double error = r[0] * (1.0 + kRidge);
+  for (std::size_t m = 1; m <= order && error > 0.0; ++m) {
+    double reflection = r[m];
+    for (std::size_t k = 1; k < m; ++k) reflection += a[k] * r[m - k];
+    reflection /= -error;
+    for (std::size_t k = 1; k <= m / 2; ++k) {
+      const double low = a[k];
+      const double high = a[m - k];
+      a[k] = low + reflection * high;
+      if (k != m - k) a[m - k] = high + reflection * low;
+    }
+    a[m] = reflection;
+    error *= 1.0 - reflection * reflection;
+  }
+  return a;
 }
 
 void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out) {

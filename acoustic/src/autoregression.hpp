@@ -29,6 +29,9 @@ struct SoundModels {
 /// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
 SoundModels learn_sound_models(const Sound& sound, int order);
 
+/// Prediction error filter for a given autocorrelation, filter[0] = 1, by Levinson's recursion.
+std::vector<double> prediction_error_filter(const std::vector<double>& autocorrelation);
+
 /// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
 void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out);
 

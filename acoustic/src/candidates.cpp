@@ -137,7 +137,7 @@ void find_in_block(const Block& block, const Sound& sound, std::int64_t hop, std
       if (next != spoken_s.end() && *next <= t_s + apart_s + reach_s) continue;
       if (!new_s.empty() && t_s - new_s.back() < apart_s) continue;
       new_s.push_back(t_s);
-      candidates.push_back({t_s, added_amplitude(block, sample, hop, quiet_variance), ratio});
+      candidates.push_back({t_s, added_amplitude(block, sample, hop, quiet_variance), reach_s + apart_s, ratio});
     }
     spoken_s.insert(spoken_s.end(), new_s.begin(), new_s.end());
     std::sort(spoken_s.begin(), spoken_s.end());

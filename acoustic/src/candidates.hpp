@@ -13,6 +13,7 @@ namespace bouncelab {
 struct Candidate {
   double t_s = 0.0;                   ///< to about a sample
   double amplitude = 0.0;             ///< root of the energy that came in addition, in units of the noise's innovations
+  double reach_s = 0.0;               ///< how far off t_s may be: the window in which the rise was noticed
   double log_likelihood_ratio = 0.0;  ///< rise against no rise
 };
 

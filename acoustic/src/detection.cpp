@@ -67,13 +67,12 @@ void refine(const Hearing& h, const Sound& sound, Detection& d) {
   std::vector<RoughImpact> rough;
   for (const Train& train : h.trains)
     for (const TrainImpact& impact : train.impacts)
-      rough.push_back({h.candidates[impact.candidate].t_s, h.candidates[impact.candidate].amplitude, impact.impact == 0});
+      rough.push_back({h.candidates[impact.candidate].t_s, h.candidates[impact.candidate].amplitude,
+                       h.candidates[impact.candidate].reach_s});
   const std::optional<ImpactWave> wave = learn_impact_wave(sound, h.models.noise, rough);
   if (!wave) return;
   const std::vector<TimedImpact> timed = time_impacts(sound, *wave, rough);
-  if (getenv("BL_DBG")) fprintf(stderr, "wave corr %.3f n %ld contact %.1f\n", wave->correlation, (long)wave->n_impacts, wave->contact_index);
   for (std::size_t k = 0; k < timed.size(); ++k) {
-    if (getenv("BL_DBG")) fprintf(stderr, "%3zu %.6f move %8.1f us sigma %.3f A %.3f gain %.1f misfit %.2f rho %.3f\n", k, timed[k].t_s, (timed[k].t_s-rough[k].t_s)*1e6, timed[k].sigma_s*1e6, timed[k].amplitude, timed[k].gain, timed[k].misfit, timed[k].correlation);
     d.onsets[k].t_s = timed[k].t_s;
     d.onsets[k].sigma_t_s = timed[k].sigma_s;
   }

@@ -13,11 +13,13 @@ constexpr double kBefore_s = 0.5e-3;  // quiet part in front of the rough time
 constexpr double kSearch_s = 1e-3;    // error of the rough times
 constexpr std::size_t kMostLearned = 48;
 constexpr int kRounds = 4;
+constexpr std::size_t kResidualOrder = 32;
 constexpr double kLeastCorrelation = 0.5;
 
 std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
 
-std::vector<float> read_whitened(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n) {
+std::vector<float> read_whitened(const Sound& sound, const std::vector<float>& whitener, std::int64_t first,
+                                 std::size_t n) {
   std::vector<float> out(n);
   read_innovations(sound, {whitener, 0.0}, first, out);
   return out;
@@ -53,8 +55,9 @@ std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts) {
   return chosen;
 }
 
-std::vector<Row> read_rows(const Sound& sound, const std::vector<float>& whitener, const std::vector<RoughImpact>& impacts,
-                           const std::vector<std::size_t>& chosen, std::size_t n_wave) {
+std::vector<Row> read_rows(const Sound& sound, const std::vector<float>& whitener,
+                           const std::vector<RoughImpact>& impacts, const std::vector<std::size_t>& chosen,
+                           std::size_t n_wave) {
   const std::int64_t margin = samples(kSearch_s, sound) + static_cast<std::int64_t>(FractionalShift::kReach) + 2;
   std::vector<Row> rows;
   for (const std::size_t k : chosen) {
@@ -97,7 +100,7 @@ void align_rows(std::vector<Row>& rows, const WaveTemplate& wave, const Sound& s
   const std::ptrdiff_t reach = 2 * samples(kSearch_s, sound);
   for (Row& row : rows) {
     double start = row.position;
-    if (search) start = static_cast<double>(wave.search(row.sound, margin, margin + reach, wave.size()));
+    if (search) start = wave.search(row.sound, margin, margin + reach, wave.size());
     const WaveFit fit = wave.fit(row.sound, start, wave.size());
     const double limit = static_cast<double>(row.sound.size() - wave.size()) - static_cast<double>(margin);
     row.position = std::clamp(fit.shift, static_cast<double>(margin), limit);
@@ -114,20 +117,22 @@ double median(std::vector<double> x) {
   return *middle;
 }
 
-/// Where the wave begins: the most likely change of variance in its first milliseconds.
+/// Where the wave begins: the most likely change of variance in its first milliseconds. What is below 3 % of the peak
+/// (noise, the forerunners of a linear-phase converter) counts as nothing.
 double begin_of(const std::vector<float>& mean, std::size_t n_search) {
-  std::vector<double> running(mean.size() + 1, 0.0);
-  for (std::size_t k = 0; k < mean.size(); ++k)
-    running[k + 1] = running[k] + static_cast<double>(mean[k]) * mean[k];
   const std::size_t n = std::min(n_search, mean.size());
-  const double floor = 1e-9 * running[n] / static_cast<double>(n);
+  float peak = 0.0F;
+  for (std::size_t k = 0; k < n; ++k) peak = std::max(peak, std::abs(mean[k]));
+  const double floor = 1e-3 * peak * peak;
+  std::vector<double> running(n + 1, 0.0);
+  for (std::size_t k = 0; k < n; ++k) running[k + 1] = running[k] + static_cast<double>(mean[k]) * mean[k] + floor;
   double best = -INFINITY;
   std::size_t at = 0;
   for (std::size_t k = 4; k + 4 < n; ++k) {
     const auto before = static_cast<double>(k);
     const auto after = static_cast<double>(n - k);
-    const double likelihood = -before * std::log(running[k] / before + floor) -
-                              after * std::log((running[n] - running[k]) / after + floor);
+    const double likelihood =
+        -before * std::log(running[k] / before) - after * std::log((running[n] - running[k]) / after);
     if (likelihood > best) {
       best = likelihood;
       at = k;
@@ -143,6 +148,49 @@ std::vector<float> white(const Autoregression& noise) {
   return filter;
 }
 
+/// What the wave leaves of a row.
+std::vector<float> residual(const Row& row, const WaveTemplate& wave) {
+  std::vector<float> x = row.sound;
+  wave.subtract(x, row.position, row.amplitude);
+  return x;
+}
+
+/// A filter that also makes white what the wave does not explain: noise where that is all, the ringing of modes that
+/// are struck differently each time where the recording is cleaner than the wave is constant.
+std::vector<float> whiten_residuals(const std::vector<float>& whitener, const std::vector<Row>& rows,
+                                    const WaveTemplate& wave) {
+  std::vector<double> r(kResidualOrder + 1, 0.0);
+  for (const Row& row : rows) {
+    const std::vector<float> x = residual(row, wave);
+    const double energy = dot(x, x);
+    for (std::size_t lag = 0; lag <= kResidualOrder; ++lag) r[lag] += dot(x, std::span(x).subspan(lag)) / energy;
+  }
+  const std::vector<double> a = prediction_error_filter(r);
+  std::vector<float> both(whitener.size() + kResidualOrder, 0.0F);
+  for (std::size_t j = 0; j < whitener.size(); ++j)
+    for (std::size_t k = 0; k <= kResidualOrder; ++k) both[j + k] += whitener[j] * static_cast<float>(a[k]);
+  return both;
+}
+
+struct Learning {
+  std::vector<Row> rows;
+  std::vector<float> mean;
+};
+
+/// Rounds of aligning and averaging, from the strongest row.
+Learning align_and_average(const Sound& sound, const std::vector<float>& whitener,
+                           const std::vector<RoughImpact>& impacts, const std::vector<std::size_t>& chosen,
+                           std::size_t n_wave) {
+  Learning l;
+  l.rows = read_rows(sound, whitener, impacts, chosen, n_wave);
+  l.mean = aligned(l.rows.front(), n_wave);
+  for (int round = 0; round < kRounds; ++round) {
+    align_rows(l.rows, WaveTemplate(l.mean), sound, round < 2);
+    l.mean = average(l.rows, n_wave);
+  }
+  return l;
+}
+
 }  // namespace
 
 std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
@@ -151,26 +199,24 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
   const auto n_wave = static_cast<std::size_t>(samples(kBefore_s + kWave_s, sound));
   ImpactWave learned;
   learned.whitener = white(noise);
-  std::vector<Row> rows = read_rows(sound, learned.whitener, impacts, choose_rows(impacts), n_wave);
-  std::vector<float> mean = aligned(rows.front(), n_wave);
-  for (int round = 0; round < kRounds; ++round) {
-    learned.wave = WaveTemplate(mean);
-    align_rows(rows, learned.wave, sound, round < 2);
-    mean = average(rows, n_wave);
-  }
-  learned.wave = WaveTemplate(mean);
+  const std::vector<std::size_t> chosen = choose_rows(impacts);
+  Learning l = align_and_average(sound, learned.whitener, impacts, chosen, n_wave);
+  learned.whitener = whiten_residuals(learned.whitener, l.rows, WaveTemplate(l.mean));
+  l = align_and_average(sound, learned.whitener, impacts, chosen, n_wave);
+  learned.wave = WaveTemplate(l.mean);
   std::vector<double> correlations;
-  for (const Row& row : rows) {
+  for (const Row& row : l.rows) {
     correlations.push_back(row.correlation);
     if (row.correlation >= kLeastCorrelation) ++learned.n_impacts;
   }
   learned.correlation = median(correlations);
-  learned.contact_index = begin_of(mean, static_cast<std::size_t>(samples(kBefore_s + 3e-3, sound)));
+  learned.contact_index = begin_of(l.mean, static_cast<std::size_t>(samples(kBefore_s + 3e-3, sound)));
   if (learned.n_impacts < 3) return std::nullopt;
   return learned;
 }
 
-std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& w, const std::vector<RoughImpact>& impacts) {
+std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& w,
+                                      const std::vector<RoughImpact>& impacts) {
   struct Heard {
     double first;  // of the wave, in samples of the recording
     double amplitude;
@@ -180,21 +226,20 @@ std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& w, c
   for (std::size_t k = 0; k < impacts.size(); ++k) {
     const double to_next_s = k + 1 < impacts.size() ? impacts[k + 1].t_s - impacts[k].t_s : 1.0;
     const double to_last_s = k > 0 ? impacts[k].t_s - impacts[k - 1].t_s : 1.0;
-    const double search_s = std::min({kSearch_s, 0.25 * to_next_s, 0.25 * to_last_s});
+    const double search_s = std::min({impacts[k].reach_s, 0.25 * to_next_s, 0.25 * to_last_s});
     const std::int64_t reach = samples(search_s, sound) + 2;
     const auto contact = static_cast<std::int64_t>(w.contact_index);
     const std::int64_t first = samples(impacts[k].t_s, sound) - contact - reach;
-    const auto n_fit = static_cast<std::size_t>(
-        std::clamp<std::int64_t>(contact + samples(to_next_s - search_s, sound) - reach, contact + 8,
-                                 static_cast<std::int64_t>(w.wave.size())));
+    const auto n_fit = static_cast<std::size_t>(std::clamp<std::int64_t>(
+        contact + samples(to_next_s - search_s, sound) - reach, contact + 8, static_cast<std::int64_t>(w.wave.size())));
     std::vector<float> x = read_whitened(sound, w.whitener, first, w.wave.size() + 2 * static_cast<std::size_t>(reach));
-    for (std::size_t j = heard.size(); j-- > 0 && heard[j].first + static_cast<double>(w.wave.size()) > static_cast<double>(first);)
+    for (std::size_t j = heard.size();
+         j-- > 0 && heard[j].first + static_cast<double>(w.wave.size()) > static_cast<double>(first);)
       w.wave.subtract(x, heard[j].first - static_cast<double>(first), heard[j].amplitude);
-    const std::ptrdiff_t start = w.wave.search(x, 0, 2 * reach, n_fit);
-    const WaveFit fit = w.wave.fit(x, static_cast<double>(start), n_fit);
+    const WaveFit fit = w.wave.fit(x, w.wave.search(x, 0, 2 * reach, n_fit), n_fit);
     TimedImpact t;
     t.t_s = (static_cast<double>(first) + fit.shift + w.contact_index) / sound.rate_hz;
-    t.sigma_s = fit.sigma_shift * std::sqrt(std::max(1.0, fit.misfit)) / sound.rate_hz;
+    t.sigma_s = fit.sigma_shift * std::sqrt(fit.misfit) / sound.rate_hz;
     t.amplitude = fit.amplitude;
     t.gain = fit.gain;
     t.misfit = fit.misfit;

@@ -16,7 +16,7 @@ namespace bouncelab {
 struct RoughImpact {
   double t_s = 0.0;
   double amplitude = 0.0;  ///< any unit, the same for all
-  bool starts_train = false;
+  double reach_s = 1e-3;   ///< how far from t_s it may lie
 };
 
 /// An impact timed by maximum likelihood.
@@ -33,9 +33,9 @@ struct TimedImpact {
 struct ImpactWave {
   std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
   WaveTemplate wave;
-  double contact_index = 0.0;   ///< start of contact, in samples from the template's first
-  double correlation = 0.0;     ///< median of the learned impacts with the template
-  std::int64_t n_impacts = 0;   ///< learned from
+  double contact_index = 0.0;  ///< start of contact, in samples from the template's first
+  double correlation = 0.0;    ///< median of the learned impacts with the template
+  std::int64_t n_impacts = 0;  ///< learned from
 };
 
 /// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again.
@@ -45,6 +45,7 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
 
 /// Times each impact by the learned wave, what still rings of earlier ones subtracted.
 /// @param impacts  in time order
-std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& wave, const std::vector<RoughImpact>& impacts);
+std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& wave,
+                                      const std::vector<RoughImpact>& impacts);
 
 }  // namespace bouncelab

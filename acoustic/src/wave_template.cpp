@@ -17,7 +17,8 @@ constexpr double kKaiserBeta = 6.0;
 double kernel(double x, double reach) {
   const double ratio = x / reach;
   if (std::abs(ratio) >= 1.0) return 0.0;
-  const double window = std::cyl_bessel_i(0.0, kKaiserBeta * std::sqrt(1.0 - ratio * ratio)) / std::cyl_bessel_i(0.0, kKaiserBeta);
+  const double window =
+      std::cyl_bessel_i(0.0, kKaiserBeta * std::sqrt(1.0 - ratio * ratio)) / std::cyl_bessel_i(0.0, kKaiserBeta);
   return window * (x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x));
 }
 
@@ -58,7 +59,8 @@ WaveTemplate::WaveTemplate(std::vector<float> mean) : n_(mean.size()), mean_(std
   std::copy(mean_.begin(), mean_.end(), padded.begin() + kReach);
   std::vector<float> before(n_);
   std::vector<float> after(n_);
-  constexpr double kStep = 1.0 / 64.0;  // for the derivative: error (2 pi f step)^2 / 6 < 4e-4 below the Nyquist frequency
+  constexpr double kStep =
+      1.0 / 64.0;  // for the derivative: error (2 pi f step)^2 / 6 < 4e-4 below the Nyquist frequency
   for (std::size_t p = 0; p < kPhases; ++p) {
     Phase& phase = phases_[p];
     const double shift = static_cast<double>(p) / kPhases;
@@ -95,16 +97,19 @@ WaveTemplate::WaveTemplate(std::vector<float> mean) : n_(mean.size()), mean_(std
 
 double WaveTemplate::energy(std::size_t n) const { return phases_[0].ww[std::min(n, n_)]; }
 
-std::ptrdiff_t WaveTemplate::search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last,
-                                    std::size_t n) const {
+double WaveTemplate::search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last,
+                            std::size_t n) const {
   n = std::min(n, n_);
-  std::ptrdiff_t best_shift = first;
+  double best_shift = static_cast<double>(first);
   double best = -INFINITY;
   for (std::ptrdiff_t shift = first; shift <= last; ++shift) {
-    const double product = dot(sound.subspan(static_cast<std::size_t>(shift), n), std::span(phases_[0].wave).first(n));
-    if (product > best) {
+    const auto stretch = sound.subspan(static_cast<std::size_t>(shift), n);
+    // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
+    for (const std::size_t p : {std::size_t{0}, kPhases / 2}) {
+      const double product = dot(stretch, std::span(phases_[p].wave).first(n));
+      if (product <= best) continue;
       best = product;
-      best_shift = shift;
+      best_shift = static_cast<double>(shift) + static_cast<double>(p) / kPhases;
     }
   }
   return best_shift;
@@ -153,7 +158,8 @@ void WaveTemplate::subtract(std::span<float> sound, double shift, double amplitu
   const auto a = static_cast<float>(amplitude);
   const auto b = static_cast<float>(-amplitude * (shift - sixteenths / kPhases));
   const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, whole);
-  const std::ptrdiff_t last = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(sound.size()), whole + static_cast<std::ptrdiff_t>(n_));
+  const std::ptrdiff_t last =
+      std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(sound.size()), whole + static_cast<std::ptrdiff_t>(n_));
   for (std::ptrdiff_t n = first; n < last; ++n) {
     const auto k = static_cast<std::size_t>(n - whole);
     sound[static_cast<std::size_t>(n)] -= a * phase.wave[k] + b * phase.derivative[k];

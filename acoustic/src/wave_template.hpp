@@ -7,8 +7,8 @@
 
 namespace bouncelab {
 
-/// Values of a band-limited sequence between its samples: out[n] = x(n + kReach + fraction), by a Kaiser-windowed sinc of
-/// 2 kReach taps (60 dB below 0.9 of the Nyquist frequency).
+/// Values of a band-limited sequence between its samples: out[n] = x(n + kReach + fraction), by a Kaiser-windowed sinc
+/// of 2 kReach taps (60 dB below 0.9 of the Nyquist frequency).
 class FractionalShift {
  public:
   static constexpr std::size_t kReach = 16;
@@ -42,10 +42,11 @@ class WaveTemplate {
   /// Energy of the first n samples, unshifted.
   double energy(std::size_t n) const;
 
-  /// Whole shift in [first, last] at which the likelihood, maximised over a positive amplitude, is greatest.
+  /// Shift in [first, last + 1/2], in steps of a half, at which the likelihood, maximised over a positive amplitude, is
+  /// greatest.
   /// @param sound     whitened, at least last + n samples
   /// @param n         samples of the template to be used
-  std::ptrdiff_t search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last, std::size_t n) const;
+  double search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last, std::size_t n) const;
 
   /// Maximum likelihood of shift and amplitude from a start within a sample of it, by Gauss and Newton.
   WaveFit fit(std::span<const float> sound, double start, std::size_t n) const;
@@ -55,8 +56,8 @@ class WaveTemplate {
 
  private:
   struct Phase {
-    std::vector<float> wave;        // mean(n - phase/16)
-    std::vector<float> derivative;  // its derivative with respect to time
+    std::vector<float> wave;         // mean(n - phase/16)
+    std::vector<float> derivative;   // its derivative with respect to time
     std::vector<double> ww, wd, dd;  // running products
   };
   static constexpr std::size_t kPhases = 16;
