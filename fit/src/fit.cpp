@@ -53,11 +53,16 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
                            words(" cannot be told apart with these speeds: their correlation is %.4f; quote eps(v) at "
                                  "the nodes, or the constants with their covariance",
                                  law.correlation[i][j]));
-  if (law.p_value && *law.p_value < 0.001)
-    warnings.push_back(
-        words("the scatter about eps(v) is not as the fit assumes: chi2 / ndf = %.2f, p = %.1e; "
-              "standard errors may be too small",
-              *law.chi2 / static_cast<double>(*law.ndf), *law.p_value));
+  if (law.p_value && *law.p_value < 0.001) {
+    double ratio = 0.0;
+    for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
+    warnings.push_back(words("the scatter about eps(v) is not as the fit assumes: chi2 / ndf = %.2f, p = %.1e; ",
+                             *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
+                       (ratio < 0.8 ? words("it is %.2f of what the stated timing errors alone explain: these are "
+                                            "stated too large, and so are all errors given here",
+                                            ratio)
+                                    : "standard errors may be too small; se_robust does not depend on it"));
+  }
   if (law.n_outliers > 0)
     warnings.push_back(std::to_string(law.n_outliers) +
                        " samples lie further from eps(v) than the scatter can put "

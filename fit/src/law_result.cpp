@@ -65,14 +65,30 @@ struct Knowledge {
   }
 };
 
-/// A parameter is identified when it is known to within itself (95 %), or its term C_i A_i v^(i/10) is known, in the
+/// A parameter is identified when it is known to a third of itself, or its term C_i A_i v^(i/10) is known, in the
 /// middle of the data, to within the whole loss 1 - eps that the series has to explain.
 bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, double v_mps, double eps) {
   if (!a.se || !std::isfinite(*a.se)) return false;
-  if (2.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
+  if (3.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
   const int order = model.orders[static_cast<std::size_t>(i)];
   const double of_term = std::abs(kViscoelasticC[static_cast<std::size_t>(order)]) * std::pow(v_mps, 0.1 * order);
   return *a.se * of_term < std::abs(1.0 - eps);
+}
+
+/// Parameters tied to one that is not identified by a correlation above .99 are as little known as that one: the
+/// likelihood knows their sum only.
+void spread_ignorance(std::vector<NamedEstimate>& parameters, const Eigen::MatrixXd& correlation) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      for (std::size_t j = 0; j < parameters.size(); ++j) {
+        const bool tied = std::abs(correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j))) > 0.99;
+        if (!tied || parameters[i].estimate.identified || !parameters[j].estimate.identified) continue;
+        parameters[j].estimate.identified = false;
+        changed = true;
+      }
+    }
+  }
 }
 
 std::string number(double x) {
@@ -92,16 +108,17 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Kno
   const double v_middle = v[v.size() / 2];
   const double eps_middle = model.eps(std::span(&v_middle, 1), q)[0];
   const auto names = model.names();
-  std::string unknown;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     Estimate a = known.estimate(values[i], j.row(i));
-    const std::string& name = names[static_cast<std::size_t>(i)];
     a.identified = is_identified(model, i, a, v_middle, eps_middle);
-    if (!a.identified)
-      unknown += (unknown.empty() ? "" : "; ") + name + " is not identifiable: its 95 % interval is " +
-                 number(a.ci95->lo) + " to " + number(a.ci95->hi);
-    fit.parameters.push_back({name, a});
+    fit.parameters.push_back({names[static_cast<std::size_t>(i)], a});
   }
+  spread_ignorance(fit.parameters, correlation);
+  std::string unknown;
+  for (const NamedEstimate& p : fit.parameters)
+    if (!p.estimate.identified)
+      unknown += (unknown.empty() ? "" : "; ") + p.name + " is not identifiable: its 95 % interval is " +
+                 number(p.estimate.ci95->lo) + " to " + number(p.estimate.ci95->hi);
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
   const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues();
