@@ -40,7 +40,7 @@ void add_ball(const Impacts& impacts, const SynthesisConfig& config, Schedule& s
       x_m = random.uniform(-config.start_spread_m, config.start_spread_m);
       y_m = random.uniform(-config.start_spread_m, config.start_spread_m);
     }
-    if (!impacts.states.empty()) {
+    if (config.simulated_positions && !impacts.states.empty()) {
       x_m = impacts.states[k].position_m[0];
       y_m = impacts.states[k].position_m[1];
     }

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 
 #include "background.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "contact_bound.hpp"
+#include "in_parallel.hpp"
 #include "instrument.hpp"
 #include "schedule.hpp"
 #include "synthesis_checks.hpp"
@@ -18,19 +18,6 @@ namespace {
 
 /// Below this a resonator is silent: under the last bit of 32.
 constexpr double kSilence = 1e-11;
-
-/// Runs task(k) for k = 0 ... n-1 on the given number of threads, each on a stretch of its own.
-template <class Task>
-void in_parallel(std::size_t n, int n_threads, const Task& task) {
-  const std::size_t n_stretches =
-      std::clamp<std::size_t>(static_cast<std::size_t>(n_threads), 1, std::max<std::size_t>(n, 1));
-  std::vector<std::future<void>> running;
-  for (std::size_t s = 0; s < n_stretches; ++s)
-    running.push_back(std::async(n_stretches == 1 ? std::launch::deferred : std::launch::async, [&, s] {
-      for (std::size_t k = n * s / n_stretches; k < n * (s + 1) / n_stretches; ++k) task(k);
-    }));
-  for (auto& stretch : running) stretch.get();
-}
 
 }  // namespace
 
@@ -87,7 +74,7 @@ void SyntheticRecording::State::measure(const Impacts& impacts) {
   for (const Strike& strike : schedule.strikes)
     if (strike.impact_index >= 0) hits.push_back(&strike);
   truth.resize(hits.size());
-  in_parallel(hits.size(), config.n_threads, [&](std::size_t k) {
+  in_parallel(hits.size(), resolved_threads(config.n_threads), [&](std::size_t k) {
     const Strike& strike = *hits[k];
     const WaveMeasure wave = meter.measure(contact(channel, strike), amplitudes(channel, strike));
     const Impact& impact = impacts.rows[static_cast<std::size_t>(strike.impact_index)];

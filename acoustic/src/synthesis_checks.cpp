@@ -96,11 +96,12 @@ void validate(const Impacts& impacts, const SynthesisConfig& config) {
                             std::to_string(impacts.rows[k - 1].t_s) + "; sort by drop and time");
     if (!(impact.v_mps > 0.0) || !std::isfinite(impact.v_mps) || !std::isfinite(impact.v_after_mps))
       throw InvalidArgument(place + "v_mps is " + std::to_string(impact.v_mps) + "; it must be positive and finite");
-    if (impacts.states.empty()) continue;
+    if (impacts.states.empty() || !config.simulated_positions) continue;
     const auto& position = impacts.states[k].position_m;
     if (!contains(config.ground, position[0], position[1]))
-      throw InvalidArgument(place + "x = " + std::to_string(position[0]) + " m, y = " + std::to_string(position[1]) +
-                            " m is off the plate; start nearer to its middle or cut the drop there");
+      throw InvalidArgument(
+          place + "x = " + std::to_string(position[0]) + " m, y = " + std::to_string(position[1]) +
+          " m is off the plate; let simulate end the drop at its edge (--plate) or draw positions (--positions drawn)");
   }
 }
 

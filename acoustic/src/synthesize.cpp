@@ -4,6 +4,7 @@
 #include <future>
 
 #include "bouncelab/acoustic/synthesis.hpp"
+#include "in_parallel.hpp"
 #include "instrument.hpp"
 
 namespace bouncelab {
@@ -40,7 +41,7 @@ SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config
   AudioWriter writer(out, spec, recording.n_frames(), may_replace);
 
   const double duration_s = static_cast<double>(recording.n_frames()) / config.rate_hz;
-  const std::int64_t n_threads = std::max(1, config.n_threads);
+  const std::int64_t n_threads = resolved_threads(config.n_threads);
   for (std::int64_t first = 0; first < recording.n_segments(); first += n_threads) {
     std::vector<std::future<std::vector<double>>> batch;
     for (std::int64_t k = first; k < std::min(first + n_threads, recording.n_segments()); ++k)

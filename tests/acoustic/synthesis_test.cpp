@@ -10,6 +10,7 @@
 #include <iterator>
 #include <limits>
 
+#include "bouncelab/acoustic/hard_cases.hpp"
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
@@ -176,13 +177,14 @@ TEST(Synthesis, NoiseIsAsLoudAsTheSnrSays) {
 TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBound) {
   SynthesisConfig config = quiet();
   config.snr_db = 30.0;
-  config.pause_s = 0.2;
+  config.lead_in_s = 0.02;
+  config.pause_s = 0.12;  // what rings on is exp(-20) of the information
   config.levels = Levels{1e-4, 1e-12, 1.0};
   const auto instrument = make_instrument(config);
   // one clean wave and its slope (from the wave moved by +-0.05 samples)
   constexpr double kMove_samples = 0.05;
   const auto wave_at = [&](double offset_samples) {
-    return SyntheticRecording(impacts({0.05 + offset_samples / config.rate_hz}), config, instrument).samples();
+    return SyntheticRecording(impacts({0.01 + offset_samples / config.rate_hz}), config, instrument).samples();
   };
   const std::vector<double> ahead = wave_at(-kMove_samples), behind = wave_at(kMove_samples), wave = wave_at(0.0);
   std::vector<double> slope(wave.size());
@@ -197,7 +199,7 @@ TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBound) {
   constexpr int kTrials = 2000;
   for (int trial = 0; trial < kTrials; ++trial) {
     config.seed = static_cast<std::uint64_t>(trial) + 1;
-    const SyntheticRecording recording(impacts({0.05}), config, instrument);
+    const SyntheticRecording recording(impacts({0.01}), config, instrument);
     bound_s = recording.truth()[0].sigma_t_s;
     const std::vector<double> x = recording.samples();
     double shift =
@@ -287,6 +289,20 @@ TEST(Synthesis, EveryPresetSensorAndRateMakesASound) {
         EXPECT_GT(rms(recording.samples()), 1e-3);
         EXPECT_EQ(recording.n_frames(), static_cast<std::int64_t>(std::ceil((0.1 + 0.05 + 0.05) * rate_hz - 1e-6)));
       }
+}
+
+TEST(HardCases, EachIsARecordingOfTheSameImpacts) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  const Impacts two = impacts({0.05, 0.15});
+  const std::vector<double> plain = SyntheticRecording(two, config).samples();
+  for (const HardCase& hard : hard_cases()) {
+    const SyntheticRecording recording(two, with_hard_case(config, hard.name));
+    ASSERT_EQ(recording.truth().size(), 2u) << hard.name;
+    EXPECT_EQ(recording.truth()[1].t_s, 0.1 + 0.15) << hard.name;
+    EXPECT_NE(recording.samples(), plain) << hard.name;
+  }
+  EXPECT_THROW(with_hard_case(config, "impossible"), InvalidArgument);
 }
 
 class SynthesizeFile : public testing::Test {

@@ -17,6 +17,7 @@
 #include "report_command.hpp"
 #include "restitution_command.hpp"
 #include "simulate_command.hpp"
+#include "synthesize_command.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -106,6 +107,7 @@ int run(std::vector<std::string> line) {
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
       add_simulate_command(app),
+      add_synthesize_command(app),
       add_detect_command(app),
       add_restitution_command(app),
       add_fit_command(app),

@@ -33,17 +33,18 @@ struct SynthesisConfig {
   Ball ball;
   int rate_hz = 96000;  ///< 8000 to 2,000,000
   SampleEncoding encoding = SampleEncoding::pcm24;
-  double snr_db = 30.0;          ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
-  double noise_corner_hz = 0.0;  ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
-  double peak = 0.5;             ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
-  double lead_in_s = 0.5;        ///< before the first release
-  double pause_s = 1.0;          ///< from the last impact of a drop to the next release, and to the end
-  double start_spread_m = 0.02;  ///< without states, each drop strikes at one point, uniform in |x|, |y| <= this
-  double max_mode_hz = 50.0e3;   ///< plate theory ends here
+  double snr_db = 30.0;             ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
+  double noise_corner_hz = 0.0;     ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
+  double peak = 0.5;                ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
+  double lead_in_s = 0.5;           ///< before the first release
+  double pause_s = 1.0;             ///< from the last impact of a drop to the next release, and to the end
+  bool simulated_positions = true;  ///< strike where the states say, if there are any
+  double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
+  double max_mode_hz = 50.0e3;      ///< plate theory ends here
   Disturbances disturbances;
   std::optional<Levels> levels;  ///< fixed, so that recordings made one by one belong together
   std::uint64_t seed = 1;
-  int n_threads = 1;  ///< the samples do not depend on it
+  int n_threads = 1;  ///< 0: all cores; the samples do not depend on it
 };
 
 /// What is true of one impact in the recording.
