@@ -39,6 +39,8 @@ LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod metho
   LawFitConfig config = main;
   config.kind = kind;
   config.method = method;
+  // the normal's profile is its covariance to all practical purposes
+  if (method == LawMethod::least_squares) config.intervals = IntervalMethod::covariance;
   for (const NodeEstimate& node : fitted.nodes)
     if (main.node_speeds_mps.empty()) config.node_speeds_mps.push_back(node.v_mps);
   return config;

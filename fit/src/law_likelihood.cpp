@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law_likelihood.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "bouncelab/core/units.hpp"
 
@@ -10,6 +14,8 @@ namespace bouncelab {
 namespace {
 
 // exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
+constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kMostLawParameters = 8;  // orders 2, 4, 5 ... 10
 constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
 NormalLaplace normal_density(double d, double s, double tau) {
@@ -37,13 +43,26 @@ Eigen::Index ScatterFamily::n_parameters() const {
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
   for (const double v : data.v_mps) x_.push_back(std::log(v / scatter.v_ref_mps));
-  if (model.is_linear()) law_rows_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
+  if (model.is_linear()) {
+    basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
+  } else {
+    basis_.resize(1, static_cast<Eigen::Index>(data.size()));
+    for (std::size_t k = 0; k < data.size(); ++k)
+      basis_(0, static_cast<Eigen::Index>(k)) = std::pow(data.v_mps[k], 0.1);
+  }
 }
 
-const Eigen::MatrixXd& LawLikelihood::law_rows(const Eigen::VectorXd& theta, Eigen::MatrixXd& storage) const {
-  if (model_.is_linear()) return law_rows_;
-  storage = model_.jacobian(data_.v_mps, theta.head(n_law_)).transpose();
-  return storage;
+double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row) const {
+  const double* basis = basis_.col(static_cast<Eigen::Index>(k)).data();
+  if (!model_.is_linear()) {
+    const auto [eps, slope] = viscoelastic_of_log_gamma(theta[0], *basis);
+    if (row) *row = slope;
+    return eps;
+  }
+  double eps = 1.0;
+  for (Eigen::Index i = 0; i < n_law_; ++i) eps += basis[i] * (theta[i] - 1.0);
+  if (row) std::copy(basis, basis + n_law_, row);
+  return eps;
 }
 
 LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
@@ -76,19 +95,26 @@ void LawLikelihood::add_score(const NormalLaplace& f, std::size_t k, const doubl
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
   if (!theta.allFinite()) return -HUGE_VAL;
-  Eigen::MatrixXd storage;
-  const Eigen::MatrixXd* rows = gradient ? &law_rows(theta, storage) : nullptr;
-  const Eigen::VectorXd fitted =
-      model_.is_linear()
-          ? Eigen::VectorXd((law_rows_.transpose() * (theta.head(n_law_).array() - 1.0).matrix()).array() + 1.0)
-          : model_.eps(data_.v_mps, theta.head(n_law_));
-  if (gradient) gradient->setZero(n_parameters());
+  const std::optional<Scales> one_scale = scatter_.n_terms == 1 ? std::optional(scales(theta, 0)) : std::nullopt;
+  // blocks of fixed size, added in order: the same sum for any number of threads
+  const std::size_t n_blocks = (data_.size() + kBlock - 1) / kBlock;
+  std::vector<double> sums(n_blocks, 0.0);
+  Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
+  tbb::parallel_for(std::size_t{0}, n_blocks, [&](std::size_t block) {
+    double* of_block = gradient ? gradients.col(static_cast<Eigen::Index>(block)).data() : nullptr;
+    for (std::size_t k = block * kBlock; k < std::min(data_.size(), (block + 1) * kBlock); ++k) {
+      std::array<double, kMostLawParameters> row;
+      const double residual = data_.eps[k] - eps_of(theta, k, of_block ? row.data() : nullptr);
+      const NormalLaplace f = density_at(residual, one_scale ? *one_scale : scales(theta, k), data_.tau[k]);
+      sums[block] += f.log_density;
+      if (of_block) add_score(f, k, row.data(), of_block);
+    }
+  });
   double sum = 0.0;
-  for (std::size_t k = 0; k < data_.size(); ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    const NormalLaplace f = density_at(data_.eps[k] - fitted[column], scales(theta, k), data_.tau[k]);
-    sum += f.log_density;
-    if (gradient) add_score(f, k, rows->col(column).data(), gradient->data());
+  for (const double s : sums) sum += s;
+  if (gradient) {
+    gradient->setZero(n_parameters());
+    for (std::size_t block = 0; block < n_blocks; ++block) *gradient += gradients.col(static_cast<Eigen::Index>(block));
   }
   return sum - asymmetry_penalty(theta, gradient);
 }
@@ -121,17 +147,13 @@ void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::M
   }
 }
 
-double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k) const {
-  return model_.eps(std::span(&data_.v_mps[k], 1), theta.head(n_law_))[0];
-}
-
 NormalLaplace LawLikelihood::density(const Eigen::VectorXd& theta, std::size_t k) const {
-  return density_at(data_.eps[k] - eps_of(theta, k), scales(theta, k), data_.tau[k]);
+  return density_at(data_.eps[k] - eps_of(theta, k, nullptr), scales(theta, k), data_.tau[k]);
 }
 
 double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_t k) const {
   const Scales b = scales(theta, k);
-  const double d = data_.eps[k] - eps_of(theta, k), tau = data_.tau[k];
+  const double d = data_.eps[k] - eps_of(theta, k, nullptr), tau = data_.tau[k];
   if (scatter_.kind == ScatterKind::normal)
     return 0.5 * std::erfc(-d / std::sqrt(2.0 * (b.below * b.below + tau * tau)));
   return normal_laplace_cdf(d, b.below, b.above, tau);
@@ -148,11 +170,10 @@ Information3 LawLikelihood::information_of(const Eigen::VectorXd& theta, std::si
 Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
   constexpr std::size_t kEnough = 600;  // a stratified mean over so many speeds is good to a percent
   const std::size_t stride = std::max<std::size_t>(1, data_.size() / kEnough);
-  Eigen::MatrixXd storage;
-  const Eigen::MatrixXd& rows = law_rows(theta, storage);
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
   const bool two_sided = scatter_.kind == ScatterKind::asymmetric_laplace;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
+  Eigen::VectorXd row(n_law_);
   std::size_t n = 0;
   for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
     const Information3 info = information_of(theta, k);
@@ -160,7 +181,8 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
     for (Eigen::Index i = 0; i < n_terms; ++i) powers[i] = std::pow(x_[k], static_cast<double>(i));
     // predictors (rows): location, log b_below, log b_above
     Eigen::MatrixXd design = Eigen::MatrixXd::Zero(3, n_parameters());
-    design.row(0).head(n_law_) = rows.col(static_cast<Eigen::Index>(k)).transpose();
+    eps_of(theta, k, row.data());
+    design.row(0).head(n_law_) = row.transpose();
     design.row(1).segment(n_law_, n_terms) = powers.transpose();
     design.row(2).segment(n_law_ + (two_sided ? n_terms : 0), n_terms) = powers.transpose();
     Eigen::Matrix3d j;
@@ -175,11 +197,12 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
 Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
   const std::size_t n_drops = data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops));
-  Eigen::MatrixXd storage;
-  const Eigen::MatrixXd& rows = law_rows(theta, storage);
-  for (std::size_t k = 0; k < data_.size(); ++k)
-    add_score(density(theta, k), k, rows.col(static_cast<Eigen::Index>(k)).data(),
+  Eigen::VectorXd row(n_law_);
+  for (std::size_t k = 0; k < data_.size(); ++k) {
+    const double residual = data_.eps[k] - eps_of(theta, k, row.data());
+    add_score(density_at(residual, scales(theta, k), data_.tau[k]), k, row.data(),
               scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
+  }
   return scores;
 }
 

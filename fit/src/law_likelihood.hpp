@@ -51,7 +51,8 @@ class LawLikelihood {
   NormalLaplace density(const Eigen::VectorXd& theta, std::size_t k) const;
   double probability_below(const Eigen::VectorXd& theta, std::size_t k) const;
   Information3 information_of(const Eigen::VectorXd& theta, std::size_t k) const;
-  double eps_of(const Eigen::VectorXd& theta, std::size_t k) const;
+  /// Of the curve at sample k, and where asked for its derivatives by q.
+  double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
   Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
   ScatterModel scatter_model(const Eigen::VectorXd& theta) const;
@@ -69,14 +70,13 @@ class LawLikelihood {
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
   double asymmetry_penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
-  const Eigen::MatrixXd& law_rows(const Eigen::VectorXd& theta, Eigen::MatrixXd& storage) const;
 
   const LawData& data_;
   const LawModel& model_;
   ScatterFamily scatter_;
   Eigen::Index n_law_;
-  std::vector<double> x_;     ///< log(v / v_ref)
-  Eigen::MatrixXd law_rows_;  ///< transposed: a column a sample; linear models only
+  std::vector<double> x_;  ///< log(v / v_ref)
+  Eigen::MatrixXd basis_;  ///< a column a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
 };
 
 }  // namespace bouncelab

@@ -26,12 +26,6 @@ Eigen::MatrixXd series_terms(const std::vector<int>& orders, std::span<const dou
   return rows;
 }
 
-using Jet1 = ceres::Jet<double, 1>;
-
-Jet1 viscoelastic_by_log_gamma(double v_mps, double log_gamma) {
-  return viscoelastic_restitution(exp(0.5 * Jet1(log_gamma, 0)) * std::pow(v_mps, 0.1));
-}
-
 void check_orders(const std::vector<int>& orders) {
   std::set<int> seen;
   for (const int order : orders)
@@ -42,6 +36,12 @@ void check_orders(const std::vector<int>& orders) {
 }
 
 }  // namespace
+
+std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power) {
+  const ceres::Jet<double, 1> x = exp(0.5 * ceres::Jet<double, 1>(log_gamma, 0)) * tenth_power;
+  const auto eps = viscoelastic_restitution(x);
+  return {eps.a, eps.v[0]};
+}
 
 Eigen::Index LawModel::n_parameters() const {
   return kind == LawKind::series ? static_cast<Eigen::Index>(orders.size()) : 1;
@@ -61,7 +61,7 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
   if (kind == LawKind::series) return series_terms(orders, v_mps) * a_of_q;
   Eigen::MatrixXd rows(n, 1);
   for (Eigen::Index k = 0; k < n; ++k)
-    rows(k, 0) = viscoelastic_by_log_gamma(v_mps[static_cast<std::size_t>(k)], q[0]).v[0];
+    rows(k, 0) = viscoelastic_of_log_gamma(q[0], std::pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
   return rows;
 }
 
@@ -71,7 +71,7 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
   if (kind == LawKind::series) return (series_terms(orders, v_mps) * reported(q)).array() + 1.0;
   Eigen::VectorXd values(n);
   for (Eigen::Index k = 0; k < n; ++k)
-    values[k] = viscoelastic_by_log_gamma(v_mps[static_cast<std::size_t>(k)], q[0]).a;
+    values[k] = viscoelastic_of_log_gamma(q[0], std::pow(v_mps[static_cast<std::size_t>(k)], 0.1)).first;
   return values;
 }
 

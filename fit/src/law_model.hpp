@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/restitution_law.hpp"
@@ -39,6 +40,9 @@ struct LawModel {
 /// @param v_mps  speeds of the data, any order: the series' nodes are spread over them.
 /// @throws InvalidArgument where orders are repeated or have no coefficient
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps);
+
+/// eps and d eps / d log gamma. @param tenth_power  v^(1/10)
+std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power);
 
 /// n speeds for nodes: 0.25, 0.6, 1.2 where n = 3 and the data span them, else evenly in log v within the data.
 std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n);

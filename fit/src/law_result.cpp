@@ -9,6 +9,7 @@
 #include <span>
 
 #include "goodness.hpp"
+#include "profile.hpp"
 
 namespace bouncelab {
 namespace {
@@ -34,7 +35,7 @@ std::optional<Eigen::MatrixXd> sandwich(const LawLikelihood& likelihood, const E
                                         const Eigen::MatrixXd& white) {
   const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
   const Eigen::Index n_theta = theta.size(), n_drops = scores.cols();
-  if (n_drops < 2 * n_theta) return std::nullopt;
+  if (n_drops < 4 * n_theta) return std::nullopt;
   Eigen::MatrixXd curvature(n_theta, n_theta);
   for (Eigen::Index j = 0; j < n_theta; ++j) {
     Eigen::VectorXd ahead, behind;
@@ -168,10 +169,46 @@ void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maxim
   fit.residuals = residual_bins(likelihood, maximum.x);
 }
 
+/// Replaces the intervals of constants and nodes by those of the profile, where it closes.
+void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const Eigen::MatrixXd& white) {
+  const LawModel& model = likelihood.model();
+  const Eigen::Index n_law = model.n_parameters();
+  const Eigen::VectorXd q = maximum.x.head(n_law);
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const auto along = [&](const Eigen::RowVectorXd& row) {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(maximum.x.size());
+    direction.head(n_law) = row.transpose();
+    return profile_intervals(function, maximum, white, direction);
+  };
+  // one coordinate: everything reported is a monotone function of it
+  const auto one = n_law == 1 ? along(Eigen::RowVectorXd::Ones(1)) : std::nullopt;
+  const auto set = [&](Estimate& e, const Eigen::RowVectorXd& row, auto&& value_of) {
+    const auto offsets = n_law == 1 ? one : along(row);
+    if (!offsets) return;
+    const auto end = [&](double offset) {
+      return n_law == 1 ? value_of(Eigen::VectorXd::Constant(1, q[0] + offset)) : e.value + offset;
+    };
+    const auto ordered = [&](const Interval& i) {
+      const double a = end(i.lo), b = end(i.hi);
+      return Interval{std::min(a, b), std::max(a, b)};
+    };
+    e.ci68 = ordered(offsets->offset68);
+    e.ci95 = ordered(offsets->offset95);
+    e.interval_method = "profile";
+  };
+  const Eigen::MatrixXd rows = model.reported_jacobian(q);
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    set(fit.parameters[i].estimate, rows.row(static_cast<Eigen::Index>(i)),
+        [&](const Eigen::VectorXd& x) { return model.reported(x)[0]; });
+  for (NodeEstimate& node : fit.nodes)
+    set(node.eps, model.jacobian(std::span(&node.v_mps, 1), q).row(0),
+        [&](const Eigen::VectorXd& x) { return model.eps(std::span(&node.v_mps, 1), x)[0]; });
+}
+
 }  // namespace
 
 void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
-                  const std::vector<double>& node_speeds_mps) {
+                  const std::vector<double>& node_speeds_mps, IntervalMethod intervals) {
   fit.status = FitStatus::ok;
   const Eigen::Index n_law = likelihood.model().n_parameters();
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
@@ -183,6 +220,7 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   describe_parameters(fit, likelihood, known);
   describe_curve(fit, likelihood, known, node_speeds_mps);
   describe_goodness(fit, likelihood, maximum);
+  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, white);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;
     fit.message = "the search did not converge: a gain of " + number(maximum.gain_left) + " in log-likelihood is left";

@@ -12,6 +12,6 @@ namespace bouncelab {
 /// Turns the maximum of the likelihood into what LawFit reports: parameters with errors, nodes, curve, goodness,
 /// status.
 void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
-                  const std::vector<double>& node_speeds_mps);
+                  const std::vector<double>& node_speeds_mps, IntervalMethod intervals);
 
 }  // namespace bouncelab

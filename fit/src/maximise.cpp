@@ -4,6 +4,7 @@
 #include <ceres/first_order_function.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
+#include <glog/logging.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -38,13 +39,25 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
   int& n_;
 };
 
-ceres::GradientProblemSolver::Options solver_options() {
+/// Ceres comments on degenerate line searches on standard error; what the search came to is in its result.
+class QuietCeres {
+ public:
+  QuietCeres() : level_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_ERROR; }
+  ~QuietCeres() { FLAGS_minloglevel = level_; }
+  QuietCeres(const QuietCeres&) = delete;
+  QuietCeres& operator=(const QuietCeres&) = delete;
+
+ private:
+  int level_;
+};
+
+ceres::GradientProblemSolver::Options solver_options(double tolerance) {
   ceres::GradientProblemSolver::Options options;
   options.line_search_direction_type = ceres::BFGS;
   options.line_search_type = ceres::WOLFE;
   options.max_num_iterations = 200;
-  options.function_tolerance = 0.0;   // the cost's size says nothing; the whitened gradient does
-  options.gradient_tolerance = 2e-3;  // in standard errors
+  options.function_tolerance = 0.0;  // the cost's size says nothing; the whitened gradient does
+  options.gradient_tolerance = tolerance;
   options.parameter_tolerance = 1e-12;
   options.logging_type = ceres::SILENT;
   return options;
@@ -60,7 +73,8 @@ Eigen::MatrixXd whitening(const Eigen::MatrixXd& m, double floor) {
   return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
 }
 
-Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information) {
+Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
+                 double tolerance) {
   Maximum result;
   result.x = start;
   result.loglik = loglik(start, nullptr);
@@ -71,7 +85,8 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
   ceres::GradientProblem problem(new WhitenedCost(loglik, start, white, at_start, result.n_evaluations));
   ceres::GradientProblemSolver::Summary summary;
-  ceres::Solve(solver_options(), problem, y.data(), &summary);
+  const QuietCeres quiet;
+  ceres::Solve(solver_options(tolerance), problem, y.data(), &summary);
   result.x = start + white * y;
   Eigen::VectorXd gradient;
   result.loglik = loglik(result.x, &gradient);

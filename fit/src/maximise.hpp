@@ -22,7 +22,9 @@ struct Maximum {
 /// Maximises by Ceres' BFGS with a Wolfe line search, in coordinates whitened by the information matrix at the start:
 /// there the surface is nearly a unit bowl, whatever the units and correlations of x.
 /// @param information  at the start; directions it says nothing about are searched with a bounded step
-Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information);
+/// @param tolerance    on the whitened gradient: distance to the maximum in standard errors
+Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
+                 double tolerance = 2e-3);
 
 /// Inverse square root L of a positive semidefinite matrix: L L^T = M^-1, with eigenvalues of the scaled matrix below
 /// `floor` lifted to it. M is scaled to a unit diagonal first.

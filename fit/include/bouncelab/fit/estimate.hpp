@@ -29,10 +29,10 @@ struct Estimate {
   std::optional<double> se;         ///< standard error, from the expected information
   std::optional<double> se_robust;  ///< the same from the scores' scatter between drops (sandwich): holds also where
                                     ///< the model of the scatter does not, or samples of a drop are correlated
-  std::optional<Interval> ci68;  ///< 68.27 % confidence interval
-  std::optional<Interval> ci95;  ///< 95 % confidence interval
-  std::string interval_method;   ///< "covariance", "profile" or "bootstrap"
-  bool identified = true;        ///< false: the data do not determine it (see the fit's message)
+  std::optional<Interval> ci68;     ///< 68.27 % confidence interval
+  std::optional<Interval> ci95;     ///< 95 % confidence interval
+  std::string interval_method;      ///< "covariance", "profile" or "bootstrap"
+  bool identified = true;           ///< false: the data do not determine it (see the fit's message)
 };
 
 struct NamedEstimate {

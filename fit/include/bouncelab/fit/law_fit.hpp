@@ -27,10 +27,15 @@ enum class LawMethod {
 const char* to_string(LawKind kind);
 const char* to_string(LawMethod method);
 
+/// How confidence intervals are made. `profile` also for the reported nodes and constants; the curve's band always by
+/// covariance.
+enum class IntervalMethod { profile, covariance };
+
 struct LawFitConfig {
   LawKind kind = LawKind::series;
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
   LawMethod method = LawMethod::asymmetric_laplace;
+  IntervalMethod intervals = IntervalMethod::profile;
   /// Speeds at which eps(v) is reported [m/s]; empty: 0.25, 0.6, 1.2 where the data reach there, else within the data.
   std::vector<double> node_speeds_mps;
 };
