@@ -7,73 +7,134 @@ namespace bouncelab {
 namespace {
 
 using Site = Envelope::Site;
+using List = std::vector<std::uint32_t>;
 
-/// e_rival - e_site is linear in n and changes by at most r |u_rival - u_site| over the cap.
-bool is_dominated(const Site& site, const Site& rival, const Cap& cap) {
-  const Vector3 apart = rival.direction - site.direction;
-  const double lead = dot(cap.centre, apart) + (rival.height - site.height);
-  return lead >= 0.0 && lead * lead >= cap.radius * cap.radius * norm2(apart);
-}
+constexpr std::size_t kRivalsLength = 256;
+/// Up to this length every pair is compared.
+constexpr std::size_t kPairsLength = 24;
 
-struct Rivals {
-  std::array<std::uint32_t, 5> highest{};  ///< at the centre and at four points around it
-  double floor = 0.0;                      ///< the envelope is nowhere in the cap lower than this
+/// The envelope's guaranteed elevation in a region, by squares: the highest site in a square is nowhere in it seen
+/// lower than height - diameter^2/2.
+class Floor {
+ public:
+  Floor(const Region& region, std::size_t n_sites) : region_(region) {
+    // about eight sites to a square
+    while (n_side_ < kMostSquares && static_cast<std::size_t>(8 * 4 * n_side_ * n_side_) <= n_sites) n_side_ *= 2;
+    std::fill_n(highest_.begin(), n_side_ * n_side_, 0.0);
+  }
+
+  void add(const Site& site) {
+    if (!(site.direction.x > 0.0)) return;
+    const auto [x, y] = region_.place(site.direction);
+    if (!(std::abs(x) < 1.0 && std::abs(y) < 1.0)) return;
+    double& highest = highest_[static_cast<std::size_t>(index(x) + n_side_ * index(y))];
+    highest = std::max(highest, site.height);
+  }
+
+  double elevation() const {
+    const double diameter = region_.square_diameter(n_side_);
+    return *std::min_element(highest_.begin(), highest_.begin() + n_side_ * n_side_) - 0.5 * diameter * diameter;
+  }
+
+ private:
+  static constexpr int kMostSquares = 32;
+
+  int index(double x) const { return static_cast<int>((x + 1.0) * 0.5 * n_side_); }
+
+  const Region& region_;
+  int n_side_ = 1;
+  std::array<double, static_cast<std::size_t>(kMostSquares* kMostSquares)> highest_;
 };
 
-Rivals find_rivals(std::span<const Site> sites, const std::vector<std::uint32_t>& candidates, const Cap& cap) {
-  const Vector3 c = cap.centre;
-  const Vector3 helper = std::abs(c.x) < 0.6 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
-  const Vector3 e1 = (0.75 * cap.radius) * normalized(cross(c, helper));
-  const Vector3 e2 = cross(c, e1);
+Contenders drop_what_lies_below(const Region& region, std::span<const Site> sites, const Contenders& wider,
+                                bool& is_floor_known) {
+  Contenders within;
+  std::vector<double> at_most;
+  within.list.reserve(wider.list.size());
+  at_most.reserve(wider.list.size());
+  for (const std::uint32_t k : wider.list) {
+    const double bound = elevation_at_most(sites[k], region);
+    if (bound < wider.floor) continue;
+    within.list.push_back(k);
+    at_most.push_back(bound);
+  }
+  Floor floor(region, within.list.size());
+  for (const std::uint32_t k : within.list) floor.add(sites[k]);
+  const double elevation = floor.elevation();
+  is_floor_known = elevation > 0.0;
+  within.floor = std::max(wider.floor, elevation);
+  std::size_t n_kept = 0;
+  for (std::size_t i = 0; i < within.list.size(); ++i)
+    if (at_most[i] >= within.floor) within.list[n_kept++] = within.list[i];
+  within.list.resize(n_kept);
+  return within;
+}
+
+/// e_rival - e_site is linear in n.
+bool is_dominated(const Site& site, const Site& rival, const Region& region) {
+  return region.is_nowhere_negative(rival.direction - site.direction, rival.height - site.height);
+}
+
+using Rivals = std::array<std::uint32_t, 5>;
+
+/// The highest at the centre and at four points around it.
+Rivals find_rivals(std::span<const Site> sites, const List& list, const Region& region) {
+  const std::array<Vector3, 5> points{region.direction(0, 0), region.direction(0.7, 0.7), region.direction(-0.7, 0.7),
+                                      region.direction(0.7, -0.7), region.direction(-0.7, -0.7)};
   Rivals rivals;
-  rivals.highest.fill(candidates.front());
-  std::array<double, 5> best{};
+  rivals.fill(list.front());
+  std::array<double, 5> best;
   best.fill(-2.0);
-  for (const std::uint32_t k : candidates) {
+  for (const std::uint32_t k : list) {
     const Site& site = sites[k];
-    const double middle = dot(c, site.direction) + site.height;
-    const double d1 = dot(e1, site.direction), d2 = dot(e2, site.direction);
-    const std::array<double, 5> values{middle, middle + d1, middle - d1, middle + d2, middle - d2};
     for (std::size_t p = 0; p < 5; ++p) {
-      if (values[p] > best[p]) {
-        best[p] = values[p];
-        rivals.highest[p] = k;
+      const double elevation = dot(points[p], site.direction) + site.height;
+      if (elevation > best[p]) {
+        best[p] = elevation;
+        rivals[p] = k;
       }
     }
-    rivals.floor = std::max(rivals.floor, elevation_at_least(site, cap));
   }
   return rivals;
 }
 
-}  // namespace
-
-void keep_what_can_be_highest(std::span<const Site> sites, const std::vector<std::uint32_t>& candidates, const Cap& cap,
-                              std::vector<std::uint32_t>& kept) {
-  kept.clear();
-  if (candidates.empty()) return;
-  const Rivals rivals = find_rivals(sites, candidates, cap);
-  for (const std::uint32_t k : candidates) {
-    if (elevation_at_most(sites[k], cap) < rivals.floor) continue;
+void drop_what_rivals_beat(std::span<const Site> sites, const Region& region, List& list) {
+  const Rivals rivals = find_rivals(sites, list, region);
+  std::size_t n_kept = 0;
+  for (const std::uint32_t k : list) {
     bool dominated = false;
-    for (const std::uint32_t rival : rivals.highest)
-      dominated = dominated || (rival != k && is_dominated(sites[k], sites[rival], cap));
-    if (!dominated) kept.push_back(k);
+    for (const std::uint32_t rival : rivals)
+      dominated = dominated || (rival != k && is_dominated(sites[k], sites[rival], region));
+    if (!dominated) list[n_kept++] = k;
   }
+  list.resize(n_kept);
 }
 
-void drop_dominated_pairs(std::span<const Site> sites, const Cap& cap, std::vector<std::uint32_t>& list) {
+void drop_what_any_beats(std::span<const Site> sites, const Region& region, List& list) {
   std::size_t n_kept = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     bool dominated = false;
-    // against those kept and those still to come: what was dropped was dropped by one that dominates here too
+    // those kept and those still to come are enough: what was dropped is beaten by one that beats this too
     for (std::size_t k = 0; k < n_kept && !dominated; ++k)
-      dominated = is_dominated(sites[list[i]], sites[list[k]], cap);
+      dominated = is_dominated(sites[list[i]], sites[list[k]], region);
     for (std::size_t k = i + 1; k < list.size() && !dominated; ++k)
       dominated =
-          is_dominated(sites[list[i]], sites[list[k]], cap) && !is_dominated(sites[list[k]], sites[list[i]], cap);
+          is_dominated(sites[list[i]], sites[list[k]], region) && !is_dominated(sites[list[k]], sites[list[i]], region);
     if (!dominated) list[n_kept++] = list[i];
   }
   list.resize(n_kept);
+}
+
+}  // namespace
+
+Contenders contenders_within(const Region& region, std::span<const Site> sites, const Contenders& wider) {
+  bool is_floor_known = false;
+  Contenders within = drop_what_lies_below(region, sites, wider, is_floor_known);
+  // rivals cost more than they drop while the region is wide and has a floor of its own
+  const bool is_wide = within.list.size() > kRivalsLength && is_floor_known;
+  if (!within.list.empty() && !is_wide) drop_what_rivals_beat(sites, region, within.list);
+  if (within.list.size() <= kPairsLength) drop_what_any_beats(sites, region, within.list);
+  return within;
 }
 
 }  // namespace bouncelab

@@ -10,23 +10,23 @@
 
 namespace bouncelab {
 
-/// Bounds of e(n) = height - |n - u|^2/2 over a cap, by the triangle inequality of chords.
-inline double elevation_at_most(const Envelope::Site& site, const Cap& cap) {
-  const double nearest = std::max(0.0, norm(site.direction - cap.centre) - cap.radius);
-  return site.height - 0.5 * nearest * nearest;
-}
-inline double elevation_at_least(const Envelope::Site& site, const Cap& cap) {
-  const double farthest = norm(site.direction - cap.centre) + cap.radius;
-  return site.height - 0.5 * farthest * farthest;
+/// Upper bound of e(n) = height - |n - u|^2/2 over the region; the site's direction in the frame of the face.
+inline double elevation_at_most(const Envelope::Site& site, const Region& region) {
+  const double distance = region.distance_at_least(site.direction);
+  return site.height - 0.5 * distance * distance;
 }
 
-/// Those of `candidates` (indices into sites) that can be the highest somewhere in the cap: a superset, made by
-/// dropping what lies below the guaranteed elevation of the envelope, or below one of five rivals everywhere in the
-/// cap. Keeps the order of the candidates. Of equal sites the first stays.
-void keep_what_can_be_highest(std::span<const Envelope::Site> sites, const std::vector<std::uint32_t>& candidates,
-                              const Cap& cap, std::vector<std::uint32_t>& kept);
+/// What can be the highest somewhere in a region.
+struct Contenders {
+  std::vector<std::uint32_t> list;  ///< indices into the sites
+  double floor = 0.0;               ///< the envelope is nowhere in the region lower than this
+};
 
-/// The same with every one as a rival of every other: for short lists.
-void drop_dominated_pairs(std::span<const Envelope::Site> sites, const Cap& cap, std::vector<std::uint32_t>& list);
+/// Reduces the contenders of a wider region to those of a region within: a superset of those that are the highest
+/// somewhere in it. In turn goes what lies below the elevation that the envelope is sure to have everywhere in the
+/// region; what one of five rivals beats everywhere in it; in short lists what any other beats. The order stays; of
+/// equal sites the first stays.
+/// @param sites  with directions in the frame of the region's face
+Contenders contenders_within(const Region& region, std::span<const Envelope::Site> sites, const Contenders& wider);
 
 }  // namespace bouncelab

@@ -135,8 +135,7 @@ void validate(const SimulationConfig& c) {
   require(c.max_time_s > 0.0, "time limit", c.max_time_s, "> 0 s");
 }
 
-DropResult simulate_drop(const SimulationConfig& config, const Surface& surface, const Envelope& envelope,
-                         std::int64_t drop) {
+DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t drop) {
   const Vector3 g = gravity(config);
   BallState state = release(config, drop);
   require(state.clearance_m > envelope.max_elevation() * config.ball.radius_m, "drop height", state.clearance_m,
@@ -163,8 +162,7 @@ DropResult simulate_drop(const SimulationConfig& config, const Surface& surface,
     }
     t_s = t_next_s;
     left = contact.asperity;
-    const Vector3 lever_m = contact_lever_m(config.ball, surface, contact.asperity, contact.state.orientation);
-    const Collision collision = collide(config.ball, config.law, config.contact, lever_m, contact.state.motion);
+    const Collision collision = collide(config.ball, config.law, config.contact, contact.lever_m, contact.state.motion);
     result.impacts.rows.push_back(impact_row(drop, impact, t_s, contact.state.motion, collision, contact.asperity));
     if (config.with_state) result.impacts.states.push_back(impact_state(config.ball, contact.state, collision.after));
     result.energy.add(impact_energy(config.ball, contact.state.motion, collision.after));
@@ -189,7 +187,7 @@ SimulationResult simulate(const SimulationConfig& config, const Surface& surface
   oneapi::tbb::task_arena arena(n_threads);
   arena.execute([&] {
     oneapi::tbb::parallel_for(std::int64_t{0}, config.n_drops, [&](std::int64_t k) {
-      drops[static_cast<std::size_t>(k)] = simulate_drop(config, surface, envelope, config.first_drop + k);
+      drops[static_cast<std::size_t>(k)] = simulate_drop(config, envelope, config.first_drop + k);
       if (!progress) return;
       const std::lock_guard lock(mutex);
       progress(static_cast<double>(++n_done), static_cast<double>(config.n_drops));

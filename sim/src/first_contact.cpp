@@ -38,6 +38,8 @@ constexpr double kClear_m = 1e-12;
 /// Looks at the envelope after which a search is given up: only a broken state gets there.
 constexpr int kMaxLooks = 10'000'000;
 
+std::int64_t index_of(const Envelope::Site* site) { return site == nullptr ? -1 : std::int64_t{site->asperity}; }
+
 /// The search for one flight.
 class Search {
  public:
@@ -52,23 +54,26 @@ class Search {
 
   struct Found {
     double t_s;
-    std::int64_t asperity;
+    const Envelope::Site* site;  ///< nullptr: the smooth sphere
   };
 
   Found run() {
     double t = time_of_unhindered_rise();
     for (int look = 0; look < kMaxLooks; ++look) {
       t = skip_above(envelope_.max_elevation(), t);
-      const double y = path_.height_m(t);
       const Vector3 n = pole_.at(t).direction;
-      const Envelope::Cell cell = envelope_.find(n, (y - kClear_m) / radius_m_);
-      const double t_exit = t + (cell.radius - norm(n - cell.centre)) / pole_.speed_radps;
-      if (!cell.is_leaf) {
-        t = std::min(t_exit, skip_above(cell.max_elevation, t));
+      // most often the leaf under the pole is where the ball comes down
+      const Envelope::Cell leaf = envelope_.find(n, -1.0);
+      const double t_exit = t + leaf.room_rad / pole_.speed_radps;
+      const double t_reach = skip_above(leaf.max_elevation, t);
+      if (t_reach < t_exit) {
+        if (const auto found = search_leaf(leaf, t_reach, t_exit)) return *found;
+        t = t_exit;
         continue;
       }
-      if (const auto found = search_leaf(cell, t, t_exit)) return *found;
-      t = t_exit;
+      // else stay in the widest cell that the ball is above; the leaf itself at the least
+      const Envelope::Cell cell = envelope_.find(n, (path_.height_m(t) - kClear_m) / radius_m_);
+      t = std::max(t_exit, std::min(t + cell.room_rad / pole_.speed_radps, skip_above(cell.max_elevation, t)));
     }
     throw Error("flight: no contact found in " + std::to_string(kMaxLooks) +
                 " looks at the surface; is the spin or the speed absurd?");
@@ -78,7 +83,7 @@ class Search {
   struct Candidate {
     double step_s = std::numeric_limits<double>::infinity();
     double slope_mps = 0.0;
-    std::int64_t asperity = -1;
+    const Envelope::Site* site = nullptr;
   };
 
   /// The envelope follows the pole no faster than R |n'| sqrt(2 max E): a ball that rises faster leaves all behind.
@@ -98,7 +103,7 @@ class Search {
     while (t < t_exit) {
       const Candidate first = nearest(cell, t);
       const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
-      if (first.slope_mps < 0.0 && first.step_s <= resolution_s) return Found{t + first.step_s, first.asperity};
+      if (first.slope_mps < 0.0 && first.step_s <= resolution_s) return Found{t + first.step_s, first.site};
       t += std::max(first.step_s, resolution_s);
       if (path_.height_m(t) > radius_m_ * cell.max_elevation + kClear_m)
         t = std::max(t, std::min(t_exit, skip_above(cell.max_elevation, t)));
@@ -110,24 +115,24 @@ class Search {
   Candidate nearest(const Envelope::Cell& cell, double t) const {
     const double y = path_.height_m(t), v = path_.velocity_mps(t);
     const Pole::Instant pole = pole_.at(t);
-    Candidate first = judge(-1, y, v, t);
+    Candidate first = judge(nullptr, y, v, t);
     for (const std::uint32_t k : cell.list) {
       const Envelope::Site& site = cell.sites[k];
       const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
       const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
-      const Candidate candidate = judge(site.asperity, gap, slope, t);
+      const Candidate candidate = judge(&site, gap, slope, t);
       if (candidate.step_s < first.step_s) first = candidate;
     }
     return first;
   }
 
-  Candidate judge(std::int64_t asperity, double gap_m, double slope_mps, double t) const {
-    const double bend = asperity < 0 ? path_.g_mps2 : bend_mps2_;
+  Candidate judge(const Envelope::Site* site, double gap_m, double slope_mps, double t) const {
+    const double bend = site == nullptr ? path_.g_mps2 : bend_mps2_;
     // what was just left opens with the contact's speed: its gap cannot close before 2 slope / bend
-    if (left_ == asperity && t == 0.0 && slope_mps > 0.0) return {slope_mps / bend, slope_mps, asperity};
-    if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), slope_mps, asperity};
-    if (slope_mps < 0.0) return {0.0, slope_mps, asperity};
-    return {2.0 * slope_mps / bend, slope_mps, asperity};
+    if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(site)) return {slope_mps / bend, slope_mps, site};
+    if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), slope_mps, site};
+    if (slope_mps < 0.0) return {0.0, slope_mps, site};
+    return {2.0 * slope_mps / bend, slope_mps, site};
   }
 
   double radius_m_;
@@ -146,8 +151,8 @@ FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, cons
     throw InvalidArgument("flight: gravity must pull towards the plate, its normal part is " +
                           std::to_string(gravity_mps2.z) + " m/s^2; tilt the plate less");
   Search search(ball, envelope, start, -gravity_mps2.z, left);
-  const auto [dt_s, asperity] = search.run();
-  FirstContact contact{dt_s, asperity, start};
+  const auto [dt_s, site] = search.run();
+  FirstContact contact{dt_s, index_of(site), {0.0, 0.0, -ball.radius_m}, start};
   BallState& state = contact.state;
   const Vector3 v = start.motion.velocity_mps;
   state.x_m += dt_s * (v.x + 0.5 * gravity_mps2.x * dt_s);
@@ -155,13 +160,9 @@ FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, cons
   state.clearance_m += dt_s * (v.z + 0.5 * gravity_mps2.z * dt_s);
   state.orientation = normalized(rotation_by(dt_s * start.motion.spin_radps) * start.orientation);
   state.motion.velocity_mps = v + dt_s * gravity_mps2;
+  if (site != nullptr)
+    contact.lever_m = ball.radius_m * (rotate(state.orientation, site->direction) - Vector3{0.0, 0.0, site->height});
   return contact;
-}
-
-Vector3 contact_lever_m(const Ball& ball, const Surface& surface, std::int64_t asperity, Quaternion orientation) {
-  if (asperity < 0) return {0.0, 0.0, -ball.radius_m};
-  const Asperity& touching = surface.asperities[static_cast<std::size_t>(asperity)];
-  return ball.radius_m * rotate(orientation, touching.direction) - Vector3{0.0, 0.0, touching.radius_m};
 }
 
 }  // namespace bouncelab

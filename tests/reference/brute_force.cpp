@@ -61,7 +61,7 @@ FirstContact first_contact(const Ball& ball, const Surface& surface, const BallS
     windows = {Window{0.0, std::max(0.0, (v - std::sqrt(inside)) / g)},
                Window{std::max(0.0, (v + std::sqrt(inside)) / g), t_smooth}};
 
-  FirstContact first{t_smooth, -1, start};
+  FirstContact first{t_smooth, -1, {0, 0, -ball.radius_m}, start};
   const Quaternion q = start.orientation;
   for (std::size_t j = 0; j < surface.asperities.size(); ++j) {
     const Asperity& asperity = surface.asperities[j];
@@ -84,6 +84,11 @@ FirstContact first_contact(const Ball& ball, const Surface& surface, const BallS
   first.state.clearance_m += v * t - 0.5 * g * t * t;
   first.state.motion.velocity_mps.z -= g * t;
   first.state.orientation = normalized(rotation_by(t * start.motion.spin_radps) * q);
+  if (first.asperity >= 0) {
+    const Asperity& asperity = surface.asperities[static_cast<std::size_t>(first.asperity)];
+    first.lever_m =
+        ball.radius_m * rotate(first.state.orientation, asperity.direction) - Vector3{0, 0, asperity.radius_m};
+  }
   return first;
 }
 
@@ -116,15 +121,9 @@ Impacts bounce(const SimulationConfig& config, const Surface& surface, BallState
     const FirstContact contact = first_contact(config.ball, surface, state, config.gravity_mps2, left);
     left = contact.asperity;
     t_s += contact.dt_s;
-    Vector3 lever_m{0, 0, -config.ball.radius_m};
-    if (contact.asperity >= 0) {
-      const Asperity& asperity = surface.asperities[static_cast<std::size_t>(contact.asperity)];
-      lever_m = config.ball.radius_m * rotate(contact.state.orientation, asperity.direction) -
-                Vector3{0, 0, asperity.radius_m};
-    }
     const Motion& before = contact.state.motion;
     const Motion after =
-        collide_paper(config.ball, config.law, std::get<PaperContact>(config.contact).beta, lever_m, before);
+        collide_paper(config.ball, config.law, std::get<PaperContact>(config.contact).beta, contact.lever_m, before);
     Impact row;
     row.impact = k;
     row.t_s = t_s;

@@ -17,11 +17,11 @@ namespace bouncelab {
 ///   E(n) = max(0, max_j e_j(n)),   e_j(n) = R_j/R - |n - u_j|^2 / 2   (|n| = |u_j| = 1),
 ///
 /// a power diagram restricted to the sphere. Each face of the cube around the sphere carries a quadtree in gnomonic
-/// coordinates. A cell's region is the cap |n - c| <= r around its centre that holds the cell and a margin; the cell
-/// lists every asperity that can be the highest anywhere in its region (a superset; none is missed), because
-/// e_k - e_j is linear in n: k beats j in the whole region where (e_k - e_j)(c) >= r |u_k - u_j|. Cells are split until
-/// the list is short, so one large asperity lengthens no list but those of the cells in which it can touch.
-/// Source: Aurenhammer, SIAM J. Comput. 16, 78 (1987), doi:10.1137/0216006 (power diagrams).
+/// coordinates. A cell answers for a region, itself and a margin; it lists every asperity that can be the highest
+/// anywhere in its region (a superset; none is missed), because e_k - e_j is linear in n, so that where k beats j in
+/// the whole region is told from its corners. Cells are split until the list is short: one large asperity lengthens no
+/// list but those of the cells in which it can touch. Source: Aurenhammer, SIAM J. Comput. 16, 78 (1987),
+/// doi:10.1137/0216006 (power diagrams).
 class Envelope {
  public:
   /// An asperity that can touch.
@@ -31,10 +31,9 @@ class Envelope {
     std::uint32_t asperity = 0;  ///< index into the surface
   };
 
-  /// Where a direction lies: a cell with its region and what can touch there.
+  /// Where a direction n lies: a cell and what can touch in its region.
   struct Cell {
-    Vector3 centre;              ///< unit vector
-    double radius = 0.0;         ///< of the region, as a chord
+    double room_rad = 0.0;       ///< n may turn by this and stay in the region
     double max_elevation = 0.0;  ///< E(n) <= max_elevation in the region
     bool is_leaf = false;
     std::span<const std::uint32_t> list;  ///< of a leaf: what can be highest somewhere in the region, as indices ...

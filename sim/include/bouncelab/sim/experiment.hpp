@@ -62,10 +62,9 @@ struct DropResult {
 
 /// One drop: a pure function of its arguments, for callers that let drops stream through memory.
 /// @param config    validated
-/// @param surface   what `envelope` was made from
+/// @param envelope  made from config.ball and its surface
 /// @throws InvalidArgument where the ball starts inside the plate
-DropResult simulate_drop(const SimulationConfig& config, const Surface& surface, const Envelope& envelope,
-                         std::int64_t drop);
+DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t drop);
 
 struct SimulationResult {
   Impacts impacts;  ///< ordered by drop and time

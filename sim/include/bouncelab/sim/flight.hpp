@@ -23,6 +23,7 @@ struct BallState {
 struct FirstContact {
   double dt_s = 0.0;           ///< from the start of the flight
   std::int64_t asperity = -1;  ///< -1: the smooth sphere
+  Vector3 lever_m;             ///< r_c, from the centre to the point of contact: R A u_j - R_j e_z, or -R e_z
   BallState state;             ///< at contact, before the collision
 };
 
@@ -42,8 +43,5 @@ struct FirstContact {
 /// @throws InvalidArgument where gravity does not pull to the plate
 FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
                                 Vector3 gravity_mps2, std::optional<std::int64_t> left);
-
-/// From the centre to the point of contact: r_c = R A u_j - R_j e_z; -R e_z for the smooth sphere [m].
-Vector3 contact_lever_m(const Ball& ball, const Surface& surface, std::int64_t asperity, Quaternion orientation);
 
 }  // namespace bouncelab
