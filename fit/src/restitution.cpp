@@ -115,6 +115,17 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, double gravity_m
   return samples;
 }
 
+/// Median of eps over the samples that nothing is said against.
+std::optional<double> median_eps(const RestitutionSamples& samples) {
+  std::vector<double> eps;
+  for (const RestitutionSample& sample : samples)
+    if (sample.flags.empty()) eps.push_back(sample.eps);
+  if (eps.empty()) return std::nullopt;
+  const auto middle = eps.begin() + static_cast<std::ptrdiff_t>(eps.size() / 2);
+  std::nth_element(eps.begin(), middle, eps.end());
+  return eps.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(eps.begin(), middle));
+}
+
 }  // namespace
 
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config) {
@@ -135,6 +146,7 @@ Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& c
   result.counts.n_samples = result.samples.size();
   result.counts.n_flagged = static_cast<std::size_t>(
       std::count_if(result.samples.begin(), result.samples.end(), [](const auto& s) { return !s.flags.empty(); }));
+  result.counts.eps_median = median_eps(result.samples);
   return result;
 }
 

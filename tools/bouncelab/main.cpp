@@ -7,12 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "analyze_command.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "config_file.hpp"
 #include "detect_command.hpp"
 #include "fit_command.hpp"
+#include "loop_command.hpp"
 #include "progress_line.hpp"
 #include "report_command.hpp"
 #include "restitution_command.hpp"
@@ -112,6 +114,8 @@ int run(std::vector<std::string> line) {
       add_restitution_command(app),
       add_fit_command(app),
       add_report_command(app),
+      add_analyze_command(app),
+      add_loop_command(app),
   };
   for (const Command& command : commands) add_common_options(*command.app, common);
 

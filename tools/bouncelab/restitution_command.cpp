@@ -27,6 +27,7 @@ Json to_json(const RestitutionCounts& counts) {
           {"n_drops", counts.n_drops},
           {"n_samples", counts.n_samples},
           {"n_flagged", counts.n_flagged},
+          {"eps_median", counts.eps_median ? Json(*counts.eps_median) : Json(nullptr)},
           {"breaks", counts.breaks}};
 }
 

@@ -140,7 +140,7 @@ Outcome run_synthesize(const SynthesizeOptions& options, Run& run) {
       synthesize(impacts, config, out, run.common.force, progress_line(run, "synthesize", "s of sound"));
   const std::vector<std::filesystem::path> inputs{options.impacts};
   write_provenance(run, out, inputs);
-  write_table(run, truth, truth_table(result.truth, out.filename().string()), inputs);
+  write_table(run, truth, truth_table(result.truth, out.string()), inputs);
   if (!result.others.empty()) write_table(run, others, others_table(result.others), inputs);
 
   Outcome outcome;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "bouncelab/core/onsets.hpp"
@@ -21,6 +22,7 @@ struct RestitutionCounts {
   std::size_t n_drops = 0;
   std::size_t n_samples = 0;
   std::size_t n_flagged = 0;  ///< samples that carry a flag; they stay in the table and out of the fit
+  std::optional<double> eps_median;  ///< of the samples without a flag; absent where there are none
   /// Places where the chain of one drop was broken, by reason: `doubtful`, `inferred`, `missing_impact`, ...
   std::map<std::string, std::size_t> breaks;
 };

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "command.hpp"
+#include "detect_command.hpp"
+#include "fit_command.hpp"
+#include "restitution_command.hpp"
+
+namespace bouncelab::cli {
+
+struct AnalyzeOptions {
+  std::string out;
+  DetectOptions detect;
+  RestitutionOptions restitution;
+  FitOptions fit;
+};
+
+Outcome run_analyze(const AnalyzeOptions& options, Run& run);
+Command add_analyze_command(CLI::App& app);
+
+}  // namespace bouncelab::cli
