@@ -32,8 +32,13 @@ void add_tone(double frequency_hz, double phase_rad, double amplitude, double ra
 
 }  // namespace
 
-Background::Background(const SynthesisConfig& config, const Schedule& schedule, const Levels& levels)
-    : config_(config), schedule_(schedule), levels_(levels), flicker_(config.noise_corner_hz, config.rate_hz) {}
+Background::Background(const SynthesisConfig& config, const Schedule& schedule, const ConverterFilter& filter,
+                       const Levels& levels)
+    : config_(config),
+      schedule_(schedule),
+      filter_(filter),
+      levels_(levels),
+      flicker_(config.noise_corner_hz, config.rate_hz) {}
 
 void Background::add(std::size_t channel, std::int64_t first, std::span<double> out) const {
   add_noise(channel, first, out);
@@ -82,12 +87,9 @@ void Background::add_clicks(std::int64_t first, std::span<double> out) const {
     const double at = click->t_s * rate_hz - static_cast<double>(first);
     if (at - kReach > n) break;
     // up and, 1.5 samples later, half as far down
-    const auto lo = static_cast<std::size_t>(std::max(0.0, std::ceil(at - kReach)));
-    const auto hi = static_cast<std::size_t>(std::clamp(at + kReach, 0.0, n));
-    for (std::size_t k = lo; k < hi; ++k) {
-      const double u = static_cast<double>(k) - at;
-      out[k] += click->level * levels_.weakest_peak * (filter_(u) - 0.5 * filter_(u - 1.5));
-    }
+    const double height = click->level * levels_.weakest_peak;
+    filter_.add(-at, height, out);
+    filter_.add(-at - 1.5, -0.5 * height, out);
   }
 }
 

@@ -15,7 +15,9 @@ namespace bouncelab {
 /// any stretch may be asked for.
 class Background {
  public:
-  Background(const SynthesisConfig& config, const Schedule& schedule, const Levels& levels);
+  /// All must outlive this.
+  Background(const SynthesisConfig& config, const Schedule& schedule, const ConverterFilter& filter,
+             const Levels& levels);
   /// Adds frames first ... first + out.size() - 1 of one channel.
   void add(std::size_t channel, std::int64_t first, std::span<double> out) const;
 
@@ -27,9 +29,9 @@ class Background {
 
   const SynthesisConfig& config_;
   const Schedule& schedule_;
+  const ConverterFilter& filter_;
   Levels levels_;
   FlickerFilter flicker_;
-  ConverterFilter filter_;
 };
 
 }  // namespace bouncelab

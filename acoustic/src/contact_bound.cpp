@@ -45,7 +45,7 @@ double WaveMeter::ringing_energy(const PoleValues& d) const {
 double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
   const auto bound = [&] {
     double sum = 0.0;
-    for (std::size_t p = 0; p < ringing.size(); ++p) sum += std::abs(ringing[p]);
+    for (std::size_t p = 0; p < ringing.size(); ++p) sum += std::sqrt(std::norm(ringing[p]));
     return sum;
   };
   std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> block{};

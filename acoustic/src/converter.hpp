@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace bouncelab {
@@ -14,27 +15,19 @@ namespace bouncelab {
 /// Source: Kaiser's design rule, Oppenheim & Schafer, Discrete-Time Signal Processing (3rd ed. 2010), 7.5.3.
 class ConverterFilter {
  public:
-  static constexpr double kHalfWidth_samples = 34.0;
-  static constexpr double kPassband = 0.40;  ///< of the sample rate
+  static constexpr int kHalfWidth_samples = 34;
 
   ConverterFilter();
-  /// h(u), from a table by cubic interpolation, within 1e-8 of its peak.
-  double operator()(double u_samples) const {
-    const double position = (u_samples < 0.0 ? -u_samples : u_samples) * kPerSample;
-    if (position >= kHalfWidth_samples * kPerSample) return 0.0;
-    const int k = static_cast<int>(position);
-    const double t = position - k;
-    const double* h = table_.data() + k;  // one entry before zero: h(-1/kPerSample) = h(1/kPerSample)
-    const double c0 = h[1], c1 = 0.5 * (h[2] - h[0]);
-    const double difference = h[2] - h[1];
-    const double c3 = c1 + 0.5 * (h[3] - h[1]) - 2.0 * difference;
-    const double c2 = difference - c1 - c3;
-    return c0 + t * (c1 + t * (c2 + t * c3));
-  }
+  /// Adds weight h(n + offset) to samples[n], for all n; h from a table by cubic interpolation, within 1e-8 of its
+  /// peak.
+  void add(double offset_samples, double weight, std::span<double> samples) const;
 
  private:
-  static constexpr int kPerSample = 256;
-  std::vector<double> table_;
+  static constexpr int kPhases = 256;                      // of the table, in one sample
+  static constexpr int kRow = 2 * kHalfWidth_samples + 1;  // h at one phase, a sample apart
+  const double* row(int phase) const { return table_.data() + (phase + 1) * kRow; }
+
+  std::vector<double> table_;  // phases -1 to kPhases + 1: what the interpolation reaches
 };
 
 }  // namespace bouncelab

@@ -82,7 +82,8 @@ Instrument::Instrument(const Ground& ground, const Sensor& sensor, const std::ve
       sensor_(checked(sensor)),
       channels_(channels),
       plate_(ground, max_mode_hz),
-      bank_(all_poles(plate_, sensor), rate_hz) {
+      bank_(all_poles(plate_, sensor), rate_hz),
+      meter_(bank_) {
   for (const Channel& channel : channels) couplings_.push_back(couplings(channel));
   const Transfer transfer{2.0 * kPi * sensor.resonance_hz, poles_of(sensor)};
   sensor_residues_.resize(2);

@@ -6,6 +6,7 @@
 
 #include "bouncelab/acoustic/plate.hpp"
 #include "bouncelab/acoustic/sensor.hpp"
+#include "contact_bound.hpp"
 #include "resonator_bank.hpp"
 
 namespace bouncelab {
@@ -20,7 +21,11 @@ class Instrument {
   Instrument(const Ground& ground, const Sensor& sensor, const std::vector<Channel>& channels, double rate_hz,
              double max_mode_hz);
 
+  Instrument(const Instrument&) = delete;
+  Instrument& operator=(const Instrument&) = delete;
+
   const ResonatorBank& bank() const { return bank_; }
+  const WaveMeter& meter() const { return meter_; }
   const PlateModes& plate() const { return plate_; }
   std::size_t n_channels() const { return channels_.size(); }
 
@@ -40,6 +45,7 @@ class Instrument {
   std::vector<Channel> channels_;
   PlateModes plate_;
   ResonatorBank bank_;
+  WaveMeter meter_;
   std::vector<std::vector<Complex>> couplings_;  // by channel and mode: of the mode's motion to the sensor, over mass
   std::vector<Complex> mode_residues_;           // by mode: at its own pole, for unit coupling
   std::vector<std::vector<Complex>> sensor_residues_;  // by pole of the sensor and mode

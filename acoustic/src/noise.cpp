@@ -30,9 +30,8 @@ struct Ziggurat {
 
 const Ziggurat kZiggurat;
 
-double signed_uniform(std::uint64_t word) {
-  return static_cast<double>(static_cast<std::int64_t>(word) >> 11) * 0x1p-52;
-}
+/// In [-1, 1), from the upper 24 bits.
+double signed_uniform(std::uint32_t word) { return (static_cast<std::int32_t>(word) >> 8) * 0x1p-23; }
 
 double beyond_tail(Random& random) {
   for (;;) {
@@ -42,8 +41,8 @@ double beyond_tail(Random& random) {
 }
 
 /// What the fast path could not settle: tail, wedge, or another try.
-double slow_sample(Random& random, std::uint64_t word) {
-  for (;; word = random.bits()) {
+double slow_sample(Random& random, std::uint32_t word) {
+  for (;; word = static_cast<std::uint32_t>(random.bits())) {
     const std::size_t layer = word & (kLayers - 1);
     const double u = signed_uniform(word), x = u * kZiggurat.x[layer];
     if (std::abs(x) < kZiggurat.x[layer + 1]) return x;
@@ -56,22 +55,23 @@ double slow_sample(Random& random, std::uint64_t word) {
 
 }  // namespace
 
-double WhiteNoise::sample(std::int64_t frame, std::uint64_t word) const {
-  const std::size_t layer = word & (kLayers - 1);
-  const double x = signed_uniform(word) * kZiggurat.x[layer];
-  if (std::abs(x) < kZiggurat.x[layer + 1]) return x;
+double WhiteNoise::rejected_sample(std::int64_t frame, std::uint32_t word) const {
   Random random(seed_, RandomStream::noise, ((static_cast<std::uint64_t>(frame) + 1) << 8) | source_);
   return slow_sample(random, word);
 }
 
 void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<double> out) const {
+  constexpr std::int64_t kPerBlock = 8;
   std::int64_t frame = first_frame;
   std::array<std::uint64_t, 4> words{};
   for (std::size_t k = 0; k < out.size(); ++k, ++frame) {
-    const auto lane = static_cast<std::size_t>(frame & 3);
+    const auto lane = static_cast<std::size_t>(frame & (kPerBlock - 1));
     if (lane == 0 || k == 0)
-      words = philox_block(seed_, RandomStream::noise, source_, static_cast<std::uint64_t>(frame >> 2));
-    out[k] += rms * sample(frame, words[lane]);
+      words = philox_block(seed_, RandomStream::noise, source_, static_cast<std::uint64_t>(frame / kPerBlock));
+    const auto word = static_cast<std::uint32_t>(words[lane / 2] >> (32 * (lane & 1)));
+    const std::size_t layer = word & (kLayers - 1);
+    const double x = signed_uniform(word) * kZiggurat.x[layer];
+    out[k] += rms * (std::abs(x) < kZiggurat.x[layer + 1] ? x : rejected_sample(frame, word));
   }
 }
 

@@ -18,7 +18,7 @@ class WhiteNoise {
   void add(std::int64_t first_frame, double rms, std::span<double> out) const;
 
  private:
-  double sample(std::int64_t frame, std::uint64_t word) const;
+  double rejected_sample(std::int64_t frame, std::uint32_t word) const;
   std::uint64_t seed_, source_;
 };
 

@@ -7,18 +7,12 @@
 
 #include "bouncelab/core/units.hpp"
 #include "hertz_pulse.hpp"
+#include "vector_clones.hpp"
 
 namespace bouncelab {
 namespace {
 
 using Complex = std::complex<double>;
-
-// Wider registers where the processor has them. Without fused multiply-add, so that every machine gives the same bytes.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define BOUNCELAB_VECTOR_CLONES
-#endif
 
 /// Re sum_p a_p z_p, in four partial sums: the compiler may not reorder a sum, we may.
 double real_part_of_product(const PoleValues& a, const PoleValues& z) {
@@ -53,9 +47,21 @@ BOUNCELAB_VECTOR_CLONES void add_scaled(PoleValues& z, const PoleValues& k, doub
   }
 }
 
-/// One block of one resonator: out_j += Re((re + i im) (c_j + i s_j)).
-BOUNCELAB_VECTOR_CLONES void add_rotation(double* out, const double* c, const double* s, double re, double im) {
-  for (std::size_t j = 0; j < static_cast<std::size_t>(ResonatorBank::kBlock); ++j) out[j] += re * c[j] - im * s[j];
+/// Free ringing of one resonator with value (re, im): blocks of out_j += Re((re + i im)(c_j + i s_j)), each followed by
+/// the value's rotation over a block.
+BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s,
+                                         std::complex<double> block_step, double silence, double& re, double& im) {
+  constexpr auto kFrames = static_cast<std::size_t>(ResonatorBank::kBlock);
+  for (double* y = out.data(); y != out.data() + out.size(); y += kFrames) {
+    if (std::abs(re) + std::abs(im) < silence) {
+      re = im = 0.0;
+      return;
+    }
+    for (std::size_t j = 0; j < kFrames; ++j) y[j] += re * c[j] - im * s[j];
+    const double re_before = re;
+    re = re * block_step.real() - im * block_step.imag();
+    im = re_before * block_step.imag() + im * block_step.real();
+  }
 }
 
 PoleValues product(const PoleValues& a, const PoleValues& b) {
@@ -108,17 +114,14 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
   }
 }
 
-double ResonatorBank::force(const Contact& contact, const PointImpulses& pulse, double frame) const {
-  const double u = frame - contact.arrival_samples;
-  double sum = 0.0;
+std::vector<double> ResonatorBank::force(const Contact& contact, std::int64_t first, std::size_t n_frames,
+                                         double fraction) const {
+  std::vector<double> g(n_frames, 0.0);
+  const PointImpulses pulse = hertz_impulses(contact.duration_samples);
+  const double offset = static_cast<double>(first) + fraction - contact.arrival_samples;
   for (std::size_t q = 0; q < pulse.nodes.size(); ++q)
-    sum += pulse.weights[q] * filter_(u - contact.duration_samples * pulse.nodes[q]);
-  return contact.impulse * sum;
-}
-
-void ResonatorBank::step(PoleValues& z, std::span<const double> drive) const {
-  rotate(z, step_);
-  for (std::size_t i = 0; i < drive.size(); ++i) add_scaled(z, kick_[i], drive[i]);
+    filter_.add(offset - contact.duration_samples * pulse.nodes[q], contact.impulse * pulse.weights[q], g);
+  return g;
 }
 
 ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const {
@@ -126,45 +129,34 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
   const auto first = static_cast<std::int64_t>(std::floor(contact.arrival_samples - kReach));
   const auto last = static_cast<std::int64_t>(std::ceil(contact.arrival_samples + contact.duration_samples + kReach));
   const std::int64_t end = (last + kBlock - 1) / kBlock * kBlock;
-  const PointImpulses pulse = hertz_impulses(contact.duration_samples);
+  const auto n_driven = static_cast<std::size_t>(last - first), n = static_cast<std::size_t>(end - first);
+  std::vector<std::vector<double>> drive;
+  for (const double node : interval_.nodes) drive.push_back(force(contact, first, n_driven, node));
 
+  ContactWave wave{first, std::vector<double>(n), {}, PoleValues(size())};
   // dy/dt = Re sum a_p (s_p z_p + g)
   const PoleValues slope_amplitudes = with_slopes ? product(amplitudes, pole_steps_) : PoleValues();
-  const double direct = std::accumulate(amplitudes.re.begin(), amplitudes.re.end(), 0.0);
-
-  ContactWave wave{first, {}, {}, PoleValues(size())};
+  if (with_slopes) {
+    wave.slopes = force(contact, first, n, 0.0);
+    const double direct = std::accumulate(amplitudes.re.begin(), amplitudes.re.end(), 0.0);
+    for (double& slope : wave.slopes) slope *= direct;
+  }
   PoleValues z(size());
-  std::vector<double> drive;
-  for (std::int64_t n = first; n < end; ++n) {
-    const auto frame = static_cast<double>(n);
-    wave.samples.push_back(real_part_of_product(amplitudes, z));
-    if (with_slopes)
-      wave.slopes.push_back(real_part_of_product(slope_amplitudes, z) + direct * force(contact, pulse, frame));
-    drive.clear();
-    if (n < last)
-      for (const double node : interval_.nodes) drive.push_back(force(contact, pulse, frame + node));
-    step(z, drive);
+  for (std::size_t k = 0; k < n; ++k) {
+    wave.samples[k] = real_part_of_product(amplitudes, z);
+    if (with_slopes) wave.slopes[k] += real_part_of_product(slope_amplitudes, z);
+    rotate(z, step_);
+    if (k < n_driven)
+      for (std::size_t i = 0; i < drive.size(); ++i) add_scaled(z, kick_[i], drive[i][k]);
   }
   wave.ringing = product(amplitudes, z);
   return wave;
 }
 
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
-  constexpr auto kFrames = static_cast<std::size_t>(kBlock);
   for (std::size_t p = 0; p < size(); ++p) {
-    double re = state.re[p], im = state.im[p];
-    for (std::size_t frame = 0; frame < out.size(); frame += kFrames) {
-      if (std::abs(re) + std::abs(im) < silence) {
-        re = im = 0.0;
-        break;
-      }
-      add_rotation(out.data() + frame, table_.re.data() + p * kFrames, table_.im.data() + p * kFrames, re, im);
-      const double re_before = re;
-      re = re * block_step_.re[p] - im * block_step_.im[p];
-      im = re_before * block_step_.im[p] + im * block_step_.re[p];
-    }
-    state.re[p] = re;
-    state.im[p] = im;
+    const std::size_t at = p * static_cast<std::size_t>(kBlock);
+    add_ringing(out, table_.re.data() + at, table_.im.data() + at, block_step_[p], silence, state.re[p], state.im[p]);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "converter.hpp"
-#include "hertz_pulse.hpp"
 #include "quadrature.hpp"
 
 namespace bouncelab {
@@ -61,6 +60,7 @@ class ResonatorBank {
   std::size_t size() const { return poles_.size(); }
   const std::vector<std::complex<double>>& poles_per_s() const { return poles_; }
   double rate_hz() const { return rate_hz_; }
+  const ConverterFilter& filter() const { return filter_; }
   /// After this many frames the slowest resonator has decayed by 1e-11.
   std::int64_t memory_frames() const { return memory_frames_; }
 
@@ -72,9 +72,8 @@ class ResonatorBank {
   void advance(PoleValues& state, std::int64_t n_frames) const;
 
  private:
-  /// g at a frame, fractions allowed.
-  double force(const Contact& contact, const PointImpulses& pulse, double frame) const;
-  void step(PoleValues& z, std::span<const double> drive) const;
+  /// g at frames first + fraction, first + fraction + 1 ...
+  std::vector<double> force(const Contact& contact, std::int64_t first, std::size_t n_frames, double fraction) const;
 
   std::vector<std::complex<double>> poles_;
   double rate_hz_;

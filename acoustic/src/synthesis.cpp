@@ -7,7 +7,6 @@
 #include "background.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
-#include "contact_bound.hpp"
 #include "in_parallel.hpp"
 #include "instrument.hpp"
 #include "schedule.hpp"
@@ -69,14 +68,13 @@ void SyntheticRecording::State::measure(const Impacts& impacts) {
   const auto alive = std::find_if(config.channels.begin(), config.channels.end(),
                                   [](const Channel& channel) { return channel.gain != 0.0; });
   const auto channel = static_cast<std::size_t>(alive - config.channels.begin());
-  const WaveMeter meter(instrument->bank());
   std::vector<const Strike*> hits;
   for (const Strike& strike : schedule.strikes)
     if (strike.impact_index >= 0) hits.push_back(&strike);
   truth.resize(hits.size());
   in_parallel(hits.size(), resolved_threads(config.n_threads), [&](std::size_t k) {
     const Strike& strike = *hits[k];
-    const WaveMeasure wave = meter.measure(contact(channel, strike), amplitudes(channel, strike));
+    const WaveMeasure wave = instrument->meter().measure(contact(channel, strike), amplitudes(channel, strike));
     const Impact& impact = impacts.rows[static_cast<std::size_t>(strike.impact_index)];
     TrueImpact& row = truth[k];
     row.drop = impact.drop;
@@ -184,7 +182,7 @@ SyntheticRecording::SyntheticRecording(const Impacts& impacts, const SynthesisCo
   for (const Strike& strike : s.schedule.strikes) check_contact(strike.duration_s, config);
   s.measure(impacts);
   s.choose_levels();
-  s.background = std::make_unique<Background>(s.config, s.schedule, s.levels);
+  s.background = std::make_unique<Background>(s.config, s.schedule, s.instrument->bank().filter(), s.levels);
   s.n_frames = static_cast<std::int64_t>(std::ceil(s.schedule.duration_s * config.rate_hz));
   // 2.5 s: long against the plate's memory, which each segment has to recall
   s.segment_frames =
@@ -218,12 +216,14 @@ std::vector<double> SyntheticRecording::segment(std::int64_t index) const {
   const std::int64_t first = index * s.segment_frames;
   const std::int64_t n = std::min(s.segment_frames, s.n_frames - first);
   const std::size_t n_channels = s.config.channels.size();
-  std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
+  std::vector<double> interleaved(n_channels > 1 ? static_cast<std::size_t>(n) * n_channels : 0);
   for (std::size_t c = 0; c < n_channels; ++c) {
     std::vector<double> sound = s.config.channels[c].gain == 0.0 ? std::vector<double>(static_cast<std::size_t>(n), 0.0)
                                                                  : s.strikes_sound(c, first, n);
     s.background->add(c, first, sound);
-    for (std::size_t k = 0; k < sound.size(); ++k) interleaved[k * n_channels + c] = std::clamp(sound[k], -1.0, 1.0);
+    for (double& sample : sound) sample = std::clamp(sample, -1.0, 1.0);
+    if (n_channels == 1) return sound;
+    for (std::size_t k = 0; k < sound.size(); ++k) interleaved[k * n_channels + c] = sound[k];
   }
   return interleaved;
 }

@@ -48,20 +48,26 @@ TEST(HertzPulse, PointImpulsesStandForThePulseUpToHalfTheSampleRate) {
     }
 }
 
+double at(const ConverterFilter& filter, double u_samples) {
+  double value = 0.0;
+  filter.add(u_samples, 1.0, {&value, 1});
+  return value;
+}
+
 /// Fourier transform of the converter's filter at a frequency in cycles per sample.
 double converter_gain(const ConverterFilter& filter, double frequency) {
   double sum = 0.0;
   const QuadratureRule rule = gauss_legendre(8, 0.0, 0.25);
   for (double u = 0.0; u < ConverterFilter::kHalfWidth_samples; u += 0.25)
     for (std::size_t k = 0; k < rule.nodes.size(); ++k)
-      sum += 2.0 * rule.weights[k] * filter(u + rule.nodes[k]) * std::cos(2.0 * kPi * frequency * (u + rule.nodes[k]));
+      sum +=
+          2.0 * rule.weights[k] * at(filter, u + rule.nodes[k]) * std::cos(2.0 * kPi * frequency * (u + rule.nodes[k]));
   return sum;
 }
 
 TEST(ConverterFilter, PassesTheBandAndStopsWhatWouldFoldBack) {
   const ConverterFilter filter;
-  for (double f = 0.0; f <= ConverterFilter::kPassband; f += 0.01)
-    EXPECT_NEAR(converter_gain(filter, f), 1.0, 2e-5) << f;
+  for (double f = 0.0; f <= 0.40; f += 0.01) EXPECT_NEAR(converter_gain(filter, f), 1.0, 2e-5) << f;
   for (double f = 0.5; f < 6.0; f += 0.013) EXPECT_LT(std::abs(converter_gain(filter, f)), 1.3e-5) << f;  // 98 dB
 }
 
@@ -83,7 +89,7 @@ double brute_force(const ConverterFilter& filter, Complex pole, Complex amplitud
       double g = 0.0;
       for (std::size_t q = 0; q < pulse.nodes.size(); ++q)
         g += pulse.weights[q] *
-             filter(rule.nodes[i] - contact.arrival_samples - contact.duration_samples * pulse.nodes[q]);
+             at(filter, rule.nodes[i] - contact.arrival_samples - contact.duration_samples * pulse.nodes[q]);
       sum += rule.weights[i] * contact.impulse * g *
              (amplitude * std::exp(pole / kRate_hz * (frame - rule.nodes[i]))).real();
     }

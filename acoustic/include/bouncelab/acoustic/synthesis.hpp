@@ -40,7 +40,7 @@ struct SynthesisConfig {
   double pause_s = 1.0;             ///< from the last impact of a drop to the next release, and to the end
   bool simulated_positions = true;  ///< strike where the states say, if there are any
   double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
-  double max_mode_hz = 50.0e3;      ///< plate theory ends here
+  double max_mode_hz = 45.0e3;      ///< modes above are left out; plate theory ends about here
   Disturbances disturbances;
   std::optional<Levels> levels;  ///< fixed, so that recordings made one by one belong together
   std::uint64_t seed = 1;
