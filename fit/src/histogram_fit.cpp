@@ -8,10 +8,13 @@
 #include "goodness.hpp"
 #include "law_likelihood.hpp"
 #include "maximise.hpp"
+#include "profile.hpp"
 #include "start_values.hpp"
 
 namespace bouncelab {
 namespace {
+
+constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
 
 /// Samples of the window, moved along the law to its centre.
 LawData window_data(const RestitutionSamples& samples, double lo, double hi, double centre, const LawFit& law) {
@@ -19,7 +22,7 @@ LawData window_data(const RestitutionSamples& samples, double lo, double hi, dou
   const double eps_centre = law.law ? restitution(*law.law, centre) : 0.0;
   for (const RestitutionSample& s : samples) {
     if (!(s.v_mps >= lo && s.v_mps < hi) || !std::isfinite(s.eps)) continue;
-    double eps = s.eps, tau = std::max(0.0, s.sigma_eps.value_or(0.0));
+    double eps = s.eps, tau = std::hypot(s.sigma_eps.value_or(0.0), kResolution);
     if (law.law) {
       const double residual = eps - restitution(*law.law, s.v_mps);
       const double stretch = !law.scatter     ? 1.0
@@ -84,34 +87,60 @@ struct WindowFit {
   LawData data;
   Maximum maximum;
   Eigen::MatrixXd covariance;
+  std::vector<std::optional<ProfileIntervals>> profiles;  ///< of peak, log b_below, log b_above
 };
 
 WindowFit fit_window(const LawData& original, ScatterKind kind) {
   const LawModel constant = make_law_model(LawKind::constant, {}, original.v_mps);
   const ScatterFamily family{kind, 1, original.v_mps.front()};
-  WindowFit fit{original, {}, {}};
+  WindowFit fit{original, {}, {}, {}};
   const Eigen::VectorXd start = start_values(original, constant, family);
   if (kind != ScatterKind::normal)
     widen(fit.data, LawLikelihood(original, constant, family), start,
           1.0 / std::sqrt(static_cast<double>(original.size())));
   const LawLikelihood likelihood(fit.data, constant, family);
-  fit.maximum = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, start,
-                         likelihood.information(start));
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  fit.maximum = maximise(function, start, likelihood.information(start));
   const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
   fit.covariance = white * white.transpose();
+  if (kind == ScatterKind::asymmetric_laplace && fit.maximum.converged)
+    for (Eigen::Index i = 0; i < start.size(); ++i)
+      fit.profiles.push_back(profile_intervals(function, fit.maximum, white, Eigen::VectorXd::Unit(start.size(), i)));
   return fit;
 }
 
-/// 1/b from log b: intervals are symmetric in the logarithm.
-Estimate slope_estimate(double log_b, double variance) {
+/// Intervals about `value` at the offsets given, through a monotone function.
+void set_intervals(Estimate& e, const Interval& offset68, const Interval& offset95, auto&& value_of) {
+  const auto ordered = [&](const Interval& i) {
+    const double a = value_of(i.lo), b = value_of(i.hi);
+    return Interval{std::min(a, b), std::max(a, b)};
+  };
+  e.ci68 = ordered(offset68);
+  e.ci95 = ordered(offset95);
+}
+
+Estimate peak_estimate(const WindowFit& fit) {
+  Estimate e = normal_estimate(fit.maximum.x[0], std::sqrt(fit.covariance(0, 0)));
+  if (fit.profiles.empty() || !fit.profiles[0]) return e;
+  const auto at = [&](double offset) { return e.value + offset; };
+  set_intervals(e, fit.profiles[0]->offset68, fit.profiles[0]->offset95, at);
+  e.interval_method = "profile";
+  return e;
+}
+
+/// 1/b from log b, i = 1 below, 2 above: intervals are those of the logarithm.
+Estimate slope_estimate(const WindowFit& fit, Eigen::Index i) {
   constexpr double k95 = 1.959963984540054;
   constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
-  const double se = std::sqrt(variance), slope = std::exp(-log_b);
-  Estimate estimate = normal_estimate(slope, slope * se);
-  estimate.ci68 = Interval{slope * std::exp(-se), slope * std::exp(se)};
-  estimate.ci95 = Interval{slope * std::exp(-k95 * se), slope * std::exp(k95 * se)};
-  estimate.identified = se < kKnownToAFactor2;
-  return estimate;
+  const double se = std::sqrt(fit.covariance(i, i)), slope = std::exp(-fit.maximum.x[i]);
+  Estimate e = normal_estimate(slope, slope * se);
+  const auto& profile = fit.profiles.empty() ? std::nullopt : fit.profiles[static_cast<std::size_t>(i)];
+  const auto at = [&](double offset) { return slope * std::exp(-offset); };
+  set_intervals(e, profile ? profile->offset68 : Interval{-se, se},
+                profile ? profile->offset95 : Interval{-k95 * se, k95 * se}, at);
+  if (profile) e.interval_method = "profile";
+  e.identified = se < kKnownToAFactor2;
+  return e;
 }
 
 void describe(HistogramFit& result, const LawData& data) {
@@ -119,9 +148,9 @@ void describe(HistogramFit& result, const LawData& data) {
   const Eigen::VectorXd& theta = fit.maximum.x;
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   if (!fit.maximum.converged) result.message = "the search did not converge";
-  result.peak_eps = normal_estimate(theta[0], std::sqrt(fit.covariance(0, 0)));
-  result.slope_rising = slope_estimate(theta[1], fit.covariance(1, 1));
-  result.slope_falling = slope_estimate(theta[2], fit.covariance(2, 2));
+  result.peak_eps = peak_estimate(fit);
+  result.slope_rising = slope_estimate(fit, 1);
+  result.slope_falling = slope_estimate(fit, 2);
   if (!result.slope_rising->identified || !result.slope_falling->identified) {
     if (fit.maximum.converged) result.status = FitStatus::not_identifiable;
     result.message = "the scatter is narrower than the timing error: its slopes are not identifiable";

@@ -43,6 +43,7 @@ Eigen::Index ScatterFamily::n_parameters() const {
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
   for (const double v : data.v_mps) x_.push_back(std::log(v / scatter.v_ref_mps));
+  for (const double tau : data.tau) inverse_tau_.push_back(1.0 / tau);
   if (model.is_linear()) {
     basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
   } else {
@@ -65,21 +66,21 @@ double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double
   return eps;
 }
 
-LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
+LaplaceSides LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
   const double* c = theta.data() + n_law_;
   const double log_below = polynomial(c, scatter_.n_terms, x_[k]);
   if (scatter_.kind != ScatterKind::asymmetric_laplace) {
     const double b = std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax));
-    return {b, b};
+    return laplace_sides(b, b);
   }
   const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x_[k]);
-  return {std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax)),
-          std::exp(std::clamp(log_above, kLogScaleMin, kLogScaleMax))};
+  return laplace_sides(std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax)),
+                       std::exp(std::clamp(log_above, kLogScaleMin, kLogScaleMax)));
 }
 
-NormalLaplace LawLikelihood::density_at(double d, Scales b, double tau) const {
-  return scatter_.kind == ScatterKind::normal ? normal_density(d, b.below, tau)
-                                              : normal_laplace(d, b.below, b.above, tau);
+NormalLaplace LawLikelihood::density_at(double d, const LaplaceSides& sides, std::size_t k) const {
+  return scatter_.kind == ScatterKind::normal ? normal_density(d, sides.b_below, data_.tau[k])
+                                              : normal_laplace(d, sides, data_.tau[k], inverse_tau_[k]);
 }
 
 void LawLikelihood::add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const {
@@ -95,7 +96,7 @@ void LawLikelihood::add_score(const NormalLaplace& f, std::size_t k, const doubl
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
   if (!theta.allFinite()) return -HUGE_VAL;
-  const std::optional<Scales> one_scale = scatter_.n_terms == 1 ? std::optional(scales(theta, 0)) : std::nullopt;
+  const std::optional<LaplaceSides> one_scale = scatter_.n_terms == 1 ? std::optional(scales(theta, 0)) : std::nullopt;
   // blocks of fixed size, added in order: the same sum for any number of threads
   const std::size_t n_blocks = (data_.size() + kBlock - 1) / kBlock;
   std::vector<double> sums(n_blocks, 0.0);
@@ -105,7 +106,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
     for (std::size_t k = block * kBlock; k < std::min(data_.size(), (block + 1) * kBlock); ++k) {
       std::array<double, kMostLawParameters> row;
       const double residual = data_.eps[k] - eps_of(theta, k, of_block ? row.data() : nullptr);
-      const NormalLaplace f = density_at(residual, one_scale ? *one_scale : scales(theta, k), data_.tau[k]);
+      const NormalLaplace f = density_at(residual, one_scale ? *one_scale : scales(theta, k), k);
       sums[block] += f.log_density;
       if (of_block) add_score(f, k, row.data(), of_block);
     }
@@ -148,22 +149,22 @@ void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::M
 }
 
 NormalLaplace LawLikelihood::density(const Eigen::VectorXd& theta, std::size_t k) const {
-  return density_at(data_.eps[k] - eps_of(theta, k, nullptr), scales(theta, k), data_.tau[k]);
+  return density_at(data_.eps[k] - eps_of(theta, k, nullptr), scales(theta, k), k);
 }
 
 double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_t k) const {
-  const Scales b = scales(theta, k);
+  const LaplaceSides b = scales(theta, k);
   const double d = data_.eps[k] - eps_of(theta, k, nullptr), tau = data_.tau[k];
   if (scatter_.kind == ScatterKind::normal)
-    return 0.5 * std::erfc(-d / std::sqrt(2.0 * (b.below * b.below + tau * tau)));
-  return normal_laplace_cdf(d, b.below, b.above, tau);
+    return 0.5 * std::erfc(-d / std::sqrt(2.0 * (b.b_below * b.b_below + tau * tau)));
+  return normal_laplace_cdf(d, b.b_below, b.b_above, tau);
 }
 
 Information3 LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
-  const Scales b = scales(theta, k);
+  const LaplaceSides b = scales(theta, k);
   const double tau = data_.tau[k];
-  if (scatter_.kind != ScatterKind::normal) return normal_laplace_information(b.below, b.above, tau);
-  const double variance = b.below * b.below + tau * tau, share = b.below * b.below / variance;
+  if (scatter_.kind != ScatterKind::normal) return normal_laplace_information(b.b_below, b.b_above, tau);
+  const double variance = b.b_below * b.b_below + tau * tau, share = b.b_below * b.b_below / variance;
   return {1.0 / variance, 0.0, 0.0, 2.0 * share * share, 0.0, 0.0};
 }
 
@@ -200,7 +201,7 @@ Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) cons
   Eigen::VectorXd row(n_law_);
   for (std::size_t k = 0; k < data_.size(); ++k) {
     const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-    add_score(density_at(residual, scales(theta, k), data_.tau[k]), k, row.data(),
+    add_score(density_at(residual, scales(theta, k), k), k, row.data(),
               scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
   }
   return scores;

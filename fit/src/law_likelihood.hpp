@@ -12,7 +12,7 @@ namespace bouncelab {
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
   std::vector<double> v_mps, eps;
-  std::vector<double> tau;        ///< standard deviation of the normal part: timing error (0 = none)
+  std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
   std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to
   std::size_t size() const { return v_mps.size(); }
 };
@@ -62,11 +62,8 @@ class LawLikelihood {
   const ScatterFamily& scatter() const { return scatter_; }
 
  private:
-  struct Scales {
-    double below, above;
-  };
-  Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
-  NormalLaplace density_at(double d, Scales b, double tau) const;
+  LaplaceSides scales(const Eigen::VectorXd& theta, std::size_t k) const;
+  NormalLaplace density_at(double d, const LaplaceSides& sides, std::size_t k) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
   double asymmetry_penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
@@ -76,6 +73,7 @@ class LawLikelihood {
   ScatterFamily scatter_;
   Eigen::Index n_law_;
   std::vector<double> x_;  ///< log(v / v_ref)
+  std::vector<double> inverse_tau_;
   Eigen::MatrixXd basis_;  ///< a column a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
 };
 

@@ -129,14 +129,25 @@ double scaled_erfc(double x) {
 
 double mills_ratio(double u) { return kSqrtHalfPi * scaled_erfc(u * kInvSqrt2); }
 
-NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau) {
-  if (!(tau > 0.0)) return pure_laplace(d, b_below, b_above);
-  const double a_tau = tau / b_above, c_tau = tau / b_below, z = d / tau;
+LaplaceSides laplace_sides(double b_below, double b_above) {
+  const double sum = b_below + b_above, product = b_below * b_above;
+  const double inverse = 1.0 / (sum * product);  // one division serves all
+  return {b_below,      b_above, inverse * sum * b_above, inverse * sum * b_below, inverse * product * b_above,
+          std::log(sum)};
+}
+
+NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau) {
+  const double a_tau = tau * sides.inverse_above, c_tau = tau * sides.inverse_below, z = d * inverse_tau;
   const Parts f = parts(a_tau, c_tau, z);
   const double w1 = f.share_above, w2 = 1.0 - w1;
-  const double p_above = b_above / (b_below + b_above);
-  return {f.log_sum - std::log(b_below + b_above), w1 / b_above - w2 / b_below,
-          -(1.0 - p_above) - c_tau * ((c_tau + z) * w2 - f.hazard), -p_above - a_tau * ((a_tau - z) * w1 - f.hazard)};
+  return {f.log_sum - sides.log_width, w1 * sides.inverse_above - w2 * sides.inverse_below,
+          -(1.0 - sides.p_above) - c_tau * ((c_tau + z) * w2 - f.hazard),
+          -sides.p_above - a_tau * ((a_tau - z) * w1 - f.hazard)};
+}
+
+NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau) {
+  if (!(tau > 0.0)) return pure_laplace(d, b_below, b_above);
+  return normal_laplace(d, laplace_sides(b_below, b_above), tau, 1.0 / tau);
 }
 
 double normal_laplace_cdf(double d, double b_below, double b_above, double tau) {

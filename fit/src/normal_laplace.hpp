@@ -28,6 +28,18 @@ struct NormalLaplace {
 /// @param tau               >= 0
 NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau);
 
+/// The two sides, with what the density needs of them.
+struct LaplaceSides {
+  double b_below = 1.0, b_above = 1.0;
+  double inverse_below = 1.0, inverse_above = 1.0;
+  double p_above = 0.5;    ///< probability of the upper side
+  double log_width = 0.0;  ///< log(b_below + b_above)
+};
+LaplaceSides laplace_sides(double b_below, double b_above);
+
+/// The same density where the sides or the timing error serve many samples. @param inverse_tau  1 / tau, tau > 0
+NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau);
+
 /// Distribution function of the same.
 double normal_laplace_cdf(double d, double b_below, double b_above, double tau);
 
