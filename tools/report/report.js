@@ -6,6 +6,7 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const page = document.getElementById('report');
 const {summary, fit, wave, samples} = data;
 const ink = '#1b1f24', soft = '#5b6570', blue = '#1f5fa8', red = '#c0392b', orange = '#d9822b', grey = '#9aa4ae';
+const depth = [[0, '#dce8f2'], [0.25, '#9fc3df'], [0.5, '#4a90c2'], [0.75, '#1f5fa8'], [1, '#0b2545']];
 
 // ---- text ------------------------------------------------------------------------------------------------------
 
@@ -36,7 +37,9 @@ function number(value, digits = 5) {
   return size >= 1e5 || (size < 1e-4 && size > 0) ? value.toExponential(digits - 2) : String(+value.toPrecision(digits));
 }
 function interval(range) {
-  return Array.isArray(range) && known(range[0]) && known(range[1]) ? `${number(range[0])} … ${number(range[1])}` : '–';
+  if (!Array.isArray(range) || !known(range[0]) || !known(range[1])) return '–';
+  const decimals = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(Math.max(range[1] - range[0], 1e-12)))));
+  return `${range[0].toFixed(decimals)} … ${range[1].toFixed(decimals)}`;
 }
 function table(head, rows) {
   const scroll = add('div', {class: 'scroll'});
@@ -60,15 +63,16 @@ function axis(title, extra) {
   return Object.assign({title: {text: title, standoff: 6}, showline: true, linecolor: '#8b949e', mirror: true, ticks: 'outside',
                         tickcolor: '#8b949e', gridcolor: '#eef1f4', zeroline: false, automargin: true}, extra);
 }
+// Drawn once the whole page stands: a plot takes the size that its place has by then.
+const pending = [];
 function draw(parent, kind, traces, plotLayout) {
   const node = element('div', {class: 'plot ' + kind});
   parent.append(node);
-  Plotly.newPlot(node, traces, layout(plotLayout), {
-    responsive: true, displaylogo: false,
+  pending.push(() => Plotly.newPlot(node, traces, layout(plotLayout), {
+    responsive: true, displaylogo: false, displayModeBar: kind === 'small' ? false : 'hover',
     toImageButtonOptions: {format: 'svg', filename: 'bouncelab'},
     modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
-  });
-  return node;
+  }));
 }
 function figure(title, caption) {
   add('h2', {}, title);
@@ -97,7 +101,7 @@ function drawLaw(parent) {
     const most = Math.max(1, Math.ceil(Math.max(...fit.density.counts.flat().map(n => n > 0 ? Math.log10(n) : 0))));
     const ticks = [...Array(most + 1).keys()];
     traces.push({type: 'heatmap', x: centres(fit.density.v_edges_mps), y: centres(fit.density.eps_edges), z,
-                 text: fit.density.counts, zmin: 0, colorscale: 'Viridis', reversescale: true,
+                 text: fit.density.counts, zmin: 0, colorscale: depth,
                  colorbar: {title: {text: 'samples', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => number(10 ** t)), thickness: 12,
                             len: 0.9},
                  hovertemplate: 'v = %{x:.3f} m/s<br>eps = %{y:.4f}<br>%{text} samples<extra></extra>'});
@@ -137,7 +141,7 @@ function drawHistogram(parent, h) {
     traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
   const floor = 0.4 / (n * width);
   const top = Math.max(...h.bins.counts.map(c => c / (n * width)), ...((h.curve && h.curve.density) || [0]));
-  draw(parent, '', traces, {
+  draw(parent, 'small', traces, {
     showlegend: false, margin: {l: 52, r: 8, t: 30, b: 42},
     title: {text: `v = ${number(h.v_mps, 3)} m/s, n = ${number(n)}`, font: {size: 13}, x: 0.5, y: 0.97},
     xaxis: axis('ε', {nticks: 5}), yaxis: axis('p(ε)', {type: 'log', range: [Math.log10(floor), Math.log10(top) + 0.25], dtick: 1, exponentformat: 'power'}),
@@ -163,18 +167,31 @@ function drawWave(parent) {
   draw(parent, 'low', traces, {xaxis: axis('time (s)'), yaxis: axis('amplitude', {range: [-level * 1.02, level * 1.12]})});
 }
 
+/// The sound around one impact; time counts from where it was found.
 function drawExcerpt(parent, excerpt) {
-  const ms = excerpt.samples.map((_, k) => 1e3 * (excerpt.t0_s + k * excerpt.dt_s));
+  const origin = excerpt.marks.length ? excerpt.marks[0].t_s : excerpt.t0_s;
+  const ms = excerpt.samples.map((_, k) => 1e3 * (excerpt.t0_s + k * excerpt.dt_s - origin));
   const top = 1.05 * Math.max(...excerpt.samples.map(Math.abs), 1e-12);
   const shapes = [];
   for (const mark of excerpt.marks) {
-    const t = 1e3 * mark.t_s, s = known(mark.sigma_t_s) ? 1e3 * mark.sigma_t_s : 0;
+    const t = 1e3 * (mark.t_s - origin), s = known(mark.sigma_t_s) ? 1e3 * mark.sigma_t_s : 0;
     shapes.push({type: 'line', x0: t, x1: t, y0: -top, y1: top, line: {color: red, width: 1.3}});
     if (s > 0) shapes.push({type: 'rect', x0: t - s, x1: t + s, y0: -top, y1: top, fillcolor: red, opacity: 0.18, line: {width: 0}});
   }
-  draw(parent, '', [{x: ms, y: excerpt.samples, mode: 'lines', type: 'scatter', line: {color: ink, width: 1}, hovertemplate: '%{x:.4f} ms<extra></extra>'}],
-       {shapes, showlegend: false, margin: {l: 56, r: 8, t: 30, b: 42}, title: {text: excerpt.title, font: {size: 13}, x: 0.5, y: 0.97},
-        xaxis: axis('time (ms)', {nticks: 5, tickformat: '.1f'}), yaxis: axis('amplitude', {range: [-top, top], nticks: 5})});
+  const first = excerpt.marks[0];
+  const title = excerpt.title + (first ? `, t = ${first.t_s.toFixed(6)} s` + (known(first.sigma_t_s) ? ` ± ${number(1e6 * first.sigma_t_s, 2)} µs` : '') : '');
+  draw(parent, 'small', [{x: ms, y: excerpt.samples, mode: 'lines', type: 'scatter', line: {color: ink, width: 1}, hovertemplate: '%{x:.4f} ms<extra></extra>'}],
+       {shapes, showlegend: false, margin: {l: 56, r: 8, t: 30, b: 42}, title: {text: title, font: {size: 13}, x: 0.5, y: 0.97},
+        xaxis: axis('time after the impact found (ms)', {nticks: 6}), yaxis: axis('amplitude', {range: [-top, top], nticks: 5})});
+}
+
+/// Does the law hold at every speed? Pulls of the location in bins of speed.
+function drawResiduals(parent, residuals) {
+  const used = residuals.filter(r => known(r.pull));
+  draw(parent, 'low', [{x: used.map(r => r.v_mps), y: used.map(r => r.pull), mode: 'markers', type: 'scatter', marker: {size: 7, color: blue},
+                        error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey}, text: used.map(r => r.n),
+                        hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'}],
+       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of ε(v)', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
 }
 
 // ---- the page --------------------------------------------------------------------------------------------------
@@ -226,11 +243,12 @@ function nodesTable() {
   if (known(law.chi2) && known(law.ndf)) quality.push(`χ²/ndf = ${number(law.chi2, 5)}/${number(law.ndf)}`);
   if (known(law.p_value)) quality.push(`p = ${number(law.p_value, 3)}`);
   if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
-  const others = [['least squares', fit.law_least_squares], ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes);
-  if (others.length)
-    table(['other fits', ...others[0][1].nodes.map(n => `ε(${number(n.v_mps, 3)} m/s)`), 'constants'],
-          others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se)),
-                                     ['A2', 'A4', 'A5', 'gamma'].filter(k => l[k] && known(l[k].value)).map(k => `${k} = ${measured(l[k].value, l[k].se)}`).join(', ')]));
+  const others = [['least squares', fit.law_least_squares], ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes && o[1].nodes.length);
+  if (others.length) {
+    const constants = ['A2', 'A4', 'A5', 'gamma'].filter(k => others.some(([, l]) => l[k] && known(l[k].value)));
+    table(['other fits', ...others[0][1].nodes.map(n => `ε(${number(n.v_mps, 3)} m/s)`), ...constants.map(k => k === 'gamma' ? 'γ' : k)],
+          others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se)), ...constants.map(k => l[k] ? measured(l[k].value, l[k].se) : '')]));
+  }
 }
 
 function slopesTable() {
@@ -260,6 +278,8 @@ head();
 drawLaw(figure('Coefficient of restitution against impact speed',
                'Colour: number of samples in each cell, on a logarithmic scale. Line and band: the fitted law with its 95% interval. Zoom with the mouse; the camera saves an SVG.'));
 nodesTable();
+if (fit && fit.law && (fit.law.residuals || []).some(r => known(r.pull)))
+  drawResiduals(figure('Does the law hold at every speed?', 'Mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does.'), fit.law.residuals);
 const shown = ((fit && fit.histograms) || []).filter(h => h.bins && h.n > 0);
 if (shown.length) {
   const parent = figure('Distribution of ε at fixed speed',
@@ -278,3 +298,4 @@ if (wave && wave.envelope) {
 }
 work();
 add('footer', {}, `${data.program}. Model: Montaine, Heckel, Kruelle, Schwager, Pöschel, Phys. Rev. E 84, 041306 (2011).`);
+for (const plot of pending) plot();
