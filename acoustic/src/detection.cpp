@@ -10,6 +10,7 @@
 #include "bouncelab/core/error.hpp"
 #include "candidates.hpp"
 #include "impact_timing.hpp"
+#include "train_timing.hpp"
 #include "trains.hpp"
 
 namespace bouncelab {
@@ -44,38 +45,49 @@ Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) 
 /// Standard deviation of what is left in the quiet tenth after hum and drift.
 double quiet_rms(const Hearing& h) { return std::sqrt(h.models.noise.quiet_variance); }
 
-Onsets onsets_of(const Hearing& h, const Sound& sound, const std::string& name) {
-  Onsets onsets;
-  for (std::size_t drop = 0; drop < h.trains.size(); ++drop) {
-    for (const TrainImpact& impact : h.trains[drop].impacts) {
-      const Candidate& c = h.candidates[impact.candidate];
-      Onset onset;
-      onset.recording = name;
-      onset.drop = static_cast<std::int64_t>(drop);
-      onset.impact = impact.impact;
-      onset.t_s = c.t_s;
-      onset.sigma_t_s = 1.0 / sound.rate_hz;
-      onset.snr_db = 20.0 * std::log10(std::max(c.amplitude, 1e-3));
-      onsets.push_back(std::move(onset));
-    }
+/// Times as the rise of the sound has them, where no wave could be learned.
+std::vector<TrainOnset> rough_onsets(const Hearing& h, const Train& train) {
+  std::vector<TrainOnset> onsets;
+  for (const TrainImpact& impact : train.impacts) {
+    const Candidate& c = h.candidates[impact.candidate];
+    TrainOnset onset;
+    onset.impact = impact.impact;
+    onset.timed.t_s = c.t_s;
+    onset.timed.sigma_s = 0.25 * c.reach_s;
+    onsets.push_back(onset);
   }
   return onsets;
 }
 
-/// Times by the learned wave in place of the rough ones, where the recording has a wave to learn.
-void refine(const Hearing& h, const Sound& sound, Detection& d) {
+Onset to_onset(const TrainOnset& from, std::int64_t drop, const std::string& name) {
+  Onset onset;
+  onset.recording = name;
+  onset.drop = drop;
+  onset.impact = from.impact;
+  onset.t_s = from.timed.t_s;
+  onset.sigma_t_s = from.timed.sigma_s;
+  if (from.inferred) add_flag(onset.flags, "inferred");
+  if (from.overlap) add_flag(onset.flags, "overlap");
+  return onset;
+}
+
+Onsets time_all(const Hearing& h, const Sound& sound, const std::string& name) {
   std::vector<RoughImpact> rough;
   for (const Train& train : h.trains)
-    for (const TrainImpact& impact : train.impacts)
-      rough.push_back({h.candidates[impact.candidate].t_s, h.candidates[impact.candidate].amplitude,
-                       h.candidates[impact.candidate].reach_s});
+    for (const TrainImpact& impact : train.impacts) {
+      const Candidate& c = h.candidates[impact.candidate];
+      rough.push_back({c.t_s, c.amplitude, c.reach_s});
+    }
   const std::optional<ImpactWave> wave = learn_impact_wave(sound, h.models.noise, rough);
-  if (!wave) return;
-  const std::vector<TimedImpact> timed = time_impacts(sound, *wave, rough);
-  for (std::size_t k = 0; k < timed.size(); ++k) {
-    d.onsets[k].t_s = timed[k].t_s;
-    d.onsets[k].sigma_t_s = timed[k].sigma_s;
+  Onsets onsets;
+  for (std::size_t drop = 0; drop < h.trains.size(); ++drop) {
+    const double end_s = drop + 1 < h.trains.size() ? h.candidates[h.trains[drop + 1].impacts.front().candidate].t_s
+                                                    : static_cast<double>(sound.n_samples) / sound.rate_hz;
+    for (const TrainOnset& onset :
+         wave ? time_train(sound, *wave, h.trains[drop], h.candidates, end_s) : rough_onsets(h, h.trains[drop]))
+      onsets.push_back(to_onset(onset, static_cast<std::int64_t>(drop), name));
   }
+  return onsets;
 }
 
 void summarize_trains(const Hearing& h, RecordingSummary& summary) {
@@ -136,8 +148,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = quiet_rms(best);
   summarize_trains(best, d.summary);
-  d.onsets = onsets_of(best, sound, name);
-  refine(best, sound, d);
+  d.onsets = time_all(best, sound, name);
   conclude(d);
   return d;
 }

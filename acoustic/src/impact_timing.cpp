@@ -117,28 +117,14 @@ double median(std::vector<double> x) {
   return *middle;
 }
 
-/// Where the wave begins: the most likely change of variance in its first milliseconds. What is below 3 % of the peak
-/// (noise, the forerunners of a linear-phase converter) counts as nothing.
+/// Where the wave begins: the first sample above a tenth of the peak. Noise and the forerunners of a linear-phase
+/// converter stay below; a plate's first motion does not.
 double begin_of(const std::vector<float>& mean, std::size_t n_search) {
-  const std::size_t n = std::min(n_search, mean.size());
+  const auto end = mean.begin() + static_cast<std::ptrdiff_t>(std::min(n_search, mean.size()));
   float peak = 0.0F;
-  for (std::size_t k = 0; k < n; ++k) peak = std::max(peak, std::abs(mean[k]));
-  const double floor = 1e-3 * peak * peak;
-  std::vector<double> running(n + 1, 0.0);
-  for (std::size_t k = 0; k < n; ++k) running[k + 1] = running[k] + static_cast<double>(mean[k]) * mean[k] + floor;
-  double best = -INFINITY;
-  std::size_t at = 0;
-  for (std::size_t k = 4; k + 4 < n; ++k) {
-    const auto before = static_cast<double>(k);
-    const auto after = static_cast<double>(n - k);
-    const double likelihood =
-        -before * std::log(running[k] / before) - after * std::log((running[n] - running[k]) / after);
-    if (likelihood > best) {
-      best = likelihood;
-      at = k;
-    }
-  }
-  return static_cast<double>(at);
+  for (auto x = mean.begin(); x != end; ++x) peak = std::max(peak, std::abs(*x));
+  const auto first = std::find_if(mean.begin(), end, [&](float x) { return std::abs(x) > 0.1F * peak; });
+  return static_cast<double>(first - mean.begin());
 }
 
 std::vector<float> white(const Autoregression& noise) {
@@ -215,40 +201,33 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
   return learned;
 }
 
-std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& w,
-                                      const std::vector<RoughImpact>& impacts) {
-  struct Heard {
-    double first;  // of the wave, in samples of the recording
-    double amplitude;
-  };
-  std::vector<Heard> heard;
-  std::vector<TimedImpact> timed;
-  for (std::size_t k = 0; k < impacts.size(); ++k) {
-    const double to_next_s = k + 1 < impacts.size() ? impacts[k + 1].t_s - impacts[k].t_s : 1.0;
-    const double to_last_s = k > 0 ? impacts[k].t_s - impacts[k - 1].t_s : 1.0;
-    const double search_s = std::min({impacts[k].reach_s, 0.25 * to_next_s, 0.25 * to_last_s});
-    const std::int64_t reach = samples(search_s, sound) + 2;
-    const auto contact = static_cast<std::int64_t>(w.contact_index);
-    const std::int64_t first = samples(impacts[k].t_s, sound) - contact - reach;
-    const auto n_fit = static_cast<std::size_t>(std::clamp<std::int64_t>(
-        contact + samples(to_next_s - search_s, sound) - reach, contact + 8, static_cast<std::int64_t>(w.wave.size())));
-    std::vector<float> x = read_whitened(sound, w.whitener, first, w.wave.size() + 2 * static_cast<std::size_t>(reach));
-    for (std::size_t j = heard.size();
-         j-- > 0 && heard[j].first + static_cast<double>(w.wave.size()) > static_cast<double>(first);)
-      w.wave.subtract(x, heard[j].first - static_cast<double>(first), heard[j].amplitude);
-    const WaveFit fit = w.wave.fit(x, w.wave.search(x, 0, 2 * reach, n_fit), n_fit);
-    TimedImpact t;
-    t.t_s = (static_cast<double>(first) + fit.shift + w.contact_index) / sound.rate_hz;
-    t.sigma_s = fit.sigma_shift * std::sqrt(fit.misfit) / sound.rate_hz;
-    t.amplitude = fit.amplitude;
-    t.gain = fit.gain;
-    t.misfit = fit.misfit;
-    const double explained = 2.0 * fit.gain;
-    t.correlation = std::sqrt(explained / (explained + fit.misfit * static_cast<double>(n_fit) + 1e-30));
-    timed.push_back(t);
-    if (fit.amplitude > 0.0) heard.push_back({static_cast<double>(first) + fit.shift, fit.amplitude});
+TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) const {
+  const ImpactWave& w = wave_;
+  const std::int64_t reach = samples(reach_s, sound_) + 2;
+  const auto contact = static_cast<std::int64_t>(w.contact_index);
+  const std::int64_t first = samples(t_s, sound_) - contact - reach;
+  const auto n_fit = static_cast<std::size_t>(std::clamp<std::int64_t>(
+      contact + samples(until_s - t_s - reach_s, sound_), contact + 8, static_cast<std::int64_t>(w.wave.size())));
+  std::vector<float> x = read_whitened(sound_, w.whitener, first, n_fit + 2 * static_cast<std::size_t>(reach) + 1);
+  for (std::size_t j = heard_.size(); j-- > 0;) {
+    const double begin = heard_[j].t_s * sound_.rate_hz - w.contact_index - static_cast<double>(first);
+    if (begin + static_cast<double>(w.wave.size()) <= 0.0) break;
+    w.wave.subtract(x, begin, heard_[j].amplitude);
   }
-  return timed;
+  const WaveFit fit = w.wave.fit(x, w.wave.search(x, 0, 2 * reach, n_fit), n_fit);
+  TimedImpact t;
+  t.t_s = (static_cast<double>(first) + fit.shift + w.contact_index) / sound_.rate_hz;
+  t.sigma_s = fit.sigma_shift * std::sqrt(fit.misfit) / sound_.rate_hz;
+  t.amplitude = fit.amplitude;
+  t.gain = fit.gain;
+  t.misfit = fit.misfit;
+  const double explained = 2.0 * fit.gain;
+  t.correlation = std::sqrt(explained / (explained + fit.misfit * static_cast<double>(n_fit) + 1e-30));
+  return t;
+}
+
+void ImpactTimer::remember(const TimedImpact& impact) {
+  if (impact.amplitude > 0.0) heard_.push_back(impact);
 }
 
 }  // namespace bouncelab

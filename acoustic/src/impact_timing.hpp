@@ -43,9 +43,22 @@ struct ImpactWave {
 std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
                                             const std::vector<RoughImpact>& impacts);
 
-/// Times each impact by the learned wave, what still rings of earlier ones subtracted.
-/// @param impacts  in time order
-std::vector<TimedImpact> time_impacts(const Sound& sound, const ImpactWave& wave,
-                                      const std::vector<RoughImpact>& impacts);
+/// Times impacts one after the other, what still rings of the earlier ones subtracted.
+class ImpactTimer {
+ public:
+  /// @param sound, wave  kept by reference
+  ImpactTimer(const Sound& sound, const ImpactWave& wave) : sound_(sound), wave_(wave) {}
+
+  /// The most likely impact within reach_s of t_s. Does not remember it.
+  /// @param until_s  sound from here on belongs to the next impact
+  TimedImpact time(double t_s, double reach_s, double until_s) const;
+  /// From now on its ringing is subtracted. Impacts come in time order.
+  void remember(const TimedImpact& impact);
+
+ private:
+  const Sound& sound_;
+  const ImpactWave& wave_;
+  std::vector<TimedImpact> heard_;
+};
 
 }  // namespace bouncelab

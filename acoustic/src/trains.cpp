@@ -11,7 +11,14 @@ namespace bouncelab {
 namespace {
 
 constexpr double kShortestFlight_s = 1e-3;
-constexpr double kLongestFlight_s = 2.5;   // a fall from 7.6 m
+constexpr double kLongestFlight_s = 2.5;  // a fall from 7.6 m
+// a train begins with 0.2 m/s or more (a drop from 2 mm) and goes on for a while; a voice's pulses do neither
+constexpr double kShortestFirstFlight_s = 40e-3;
+constexpr double kShortestTrain_s = 0.4;
+const double kLogLeastOfMean = std::log(0.7);  // single losses of 20 % are real, of 30 % not
+const double kLogMostOfMean = std::log(1.4);
+constexpr double kMostUnheard = 0.15;      // of the impacts, and one more
+constexpr double kMostOutliers = 0.1;      // of the impacts, and one more
 constexpr double kLeastEps = 0.4;          // a basketball on carpet has 0.5
 constexpr double kLargestEps = 1.2;        // single gains of a spinning ball
 constexpr double kScatter = 0.015;         // of log eps from impact to impact, before the train itself is heard
@@ -21,6 +28,7 @@ constexpr double kChanceAmplitude = 1.2;   // of log amplitude from one sound to
 constexpr double kOutlier = 0.05;          // share of single losses and gains
 constexpr double kHeard = 0.93;
 constexpr int kMostMissing = 2;
+constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight
 constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
 constexpr std::size_t kLeastImpacts = 5;   // three coefficients of restitution
 constexpr double kLargestMeanEps = 0.997;  // a clock is no ball,
@@ -28,8 +36,10 @@ constexpr double kLeastLogLoss = 0.045;    // nor is one that jumped once,
 constexpr double kLeastLosing = 0.6;       // nor one that jumped twice: most impacts lose energy
 constexpr double kStartCost = 7.0;         // prior log odds against a train starting at a given pair
 constexpr double kAcceptance = 8.0;        // log odds a train must reach: 1 in 3000 by chance
-constexpr std::size_t kBeam = 64;
-constexpr double kBeamDepth = 25.0;
+constexpr std::size_t kBeam = 32;
+constexpr double kBeamDepth = 18.0;
+constexpr double kHopeless = -13.0;  // log odds below which a young train is not followed
+constexpr double kMostGain = 8.0;    // of one impact: density 20 to 200 at the best place, amplitude in favour
 constexpr int kOctaves = 12;
 constexpr double kSmallestReach_s = 2e-3;
 
@@ -39,6 +49,7 @@ struct State {
   double mean_log_eps = 0.0;
   double sum_squares = 0.0;  // of the deviations of log eps from its running mean, large ones cut
   double log_loss = 0.0;     // -sum of log eps, large deviations cut
+  int n_outliers = 0;        // ratios that only the flat part explains
   int n_losing = 0;          // ratios below kLargestMeanEps
   double start_score = 0.0;  // of the recording before this train
   int n_eps = 0;             // intervals ratios seen
@@ -153,8 +164,12 @@ class Search {
 
   void visit(std::size_t k) {
     std::vector<State> here;
-    for (std::size_t j = k; j-- > 0 && c_[k].t_s - c_[j].t_s <= kLongestFlight_s * (kMostMissing + 1);) {
-      for (std::size_t s = begin_[j]; s < begin_[j + 1]; ++s) extend(static_cast<std::int64_t>(s), k, here);
+    for (std::size_t j = k; j-- > 0;) {
+      const double gap_s = c_[k].t_s - c_[j].t_s;
+      if (gap_s > kMostGap * kLongestFlight_s) break;
+      // states are ordered by falling flight: those that can reach from j to k are the first
+      for (std::size_t s = begin_[j]; s < begin_[j + 1] && states_[s].flight_s * kMostGap >= gap_s; ++s)
+        extend(static_cast<std::int64_t>(s), k, here);
       start(j, k, here);
     }
     if (here.size() > kBeam) {
@@ -162,11 +177,12 @@ class Search {
                        [](const State& a, const State& b) { return a.score > b.score; });
       here.resize(kBeam);
     }
-    best_[k + 1] = best_[k];
-    double top = -INFINITY;
+    double top = best_[k].score;
     for (const State& s : here) top = std::max(top, s.score);
+    std::erase_if(here, [&](const State& s) { return s.score < top - kBeamDepth; });
+    std::sort(here.begin(), here.end(), [](const State& a, const State& b) { return a.flight_s > b.flight_s; });
+    best_[k + 1] = best_[k];
     for (const State& s : here) {
-      if (s.score < top - kBeamDepth) continue;
       if (is_complete(s) && s.score > best_[k + 1].score)
         best_[k + 1] = {s.score, static_cast<std::int64_t>(states_.size())};
       states_.push_back(s);
@@ -176,8 +192,8 @@ class Search {
 
   void start(std::size_t j, std::size_t k, std::vector<State>& here) const {
     const double flight_s = c_[k].t_s - c_[j].t_s;
-    if (flight_s < kShortestFlight_s || flight_s > kLongestFlight_s) return;
-    static const double kLogRange = std::log(kLongestFlight_s / kShortestFlight_s);
+    if (flight_s < kShortestFirstFlight_s || flight_s > kLongestFlight_s) return;
+    static const double kLogRange = std::log(kLongestFlight_s / kShortestFirstFlight_s);
     State s;
     s.flight_s = flight_s;
     s.start_score = best_[j].score;
@@ -185,12 +201,24 @@ class Search {
     s.impact = 1;
     s.candidate = k;
     s.first_candidate = j;
-    here.push_back(s);
+    keep(s, here);
+  }
+
+  void keep(const State& s, std::vector<State>& here) const {
+    if (s.score - s.start_score < kHopeless) return;
+    if (here.empty() || s.score > here.front().score) {
+      here.push_back(s);
+      std::swap(here.front(), here.back());
+    } else if (s.score > here.front().score - kBeamDepth) {
+      here.push_back(s);
+    }
   }
 
   void extend(std::int64_t from_index, std::size_t k, std::vector<State>& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
     const double gap = (c_[k].t_s - c_[from.candidate].t_s) / from.flight_s;
+    if (gap < kLeastEps || gap > kMostGap) return;
+    if (!here.empty() && from.score + kMostGain < here.front().score - kBeamDepth) return;
     for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
       const double eps = eps_of_gap(gap, n_missing);
       if (eps < kLeastEps) break;
@@ -205,6 +233,8 @@ class Search {
       s.flight_s = from.flight_s * last_flight;
       if (s.flight_s < kShortestFlight_s) continue;
       const double log_eps = std::log(eps);
+      const double deviation = from.n_eps == 0 ? 0.0 : log_eps - from.mean_log_eps;
+      if (deviation < kLogLeastOfMean || deviation > kLogMostOfMean) continue;
       const double width = spread(from, n_missing, timing_s_);
       const double per_second = density(log_eps, from, width) / (eps * slope * from.flight_s);
       s.score +=
@@ -216,6 +246,7 @@ class Search {
       if (from.n_eps > 0) step = std::clamp(step, -3.0 * width, 3.0 * width);
       s.n_eps = from.n_eps + 1;
       s.sum_squares = from.n_eps == 0 ? 0.0 : from.sum_squares + step * step * from.n_eps / s.n_eps;
+      s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
       s.n_losing += eps < kLargestMeanEps ? 1 : 0;
       s.log_loss -= from.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
       s.mean_log_eps += step / std::min(s.n_eps, kMemory);
@@ -223,13 +254,15 @@ class Search {
       s.n_heard += 1;
       s.candidate = k;
       s.previous = from_index;
-      here.push_back(s);
+      keep(s, here);
     }
   }
 
-  static bool is_complete(const State& s) {
+  bool is_complete(const State& s) const {
     return s.n_heard >= static_cast<std::int64_t>(kLeastImpacts) && s.score - s.start_score >= kAcceptance &&
-           s.n_losing >= kLeastLosing * s.n_eps &&
+           c_[s.candidate].t_s - c_[s.first_candidate].t_s >= kShortestTrain_s &&
+           static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
+           s.n_outliers <= 1 + kMostOutliers * s.n_eps && s.n_losing >= kLeastLosing * s.n_eps &&
            s.log_loss > std::max(kLeastLogLoss, -s.n_eps * std::log(kLargestMeanEps));
   }
 

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "train_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace bouncelab {
+namespace {
+
+constexpr double kEpsReach = 0.06;  // four times the scatter of log eps that trains.cpp starts from
+constexpr double kShortestInterval_s = 1.2e-3;
+constexpr double kLargestAmplitudeRatio = 3.5;  // between neighbours; eps and the place struck explain up to two
+constexpr double kClearRise = 20.0;             // log likelihood ratio that no noise reaches in hours
+constexpr double kReliable = 0.7;           // half of an impact's energy is the wave's
+constexpr int kMostFailures = 2;                // impacts not heard in a row, then the train is over
+
+/// Misfit-scaled log likelihood ratio that noise alone exceeds once in a thousand searches over n lags: the maximum of
+/// n squared normals.
+double threshold(double n_lags) { return std::log(n_lags) + 6.9; }
+
+class TrainTimer {
+ public:
+  TrainTimer(const Sound& sound, const ImpactWave& wave, double end_s)
+      : timer_(sound, wave),
+        sound_(sound),
+        wave_s_(static_cast<double>(wave.wave.size()) / sound.rate_hz),
+        end_s_(end_s),
+        wave_is_reliable_(wave.correlation > kReliable) {}
+
+  /// A heard impact. @param next_s  the next one, as far as known
+  void add(const Candidate& c, std::int64_t impact, double next_s) {
+    const double last_s = onsets_.empty() ? -1.0 : onsets_.back().timed.t_s;
+    const double reach_s = std::min({c.reach_s, 0.25 * (next_s - c.t_s), 0.25 * (c.t_s - last_s)});
+    keep({impact, timer_.time(c.t_s, reach_s, next_s), false, next_s - c.t_s < wave_s_});
+  }
+
+  /// Searches for impacts between the last one and the next heard one.
+  void fill(std::int64_t next_impact, double next_s) {
+    const std::int64_t n_missing = next_impact - onsets_.back().impact - 1;
+    for (std::int64_t m = 0; m < n_missing; ++m) {
+      const double left = static_cast<double>(n_missing - m);
+      const double rest_s = next_s - onsets_.back().timed.t_s;
+      // the intervals left are about a geometric series with the ratio of the one before
+      const double eps = last_eps();
+      const double expected_s = rest_s * (1.0 - eps) / (1.0 - std::pow(eps, left + 1.0));
+      if (!infer(onsets_.back().impact + 1, expected_s, next_s)) return;
+    }
+  }
+
+  /// Follows the train beyond its last impact.
+  void follow() {
+    for (int failures = 0; failures < kMostFailures && onsets_.size() >= 3;) {
+      const double flight_s = onsets_.back().timed.t_s - onsets_[onsets_.size() - 2].timed.t_s;
+      if (onsets_.back().impact - onsets_[onsets_.size() - 2].impact != 1) break;
+      double expected_s = flight_s;
+      double sum_s = 0.0;
+      for (int k = 0; k <= failures; ++k) sum_s += expected_s *= last_eps();
+      if (expected_s < kShortestInterval_s || onsets_.back().timed.t_s + sum_s + 0.5 * expected_s > end_s_) break;
+      if (infer(onsets_.back().impact + 1 + failures, sum_s, onsets_.back().timed.t_s + sum_s + 0.9 * expected_s)) {
+        if (failures > 0) break;  // the interval before it is not known any more
+      } else {
+        ++failures;
+      }
+    }
+  }
+
+  /// Gives up the last impact where the wave does not support it, nor a clear rise where impacts do not sound alike.
+  bool give_up_last(const Candidate& c) {
+    if (onsets_.size() <= 3 || (!wave_is_reliable_ && c.log_likelihood_ratio > kClearRise)) return false;
+    if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0)) return false;
+    onsets_.pop_back();
+    return true;
+  }
+
+  std::vector<TrainOnset> take() { return std::move(onsets_); }
+
+ private:
+  void keep(const TrainOnset& onset) {
+    timer_.remember(onset.timed);
+    onsets_.push_back(onset);
+  }
+
+  /// Median ratio of the last intervals; 1 - 1e-3 at most, so that the geometric series stays one.
+  double last_eps() const {
+    std::vector<double> ratios;
+    for (std::size_t k = onsets_.size(); k-- > 2 && ratios.size() < 9;)
+      if (onsets_[k].impact - onsets_[k - 2].impact == 2)
+        ratios.push_back((onsets_[k].timed.t_s - onsets_[k - 1].timed.t_s) /
+                         (onsets_[k - 1].timed.t_s - onsets_[k - 2].timed.t_s));
+    if (ratios.empty()) return 0.97;
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    return std::clamp(*middle, 0.3, 0.999);
+  }
+
+  bool is_supported(const TrainOnset& onset, const TrainOnset& neighbour, double n_lags) const {
+    const double ratio = onset.timed.amplitude / neighbour.timed.amplitude;
+    const double gain = onset.timed.gain / std::max(1.0, onset.timed.misfit);
+    return ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio && gain > threshold(n_lags);
+  }
+
+  bool infer(std::int64_t impact, double after_s, double until_s) {
+    const double t_s = onsets_.back().timed.t_s + after_s;
+    const double reach_s = kEpsReach * after_s + 2.0 / sound_.rate_hz;
+    const TrainOnset onset{impact, timer_.time(t_s, reach_s, until_s), true, until_s - t_s < wave_s_};
+    if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz)) return false;
+    keep(onset);
+    return true;
+  }
+
+  ImpactTimer timer_;
+  const Sound& sound_;
+  double wave_s_;
+  double end_s_;
+  bool wave_is_reliable_;
+  std::vector<TrainOnset> onsets_;
+};
+
+}  // namespace
+
+std::vector<TrainOnset> time_train(const Sound& sound, const ImpactWave& wave, const Train& train,
+                                   const std::vector<Candidate>& candidates, double end_s) {
+  TrainTimer timer(sound, wave, end_s);
+  std::int64_t last_impact = -1;
+  for (std::size_t k = 0; k < train.impacts.size(); ++k) {
+    const TrainImpact& here = train.impacts[k];
+    const Candidate& c = candidates[here.candidate];
+    if (last_impact >= 0 && here.impact > last_impact + 1) timer.fill(here.impact, c.t_s);
+    double next_s = c.t_s + 1.0;
+    if (k + 1 < train.impacts.size()) {
+      const TrainImpact& next = train.impacts[k + 1];
+      next_s = c.t_s + (candidates[next.candidate].t_s - c.t_s) / static_cast<double>(next.impact - here.impact);
+    }
+    timer.add(c, here.impact, next_s);
+    last_impact = here.impact;
+  }
+  for (std::size_t k = train.impacts.size(); k-- > 0 && timer.give_up_last(candidates[train.impacts[k].candidate]);) {
+  }
+  timer.follow();
+  return timer.take();
+}
+
+}  // namespace bouncelab
