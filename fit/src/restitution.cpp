@@ -35,18 +35,65 @@ std::optional<double> sigma_of_v(const Onset& before, const Onset& here, double 
   return 0.5 * gravity_mps2 * std::hypot(*before.sigma_t_s, *here.sigma_t_s);
 }
 
-RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, double gravity_mps2) {
-  const Onset &before = piece[k - 1], &here = piece[k], &after = piece[k + 1];
-  const double interval_s = here.t_s - before.t_s;
+/// Speeds at the two ends of the flight within an interval, as far as the corrections are on.
+Flight flight_of(double interval_s, const RestitutionConfig& config, bool with_drag, bool with_contact) {
+  const double g = config.gravity_mps2;
+  double duration_s = interval_s;
+  // the ball came down about as fast as it went up: the contact time goes as v^(-1/5)
+  if (with_contact) duration_s -= hertz_contact_time_s(config.ball, config.plate, 0.5 * g * interval_s);
+  if (with_drag && duration_s > 0.0) return flight_with_drag(config.ball, config.air, duration_s, g);
+  return {0.5 * g * duration_s, 0.5 * g * duration_s};
+}
+
+/// eps at the impact between two intervals and the speed before it.
+struct Rebound {
+  double v_mps, eps;
+};
+Rebound rebound(double before_s, double after_s, const RestitutionConfig& config, bool with_drag, bool with_contact) {
+  const double landing_mps = flight_of(before_s, config, with_drag, with_contact).landing_mps;
+  return {landing_mps, flight_of(after_s, config, with_drag, with_contact).launch_mps / landing_mps};
+}
+
+/// Sums of what each correction does alone.
+struct Shifts {
+  double drag = 0.0, contact = 0.0;
+};
+
+RestitutionSample sample_of(const Onset& here) {
   RestitutionSample sample;
   sample.recording = here.recording;
   sample.drop = here.drop;
   sample.impact = here.impact;
   sample.t_s = here.t_s;
-  sample.v_mps = 0.5 * gravity_mps2 * interval_s;
-  sample.eps = (after.t_s - here.t_s) / interval_s;
-  sample.sigma_v_mps = sigma_of_v(before, here, gravity_mps2);
-  sample.sigma_eps = sigma_of_eps(before, here, after, sample.eps, interval_s);
+  return sample;
+}
+
+RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const RestitutionConfig& config,
+                            Shifts& shifts) {
+  const Onset &before = piece[k - 1], &here = piece[k], &after = piece[k + 1];
+  const double before_s = here.t_s - before.t_s, after_s = after.t_s - here.t_s;
+  RestitutionSample sample = sample_of(here);
+  const Rebound corrected = rebound(before_s, after_s, config, config.correct_drag, config.correct_contact_time);
+  sample.v_mps = corrected.v_mps;
+  sample.eps = corrected.eps;
+  if (config.correct_drag) shifts.drag += rebound(before_s, after_s, config, true, false).eps - after_s / before_s;
+  if (config.correct_contact_time)
+    shifts.contact += rebound(before_s, after_s, config, false, true).eps - after_s / before_s;
+  sample.sigma_v_mps = sigma_of_v(before, here, config.gravity_mps2);
+  sample.sigma_eps = sigma_of_eps(before, here, after, sample.eps, before_s);
+  return sample;
+}
+
+/// The first impact of a drop from a known height.
+RestitutionSample first_sample(const Onset& here, const Onset& after, const RestitutionConfig& config) {
+  const double g = config.gravity_mps2, h = *config.drop_height_m;
+  RestitutionSample sample = sample_of(here);
+  sample.v_mps = config.correct_drag ? fall_with_drag_mps(config.ball, config.air, h, g) : std::sqrt(2.0 * g * h);
+  const double interval_s = after.t_s - here.t_s;
+  sample.eps =
+      flight_of(interval_s, config, config.correct_drag, config.correct_contact_time).launch_mps / sample.v_mps;
+  if (here.sigma_t_s && after.sigma_t_s)
+    sample.sigma_eps = sample.eps * std::hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s;
   return sample;
 }
 
@@ -87,12 +134,15 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& 
 }
 
 /// Samples of one drop, in time order.
-RestitutionSamples samples_of_drop(std::span<const Onset> drop, double gravity_mps2, RestitutionCounts& counts) {
+RestitutionSamples samples_of_drop(std::span<const Onset> drop, const RestitutionConfig& config,
+                                   RestitutionCounts& counts, Shifts& shifts) {
   RestitutionSamples samples;
   std::size_t piece_begin = 0;
   const auto close_piece = [&](std::size_t end) {
     const auto piece = drop.subspan(piece_begin, end - piece_begin);
-    for (std::size_t k = 1; k + 1 < piece.size(); ++k) samples.push_back(sample_at(piece, k, gravity_mps2));
+    if (config.drop_height_m && piece.size() >= 2 && piece[0].impact == 0)
+      samples.push_back(first_sample(piece[0], piece[1], config));
+    for (std::size_t k = 1; k + 1 < piece.size(); ++k) samples.push_back(sample_at(piece, k, config, shifts));
   };
   for (std::size_t k = 0; k < drop.size(); ++k) {
     if (k > 0 && drop[k].t_s <= drop[k - 1].t_s)
@@ -126,12 +176,23 @@ std::optional<double> median_eps(const RestitutionSamples& samples) {
   return eps.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(eps.begin(), middle));
 }
 
+void check(const RestitutionConfig& config) {
+  const auto positive = [](double value, const char* quantity) {
+    if (!(value > 0.0) || !std::isfinite(value))
+      throw InvalidArgument(std::string(quantity) + " " + std::to_string(value) + ": must be positive");
+  };
+  positive(config.gravity_mps2, "gravity [m/s^2]");
+  if (config.drop_height_m) positive(*config.drop_height_m, "drop height [m]");
+  positive(config.ball.radius_m, "radius of the ball [m]");
+  positive(config.ball.material.density_kgpm3, "density of the ball [kg/m^3]");
+}
+
 }  // namespace
 
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config) {
-  if (!(config.gravity_mps2 > 0.0) || !std::isfinite(config.gravity_mps2))
-    throw InvalidArgument("gravity " + std::to_string(config.gravity_mps2) + " m/s^2: must be positive");
+  check(config);
   Restitution result;
+  Shifts shifts;
   result.counts.n_onsets = onsets.size();
   for (std::size_t begin = 0; begin < onsets.size();) {
     std::size_t end = begin + 1;
@@ -139,11 +200,14 @@ Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& c
            onsets[end].drop == onsets[begin].drop)
       ++end;
     ++result.counts.n_drops;
-    auto samples = samples_of_drop(std::span(onsets).subspan(begin, end - begin), config.gravity_mps2, result.counts);
+    auto samples = samples_of_drop(std::span(onsets).subspan(begin, end - begin), config, result.counts, shifts);
     std::move(samples.begin(), samples.end(), std::back_inserter(result.samples));
     begin = end;
   }
   result.counts.n_samples = result.samples.size();
+  const double n = std::max(1.0, static_cast<double>(result.samples.size()));
+  if (config.correct_drag) result.counts.mean_shift_drag = shifts.drag / n;
+  if (config.correct_contact_time) result.counts.mean_shift_contact_time = shifts.contact / n;
   result.counts.n_flagged = static_cast<std::size_t>(
       std::count_if(result.samples.begin(), result.samples.end(), [](const auto& s) { return !s.flags.empty(); }));
   result.counts.eps_median = median_eps(result.samples);

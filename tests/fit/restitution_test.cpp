@@ -161,7 +161,9 @@ TEST(Restitution, LeavesSigmaAbsentWhereATimeHasNone) {
 }
 
 TEST(Restitution, RejectsBadGravityAndUnsortedTimes) {
-  EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.2, 0.3}), {0.0}), InvalidArgument);
+  RestitutionConfig weightless;
+  weightless.gravity_mps2 = 0.0;
+  EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.2, 0.3}), weightless), InvalidArgument);
   EXPECT_THROW(restitution_samples(onsets_at({0.1, 0.3, 0.2}), {}), InvalidArgument);
 }
 

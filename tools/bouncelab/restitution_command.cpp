@@ -12,11 +12,26 @@ namespace bouncelab::cli {
 
 void add_restitution_options(CLI::App& app, RestitutionOptions& options) {
   app.add_option("--gravity", options.config.gravity_mps2, "Gravity, m/s^2")->check(CLI::Range(1e-3, 1e3));
+  app.add_flag("--correct-drag", options.config.correct_drag, "Take air drag out (ball's radius and density)");
+  app.add_flag("--correct-contact-time", options.config.correct_contact_time,
+               "Take the Hertz contact out of each interval (steel on glass)");
+  app.add_option("--drop-height", options.drop_height_m,
+                 "Height of the ball's lowest point at release, m, 0 = not known; the first impact counts then")
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--correction-radius", options.config.ball.radius_m, "Radius of the ball for the corrections, m")
+      ->check(CLI::Range(1e-6, 10.0));
+  app.add_option("--correction-density", options.config.ball.material.density_kgpm3,
+                 "Density of the ball for the corrections, kg/m^3")
+      ->check(CLI::Range(1.0, 3e4));
 }
 
 std::string describe(const RestitutionCounts& counts) {
   std::string line = fmt::format("{} coefficients of restitution from {} onsets of {} drops", counts.n_samples,
                                  counts.n_onsets, counts.n_drops);
+  if (counts.mean_shift_drag)
+    line += fmt::format("; corrected for drag, eps {:+.2g} in the mean", *counts.mean_shift_drag);
+  if (counts.mean_shift_contact_time)
+    line += fmt::format("; corrected for contact time, eps {:+.2g} in the mean", *counts.mean_shift_contact_time);
   for (const auto& [reason, n] : counts.breaks) line += fmt::format("; chain broken {} times: {}", n, reason);
   if (counts.n_flagged > 0) line += fmt::format("; {} samples flagged, the fit leaves them out", counts.n_flagged);
   return line;
@@ -34,7 +49,9 @@ Json to_json(const RestitutionCounts& counts) {
 Outcome run_restitution(const RestitutionOptions& options, Run& run) {
   check_may_write(run, options.out);
   const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), options.onsets);
-  const Restitution result = restitution_samples(onsets, options.config);
+  RestitutionConfig config = options.config;
+  if (options.drop_height_m > 0.0) config.drop_height_m = options.drop_height_m;
+  const Restitution result = restitution_samples(onsets, config);
   Outcome outcome;
   outcome.text = describe(result.counts) + "\n";
   outcome.summary = to_json(result.counts);

@@ -12,6 +12,7 @@ struct RestitutionOptions {
   std::string onsets;
   std::string out;
   RestitutionConfig config;
+  double drop_height_m = 0.0;  ///< 0: not known
 };
 
 /// The physics options, shared with `loop` and `analyze`.

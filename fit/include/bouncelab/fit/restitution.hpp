@@ -6,14 +6,24 @@
 #include <optional>
 #include <string>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/units.hpp"
+#include "bouncelab/fit/flight_correction.hpp"
 
 namespace bouncelab {
 
 struct RestitutionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
+  Ball ball;                                   ///< used by the corrections only
+  Material plate = kGlass;                     ///< likewise
+  Air air;                                     ///< likewise
+  bool correct_drag = false;          ///< speeds at the ends of each flight from its duration by Schiller-Naumann drag
+  bool correct_contact_time = false;  ///< flights are intervals less the Hertz contact that they begin with
+  /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
+  /// v_0 = sqrt(2 g h). Only where impact 0 was heard.
+  std::optional<double> drop_height_m;
 };
 
 /// What became of the onsets.
@@ -21,10 +31,12 @@ struct RestitutionCounts {
   std::size_t n_onsets = 0;
   std::size_t n_drops = 0;
   std::size_t n_samples = 0;
-  std::size_t n_flagged = 0;  ///< samples that carry a flag; they stay in the table and out of the fit
+  std::size_t n_flagged = 0;         ///< samples that carry a flag; they stay in the table and out of the fit
   std::optional<double> eps_median;  ///< of the samples without a flag; absent where there are none
   /// Places where the chain of one drop was broken, by reason: `doubtful`, `inferred`, `missing_impact`, ...
   std::map<std::string, std::size_t> breaks;
+  /// What the corrections, where switched on, added to eps in the mean.
+  std::optional<double> mean_shift_drag, mean_shift_contact_time;
 };
 
 struct Restitution {
@@ -49,9 +61,12 @@ struct Restitution {
 /// sample and its neighbours that share the wrong interval stay in the table, flagged `missing_impact` or
 /// `extra_impact`. (Needs at least 5 samples in the drop.)
 ///
-/// Assumes drag-free vertical flight and contacts much shorter than flights. Nothing is clamped.
+/// Assumes drag-free vertical flight and contacts much shorter than flights, unless corrected for: then eps is the
+/// launch speed of the next flight over the landing speed of the last, flights shortened by the contact at their
+/// beginning. Nothing is clamped.
 /// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s]
-/// @throws InvalidArgument where gravity is not positive or times do not increase
+/// @throws InvalidArgument where gravity, the drop height or a property of the ball is not positive, or times do not
+///         increase
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
 
 }  // namespace bouncelab
