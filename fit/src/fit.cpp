@@ -71,6 +71,18 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
                        "them and were left out: missed or invented impacts?");
 }
 
+/// Where the noise that neighbouring samples share is not what the detector states.
+void warn_of_timing(const ErrorBudget& budget, std::vector<std::string>& warnings) {
+  if (!budget.timing || !budget.timing->stated_s || !(*budget.timing->stated_s > 0.0)) return;
+  const TimingNoise& t = *budget.timing;
+  const double stated2 = *t.stated_s * *t.stated_s;
+  if (std::abs(t.variance_s2 - stated2) < 4.0 * t.variance_se_s2 || !t.sigma_s) return;
+  // a tenth of the noise is of no consequence however well it is measured
+  if (std::abs(*t.sigma_s / *t.stated_s - 1.0) < 0.1) return;
+  warnings.push_back(words("neighbouring samples show a timing noise of %.2g us where %.2g us are stated",
+                           *t.sigma_s * 1e6, *t.stated_s * 1e6));
+}
+
 void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& warnings) {
   const auto count = [&](auto&& condition) {
     return static_cast<double>(std::count_if(used.begin(), used.end(), condition));
@@ -111,11 +123,13 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
   step(3.0);
   result.histograms = fit_histograms(used, config.histograms, result.law);
   result.density = density_picture(used);
+  result.budget = error_budget(used, result.law, config.budget);
   step(kSteps);
   result.status = result.law.status;
   result.n_used = result.law.n;
   if (result.law.n_outliers > 0) result.n_left_out["outlier"] = result.law.n_outliers;
   warn_of_law(result.law, result.warnings);
+  warn_of_timing(result.budget, result.warnings);
   warn_of_samples(used, result.warnings);
   return result;
 }

@@ -15,6 +15,7 @@ Json json_of(const Interval& i) { return {json_of(i.lo), json_of(i.hi)}; }
 
 Json json_of(const Estimate& e);
 Json json_of(const ScatterModel& s);
+Json json_of(const TimingNoise& t);
 template <class T>
 Json json_of(const std::optional<T>& x) {
   return x ? json_of(*x) : Json(nullptr);
@@ -134,6 +135,36 @@ Json json_of(const HistogramFit& h) {
           {"curve", curve}};
 }
 
+Json json_of(const TimingNoise& t) {
+  return {{"n_pairs", t.n_pairs},
+          {"lag1_correlation", json_of(t.lag1_correlation)},
+          {"lag1_correlation_se", json_of(t.lag1_correlation_se)},
+          {"variance_s2", json_of(t.variance_s2)},
+          {"variance_se_s2", json_of(t.variance_se_s2)},
+          {"sigma_s", json_of(t.sigma_s)},
+          {"upper95_s", json_of(t.upper95_s)},
+          {"stated_s", json_of(t.stated_s)}};
+}
+
+Json json_of(const BudgetRow& r) {
+  return {{"v_mps", r.v_mps},
+          {"n", r.n},
+          {"spread", json_of(r.spread)},
+          {"spread_asperities", json_of(r.spread_asperities)},
+          {"spread_timing_stated", json_of(r.spread_timing_stated)},
+          {"spread_timing_lag1", json_of(r.spread_timing_lag1)},
+          {"shift_drag", json_of(r.shift_drag)},
+          {"shift_contact_time", json_of(r.shift_contact_time)},
+          {"mean_minus_peak", json_of(r.mean_minus_peak)},
+          {"se_curve", json_of(r.se_curve)}};
+}
+
+Json json_of(const ErrorBudget& budget) {
+  Json rows = Json::array();
+  for (const BudgetRow& r : budget.rows) rows.push_back(json_of(r));
+  return {{"timing", json_of(budget.timing)}, {"width_exponent", json_of(budget.width_exponent)}, {"rows", rows}};
+}
+
 }  // namespace
 
 std::string to_json(const FitResult& result) {
@@ -147,6 +178,7 @@ std::string to_json(const FitResult& result) {
                {"law_least_squares", json_of(result.law_least_squares)},
                {"law_viscoelastic", json_of(result.law_viscoelastic)},
                {"histograms", histograms},
+               {"budget", json_of(result.budget)},
                {"density",
                 {{"v_edges_mps", result.density.v_edges_mps},
                  {"eps_edges", result.density.eps_edges},

@@ -11,6 +11,7 @@
 #include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/density_picture.hpp"
+#include "bouncelab/fit/error_budget.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -21,6 +22,7 @@ namespace bouncelab {
 struct FitConfig {
   LawFitConfig law;  ///< the main fit; least squares and the viscoelastic law use its nodes
   HistogramConfig histograms;
+  BudgetConfig budget;
 };
 
 struct FitResult {
@@ -30,6 +32,7 @@ struct FitResult {
   LawFit law_viscoelastic;
   std::vector<HistogramFit> histograms;
   DensityPicture density;
+  ErrorBudget budget;
   std::vector<std::string> warnings;  ///< in words, most important first
   std::size_t n_used = 0;
   std::map<std::string, std::size_t> n_left_out;  ///< by reason

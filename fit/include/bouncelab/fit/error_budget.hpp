@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/units.hpp"
+#include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/flight_correction.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+
+namespace bouncelab {
+
+/// The timing noise that the samples themselves show. Neighbours share two onsets, and independent errors of standard
+/// deviation s make
+///
+///   cov(eps_i, eps_{i+1}) = -s^2 (1 + eps_i)(1 + eps_{i+1}) / (T_i T_{i+1}),
+///
+/// while asperities make none (below 1 % of their variance). So s^2 = -mean of r_i r_{i+1} T_i T_{i+1} / (1 + eps)^2
+/// over neighbours, r = eps - eps(v); its error from the scatter between drops (or between pairs, for fewer than 8
+/// drops).
+struct TimingNoise {
+  std::size_t n_pairs = 0;
+  double lag1_correlation = 0.0;  ///< of r / (local spread): 0 asperities only, -2/3 timing only
+  double lag1_correlation_se = 0.0;
+  double variance_s2 = 0.0;  ///< s^2; negative where the covariance is positive by chance
+  double variance_se_s2 = 0.0;
+  std::optional<double> sigma_s;   ///< root of it where positive
+  double upper95_s = 0.0;          ///< one-sided 95 % limit
+  std::optional<double> stated_s;  ///< median of what the samples' sigma_eps says
+};
+
+/// Where the scatter of eps and the shifts of eps(v) come from, in a bin of speeds. Spreads are standard deviations.
+struct BudgetRow {
+  double v_mps = 0.0;
+  std::size_t n = 0;
+  double spread = 0.0;                         ///< of eps - eps(v), all causes
+  std::optional<double> spread_asperities;     ///< by the fit's scatter: sqrt(b_below^2 + b_above^2)
+  std::optional<double> spread_timing_stated;  ///< by sigma_eps
+  std::optional<double> spread_timing_lag1;    ///< by TimingNoise
+  double shift_drag = 0.0;                     ///< of eps, if not corrected for
+  double shift_contact_time = 0.0;             ///< likewise
+  std::optional<double> mean_minus_peak;       ///< b_above - b_below: what least squares would be off by
+  std::optional<double> se_curve;              ///< finite sample: standard error of eps(v) here
+};
+
+struct ErrorBudget {
+  std::optional<TimingNoise> timing;       ///< needs times and at least 8 pairs of neighbours
+  std::optional<Estimate> width_exponent;  ///< k of spread ~ v^k; -1 in the paper
+  std::vector<BudgetRow> rows;
+};
+
+/// What the shifts are computed for. Defaults: the paper's ball on glass.
+struct BudgetConfig {
+  Ball ball;
+  Material plate = kGlass;
+  Air air;
+  double gravity_mps2 = kDefaultGravity_mps2;
+};
+
+/// @param samples  that were fitted; t_s is needed for the timing noise only
+/// @param law      fitted to them; without law.law the budget is empty
+ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config);
+
+}  // namespace bouncelab

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/error_budget.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bouncelab/fit/restitution.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab {
+namespace {
+
+ErrorBudget budget_of(const testing::SyntheticRun& run) {
+  LawFit truth;
+  truth.law = run.law;
+  truth.scatter = ScatterModel{1.0, {std::log(run.below_at_1mps), -1.0}, {std::log(run.above_at_1mps), -1.0}};
+  return error_budget(restitution_samples(synthetic_onsets(run), {}).samples, truth, {});
+}
+
+TEST(ErrorBudget, FindsTheTimingNoiseFromNeighboursWithoutBeingTold) {
+  for (const double sigma_s : {3e-6, 1e-5, 1e-4}) {
+    testing::SyntheticRun run;
+    run.timing_sigma_s = sigma_s;
+    const auto timing = budget_of(run).timing;
+    ASSERT_TRUE(timing);
+    EXPECT_NEAR((timing->variance_s2 - sigma_s * sigma_s) / timing->variance_se_s2, 0.0, 4.0) << sigma_s;
+    EXPECT_NEAR(*timing->stated_s / sigma_s, 1.0, 1e-3);
+  }
+}
+
+TEST(ErrorBudget, LagOneIsMinusTwoThirdsOfTimingAndZeroOfAsperities) {
+  testing::SyntheticRun run;
+  const auto none = budget_of(run).timing;
+  EXPECT_NEAR(none->lag1_correlation, 0.0, 4.0 * none->lag1_correlation_se);
+  EXPECT_LT(none->lag1_correlation_se, 0.05);
+  run.timing_sigma_s = 1e-4;
+  run.below_at_1mps = run.above_at_1mps = 1e-6;
+  const auto all = budget_of(run).timing;
+  EXPECT_NEAR(all->lag1_correlation, -2.0 / 3.0, 4.0 * all->lag1_correlation_se);
+}
+
+TEST(ErrorBudget, SpreadsAddInSquares) {
+  testing::SyntheticRun run;
+  run.timing_sigma_s = 1e-5;
+  run.n_drops = 80;
+  const auto budget = budget_of(run);
+  ASSERT_EQ(budget.rows.size(), 12u);
+  for (const auto& row : budget.rows) {
+    const double expected = std::hypot(*row.spread_asperities, *row.spread_timing_stated);
+    // about 630 samples a row, kurtosis up to 6: 4.5 % standard error of the spread; the width changes within the row
+    EXPECT_NEAR(row.spread / expected, 1.0, 0.18) << row.v_mps;
+  }
+  // both parts go as 1/v
+  EXPECT_NEAR(budget.width_exponent->value, -1.0, 4.0 * *budget.width_exponent->se + 0.02);
+}
+
+TEST(ErrorBudget, ShiftsAreThoseOfPhysics) {
+  // -1e-4, -3.6e-4, -6.3e-4, -9.6e-4 at .3, .7, 1.0, 1.3 m/s, as 3.6e-4 (v / .7)^1.5 within 10 % between .3 and 1.3
+  testing::SyntheticRun run;
+  for (const auto& row : budget_of(run).rows) {
+    EXPECT_NEAR(row.shift_drag / (-3.6e-4 * std::pow(row.v_mps / 0.7, 1.5)), 1.0, 0.12) << row.v_mps;
+    EXPECT_LT(std::abs(row.shift_contact_time), 5e-5);
+    EXPECT_GT(std::abs(row.shift_contact_time), 1e-7);
+  }
+}
+
+TEST(ErrorBudget, WithoutALawIsEmpty) {
+  EXPECT_TRUE(error_budget(testing::independent_samples({}, 50, 0.2, 1.4, 0.0), {}, {}).rows.empty());
+}
+
+}  // namespace
+}  // namespace bouncelab
