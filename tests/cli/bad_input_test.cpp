@@ -74,7 +74,7 @@ TEST_F(BadInput, ImpactsWithAMissingColumnOrUnsortedTimes) {
 TEST_F(BadInput, OutOfRangeOptions) {
   expect_refused("simulate --asperities 0 --out i.csv", 2, {"--asperities", "0"});
   expect_refused("simulate --drops -3 --out i.csv", 2, {"--drops", "-3"});
-  expect_refused("simulate --radius-law potato --out i.csv", 2, {"--radius-law", "potato"});
+  expect_refused("simulate --radius-law potato --out i.csv", 2, {"radius law", "potato"});
   expect_refused("restitution o.csv --gravity 0 --out s.csv", 2, {"--gravity", "0"});
 }
 
@@ -100,11 +100,9 @@ TEST_F(BadInput, SoundWithNoBounceInventsNothing) {
   write("silence.wav", float_wav(std::vector<float>(3 * 44100, 0.0f), 44100));
   write("one.wav", float_wav(bouncing(1), 44100));
   for (const std::string name : {"noise", "silence", "one"}) {
-    const Result result = run("detect " + name + ".wav --out " + name + ".csv --json");
-    EXPECT_EQ(result.exit_code, 1) << name << ": " << result.err;
-    const std::string table = content_of(folder_ / (name + ".csv"));
-    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1) << name << " has invented impacts:\n" << table;
-    EXPECT_EQ(run("analyze " + name + ".wav --out out_" + name).exit_code, 1) << name;
+    SCOPED_TRACE(name);
+    expect_refused("detect " + name + ".wav --out " + name + ".csv", 1, {name + ".wav"});
+    expect_refused("analyze " + name + ".wav --out out", 1, {name + ".wav"});
   }
 }
 

@@ -97,7 +97,11 @@ Outcome run_detect(const DetectOptions& options, Run& run) {
   outcome.summary = {{"n_onsets", all.size()}, {"recordings", recordings}};
   if (all.empty()) {
     outcome.exit_code = kNotUsable;
-    outcome.text += "no onsets were written\n";
+    outcome.trouble =
+        fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
+                    options.recordings.front(), found.front().message,
+                    found.size() > 1 ? fmt::format(" (nor in the {} others)", found.size() - 1) : "");
+    outcome.text.clear();
     return outcome;
   }
   const std::vector<std::filesystem::path> inputs(options.recordings.begin(), options.recordings.end());
