@@ -280,12 +280,16 @@ drawLaw(figure('Coefficient of restitution against impact speed',
 nodesTable();
 if (fit && fit.law && (fit.law.residuals || []).some(r => known(r.pull)))
   drawResiduals(figure('Does the law hold at every speed?', 'Mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does.'), fit.law.residuals);
-const shown = ((fit && fit.histograms) || []).filter(h => h.bins && h.n > 0);
+const histograms = (fit && fit.histograms) || [];
+const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
 if (shown.length) {
   const parent = figure('Distribution of ε at fixed speed',
-                        'Points: normalised frequency with Poisson errors, logarithmic axis. Lines: two exponentials, one rising, one falling, of different slope.');
+                        'Points: normalised frequency with Poisson errors, logarithmic axis. Lines: two exponentials, one rising, one falling, of different slope, as the timing noise blurs them.');
   parent.className = 'grid';
   for (const h of shown) drawHistogram(parent, h);
+} else if (histograms.length) {
+  add('h2', {}, 'Distribution of ε at fixed speed');
+  add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
 }
 slopesTable();
 if (wave && wave.envelope) {
