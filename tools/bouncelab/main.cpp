@@ -10,6 +10,7 @@
 #include "analyze_command.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
+#include "calibrate_command.hpp"
 #include "command.hpp"
 #include "config_file.hpp"
 #include "detect_command.hpp"
@@ -114,6 +115,7 @@ int run(std::vector<std::string> line) {
       add_restitution_command(app),
       add_fit_command(app),
       add_report_command(app),
+      add_calibrate_command(app),
       add_analyze_command(app),
       add_loop_command(app),
   };
