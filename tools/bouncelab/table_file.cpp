@@ -7,19 +7,35 @@
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
+#include "hdf5_table.hpp"
 #include "provenance.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
 
-Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) { return read_csv(path, wanted); }
+namespace {
+
+bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.extension() == ".hdf5"; }
+
+void write_csv_file(const fs::path& path, const Table& table, const std::string& name) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  write_csv(out, table);
+  out.close();
+  if (!out) throw FileError(name, "writing failed; is the disk full?");
+}
+
+}  // namespace
+
+Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
+  return is_hdf5(path) ? read_hdf5(path, wanted) : read_csv(path, wanted);
+}
 
 void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
   OutputFile file(path, run.common.force);
-  std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
-  write_csv(out, table);
-  out.close();
-  if (!out) throw FileError(path.string(), "writing failed; is the disk full?");
+  if (is_hdf5(path))
+    write_hdf5(file.temporary_path(), table, path.string());
+  else
+    write_csv_file(file.temporary_path(), table, path.string());
   file.commit();
   write_provenance(run, path, inputs);
 }

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <signal.h>
+
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using SimulateCommand = ProgramTest;
+
+TEST_F(SimulateCommand, TakesASurfaceFromCsvAndHdf5AlikeAndGivesTheSameImpacts) {
+  ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.csv --write-surface s.csv").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.h5 --write-surface s.h5").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 2 --surface s.csv --out b.csv").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 2 --surface s.h5 --out c.csv").exit_code, 0);
+  // normalised once more on reading, so not byte for byte as drawn; but alike from both files
+  EXPECT_EQ(content_of(folder_ / "b.csv"), content_of(folder_ / "c.csv"));
+  EXPECT_THAT(files(), testing::Contains("a.h5.meta.json"));
+}
+
+TEST_F(SimulateCommand, GivesTheSameFileForAnyNumberOfThreads) {
+  ASSERT_EQ(run("simulate --drops 7 --asperities 5000 --state --threads 1 --out a.csv").exit_code, 0);
+  for (const char* threads : {"2", "7"}) {
+    ASSERT_EQ(run("simulate --drops 7 --asperities 5000 --state --force --out b.csv --threads " + std::string(threads))
+                  .exit_code,
+              0);
+    EXPECT_EQ(content_of(folder_ / "b.csv"), content_of(folder_ / "a.csv"));
+  }
+}
+
+TEST_F(SimulateCommand, NamesTheBadRowOfASurface) {
+  write("s.csv", "ux,uy,uz,radius_m\n0,0,1,3e-6\n0,0,0,3e-6\n");
+  expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 3", "ux"});
+  write("s.csv", "ux,uy,uz,radius_m\n0,0,1,-3e-6\n");
+  expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 2", "radius_m"});
+  write("s.h5", "no HDF5");
+  expect_one_line_error(run("simulate --surface s.h5 --out a.csv"), 3, {"s.h5", "HDF5"});
+  EXPECT_THAT(files(), testing::Not(testing::Contains("a.csv")));
+}
+
+TEST_F(SimulateCommand, RefusesWhatCannotBeWithTheQuantityAndItsRange) {
+  expect_one_line_error(run("simulate --tilt 1.5708 --out a.csv"), 2, {"--tilt"});
+  expect_one_line_error(run("simulate --height 1e-6 --asperities 1000 --out a.csv"), 2,
+                        {"drop height", "inside the plate"});
+  expect_one_line_error(run("simulate --radius-law gauss:1 --out a.csv"), 2, {"gauss:1", "exponential"});
+  expect_one_line_error(run("simulate --law series:A2=5 --out a.csv"), 2, {"coefficient of restitution", "A2 = 5"});
+  write("eps.csv", "v_mps,eps\n0.2,0.9\n0.1,0.8\n");
+  expect_one_line_error(run("simulate --law table:eps.csv --out a.csv"), 2, {"row 2"});
+  EXPECT_EQ(files(), std::vector<std::string>{"eps.csv"});
+}
+
+TEST_F(SimulateCommand, StopsWithinASecondOnInterruptAndLeavesNothing) {
+  // timeout sends SIGINT after 1 s and SIGKILL, which would give 137, 1 s later
+  const std::string line = "cd '" + folder_.string() +
+                           "' && timeout --signal=INT --kill-after=1 1 '" BOUNCELAB_PROGRAM
+                           "' simulate --drops 1000000 --asperities 100000 --out a.csv 2>/dev/null >/dev/null";
+  const int status = std::system(line.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 124);  // timeout's own code: the program ended by itself after the signal
+  EXPECT_TRUE(files().empty());
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

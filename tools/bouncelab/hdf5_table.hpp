@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/table.hpp"
+
+namespace bouncelab::cli {
+
+/// Tables as HDF5: each column is a one-dimensional data set of the root group, named as the column; reals are 64-bit
+/// IEEE, integers 64-bit, texts UTF-8 strings of variable length.
+
+/// Reads the wanted columns; numbers of other widths are converted.
+/// @throws FileError naming the column: not an HDF5 file, a required column absent, of another type or length
+Table read_hdf5(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+
+/// @param name  of the file in messages, where `path` is a temporary one
+/// @throws FileError
+void write_hdf5(const std::filesystem::path& path, const Table& table, const std::string& name);
+
+}  // namespace bouncelab::cli
