@@ -29,18 +29,6 @@ Quaternion random_orientation(Random& random) {
   return normalized(Quaternion{a * std::sin(p), a * std::cos(p), b * std::sin(q), b * std::cos(q)});
 }
 
-BallState release(const SimulationConfig& config, std::int64_t drop) {
-  Random random(config.seed, RandomStream::drop_start, static_cast<std::uint64_t>(drop));
-  BallState state;
-  state.clearance_m = random.uniform(config.drop_height_min_m, config.drop_height_max_m);
-  state.orientation = random_orientation(random);
-  state.x_m = config.start_position_m[0];
-  state.y_m = config.start_position_m[1];
-  state.motion.velocity_mps = {config.start_velocity_mps[0], config.start_velocity_mps[1], 0.0};
-  state.motion.spin_radps = {config.start_spin_radps[0], config.start_spin_radps[1], config.start_spin_radps[2]};
-  return state;
-}
-
 /// Kinetic and potential energy; zero potential with the ball on the plate's centre.
 double energy_j(const SimulationConfig& config, const BallState& state) {
   const Vector3 place{state.x_m, state.y_m, state.clearance_m};
@@ -127,12 +115,28 @@ void validate(const SimulationConfig& c) {
   require(c.drop_height_min_m > 0.0, "least drop height", c.drop_height_min_m, "> 0 m");
   require(c.drop_height_max_m >= c.drop_height_min_m && std::isfinite(c.drop_height_max_m), "greatest drop height",
           c.drop_height_max_m, "not below the least drop height");
+  if (c.air) {
+    require(c.air->density_kgpm3 > 0.0, "density of the air", c.air->density_kgpm3, "> 0 kg/m^3");
+    require(c.air->viscosity_pas > 0.0, "viscosity of the air", c.air->viscosity_pas, "> 0 Pa s");
+  }
   for (const double v : c.start_velocity_mps) require(std::isfinite(v), "start velocity", v, "finite, m/s");
   for (const double x : c.start_position_m) require(std::isfinite(x), "start position", x, "finite, m");
   for (const double w : c.start_spin_radps) require(std::isfinite(w), "start spin", w, "finite, rad/s");
   require_sane_restitution(c);
   require(c.min_speed_mps >= 0.0, "least speed", c.min_speed_mps, ">= 0 m/s");
   require(c.max_time_s > 0.0, "time limit", c.max_time_s, "> 0 s");
+}
+
+BallState release(const SimulationConfig& config, std::int64_t drop) {
+  Random random(config.seed, RandomStream::drop_start, static_cast<std::uint64_t>(drop));
+  BallState state;
+  state.clearance_m = random.uniform(config.drop_height_min_m, config.drop_height_max_m);
+  state.orientation = random_orientation(random);
+  state.x_m = config.start_position_m[0];
+  state.y_m = config.start_position_m[1];
+  state.motion.velocity_mps = {config.start_velocity_mps[0], config.start_velocity_mps[1], 0.0};
+  state.motion.spin_radps = {config.start_spin_radps[0], config.start_spin_radps[1], config.start_spin_radps[2]};
+  return state;
 }
 
 DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t drop) {
@@ -145,7 +149,7 @@ DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelop
   double t_s = 0.0;
   std::optional<std::int64_t> left;
   for (std::int64_t impact = 0; impact < config.n_impacts_max; ++impact) {
-    const FirstContact contact = find_first_contact(config.ball, envelope, state, g, left);
+    const FirstContact contact = find_first_contact(config.ball, envelope, state, g, left, config.air);
     // times must increase even where two asperities touch within the resolution of t
     const double t_next_s = std::max(t_s + contact.dt_s, std::nextafter(t_s, std::numeric_limits<double>::infinity()));
     if (t_next_s > config.max_time_s) {
@@ -162,6 +166,7 @@ DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelop
     }
     t_s = t_next_s;
     left = contact.asperity;
+    if (config.air) result.energy.drag_j += energy_j(config, state) - energy_j(config, contact.state);
     const Collision collision = collide(config.ball, config.law, config.contact, contact.lever_m, contact.state.motion);
     result.impacts.rows.push_back(impact_row(drop, impact, t_s, contact.state.motion, collision, contact.asperity));
     if (config.with_state) result.impacts.states.push_back(impact_state(config.ball, contact.state, collision.after));

@@ -6,6 +6,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/flight.hpp"
+#include "dragged_path.hpp"
 #include "pole.hpp"
 
 namespace bouncelab {
@@ -15,6 +16,9 @@ namespace {
 struct Parabola {
   double y0_m, v0_mps, g_mps2;
 
+  double initial_velocity_mps() const { return v0_mps; }
+  /// Bound of the downward acceleration.
+  double bend_mps2() const { return g_mps2; }
   double height_m(double t) const { return y0_m + t * (v0_mps - 0.5 * g_mps2 * t); }
   double velocity_mps(double t) const { return v0_mps - g_mps2 * t; }
   /// The last time at which the centre is at `level`; t where it is below already.
@@ -40,16 +44,17 @@ constexpr int kMaxLooks = 10'000'000;
 
 std::int64_t index_of(const Envelope::Site* site) { return site == nullptr ? -1 : std::int64_t{site->asperity}; }
 
-/// The search for one flight.
+/// The search for one flight; Path is the centre's: Parabola or DraggedPath.
+template <class Path>
 class Search {
  public:
-  Search(const Ball& ball, const Envelope& envelope, const BallState& start, double g_mps2,
+  Search(const Ball& ball, const Envelope& envelope, const Path& path, const Pole& pole,
          std::optional<std::int64_t> left)
       : radius_m_(ball.radius_m),
         envelope_(envelope),
-        path_{start.clearance_m, start.motion.velocity_mps.z, g_mps2},
-        pole_(make_pole(start.orientation, start.motion.spin_radps)),
-        bend_mps2_(g_mps2 + radius_m_ * pole_.rate_radps * pole_.speed_radps),
+        path_(path),
+        pole_(pole),
+        bend_mps2_(path.bend_mps2() + radius_m_ * pole_.rate_radps * pole_.speed_radps),
         left_(left) {}
 
   struct Found {
@@ -90,7 +95,7 @@ class Search {
   double time_of_unhindered_rise() const {
     const double chase_mps = radius_m_ * pole_.speed_radps * std::sqrt(2.0 * envelope_.max_elevation());
     if (!left_) return 0.0;
-    return std::max(0.0, (path_.v0_mps - chase_mps) / path_.g_mps2);
+    return std::max(0.0, (path_.initial_velocity_mps() - chase_mps) / path_.bend_mps2());
   }
 
   double skip_above(double elevation, double t) const {
@@ -127,7 +132,7 @@ class Search {
   }
 
   Candidate judge(const Envelope::Site* site, double gap_m, double slope_mps, double t) const {
-    const double bend = site == nullptr ? path_.g_mps2 : bend_mps2_;
+    const double bend = site == nullptr ? path_.bend_mps2() : bend_mps2_;
     // what was just left opens with the contact's speed: its gap cannot close before 2 slope / bend
     if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(site)) return {slope_mps / bend, slope_mps, site};
     if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), slope_mps, site};
@@ -137,32 +142,53 @@ class Search {
 
   double radius_m_;
   const Envelope& envelope_;
-  Parabola path_;
-  Pole pole_;
+  const Path& path_;
+  const Pole& pole_;
   double bend_mps2_;  ///< bound of -gap'' for asperities
   std::optional<std::int64_t> left_;
 };
 
+void move_centre(const Parabola&, double t, Vector3 g, BallState& state) {
+  const Vector3 v = state.motion.velocity_mps;
+  state.x_m += t * (v.x + 0.5 * g.x * t);
+  state.y_m += t * (v.y + 0.5 * g.y * t);
+  state.clearance_m += t * (v.z + 0.5 * g.z * t);
+  state.motion.velocity_mps = v + t * g;
+}
+
+void move_centre(const DraggedPath& path, double t, Vector3, BallState& state) {
+  const DraggedPath::Node node = path.at(t);
+  state.x_m = node.place_m.x;
+  state.y_m = node.place_m.y;
+  state.clearance_m = node.place_m.z;
+  state.motion.velocity_mps = node.velocity_mps;
+}
+
+template <class Path>
+FirstContact contact_on(const Path& path, const Ball& ball, const Envelope& envelope, const BallState& start, Vector3 g,
+                        std::optional<std::int64_t> left) {
+  const Vector3 spin = start.motion.spin_radps;
+  const Pole pole = make_pole(start.orientation, spin);
+  const auto [dt_s, site] = Search<Path>(ball, envelope, path, pole, left).run();
+  FirstContact contact{dt_s, index_of(site), {0.0, 0.0, -ball.radius_m}, start};
+  move_centre(path, dt_s, g, contact.state);
+  contact.state.orientation = normalized(rotation_by(dt_s * spin) * start.orientation);
+  if (site != nullptr)
+    contact.lever_m =
+        ball.radius_m * (rotate(contact.state.orientation, site->direction) - Vector3{0.0, 0.0, site->height});
+  return contact;
+}
+
 }  // namespace
 
 FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
-                                Vector3 gravity_mps2, std::optional<std::int64_t> left) {
+                                Vector3 gravity_mps2, std::optional<std::int64_t> left, const std::optional<Air>& air) {
   if (!(gravity_mps2.z < 0.0))
     throw InvalidArgument("flight: gravity must pull towards the plate, its normal part is " +
                           std::to_string(gravity_mps2.z) + " m/s^2; tilt the plate less");
-  Search search(ball, envelope, start, -gravity_mps2.z, left);
-  const auto [dt_s, site] = search.run();
-  FirstContact contact{dt_s, index_of(site), {0.0, 0.0, -ball.radius_m}, start};
-  BallState& state = contact.state;
-  const Vector3 v = start.motion.velocity_mps;
-  state.x_m += dt_s * (v.x + 0.5 * gravity_mps2.x * dt_s);
-  state.y_m += dt_s * (v.y + 0.5 * gravity_mps2.y * dt_s);
-  state.clearance_m += dt_s * (v.z + 0.5 * gravity_mps2.z * dt_s);
-  state.orientation = normalized(rotation_by(dt_s * start.motion.spin_radps) * start.orientation);
-  state.motion.velocity_mps = v + dt_s * gravity_mps2;
-  if (site != nullptr)
-    contact.lever_m = ball.radius_m * (rotate(state.orientation, site->direction) - Vector3{0.0, 0.0, site->height});
-  return contact;
+  if (air) return contact_on(DraggedPath(ball, *air, start, gravity_mps2), ball, envelope, start, gravity_mps2, left);
+  const Parabola path{start.clearance_m, start.motion.velocity_mps.z, -gravity_mps2.z};
+  return contact_on(path, ball, envelope, start, gravity_mps2, left);
 }
 
 }  // namespace bouncelab

@@ -40,10 +40,42 @@ std::optional<double> first_zero(const Gap& gap, double a, double b) {
   return first_zero(gap, middle, b);
 }
 
-/// A span of time in which the ball is low enough to touch.
+/// A span of time in which the ball is low enough to touch, with what its midpoint says of all asperities: the gap of
+/// the one along u is there  height - R_j - R u.down,  its slope  v - R u.turning.
 struct Window {
   double begin, end;
+  double height_m, v_mps;
+  Vector3 down, turning;
+
+  double least_gap(const Ball& ball, const Asperity& asperity, double bend) const {
+    const double half = 0.5 * (end - begin);
+    const double gap = height_m - asperity.radius_m - ball.radius_m * dot(asperity.direction, down);
+    const double slope = v_mps - ball.radius_m * dot(asperity.direction, turning);
+    return gap - std::abs(slope) * half - 0.5 * bend * half * half;
+  }
 };
+
+Window window(const Ball& ball, const BallState& start, double g, double begin, double end) {
+  const double t = 0.5 * (begin + end);
+  const Quaternion then = rotation_by(t * start.motion.spin_radps) * start.orientation;
+  const Vector3 spin = rotate(conjugate(then), start.motion.spin_radps);
+  const Vector3 down = -rotate(conjugate(then), {0, 0, 1});
+  const double v = start.motion.velocity_mps.z;
+  return {begin, end, ball.radius_m + start.clearance_m + v * t - 0.5 * g * t * t, v - g * t, down, cross(down, spin)};
+}
+
+/// Before it has risen above the highest asperity, and after it has come down to it again.
+std::array<Window, 2> windows_of(const Ball& ball, const Surface& surface, const BallState& start, double g,
+                                 double t_smooth) {
+  double highest_m = 0.0;
+  for (const Asperity& asperity : surface.asperities) highest_m = std::max(highest_m, asperity.radius_m);
+  const double v = start.motion.velocity_mps.z;
+  const double inside = v * v + 2.0 * g * (start.clearance_m - highest_m);
+  const double root = std::sqrt(std::max(0.0, inside));
+  const double up = inside > 0.0 ? std::max(0.0, (v - root) / g) : t_smooth;
+  const double down = inside > 0.0 ? std::max(0.0, (v + root) / g) : t_smooth;
+  return {window(ball, start, g, 0.0, up), window(ball, start, g, down, t_smooth)};
+}
 
 }  // namespace
 
@@ -53,24 +85,23 @@ FirstContact first_contact(const Ball& ball, const Surface& surface, const BallS
   const double rate = norm(start.motion.spin_radps);
   const Vector3 axis = rate > 0.0 ? normalized(start.motion.spin_radps) : Vector3{1, 0, 0};
   const double t_smooth = (v + std::sqrt(v * v + 2.0 * g * y)) / g;
-  double highest_m = 0.0;
-  for (const Asperity& asperity : surface.asperities) highest_m = std::max(highest_m, asperity.radius_m);
-  std::array<Window, 2> windows{Window{0.0, t_smooth}, Window{t_smooth, t_smooth}};
-  const double inside = v * v + 2.0 * g * (y - highest_m);
-  if (inside > 0.0)
-    windows = {Window{0.0, std::max(0.0, (v - std::sqrt(inside)) / g)},
-               Window{std::max(0.0, (v + std::sqrt(inside)) / g), t_smooth}};
-
+  const double bend = g + rate * rate * ball.radius_m;
   FirstContact first{t_smooth, -1, {0, 0, -ball.radius_m}, start};
-  const Quaternion q = start.orientation;
-  for (std::size_t j = 0; j < surface.asperities.size(); ++j) {
-    const Asperity& asperity = surface.asperities[j];
-    const Gap gap{
-        y, v, g, axis, rate, ball.radius_m * rotate(q, asperity.direction), asperity.radius_m - ball.radius_m};
-    // just left: opens with slope(0), so closed again not before 2 slope/bend
-    const double excluded = left == static_cast<std::int64_t>(j) ? gap.slope(0.0) / gap.bend() : 0.0;
-    for (const Window& window : windows) {
-      const double begin = std::max(window.begin, excluded), end = std::min(window.end, first.dt_s);
+  for (const Window& span : windows_of(ball, surface, start, g, t_smooth)) {
+    for (std::size_t j = 0; j < surface.asperities.size(); ++j) {
+      const Asperity& asperity = surface.asperities[j];
+      // room for the midpoint's rounding: 1e-15 m
+      if (span.least_gap(ball, asperity, bend) > 1e-15) continue;
+      const Gap gap{y,
+                    v,
+                    g,
+                    axis,
+                    rate,
+                    ball.radius_m * rotate(start.orientation, asperity.direction),
+                    asperity.radius_m - ball.radius_m};
+      // just left: opens with slope(0), so closed again not before 2 slope/bend
+      const double excluded = left == static_cast<std::int64_t>(j) ? gap.slope(0.0) / gap.bend() : 0.0;
+      const double begin = std::max(span.begin, excluded), end = std::min(span.end, first.dt_s);
       if (begin >= end) continue;
       if (const auto zero = first_zero(gap, begin, end)) {
         first.dt_s = *zero;
@@ -83,7 +114,7 @@ FirstContact first_contact(const Ball& ball, const Surface& surface, const BallS
   first.state.y_m += start.motion.velocity_mps.y * t;
   first.state.clearance_m += v * t - 0.5 * g * t * t;
   first.state.motion.velocity_mps.z -= g * t;
-  first.state.orientation = normalized(rotation_by(t * start.motion.spin_radps) * q);
+  first.state.orientation = normalized(rotation_by(t * start.motion.spin_radps) * start.orientation);
   if (first.asperity >= 0) {
     const Asperity& asperity = surface.asperities[static_cast<std::size_t>(first.asperity)];
     first.lever_m =

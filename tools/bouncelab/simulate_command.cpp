@@ -117,6 +117,7 @@ void add_simulate_options(CLI::App& app, SimulateOptions& o) {
       ->expected(2)
       ->check(positive);
   app.add_option("--tilt", c.tilt_rad, "Tilt of the plate, downhill along x [rad]")->check(CLI::Range(0.0, 1.5707));
+  app.add_flag("--drag", o.drag, "Air drag (Schiller-Naumann, 20 degrees C)");
   app.add_option("--min-speed", c.min_speed_mps, "A drop ends before an impact slower than this [m/s]")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--max-time", c.max_time_s, "A drop ends so long after its release [s]")->check(positive);
@@ -128,6 +129,7 @@ SimulationConfig simulation_config(const SimulateOptions& options, const CommonO
   config.n_threads = common.n_threads;
   config.law = restitution_law_from_text(options.restitution_law);
   config.contact = contact_model(options);
+  if (options.drag) config.air = Air{};
   config.drop_height_min_m = options.height_m.front();
   config.drop_height_max_m = options.height_m.back();
   copy(options.plate_m, config.plate_size_m);

@@ -18,6 +18,7 @@ struct SimulateOptions {
   std::string contact = "paper";
   double beta = 1.0;
   double mu = 0.2;
+  bool drag = false;
   std::vector<double> height_m{0.09, 0.10};
   std::vector<double> plate_m, start_m, velocity_mps, spin_radps;
   std::string surface_file;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,11 @@
 #include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/units.hpp"
+#include "bouncelab/sim/air.hpp"
 #include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/envelope.hpp"
+#include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab {
@@ -30,6 +33,8 @@ struct SimulationConfig {
   /// A drop ends where the ball comes down beyond the edge. Without bounds by default: a rough ball wanders off a plate
   /// of 30 x 20 cm in nine drops of ten before its hundredth bounce.
   std::array<double, 2> plate_size_m{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+
+  std::optional<Air> air;  ///< slows the flights (Schiller-Naumann); absent: none, as in the paper
 
   std::int64_t n_drops = 40;        ///< >= 1
   std::int64_t first_drop = 0;      ///< number of the first one; a drop depends on (seed, its number) alone
@@ -50,6 +55,9 @@ struct SimulationConfig {
 
 /// @throws InvalidArgument naming the quantity, its value and its range
 void validate(const SimulationConfig& config);
+
+/// How drop number `drop` starts: a function of (config, drop).
+BallState release(const SimulationConfig& config, std::int64_t drop);
 
 /// Why a drop ended.
 enum class DropEnd { impacts_reached, speed_reached, time_reached, left_plate };

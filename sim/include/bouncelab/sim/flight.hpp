@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/sim/air.hpp"
 #include "bouncelab/sim/contact.hpp"
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/vector3.hpp"
@@ -38,10 +39,13 @@ struct FirstContact {
 /// @param gravity_mps2  acceleration of the centre, gravity_mps2.z < 0
 /// @param left  what the ball touches at the start and must not find again while it opens (-1: the smooth sphere);
 ///              absent at a release
+/// @param air   what slows the centre; absent: a parabola
 /// Error of dt: 1e-15 s + 4 ulp(dt), plus the rounding of the gap (2e-17 m per 0.1 m of height) over the closing speed;
 /// at grazing contacts, closing slower than 1e-6 m/s, the square root of that rounding counts.
+/// With air, that of the integration besides, some 1e-12 s.
 /// @throws InvalidArgument where gravity does not pull to the plate
 FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
-                                Vector3 gravity_mps2, std::optional<std::int64_t> left);
+                                Vector3 gravity_mps2, std::optional<std::int64_t> left,
+                                const std::optional<Air>& air = std::nullopt);
 
 }  // namespace bouncelab
