@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "bouncelab/sim/air.hpp"
+#include "bouncelab/sim/drag.hpp"
 #include "bouncelab/sim/flight.hpp"
 
 namespace bouncelab {

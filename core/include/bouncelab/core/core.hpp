@@ -2,6 +2,7 @@
 /// Start here: everything the rooms share. Values and their tables first, then what files and random numbers need.
 #pragma once
 
+#include "bouncelab/core/air.hpp"              // density and viscosity
 #include "bouncelab/core/ball.hpp"             // material, mass, Hertz contact time
 #include "bouncelab/core/csv.hpp"              // tables as files
 #include "bouncelab/core/error.hpp"            // what is thrown

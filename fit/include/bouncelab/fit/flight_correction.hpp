@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bouncelab/core/air.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab {
-
-/// Still air.
-struct Air {
-  double density_kgpm3 = 1.204;     ///< dry, 20 C, 1013 hPa
-  double viscosity_pas = 1.813e-5;  ///< dynamic, 20 C
-};
 
 /// Deceleration by drag [m/s^2] at speed v >= 0:
 ///

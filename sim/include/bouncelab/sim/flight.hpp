@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/sim/air.hpp"
 #include "bouncelab/sim/contact.hpp"
+#include "bouncelab/sim/drag.hpp"
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/vector3.hpp"
 

@@ -2,8 +2,8 @@
 /// Start here: a rough ball bouncing on a plate. make_surface, then simulate; the rest is what these are made of.
 #pragma once
 
-#include "bouncelab/sim/air.hpp"         // drag
 #include "bouncelab/sim/contact.hpp"     // the collision: paper, frictionless, Coulomb
+#include "bouncelab/sim/drag.hpp"        // drag
 #include "bouncelab/sim/energy.hpp"      // where the energy went
 #include "bouncelab/sim/envelope.hpp"    // what can touch the plate, and where
 #include "bouncelab/sim/experiment.hpp"  // many drops: SimulationConfig -> Impacts

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bouncelab/core/air.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
 namespace bouncelab {
-
-/// The gas that the ball flies through. Defaults: air at 20 degrees C and 101325 Pa.
-struct Air {
-  double density_kgpm3 = 1.204;    ///< > 0
-  double viscosity_pas = 1.82e-5;  ///< dynamic, > 0
-};
 
 /// Acceleration by the drag on a sphere of diameter d:
 ///
