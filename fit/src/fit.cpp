@@ -125,6 +125,9 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
   result.density = density_picture(used);
   result.budget = error_budget(used, result.law, config.budget);
   step(kSteps);
+  if (!result.law.nodes.empty())
+    result.hand_off =
+        hand_off(result.law, config.hand_off_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps));
   result.status = result.law.status;
   result.n_used = result.law.n;
   if (result.law.n_outliers > 0) result.n_left_out["outlier"] = result.law.n_outliers;

@@ -16,6 +16,7 @@ Json json_of(const Interval& i) { return {json_of(i.lo), json_of(i.hi)}; }
 Json json_of(const Estimate& e);
 Json json_of(const ScatterModel& s);
 Json json_of(const TimingNoise& t);
+Json json_of(const HandOff& h);
 template <class T>
 Json json_of(const std::optional<T>& x) {
   return x ? json_of(*x) : Json(nullptr);
@@ -165,6 +166,17 @@ Json json_of(const ErrorBudget& budget) {
   return {{"timing", json_of(budget.timing)}, {"width_exponent", json_of(budget.width_exponent)}, {"rows", rows}};
 }
 
+Json json_of(const HandOff& h) {
+  Json snippets = Json::array();
+  for (const Snippet& s : h.snippets)
+    snippets.push_back({{"program", s.program}, {"parameter", s.parameter}, {"text", s.text}});
+  return {{"v_mps", h.v_mps},
+          {"eps", json_of(h.eps)},
+          {"se", json_of(h.se)},
+          {"warning", h.warning},
+          {"snippets", snippets}};
+}
+
 }  // namespace
 
 std::string to_json(const FitResult& result) {
@@ -179,6 +191,7 @@ std::string to_json(const FitResult& result) {
                {"law_viscoelastic", json_of(result.law_viscoelastic)},
                {"histograms", histograms},
                {"budget", json_of(result.budget)},
+               {"hand_off", json_of(result.hand_off)},
                {"density",
                 {{"v_edges_mps", result.density.v_edges_mps},
                  {"eps_edges", result.density.eps_edges},

@@ -126,7 +126,9 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Kno
   if (eigenvalues.minCoeff() > 0.0) fit.condition_number = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
   if (!unknown.empty()) {
     fit.status = FitStatus::not_identifiable;
-    fit.message = unknown + " (eps(v) itself is known: see the nodes)";
+    fit.message = unknown +
+                  "; none of them without the others, as they are tied by their correlations (eps(v) itself is "
+                  "known: see the nodes)";
   }
 }
 

@@ -29,6 +29,9 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
   app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
       ->check(CLI::Range(2, 10))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--hand-off-speed", options.config.hand_off_speed_mps,
+                 "Speed of the constant eps for DEM codes, m/s; default the middle node")
+      ->check(CLI::PositiveNumber);
   app.add_option("--window-width", options.config.histograms.width_mps, "Width of the histograms' windows, m/s")
       ->check(CLI::PositiveNumber);
 }
@@ -48,11 +51,14 @@ std::string describe(const FitResult& result) {
 
 Outcome run_fit(const FitOptions& options, Run& run) {
   check_may_write(run, options.out);
+  if (!options.table.empty()) check_may_write(run, options.table);
   const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
   const FitResult result = fit_all(samples, options.config, progress_line(run, "fit", "fits"));
   Outcome outcome;
   const std::string json = to_json(result);
   write_text(run, options.out, json, {options.samples});
+  if (!options.table.empty() && !result.law.curve.empty())
+    write_table(run, options.table, law_table(result.law), {options.samples});
   outcome.summary = Json::parse(json);
   outcome.text = describe(result);
   outcome.warnings = result.warnings;
@@ -70,6 +76,7 @@ Command add_fit_command(CLI::App& app) {
                                          "Example: bouncelab fit samples.csv --out fit.json");
   command->add_option("samples", options->samples, "Samples; columns v_mps and eps are enough")->required();
   command->add_option("--out", options->out, "Results, .json")->required();
+  command->add_option("--table", options->table, "Also the law as a table v_mps, eps, lo95, hi95");
   add_fit_options(*command, *options);
   return {command, [options](Run& run) { return run_fit(*options, run); }};
 }

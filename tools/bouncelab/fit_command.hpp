@@ -11,6 +11,7 @@ namespace bouncelab::cli {
 struct FitOptions {
   std::string samples;
   std::string out;
+  std::string table;  ///< empty: none
   FitConfig config;
 };
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "bouncelab/fit/density_picture.hpp"
 #include "bouncelab/fit/error_budget.hpp"
 #include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/hand_off.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
@@ -24,6 +26,7 @@ struct FitConfig {
   LawFitConfig law;  ///< the main fit; least squares and the viscoelastic law use its nodes
   HistogramConfig histograms;
   BudgetConfig budget;
+  std::optional<double> hand_off_speed_mps;  ///< absent: the middle node
 };
 
 struct FitResult {
@@ -34,6 +37,7 @@ struct FitResult {
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   ErrorBudget budget;
+  std::optional<HandOff> hand_off;
   std::vector<std::string> warnings;  ///< in words, most important first
   std::size_t n_used = 0;
   std::map<std::string, std::size_t> n_left_out;  ///< by reason
