@@ -9,9 +9,11 @@ namespace {
 using Site = Envelope::Site;
 using List = std::vector<std::uint32_t>;
 
-constexpr std::size_t kRivalsLength = 256;
-/// Up to this length every pair is compared.
+/// Lists up to this length are held against rivals, longer ones against a floor.
+constexpr std::size_t kRivalsLength = 128;
+/// Up to this length every pair is compared, unless the list is short enough already.
 constexpr std::size_t kPairsLength = 24;
+constexpr std::size_t kShortLength = 6;
 
 /// The envelope's guaranteed elevation in a region, by squares: the highest site in a square is nowhere in it seen
 /// lower than height - diameter^2/2.
@@ -46,28 +48,16 @@ class Floor {
   std::array<double, static_cast<std::size_t>(kMostSquares* kMostSquares)> highest_;
 };
 
-Contenders drop_what_lies_below(const Region& region, std::span<const Site> sites, const Contenders& wider,
-                                bool& is_floor_known) {
-  Contenders within;
-  std::vector<double> at_most;
-  within.list.reserve(wider.list.size());
-  at_most.reserve(wider.list.size());
-  for (const std::uint32_t k : wider.list) {
-    const double bound = elevation_at_most(sites[k], region);
-    if (bound < wider.floor) continue;
-    within.list.push_back(k);
-    at_most.push_back(bound);
-  }
+/// @return whether the region has a floor of its own, above the smooth sphere
+bool drop_what_lies_below_the_floor(const Region& region, std::span<const Site> sites, Contenders& within) {
   Floor floor(region, within.list.size());
   for (const std::uint32_t k : within.list) floor.add(sites[k]);
   const double elevation = floor.elevation();
-  is_floor_known = elevation > 0.0;
-  within.floor = std::max(wider.floor, elevation);
-  std::size_t n_kept = 0;
-  for (std::size_t i = 0; i < within.list.size(); ++i)
-    if (at_most[i] >= within.floor) within.list[n_kept++] = within.list[i];
-  within.list.resize(n_kept);
-  return within;
+  if (elevation > within.floor) {
+    within.floor = elevation;
+    std::erase_if(within.list, [&](std::uint32_t k) { return elevation_at_most(sites[k], region) < elevation; });
+  }
+  return elevation > 0.0;
 }
 
 /// e_rival - e_site is linear in n.
@@ -128,12 +118,17 @@ void drop_what_any_beats(std::span<const Site> sites, const Region& region, List
 }  // namespace
 
 Contenders contenders_within(const Region& region, std::span<const Site> sites, const Contenders& wider) {
-  bool is_floor_known = false;
-  Contenders within = drop_what_lies_below(region, sites, wider, is_floor_known);
-  // rivals cost more than they drop while the region is wide and has a floor of its own
-  const bool is_wide = within.list.size() > kRivalsLength && is_floor_known;
+  Contenders within;
+  within.floor = wider.floor;
+  within.list.reserve(wider.list.size());
+  for (const std::uint32_t k : wider.list)
+    if (elevation_at_most(sites[k], region) >= wider.floor) within.list.push_back(k);
+
+  // a floor drops more than rivals do while the region is wide; it has none once squares are empty
+  const bool is_wide = within.list.size() > kRivalsLength && drop_what_lies_below_the_floor(region, sites, within);
   if (!within.list.empty() && !is_wide) drop_what_rivals_beat(sites, region, within.list);
-  if (within.list.size() <= kPairsLength) drop_what_any_beats(sites, region, within.list);
+  if (within.list.size() > kShortLength && within.list.size() <= kPairsLength)
+    drop_what_any_beats(sites, region, within.list);
   return within;
 }
 

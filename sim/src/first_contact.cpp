@@ -105,10 +105,14 @@ class Search {
 
   /// Advances from t to t_exit through a leaf; what it hits, if anything.
   std::optional<Found> search_leaf(const Envelope::Cell& cell, double t, double t_exit) const {
+    const Pole here = pole_.from(t);
+    const double t_begin = t;
     while (t < t_exit) {
-      const Candidate first = nearest(cell, t);
+      const Candidate first = nearest(cell, t, here.at(t - t_begin));
       const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
-      if (first.slope_mps < 0.0 && first.step_s <= resolution_s) return Found{t + first.step_s, first.site};
+      // after a safe step the gap is at most bend step^2: what is left is that over the closing speed
+      const double left_s = bend_mps2_ * first.step_s * first.step_s / -first.slope_mps;
+      if (first.slope_mps < 0.0 && left_s <= resolution_s) return Found{t + first.step_s, first.site};
       t += std::max(first.step_s, resolution_s);
       if (path_.height_m(t) > radius_m_ * cell.max_elevation + kClear_m)
         t = std::max(t, std::min(t_exit, skip_above(cell.max_elevation, t)));
@@ -117,14 +121,15 @@ class Search {
   }
 
   /// The smallest safe step of all that can touch in the cell.
-  Candidate nearest(const Envelope::Cell& cell, double t) const {
+  Candidate nearest(const Envelope::Cell& cell, double t, const Pole::Instant& pole) const {
     const double y = path_.height_m(t), v = path_.velocity_mps(t);
-    const Pole::Instant pole = pole_.at(t);
     Candidate first = judge(nullptr, y, v, t);
     for (const std::uint32_t k : cell.list) {
       const Envelope::Site& site = cell.sites[k];
       const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
       const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
+      // positive for sure until the smallest step so far: no need to know its own
+      if (gap > 0.0 && gap + first.step_s * (slope - 0.5 * bend_mps2_ * first.step_s) >= 0.0) continue;
       const Candidate candidate = judge(&site, gap, slope, t);
       if (candidate.step_s < first.step_s) first = candidate;
     }

@@ -18,8 +18,26 @@ struct Pole {
     Vector3 direction, velocity;
   };
   Instant at(double t_s) const {
-    const double c = std::cos(rate_radps * t_s), s = std::sin(rate_radps * t_s);
+    const auto [c, s] = turn(rate_radps * t_s);
     return {along + c * cosine + s * sine, (rate_radps * c) * sine - (rate_radps * s) * cosine};
+  }
+
+  /// The same motion with its clock set back to 0 at t.
+  Pole from(double t_s) const {
+    const auto [c, s] = turn(rate_radps * t_s);
+    return {along, c * cosine + s * sine, c * sine - s * cosine, rate_radps, speed_radps};
+  }
+
+ private:
+  struct Turn {
+    double cosine, sine;
+  };
+  static Turn turn(double angle) {
+    if (angle > 0.01) return {std::cos(angle), std::sin(angle)};
+    // the next terms of the series are below 2e-18
+    const double a2 = angle * angle;
+    return {1.0 - a2 * (0.5 - a2 * (1.0 / 24.0 - a2 * (1.0 / 720.0))),
+            angle * (1.0 - a2 * (1.0 / 6.0 - a2 * (1.0 / 120.0)))};
   }
 };
 
