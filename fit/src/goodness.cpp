@@ -17,7 +17,7 @@ std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t 
   const std::size_t n = u.size();
   const std::size_t n_cells = std::clamp<std::size_t>(n / kPerCell, 1, 10);
   const std::size_t n_groups = std::clamp<std::size_t>(n / (n_cells * kPerCell), 1, 40);
-  if (n_groups * (n_cells - 1) <= n_parameters) return std::nullopt;
+  if (n_cells < 2) return std::nullopt;
   ChiSquare result;
   for (std::size_t g = 0; g < n_groups; ++g) {
     const std::size_t begin = g * n / n_groups, end = (g + 1) * n / n_groups;
@@ -29,7 +29,8 @@ std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t 
     const double expected = static_cast<double>(end - begin) / static_cast<double>(n_cells);
     for (const double c : counts) result.chi2 += (c - expected) * (c - expected) / expected;
   }
-  result.ndf = n_groups * (n_cells - 1) - n_parameters;
+  const std::size_t n_free = n_groups * (n_cells - 1);
+  result.ndf = n_free >= 10 * n_parameters ? n_free - n_parameters : n_free;
   result.p_value = chi2_survival(result.chi2, static_cast<double>(result.ndf));
   return result;
 }

@@ -15,10 +15,11 @@ struct ChiSquare {
 };
 
 /// Pearson's chi2 of probability transforms u (uniform if the model holds), in order of speed: cells of equal
-/// expectation, up to 10 in u by up to 40 in speed, at least 8 samples each; ndf = groups (cells per group - 1) -
-/// n_parameters. As the parameters were fitted to the samples and not to the cells p is slightly too small at most
-/// (Chernoff & Lehmann, Ann. Math. Stat. 25, 579 (1954), doi:10.1214/aoms/1177728726).
-/// nullopt where samples are too few for one degree of freedom.
+/// expectation, up to 10 in u by up to 40 in speed, at least 8 samples each. Parameters fitted to the samples, not to
+/// the cells, cost between none and all of their degrees of freedom (Chernoff & Lehmann, Ann. Math. Stat. 25, 579
+/// (1954), doi:10.1214/aoms/1177728726): all are subtracted where they are less than a tenth of the cells and the
+/// difference is small, none otherwise, which makes p too large rather than too small. nullopt where samples are too
+/// few for one degree of freedom.
 std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters);
 
 /// Probability of a chi-square above chi2.

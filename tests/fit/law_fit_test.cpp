@@ -94,6 +94,20 @@ TEST(LawFit, ProfileIntervalsCoverAlsoWhereSamplesAreFew) {
   }
 }
 
+TEST(LawFit, SmallSamplesAreNotCalledBadFits) {
+  // p is conservative there: among 100 right models less than the nominal 5 % and three standard errors fall below .05
+  for (const double sigma : {0.0, 1e-3}) {
+    int n_low = 0;
+    for (int seed = 1; seed <= 100; ++seed) {
+      SyntheticRun run;
+      run.seed = static_cast<std::uint64_t>(seed);
+      const auto fit = fit_law(independent_samples(run, 60, 0.2, 1.4, sigma), quick());
+      n_low += fit.p_value && *fit.p_value < 0.05;
+    }
+    EXPECT_LE(n_low, 11) << sigma;
+  }
+}
+
 TEST(LawFit, ProfileIsTheCovarianceWhereSamplesAreMany) {
   SyntheticRun run;
   const auto samples = independent_samples(run, 20000, 0.2, 1.4, 5e-4);
