@@ -57,13 +57,16 @@ double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
   return peak;
 }
 
-WaveMeasure WaveMeter::measure(const Contact& contact, const PoleValues& amplitudes) const {
-  const ContactWave wave = bank_.wave(contact, amplitudes, true);
+WaveMeasure WaveMeter::measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const {
+  ContactWave wave = bank_.wave(contact, amplitudes, true);
+  noise.whiten(wave.slopes);
   WaveMeasure result;
   for (const double slope : wave.slopes) result.slope_energy += slope * slope;
   PoleValues slopes(bank_.size());
-  for (std::size_t p = 0; p < bank_.size(); ++p)
-    slopes.set(p, wave.ringing[p] * bank_.poles_per_s()[p] / bank_.rate_hz());
+  for (std::size_t p = 0; p < bank_.size(); ++p) {
+    const Complex s = bank_.poles_per_s()[p] / bank_.rate_hz();
+    slopes.set(p, wave.ringing[p] * s * noise.whitening_gain(std::exp(s)));
+  }
   result.slope_energy += ringing_energy(slopes);
   result.peak = ringing_peak(wave.ringing, largest(wave.samples, 0.0));
   return result;

@@ -60,6 +60,10 @@ void check(const Sensor& sensor) {
   require(sensor.highpass_hz > 0.0, "highpass_hz", sensor.highpass_hz, "positive");
   require(sensor.resonance_hz > 0.0, "resonance_hz", sensor.resonance_hz, "positive");
   require(sensor.quality > 0.5, "quality", sensor.quality, "above 0.5");
+  require(sensor.reverberation.level_db >= -200.0 && sensor.reverberation.level_db <= 40.0, "reverberation level_db",
+          sensor.reverberation.level_db, "from -200 to 40");
+  require(sensor.reverberation.decay_60db_s > 0.05 && sensor.reverberation.decay_60db_s <= 20.0,
+          "reverberation decay_60db_s", sensor.reverberation.decay_60db_s, "above 0.05 and at most 20");
   for (const Echo& echo : sensor.echoes) require(echo.delay_s >= 0.0, "echo delay_s", echo.delay_s, "0 or more");
 }
 
@@ -73,7 +77,8 @@ const Sensor& checked(const Sensor& sensor) {
 Sensor piezo_sensor() { return {}; }
 
 Sensor microphone() {
-  return {SensorKind::microphone, 40.0, 20.0e3, 0.70711, {{1.9e-3, 0.4}, {4.3e-3, -0.25}, {7.8e-3, 0.2}}};
+  return {SensorKind::microphone, 40.0, 20.0e3, 0.70711, {{1.9e-3, 0.4}, {4.3e-3, -0.25}, {7.8e-3, 0.2}},
+          {-15.0, 0.25}};
 }
 
 Instrument::Instrument(const Ground& ground, const Sensor& sensor, const std::vector<Channel>& channels, double rate_hz,
@@ -83,7 +88,8 @@ Instrument::Instrument(const Ground& ground, const Sensor& sensor, const std::ve
       channels_(channels),
       plate_(ground, max_mode_hz),
       bank_(all_poles(plate_, sensor), rate_hz),
-      meter_(bank_) {
+      meter_(bank_),
+      tail_(sensor.reverberation, rate_hz) {
   for (const Channel& channel : channels) couplings_.push_back(couplings(channel));
   const Transfer transfer{2.0 * kPi * sensor.resonance_hz, poles_of(sensor)};
   sensor_residues_.resize(2);

@@ -8,6 +8,7 @@
 #include "bouncelab/acoustic/sensor.hpp"
 #include "contact_bound.hpp"
 #include "resonator_bank.hpp"
+#include "reverberation.hpp"
 
 namespace bouncelab {
 
@@ -26,6 +27,7 @@ class Instrument {
 
   const ResonatorBank& bank() const { return bank_; }
   const WaveMeter& meter() const { return meter_; }
+  const ReverberationTail& tail() const { return tail_; }
   const PlateModes& plate() const { return plate_; }
   std::size_t n_channels() const { return channels_.size(); }
 
@@ -46,6 +48,7 @@ class Instrument {
   PlateModes plate_;
   ResonatorBank bank_;
   WaveMeter meter_;
+  ReverberationTail tail_;
   std::vector<std::vector<Complex>> couplings_;  // by channel and mode: of the mode's motion to the sensor, over mass
   std::vector<Complex> mode_residues_;           // by mode: at its own pole, for unit coupling
   std::vector<std::vector<Complex>> sensor_residues_;  // by pole of the sensor and mode

@@ -94,16 +94,27 @@ FlickerFilter::FlickerFilter(double corner_hz, double rate_hz) {
   rms_ = std::sqrt(energy);
 }
 
-void FlickerFilter::apply(std::span<double> samples) const {
-  for (std::size_t k = 0; k < poles_.size(); ++k) {
+void FlickerFilter::cascade(const std::vector<double>& poles, const std::vector<double>& zeros, double scale,
+                            std::span<double> samples) {
+  for (std::size_t k = 0; k < poles.size(); ++k) {
     double x_before = 0.0, y = 0.0;
     for (double& sample : samples) {
-      y = poles_[k] * y + sample - zeros_[k] * x_before;
+      y = poles[k] * y + sample - zeros[k] * x_before;
       x_before = sample;
       sample = y;
     }
   }
-  for (double& sample : samples) sample *= scale_;
+  for (double& sample : samples) sample *= scale;
+}
+
+void FlickerFilter::apply(std::span<double> samples) const { cascade(poles_, zeros_, scale_, samples); }
+
+void FlickerFilter::whiten(std::span<double> samples) const { cascade(zeros_, poles_, 1.0 / scale_, samples); }
+
+std::complex<double> FlickerFilter::whitening_gain(std::complex<double> z) const {
+  std::complex<double> gain = 1.0 / scale_;
+  for (std::size_t k = 0; k < poles_.size(); ++k) gain *= (z - poles_[k]) / (z - zeros_[k]);
+  return gain;
 }
 
 }  // namespace bouncelab

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,8 +33,14 @@ class FlickerFilter {
   /// After this many frames the filter has forgotten its start to 1e-6.
   std::int64_t memory_frames() const { return memory_frames_; }
   void apply(std::span<double> samples) const;
+  /// The inverse filter, which makes the noise white again: in place, from silence; and its gain at z.
+  void whiten(std::span<double> samples) const;
+  std::complex<double> whitening_gain(std::complex<double> z) const;
 
  private:
+  static void cascade(const std::vector<double>& poles, const std::vector<double>& zeros, double scale,
+                      std::span<double> samples);
+
   std::vector<double> poles_, zeros_;
   double scale_ = 1.0;
   double rms_ = 1.0;

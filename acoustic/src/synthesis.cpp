@@ -42,6 +42,7 @@ struct SyntheticRecording::State {
   void measure(const Impacts& impacts);
   void choose_levels();
   std::vector<double> strikes_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  std::vector<double> sound_in_room(std::size_t channel, std::int64_t first, std::int64_t n) const;
   template <class Use>
   void for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const;
 };
@@ -72,15 +73,17 @@ void SyntheticRecording::State::measure(const Impacts& impacts) {
   for (const Strike& strike : schedule.strikes)
     if (strike.impact_index >= 0) hits.push_back(&strike);
   truth.resize(hits.size());
+  const FlickerFilter noise(config.noise_corner_hz, config.rate_hz);
   in_parallel(hits.size(), resolved_threads(config.n_threads), [&](std::size_t k) {
     const Strike& strike = *hits[k];
-    const WaveMeasure wave = instrument->meter().measure(contact(channel, strike), amplitudes(channel, strike));
+    const WaveMeasure wave = instrument->meter().measure(contact(channel, strike), amplitudes(channel, strike), noise);
     const Impact& impact = impacts.rows[static_cast<std::size_t>(strike.impact_index)];
     TrueImpact& row = truth[k];
     row.drop = impact.drop;
     row.impact = impact.impact;
     row.t_s = strike.t_s;
-    row.sigma_t_s = 1.0 / (config.rate_hz * std::sqrt(wave.slope_energy));  // for noise of rms 1 and gain 1
+    // for noise of rms 1 and gain 1
+    row.sigma_t_s = 1.0 / (noise.rms() * config.rate_hz * std::sqrt(wave.slope_energy));
     row.amplitude = wave.peak;
     row.contact_time_s = strike.duration_s;
     row.travel_time_s = instrument->travel_time_s(channel, strike.x_m, strike.y_m);
@@ -170,6 +173,18 @@ std::vector<double> SyntheticRecording::State::strikes_sound(std::size_t channel
   return out;
 }
 
+/// As strikes_sound, with the room's tail: begun early enough that the tail has forgotten its start.
+std::vector<double> SyntheticRecording::State::sound_in_room(std::size_t channel, std::int64_t first,
+                                                             std::int64_t n) const {
+  constexpr std::int64_t kBlock = ResonatorBank::kBlock;
+  const ReverberationTail& tail = instrument->tail();
+  const std::int64_t run_in = (tail.memory_frames() + kBlock - 1) / kBlock * kBlock;
+  std::vector<double> sound = strikes_sound(channel, first - run_in, n + run_in);
+  tail.add_to(sound);
+  sound.erase(sound.begin(), sound.begin() + run_in);
+  return sound;
+}
+
 SyntheticRecording::SyntheticRecording(const Impacts& impacts, const SynthesisConfig& config,
                                        std::shared_ptr<const Instrument> instrument)
     : state_(std::make_unique<State>()) {
@@ -219,7 +234,7 @@ std::vector<double> SyntheticRecording::segment(std::int64_t index) const {
   std::vector<double> interleaved(n_channels > 1 ? static_cast<std::size_t>(n) * n_channels : 0);
   for (std::size_t c = 0; c < n_channels; ++c) {
     std::vector<double> sound = s.config.channels[c].gain == 0.0 ? std::vector<double>(static_cast<std::size_t>(n), 0.0)
-                                                                 : s.strikes_sound(c, first, n);
+                                                                 : s.sound_in_room(c, first, n);
     s.background->add(c, first, sound);
     for (double& sample : sound) sample = std::clamp(sample, -1.0, 1.0);
     if (n_channels == 1) return sound;

@@ -4,6 +4,7 @@
 #include <future>
 
 #include "bouncelab/acoustic/synthesis.hpp"
+#include "bouncelab/core/random.hpp"
 #include "in_parallel.hpp"
 #include "instrument.hpp"
 
@@ -30,16 +31,11 @@ std::vector<std::string> warnings_of(const SyntheticRecording& recording, const 
   return warnings;
 }
 
-}  // namespace
-
-SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config, const std::filesystem::path& out,
-                           bool may_replace, const ProgressCallback& progress) {
+SynthesisResult write_recording(const SyntheticRecording& recording, const Instrument& instrument,
+                                const SynthesisConfig& config, const std::filesystem::path& out, bool may_replace,
+                                const ProgressCallback& progress) {
   const AudioSpec spec{config.rate_hz, static_cast<int>(config.channels.size()), config.encoding};
-  validate(out, spec);
-  const auto instrument = make_instrument(config);
-  const SyntheticRecording recording(impacts, config, instrument);
   AudioWriter writer(out, spec, recording.n_frames(), may_replace);
-
   const double duration_s = static_cast<double>(recording.n_frames()) / config.rate_hz;
   const std::int64_t n_threads = resolved_threads(config.n_threads);
   for (std::int64_t first = 0; first < recording.n_segments(); first += n_threads) {
@@ -48,18 +44,66 @@ SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config
       batch.push_back(std::async(n_threads == 1 ? std::launch::deferred : std::launch::async,
                                  [&recording, k] { return recording.segment(k); }));
     for (auto& segment : batch) writer.write(segment.get());
-    if (progress)
-      progress(
-          std::min(duration_s, static_cast<double>((first + n_threads) * recording.segment_frames()) / config.rate_hz),
-          duration_s);
+    const auto n_done = static_cast<double>((first + n_threads) * recording.segment_frames());
+    if (progress) progress(std::min(duration_s, n_done / config.rate_hz), duration_s);
   }
   writer.commit();
   return {recording.truth(),
           recording.others(),
           recording.levels(),
           duration_s,
-          static_cast<int>(instrument->plate().modes().size()),
+          static_cast<int>(instrument.plate().modes().size()),
           warnings_of(recording, config)};
+}
+
+/// The impacts of one drop, rows first ... last - 1.
+Impacts one_drop(const Impacts& impacts, std::size_t first, std::size_t last) {
+  const auto at = [](std::size_t k) { return static_cast<std::ptrdiff_t>(k); };
+  Impacts drop;
+  drop.rows.assign(impacts.rows.begin() + at(first), impacts.rows.begin() + at(last));
+  if (!impacts.states.empty())
+    drop.states.assign(impacts.states.begin() + at(first), impacts.states.begin() + at(last));
+  return drop;
+}
+
+std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop) {
+  std::string number = std::to_string(drop);
+  if (number.size() < 4) number.insert(0, 4 - number.size(), '0');
+  return out.parent_path() / (out.stem().string() + "." + number + out.extension().string());
+}
+
+void check_file(const std::filesystem::path& out, const SynthesisConfig& config) {
+  validate(out, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding});
+}
+
+}  // namespace
+
+SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config, const std::filesystem::path& out,
+                           bool may_replace, const ProgressCallback& progress) {
+  check_file(out, config);
+  const auto instrument = make_instrument(config);
+  const SyntheticRecording recording(impacts, config, instrument);
+  return write_recording(recording, *instrument, config, out, may_replace, progress);
+}
+
+std::vector<DropRecording> synthesize_each_drop(const Impacts& impacts, const SynthesisConfig& config,
+                                                const std::filesystem::path& out, bool may_replace,
+                                                const ProgressCallback& progress) {
+  check_file(out, config);
+  const auto instrument = make_instrument(config);
+  SynthesisConfig of_drop = config;
+  of_drop.levels = SyntheticRecording(impacts, config, instrument).levels();
+  std::vector<DropRecording> recordings;
+  for (std::size_t first = 0, last = 0; first < impacts.rows.size(); first = last) {
+    const std::int64_t drop = impacts.rows[first].drop;
+    while (last < impacts.rows.size() && impacts.rows[last].drop == drop) ++last;
+    of_drop.seed = philox_block(config.seed, RandomStream::noise, 1ull << 63, static_cast<std::uint64_t>(drop))[0];
+    const SyntheticRecording recording(one_drop(impacts, first, last), of_drop, instrument);
+    const std::filesystem::path path = path_of_drop(out, drop);
+    recordings.push_back({path, write_recording(recording, *instrument, of_drop, path, may_replace, {})});
+    if (progress) progress(static_cast<double>(last), static_cast<double>(impacts.rows.size()));
+  }
+  return recordings;
 }
 
 Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording) {

@@ -62,6 +62,35 @@ Json summary_of(const SynthesisResult& result) {
           {"gain", result.levels.gain}};
 }
 
+/// The truth of several recordings in one table.
+Table truth_of(const std::vector<DropRecording>& recordings) {
+  Table all;
+  for (const DropRecording& recording : recordings) {
+    Table one = truth_table(recording.result.truth, recording.path.filename().string());
+    if (all.columns.empty()) {
+      all = std::move(one);
+      continue;
+    }
+    for (std::size_t k = 0; k < all.columns.size(); ++k)
+      std::visit(
+          [&](auto& values) {
+            const auto& more = std::get<std::decay_t<decltype(values)>>(one.columns[k].values);
+            values.insert(values.end(), more.begin(), more.end());
+          },
+          all.columns[k].values);
+  }
+  return all;
+}
+
+std::vector<DropRecording> recordings_of(const SynthesizeOptions& options, const SynthesisConfig& config,
+                                         const Impacts& impacts, const Run& run) {
+  const bool force = run.common.force;
+  if (options.each_drop)
+    return synthesize_each_drop(impacts, config, options.out, force, progress_line(run, "synthesize", "impacts"));
+  return {
+      {options.out, synthesize(impacts, config, options.out, force, progress_line(run, "synthesize", "s of sound"))}};
+}
+
 }  // namespace
 
 void add_synthesize_options(CLI::App& app, SynthesizeOptions& o) {
@@ -131,23 +160,30 @@ Outcome run_synthesize(const SynthesizeOptions& options, Run& run) {
   const std::filesystem::path out = options.out;
   const std::filesystem::path truth =
       options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
-  const std::filesystem::path others = beside(out, ".others.csv");
   check_may_write(run, out);
   check_may_write(run, truth);
 
   const Impacts impacts = impacts_from_table(read_table(options.impacts, impact_columns()), options.impacts);
-  const SynthesisResult result =
-      synthesize(impacts, config, out, run.common.force, progress_line(run, "synthesize", "s of sound"));
-  const std::vector<std::filesystem::path> inputs{options.impacts};
-  write_provenance(run, out, inputs);
-  write_table(run, truth, truth_table(result.truth, out.string()), inputs);
-  if (!result.others.empty()) write_table(run, others, others_table(result.others), inputs);
+  const std::vector<DropRecording> recordings = recordings_of(options, config, impacts, run);
 
+  const std::vector<std::filesystem::path> inputs{options.impacts};
   Outcome outcome;
-  outcome.summary = summary_of(result);
-  outcome.text = fmt::format("{:.1f} s of sound with {} impacts in {}, truth in {}\n", result.duration_s,
-                             result.truth.size(), out.string(), truth.string());
-  outcome.warnings = result.warnings;
+  double duration_s = 0.0;
+  for (const auto& [path, result] : recordings) {
+    write_provenance(run, path, inputs);
+    if (!result.others.empty()) write_table(run, beside(path, ".others.csv"), others_table(result.others), inputs);
+    duration_s += result.duration_s;
+    outcome.warnings = result.warnings;
+  }
+  write_table(run, truth, truth_of(recordings), inputs);
+  outcome.summary = summary_of(recordings.front().result);
+  outcome.summary["n_files"] = recordings.size();
+  outcome.summary["n_impacts"] = impacts.rows.size();
+  outcome.summary["duration_s"] = duration_s;
+  outcome.text = fmt::format(
+      "{:.1f} s of sound with {} impacts in {}, truth in {}\n", duration_s, impacts.rows.size(),
+      recordings.size() == 1 ? recordings.front().path.string() : std::to_string(recordings.size()) + " files",
+      truth.string());
   return outcome;
 }
 
@@ -159,6 +195,7 @@ Command add_synthesize_command(CLI::App& app) {
   command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.h5")->required();
   command->add_option("--out", options->out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64")->required();
   command->add_option("--truth", options->truth, "True onsets [OUT without its extension + .truth.csv]");
+  command->add_flag("--each-drop", options->each_drop, "One file for each drop: NAME.0000.wav, NAME.0001.wav ...");
   add_synthesize_options(*command, *options);
   return {command, [options](Run& run) { return run_synthesize(*options, run); }};
 }

@@ -19,9 +19,10 @@ struct SynthesizeOptions {
   std::vector<std::string> channels;  ///< X,Y[,Z[,GAIN]]
   std::string hard_case;
 
-  std::string impacts;  ///< table to read
-  std::string out;      ///< sound to write
-  std::string truth;    ///< default: out with .truth.csv
+  std::string impacts;     ///< table to read
+  std::string out;         ///< sound to write
+  std::string truth;       ///< default: out with .truth.csv
+  bool each_drop = false;  ///< one file for each drop
 };
 
 /// Registers the physics, without files.

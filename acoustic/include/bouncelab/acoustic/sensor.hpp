@@ -13,6 +13,12 @@ struct Echo {
   double gain = 0.0;     ///< of the direct sound
 };
 
+/// The diffuse sound of a room: after the direct sound a dense tail that falls by 60 dB in `decay_60db_s`.
+struct Reverberation {
+  double level_db = -200.0;   ///< energy of the tail of a short sound over that of the direct sound; -200: none
+  double decay_60db_s = 0.3;  ///< > 0
+};
+
 /// From the plate's motion to voltage. Both kinds answer to acceleration (a piezo disc by inertia, sound radiated by a
 /// plate in far field), through AC coupling and a resonance:
 ///
@@ -25,11 +31,13 @@ struct Sensor {
   double resonance_hz = 25.0e3;  ///< > 0
   double quality = 2.0;          ///< > 0.5
   std::vector<Echo> echoes;      ///< of a microphone
+  Reverberation reverberation;   ///< of a microphone's room
 };
 
 /// A bare piezo disc glued to the plate: 25 kHz, Q = 2, charge amplifier from 150 Hz.
 Sensor piezo_sensor();
-/// A small condenser microphone: 40 Hz to 20 kHz without a peak, and three early echoes of table and walls.
+/// A small condenser microphone: 40 Hz to 20 kHz without a peak, three early echoes of table and
+/// walls, a diffuse tail 15 dB down that lasts 0.25 s.
 Sensor microphone();
 
 /// One channel of the recording: where its sensor is. Piezos sit on the plate (z = 0), microphones above it.

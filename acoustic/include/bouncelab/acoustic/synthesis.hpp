@@ -125,4 +125,16 @@ struct SynthesisResult {
 SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config, const std::filesystem::path& out,
                            bool may_replace, const ProgressCallback& progress = {});
 
+/// One of several recordings.
+struct DropRecording {
+  std::filesystem::path path;
+  SynthesisResult result;
+};
+
+/// One file for each drop, NAME.0000.wav for out = NAME.wav and drop 0. Gain and noise are those of all drops in one
+/// recording; the noise of each file is its own.
+std::vector<DropRecording> synthesize_each_drop(const Impacts& impacts, const SynthesisConfig& config,
+                                                const std::filesystem::path& out, bool may_replace,
+                                                const ProgressCallback& progress = {});
+
 }  // namespace bouncelab
