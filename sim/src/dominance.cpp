@@ -10,18 +10,18 @@ using Site = Envelope::Site;
 using List = std::vector<std::uint32_t>;
 
 /// Lists up to this length are held against rivals, longer ones against a floor.
-constexpr std::size_t kRivalsLength = 128;
+constexpr std::size_t kRivalsLength = 64;
 /// Up to this length every pair is compared, unless the list is short enough already.
-constexpr std::size_t kPairsLength = 24;
-constexpr std::size_t kShortLength = 6;
+constexpr std::size_t kPairsLength = 20;
+constexpr std::size_t kShortLength = 8;
 
 /// The envelope's guaranteed elevation in a region, by squares: the highest site in a square is nowhere in it seen
 /// lower than height - diameter^2/2.
 class Floor {
  public:
   Floor(const Region& region, std::size_t n_sites) : region_(region) {
-    // about eight sites to a square
-    while (n_side_ < kMostSquares && static_cast<std::size_t>(8 * 4 * n_side_ * n_side_) <= n_sites) n_side_ *= 2;
+    // about four sites to a square
+    while (n_side_ < kMostSquares && static_cast<std::size_t>(4 * 4 * n_side_ * n_side_) <= n_sites) n_side_ *= 2;
     std::fill_n(highest_.begin(), n_side_ * n_side_, 0.0);
   }
 

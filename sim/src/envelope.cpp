@@ -22,7 +22,7 @@ using Patch = Envelope::Patch;
 using List = std::vector<std::uint32_t>;
 
 /// Lists up to this length are not split: shorter ones cost more memory and levels than they save looks.
-constexpr std::size_t kListLength = 8;
+constexpr std::size_t kListLength = 12;
 /// Where more sites than kListLength meet in one point (a regular surface), splitting never ends by itself; a cell of
 /// level 24 is 1e-7 wide.
 constexpr int kMaxDepth = 24;
