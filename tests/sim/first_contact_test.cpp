@@ -28,11 +28,13 @@ void expect_brute_force_agrees(const RadiusLaw& law, std::int64_t n_asperities, 
     // the table holds times since release, whose last digit is 2e-15 s
     ASSERT_NEAR(twin.dt_s, rows[k].t_s - rows[k - 1].t_s, 1e-12) << to_text(law) << ", impact " << k;
     const ImpactState& state = result.impacts.states[k];
-    // velocities follow the time: g 1e-12 s, and roundings of speeds near 1
-    ASSERT_LT(largest(twin.state.motion.velocity_mps - vector(state.velocity_mps)), 1e-11);
+    // velocities follow the time: 1e-14 s of turning by R omega^2, and roundings of speeds near 1
+    const double turning_mps2 = config.ball.radius_m * norm2(start.motion.spin_radps);
+    const double tolerance_mps = 1e-11 + 1e-14 * turning_mps2;
+    ASSERT_LT(largest(twin.state.motion.velocity_mps - vector(state.velocity_mps)), tolerance_mps);
     const Motion after = reference::collide_paper(config.ball, config.law, 1.0, twin.lever_m, twin.state.motion);
-    ASSERT_LT(largest(after.velocity_mps - vector(state.velocity_after_mps)), 1e-10);
-    ASSERT_LT(largest(after.spin_radps - vector(state.spin_after_radps)) * config.ball.radius_m, 1e-10);
+    ASSERT_LT(largest(after.velocity_mps - vector(state.velocity_after_mps)), tolerance_mps);
+    ASSERT_LT(largest(after.spin_radps - vector(state.spin_after_radps)) * config.ball.radius_m, tolerance_mps);
   }
 }
 
