@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 
 #include "bouncelab/core/units.hpp"
@@ -171,6 +172,14 @@ void read_innovations(const Sound& sound, const Autoregression& model, std::int6
     for (std::size_t k = 0; k <= order; ++k) sum += model.filter[k] * x[n + order - k];
     out[n] = sum;
   }
+}
+
+double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz) {
+  std::complex<double> response = 0.0;
+  const double phase = -2.0 * kPi * frequency_hz / rate_hz;
+  for (std::size_t k = 0; k < model.filter.size(); ++k)
+    response += static_cast<double>(model.filter[k]) * std::polar(1.0, phase * static_cast<double>(k));
+  return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
 }
 
 }  // namespace bouncelab

@@ -35,4 +35,8 @@ std::vector<double> prediction_error_filter(const std::vector<double>& autocorre
 /// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
 void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out);
 
+/// One-sided power spectral density of the quiet parts, 2 variance / (rate |sum_k filter[k] exp(-2 pi i f k /
+/// rate)|^2).
+double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz);
+
 }  // namespace bouncelab

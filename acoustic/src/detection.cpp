@@ -10,6 +10,7 @@
 #include "bouncelab/core/error.hpp"
 #include "candidates.hpp"
 #include "impact_timing.hpp"
+#include "low_band.hpp"
 #include "train_timing.hpp"
 #include "trains.hpp"
 
@@ -18,9 +19,12 @@ namespace {
 
 // enough poles for the loudest twenty-odd modes of a plate; more buys nothing on noise
 constexpr int kOrder = 48;
+constexpr double kLowRate_hz = 4e3;   // sampling rate of the low band: soft balls end at 1.5 kHz
+constexpr double kConvincing = 40.0;  // log odds of trains, about a dozen impacts
 
 /// What one channel has to say.
 struct Hearing {
+  Sound sound;  // in the band that was heard best
   int channel = 0;
   SoundModels models;
   std::vector<Candidate> candidates;
@@ -35,6 +39,7 @@ struct Hearing {
 
 Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) {
   Hearing h;
+  h.sound = sound;
   h.channel = channel;
   h.models = learn_sound_models(sound, kOrder);
   h.candidates = find_candidates(sound, h.models.all, progress);
@@ -42,7 +47,16 @@ Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) 
   return h;
 }
 
-/// Standard deviation of what is left in the quiet tenth after hum and drift.
+/// Hears the channel in its whole band and, where that leaves doubt, in the low band of soft balls.
+Hearing hear_in_bands(const Sound& sound, int channel, const ProgressCallback& progress) {
+  Hearing whole = hear(sound, channel, progress);
+  const int factor = static_cast<int>(sound.rate_hz / kLowRate_hz);
+  if (factor < 2 || whole.log_odds() > kConvincing) return whole;
+  Hearing low = hear(low_band(sound, factor), channel, progress);
+  return low.log_odds() > whole.log_odds() ? std::move(low) : std::move(whole);
+}
+
+/// Standard deviation of the innovations in the quiet tenth: noise without hum and drift.
 double quiet_rms(const Hearing& h) { return std::sqrt(h.models.noise.quiet_variance); }
 
 /// Times as the rise of the sound has them, where no wave could be learned.
@@ -71,23 +85,59 @@ Onset to_onset(const TrainOnset& from, std::int64_t drop, const std::string& nam
   return onset;
 }
 
-Onsets time_all(const Hearing& h, const Sound& sound, const std::string& name) {
+std::optional<ImpactWave> learn_wave(const Hearing& h) {
   std::vector<RoughImpact> rough;
   for (const Train& train : h.trains)
     for (const TrainImpact& impact : train.impacts) {
       const Candidate& c = h.candidates[impact.candidate];
       rough.push_back({c.t_s, c.amplitude, c.reach_s});
     }
-  const std::optional<ImpactWave> wave = learn_impact_wave(sound, h.models.noise, rough);
+  return learn_impact_wave(h.sound, h.models.noise, rough);
+}
+
+/// Did the converter reach its limit: three successive samples of the same value, the largest around?
+bool is_clipped(const Sound& sound, double t_s) {
+  constexpr double kAround_s = 5e-3;
+  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
+  read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
+  float largest = 0.0F;
+  for (const float value : x) largest = std::max(largest, std::abs(value));
+  for (std::size_t k = 2; k < x.size(); ++k)
+    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
+  return false;
+}
+
+Onsets time_all(const Hearing& h, const std::optional<ImpactWave>& wave, const Sound& sound, const std::string& name) {
   Onsets onsets;
   for (std::size_t drop = 0; drop < h.trains.size(); ++drop) {
     const double end_s = drop + 1 < h.trains.size() ? h.candidates[h.trains[drop + 1].impacts.front().candidate].t_s
-                                                    : static_cast<double>(sound.n_samples) / sound.rate_hz;
-    for (const TrainOnset& onset :
-         wave ? time_train(sound, *wave, h.trains[drop], h.candidates, end_s) : rough_onsets(h, h.trains[drop]))
-      onsets.push_back(to_onset(onset, static_cast<std::int64_t>(drop), name));
+                                                    : static_cast<double>(h.sound.n_samples) / h.sound.rate_hz;
+    for (const TrainOnset& from :
+         wave ? time_train(h.sound, *wave, h.trains[drop], h.candidates, end_s) : rough_onsets(h, h.trains[drop])) {
+      Onset onset = to_onset(from, static_cast<std::int64_t>(drop), name);
+      if (wave) {
+        onset.amplitude = from.timed.amplitude * wave->peak;
+        onset.snr_db = 20.0 * std::log10(*onset.amplitude / quiet_rms(h));
+      }
+      if (is_clipped(sound, onset.t_s)) add_flag(onset.flags, "clipped");
+      onsets.push_back(std::move(onset));
+    }
   }
   return onsets;
+}
+
+LearnedWave to_learned_wave(const ImpactWave& wave, double rate_hz) {
+  return {-wave.contact_index / rate_hz, 1.0 / rate_hz, wave.heard, wave.spread, wave.n_impacts};
+}
+
+NoiseSpectrum noise_spectrum(const Hearing& h) {
+  constexpr int kPoints = 256;
+  NoiseSpectrum spectrum;
+  for (int k = 1; k <= kPoints; ++k) {  // zero is left out: the model takes the difference first
+    spectrum.frequency_hz.push_back(0.5 * h.sound.rate_hz * k / kPoints);
+    spectrum.psd.push_back(quiet_psd(h.models.noise, h.sound.rate_hz, spectrum.frequency_hz.back()));
+  }
+  return spectrum;
 }
 
 void summarize_trains(const Hearing& h, RecordingSummary& summary) {
@@ -135,7 +185,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   const int first = config.channel.value_or(0);
   const int last = config.channel ? first + 1 : n_channels;
   for (int channel = first; channel < last; ++channel) {
-    Hearing h = hear(sound_of(channel), channel, progress);
+    Hearing h = hear_in_bands(sound_of(channel), channel, progress);
     if (channel == first || h.log_odds() > best.log_odds()) best = std::move(h);
   }
   const Sound sound = sound_of(best.channel);
@@ -148,7 +198,10 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = quiet_rms(best);
   summarize_trains(best, d.summary);
-  d.onsets = time_all(best, sound, name);
+  const std::optional<ImpactWave> wave = learn_wave(best);
+  d.onsets = time_all(best, wave, sound, name);
+  if (wave) d.wave = to_learned_wave(*wave, best.sound.rate_hz);
+  if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
   conclude(d);
   return d;
 }

@@ -158,6 +158,38 @@ std::vector<float> whiten_residuals(const std::vector<float>& whitener, const st
   return both;
 }
 
+/// The mean of the rows as recorded, and how much they differ from it.
+void describe_as_heard(const Sound& sound, const std::vector<Row>& rows, std::size_t n_wave, ImpactWave& learned) {
+  constexpr std::size_t kReach = FractionalShift::kReach;
+  std::vector<double> sum(n_wave, 0.0);
+  std::vector<double> squares(n_wave, 0.0);
+  std::vector<float> x(n_wave + 2 * kReach);
+  std::vector<float> y(n_wave);
+  double n = 0.0;
+  const auto n_quiet = std::max<std::size_t>(1, static_cast<std::size_t>(learned.contact_index));
+  for (const Row& row : rows) {
+    if (row.correlation < kLeastCorrelation) continue;
+    const double whole = std::floor(row.position);
+    read_padded(sound, row.first + static_cast<std::int64_t>(whole) - static_cast<std::int64_t>(kReach), x);
+    FractionalShift(row.position - whole).apply(x, y);
+    const double level = std::accumulate(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(n_quiet), 0.0) /
+                         static_cast<double>(n_quiet);
+    for (std::size_t k = 0; k < n_wave; ++k) {
+      const double value = (y[k] - level) / row.amplitude;
+      sum[k] += value;
+      squares[k] += value * value;
+    }
+    n += 1.0;
+  }
+  learned.heard.resize(n_wave);
+  learned.spread.resize(n_wave);
+  for (std::size_t k = 0; k < n_wave; ++k) {
+    learned.heard[k] = sum[k] / n;
+    learned.spread[k] = std::sqrt(std::max(0.0, squares[k] / n - learned.heard[k] * learned.heard[k]));
+    learned.peak = std::max(learned.peak, std::abs(learned.heard[k]));
+  }
+}
+
 struct Learning {
   std::vector<Row> rows;
   std::vector<float> mean;
@@ -198,6 +230,7 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
   learned.correlation = median(correlations);
   learned.contact_index = begin_of(l.mean, static_cast<std::size_t>(samples(kBefore_s + 3e-3, sound)));
   if (learned.n_impacts < 3) return std::nullopt;
+  describe_as_heard(sound, l.rows, n_wave, learned);
   return learned;
 }
 

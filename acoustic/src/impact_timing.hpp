@@ -36,6 +36,9 @@ struct ImpactWave {
   double contact_index = 0.0;  ///< start of contact, in samples from the template's first
   double correlation = 0.0;    ///< median of the learned impacts with the template
   std::int64_t n_impacts = 0;  ///< learned from
+  std::vector<double> heard;   ///< the mean wave as recorded, not whitened
+  std::vector<double> spread;  ///< its standard deviation from impact to impact
+  double peak = 0.0;           ///< of `heard`
 };
 
 /// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again.

@@ -12,7 +12,7 @@ constexpr double kEpsReach = 0.06;  // four times the scatter of log eps that tr
 constexpr double kShortestInterval_s = 1.2e-3;
 constexpr double kLargestAmplitudeRatio = 3.5;  // between neighbours; eps and the place struck explain up to two
 constexpr double kClearRise = 20.0;             // log likelihood ratio that no noise reaches in hours
-constexpr double kReliable = 0.7;           // half of an impact's energy is the wave's
+constexpr double kReliable = 0.7;               // half of an impact's energy is the wave's
 constexpr int kMostFailures = 2;                // impacts not heard in a row, then the train is over
 
 /// Misfit-scaled log likelihood ratio that noise alone exceeds once in a thousand searches over n lags: the maximum of
