@@ -12,17 +12,17 @@ namespace bouncelab {
 namespace {
 
 constexpr double kFrame_s = 10e-3;
-constexpr std::int64_t kBlock = 1 << 15;
-constexpr std::int64_t kMostBlocks = 64;
+constexpr std::int64_t kBlock = 1 << 13;
+constexpr std::int64_t kMostBlocks = 48;
 // keeps Levinson's recursion regular where a codec left nothing above its cutoff: -80 dB of the differenced signal
 constexpr double kRidge = 1e-8;
 
 /// Blocks spread evenly over the recording; all of it where it is short.
-std::vector<std::int64_t> block_starts(const Sound& sound) {
-  const std::int64_t n_all = (sound.n_samples + kBlock - 1) / kBlock;
+std::vector<std::int64_t> block_starts(const Sound& sound, std::int64_t length) {
+  const std::int64_t n_all = (sound.n_samples + length - 1) / length;
   const std::int64_t n = std::min(n_all, kMostBlocks);
   std::vector<std::int64_t> starts;
-  for (std::int64_t k = 0; k < n; ++k) starts.push_back(k * n_all / n * kBlock);
+  for (std::int64_t k = 0; k < n; ++k) starts.push_back(k * n_all / n * length);
   return starts;
 }
 
@@ -53,15 +53,21 @@ struct Frame {
   std::vector<double> r;
 };
 
+std::size_t frame_length(const Sound& sound, std::size_t order) {
+  return std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
+}
+
 std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
-  const auto n_frame = std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
+  const std::size_t n_frame = frame_length(sound, order);
   const std::vector<float> window = hann(n_frame);
   std::vector<Frame> frames;
-  std::vector<float> block(static_cast<std::size_t>(kBlock) + 1);
+  // at least four frames a block, however high the rate
+  const std::int64_t length = std::max(kBlock, 4 * static_cast<std::int64_t>(n_frame));
+  std::vector<float> block(static_cast<std::size_t>(length) + 1);
   std::vector<float> x(n_frame);
-  for (const std::int64_t start : block_starts(sound)) {
+  for (const std::int64_t start : block_starts(sound, length)) {
     read_padded(sound, start - 1, block);
-    const auto n_here = static_cast<std::size_t>(std::min(kBlock, sound.n_samples - start));
+    const auto n_here = static_cast<std::size_t>(std::min(length, sound.n_samples - start));
     for (std::size_t at = 1; at + n_frame <= n_here; at += n_frame) {
       for (std::size_t k = 0; k < n_frame; ++k) x[k] = window[k] * (block[at + k] - block[at + k - 1]);
       Frame frame;
@@ -75,41 +81,23 @@ std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
   return frames;
 }
 
-std::vector<double> mean_autocorrelation(const std::vector<Frame>& frames, std::size_t order, double most_energy) {
-  std::vector<double> r(order + 1, 0.0);
-  for (const Frame& frame : frames)
-    if (frame.energy <= most_energy)
-      for (std::size_t lag = 0; lag <= order; ++lag) r[lag] += frame.r[lag];
-  return r;
+/// Variance that a filter leaves of a signal with this autocorrelation.
+double filtered_variance(const std::vector<double>& filter, const std::vector<double>& r) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < filter.size(); ++j)
+    for (std::size_t k = 0; k < filter.size(); ++k) sum += filter[j] * filter[k] * r[j > k ? j - k : k - j];
+  return sum;
 }
 
-double quiet_variance(const Sound& sound, const Autoregression& model) {
-  const auto n_frame = std::max<std::size_t>(8, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
-  std::vector<double> variances;
-  std::vector<float> u;
-  for (const std::int64_t start : block_starts(sound)) {
-    const auto n_here = static_cast<std::size_t>(std::min(kBlock, sound.n_samples - start));
-    u.resize(n_here);
-    read_innovations(sound, model, start, u);
-    for (std::size_t at = 0; at + n_frame <= n_here; at += n_frame) {
-      const double variance = dot(&u[at], &u[at], n_frame) / static_cast<double>(n_frame);
-      if (variance > 0.0) variances.push_back(variance);
-    }
-  }
-  if (variances.empty()) return 0.0;
-  const auto tenth = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 10);
-  std::nth_element(variances.begin(), tenth, variances.end());
-  return *tenth;
-}
-
-/// The model of a signal whose difference has this autocorrelation.
-Autoregression model_of(const Sound& sound, const std::vector<double>& r) {
-  std::vector<double> a = prediction_error_filter(r);
-  a.push_back(0.0);
+/// The model of a signal whose difference has the autocorrelation r.
+/// @param quiet  autocorrelation of the difference in the quiet parts
+Autoregression model_of(const std::vector<double>& r, const std::vector<double>& quiet) {
+  const std::vector<double> a = prediction_error_filter(r);
   Autoregression model;
-  model.filter.resize(a.size());
-  for (std::size_t k = 0; k < a.size(); ++k) model.filter[k] = static_cast<float>(a[k] - (k > 0 ? a[k - 1] : 0.0));
-  model.quiet_variance = quiet_variance(sound, model);
+  model.quiet_variance = std::max(0.0, filtered_variance(a, quiet));
+  model.filter.resize(a.size() + 1);
+  for (std::size_t k = 0; k <= a.size(); ++k)
+    model.filter[k] = static_cast<float>((k < a.size() ? a[k] : 0.0) - (k > 0 ? a[k - 1] : 0.0));
   return model;
 }
 
@@ -117,17 +105,20 @@ Autoregression model_of(const Sound& sound, const std::vector<double>& r) {
 
 SoundModels learn_sound_models(const Sound& sound, int order) {
   const auto n_lags = static_cast<std::size_t>(order);
-  const std::vector<Frame> frames = frames_of(sound, n_lags);
-  std::vector<double> energies;
-  for (const Frame& frame : frames) energies.push_back(frame.energy);
-  double quiet = 0.0;
-  if (!energies.empty()) {
-    const auto tenth = energies.begin() + static_cast<std::ptrdiff_t>(energies.size() / 10);
-    std::nth_element(energies.begin(), tenth, energies.end());
-    quiet = *tenth;
-  }
-  return {model_of(sound, mean_autocorrelation(frames, n_lags, INFINITY)),
-          model_of(sound, mean_autocorrelation(frames, n_lags, quiet))};
+  std::vector<Frame> frames = frames_of(sound, n_lags);
+  std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.energy < b.energy; });
+  const std::size_t n_quiet = std::min(frames.size(), frames.size() / 10 + 1);
+  std::vector<double> all(n_lags + 1, 0.0);
+  std::vector<double> quiet(n_lags + 1, 0.0);
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    for (std::size_t lag = 0; lag <= n_lags; ++lag) {
+      all[lag] += frames[k].r[lag];
+      if (k < n_quiet) quiet[lag] += frames[k].r[lag] * frames[k].energy / static_cast<double>(n_quiet);
+    }
+  // a Hann window leaves 3/8 of the power
+  const double n_effective = 0.375 * static_cast<double>(frame_length(sound, n_lags));
+  for (double& r : quiet) r /= n_effective;
+  return {model_of(all, quiet), model_of(quiet, quiet)};
 }
 
 std::vector<double> prediction_error_filter(const std::vector<double>& r) {

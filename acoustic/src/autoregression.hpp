@@ -22,9 +22,9 @@ struct SoundModels {
   Autoregression noise;  ///< the quiet tenth alone
 };
 
-/// Learned from frames of 10 ms over all of the recording (at most 2^21 samples, evenly spread), each weighted by the
-/// inverse of its energy, so that noise and ringing count alike however loud; the noise from the quiet tenth of them.
-/// Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
+/// Learned from frames of 10 ms over all of the recording (at most 2^18.6 samples of it, evenly spread), each weighted
+/// by the inverse of its energy, so that noise and ringing count alike however loud; the noise from the quiet tenth of
+/// them. Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
 /// @param order  of the model, before the difference; >= 1
 /// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
 SoundModels learn_sound_models(const Sound& sound, int order);

@@ -8,7 +8,9 @@
 #include "autoregression.hpp"
 #include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/units.hpp"
 #include "candidates.hpp"
+#include "contact_law.hpp"
 #include "impact_timing.hpp"
 #include "low_band.hpp"
 #include "train_timing.hpp"
@@ -126,6 +128,36 @@ Onsets time_all(const Hearing& h, const std::optional<ImpactWave>& wave, const S
   return onsets;
 }
 
+/// Speeds from the flights before (of a drop's first impact: from the flight after it) [m/s]; 0 = not known.
+std::vector<double> speeds_of(const Onsets& onsets) {
+  std::vector<double> v_mps(onsets.size(), 0.0);
+  const auto flight_s = [&](std::size_t k) {  // between onset k - 1 and k; 0 where one between them was not heard
+    const bool neighbours = onsets[k].drop == onsets[k - 1].drop && onsets[k].impact == onsets[k - 1].impact + 1;
+    return neighbours ? onsets[k].t_s - onsets[k - 1].t_s : 0.0;
+  };
+  for (std::size_t k = 1; k < onsets.size(); ++k) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k);
+  for (std::size_t k = 0; k + 1 < onsets.size(); ++k)
+    if (v_mps[k] == 0.0) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k + 1);
+  return v_mps;
+}
+
+/// Moves the times to the start of contact by the contact-time law that the recording shows.
+std::optional<ContactLaw> correct_for_contact(const Hearing& h, const ImpactWave& wave, Onsets& onsets) {
+  const std::vector<double> v_mps = speeds_of(onsets);
+  std::vector<SpeedAndTime> clear;
+  for (std::size_t k = 0; k < onsets.size(); ++k)
+    if (v_mps[k] > 0.0 && onsets[k].flags.empty()) clear.push_back({onsets[k].t_s, *onsets[k].amplitude, v_mps[k]});
+  const std::optional<ContactLaw> law = learn_contact_law(h.sound, wave, clear);
+  if (!law) return law;
+  for (std::size_t k = 0; k < onsets.size(); ++k) {
+    if (!(v_mps[k] > 0.0)) continue;
+    const double delay_s = law->delay_s(v_mps[k]);
+    onsets[k].t_s -= delay_s;
+    onsets[k].sigma_t_s = std::hypot(*onsets[k].sigma_t_s, delay_s * law->sigma_s / law->tau_1_s);
+  }
+  return law;
+}
+
 LearnedWave to_learned_wave(const ImpactWave& wave, double rate_hz) {
   return {-wave.contact_index / rate_hz, 1.0 / rate_hz, wave.heard, wave.spread, wave.n_impacts};
 }
@@ -200,6 +232,8 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   summarize_trains(best, d.summary);
   const std::optional<ImpactWave> wave = learn_wave(best);
   d.onsets = time_all(best, wave, sound, name);
+  if (wave)
+    if (const auto law = correct_for_contact(best, *wave, d.onsets)) d.summary.contact_time_at_1_mps_s = law->tau_1_s;
   if (wave) d.wave = to_learned_wave(*wave, best.sound.rate_hz);
   if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
   conclude(d);

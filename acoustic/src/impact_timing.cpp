@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace bouncelab {
 namespace {
@@ -12,7 +13,7 @@ constexpr double kWave_s = 15e-3;     // holds more than nine tenths of what a p
 constexpr double kBefore_s = 0.5e-3;  // quiet part in front of the rough time
 constexpr double kSearch_s = 1e-3;    // error of the rough times
 constexpr std::size_t kMostLearned = 48;
-constexpr int kRounds = 4;
+constexpr int kRounds = 3;
 constexpr std::size_t kResidualOrder = 32;
 constexpr double kLeastCorrelation = 0.5;
 
@@ -195,15 +196,26 @@ struct Learning {
   std::vector<float> mean;
 };
 
-/// Rounds of aligning and averaging, from the strongest row.
+/// Rounds of aligning and averaging.
+/// @param before  an earlier learning of the same impacts; without one, from the strongest row
 Learning align_and_average(const Sound& sound, const std::vector<float>& whitener,
                            const std::vector<RoughImpact>& impacts, const std::vector<std::size_t>& chosen,
-                           std::size_t n_wave) {
+                           std::size_t n_wave, const Learning* before) {
   Learning l;
   l.rows = read_rows(sound, whitener, impacts, chosen, n_wave);
-  l.mean = aligned(l.rows.front(), n_wave);
+  if (before != nullptr) {
+    for (std::size_t k = 0; k < l.rows.size(); ++k) {
+      l.rows[k].position = before->rows[k].position;
+      l.rows[k].amplitude = before->rows[k].amplitude;
+      l.rows[k].correlation = before->rows[k].correlation;
+    }
+    l.mean = average(l.rows, n_wave);
+  } else {
+    l.mean = aligned(l.rows.front(), n_wave);
+  }
+  const int n_search = before == nullptr ? 2 : 1;  // the new whitener may have cleared up what was ambiguous
   for (int round = 0; round < kRounds; ++round) {
-    align_rows(l.rows, WaveTemplate(l.mean), sound, round < 2);
+    align_rows(l.rows, WaveTemplate(l.mean), sound, round < n_search);
     l.mean = average(l.rows, n_wave);
   }
   return l;
@@ -218,9 +230,10 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
   ImpactWave learned;
   learned.whitener = white(noise);
   const std::vector<std::size_t> chosen = choose_rows(impacts);
-  Learning l = align_and_average(sound, learned.whitener, impacts, chosen, n_wave);
+  Learning l = align_and_average(sound, learned.whitener, impacts, chosen, n_wave, nullptr);
   learned.whitener = whiten_residuals(learned.whitener, l.rows, WaveTemplate(l.mean));
-  l = align_and_average(sound, learned.whitener, impacts, chosen, n_wave);
+  const Learning first = std::move(l);
+  l = align_and_average(sound, learned.whitener, impacts, chosen, n_wave, &first);
   learned.wave = WaveTemplate(l.mean);
   std::vector<double> correlations;
   for (const Row& row : l.rows) {

@@ -15,8 +15,8 @@ constexpr double kLongestFlight_s = 2.5;  // a fall from 7.6 m
 // a train begins with 0.2 m/s or more (a drop from 2 mm) and goes on for a while; a voice's pulses do neither
 constexpr double kShortestFirstFlight_s = 40e-3;
 constexpr double kShortestTrain_s = 0.4;
-const double kLogLeastOfMean = std::log(0.7);  // single losses of 20 % are real, of 30 % not
-const double kLogMostOfMean = std::log(1.4);
+constexpr double kLeastOfMean = 0.7;  // single losses of 20 % are real, of 30 % not
+constexpr double kMostOfMean = 1.4;
 constexpr double kMostUnheard = 0.15;      // of the impacts, and one more
 constexpr double kMostOutliers = 0.1;      // of the impacts, and one more
 constexpr double kLeastEps = 0.4;          // a basketball on carpet has 0.5
@@ -47,6 +47,7 @@ struct State {
   double score = 0.0;     // of the whole recording up to here
   double flight_s = 0.0;  // last interval, or what it would have been
   double mean_log_eps = 0.0;
+  double mean_eps = 1.0;
   double sum_squares = 0.0;  // of the deviations of log eps from its running mean, large ones cut
   double log_loss = 0.0;     // -sum of log eps, large deviations cut
   int n_outliers = 0;        // ratios that only the flat part explains
@@ -100,7 +101,7 @@ double chance_rate(const Rivals& rivals, double flight_s) {
 /// eps such that the time since the last impact is flight (eps + eps^2 + ...), n_missing + 1 terms.
 double eps_of_gap(double gap_over_flight, int n_missing) {
   double eps = gap_over_flight / (n_missing + 1);
-  for (int iteration = 0; iteration < 20 && n_missing > 0; ++iteration) {
+  for (int iteration = 0; iteration < 5 && n_missing > 0; ++iteration) {
     double sum = 0.0;
     double slope = 0.0;
     double power = 1.0;
@@ -223,6 +224,7 @@ class Search {
       const double eps = eps_of_gap(gap, n_missing);
       if (eps < kLeastEps) break;
       if (eps > kLargestEps) continue;
+      if (from.n_eps > 0 && (eps < kLeastOfMean * from.mean_eps || eps > kMostOfMean * from.mean_eps)) continue;
       double slope = 0.0;  // d(gap) / d(eps)
       double last_flight = 1.0;
       for (int m = 0; m <= n_missing; ++m) {
@@ -234,7 +236,6 @@ class Search {
       if (s.flight_s < kShortestFlight_s) continue;
       const double log_eps = std::log(eps);
       const double deviation = from.n_eps == 0 ? 0.0 : log_eps - from.mean_log_eps;
-      if (deviation < kLogLeastOfMean || deviation > kLogMostOfMean) continue;
       const double width = spread(from, n_missing, timing_s_);
       const double per_second = density(log_eps, from, width) / (eps * slope * from.flight_s);
       s.score +=
@@ -250,6 +251,7 @@ class Search {
       s.n_losing += eps < kLargestMeanEps ? 1 : 0;
       s.log_loss -= from.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
       s.mean_log_eps += step / std::min(s.n_eps, kMemory);
+      s.mean_eps = std::exp(s.mean_log_eps);
       s.impact += n_missing + 1;
       s.n_heard += 1;
       s.candidate = k;

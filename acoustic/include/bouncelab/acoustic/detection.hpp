@@ -31,7 +31,10 @@ struct RecordingSummary {
   int channel = 0;             ///< the one used
   std::string channel_reason;  ///< why that one, for people
   double duration_s = 0.0;
-  double noise_rms = 0.0;            ///< of the quiet parts, full scale = 1
+  double noise_rms = 0.0;  ///< of the quiet parts, full scale = 1
+  /// tau at 1 m/s, tau = tau_1 v^(-1/5), by which the times were moved to the start of contact; absent = could not be
+  /// told
+  std::optional<double> contact_time_at_1_mps_s;
   std::int64_t n_candidates = 0;     ///< sounds that rise like impacts
   std::int64_t n_drops = 0;          ///< trains found
   double restitution_median = 0.0;   ///< median of T_{k+1} / T_k over all trains; 0 where there is none
