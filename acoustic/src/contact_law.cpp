@@ -14,9 +14,8 @@ namespace {
 
 constexpr std::size_t kLeastImpacts = 8;
 constexpr std::size_t kMostImpacts = 400;  // more would tell no more than the spread of timbre allows
-constexpr double kSignificance = 4.0;
-constexpr double kFirstGuess_s = 30e-6;  // steel on glass; the iteration forgets it
-constexpr double kLargestProduct = 1.2;  // f tau, short of the pulse's zero at 1.5 where a logarithm fails
+constexpr double kFirstGuess_s = 30e-6;    // steel on glass; the iteration forgets it
+constexpr double kLargestProduct = 1.2;    // f tau, short of the pulse's zero at 1.5 where a logarithm fails
 
 double speed_power(double v_mps) { return std::pow(v_mps, -0.2); }
 
@@ -142,7 +141,6 @@ std::optional<ContactLaw> learn_contact_law(const Sound& sound, const ImpactWave
     law.tau_1_s = line.slope;
     law.sigma_s = line.sigma;
   }
-  if (law.tau_1_s < kSignificance * law.sigma_s) return std::nullopt;
   return law;
 }
 

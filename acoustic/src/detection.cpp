@@ -8,12 +8,9 @@
 #include "autoregression.hpp"
 #include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
 #include "candidates.hpp"
-#include "contact_law.hpp"
-#include "impact_timing.hpp"
 #include "low_band.hpp"
-#include "train_timing.hpp"
+#include "recording_timing.hpp"
 #include "trains.hpp"
 
 namespace bouncelab {
@@ -60,107 +57,6 @@ Hearing hear_in_bands(const Sound& sound, int channel, const ProgressCallback& p
 
 /// Standard deviation of the innovations in the quiet tenth: noise without hum and drift.
 double quiet_rms(const Hearing& h) { return std::sqrt(h.models.noise.quiet_variance); }
-
-/// Times as the rise of the sound has them, where no wave could be learned.
-std::vector<TrainOnset> rough_onsets(const Hearing& h, const Train& train) {
-  std::vector<TrainOnset> onsets;
-  for (const TrainImpact& impact : train.impacts) {
-    const Candidate& c = h.candidates[impact.candidate];
-    TrainOnset onset;
-    onset.impact = impact.impact;
-    onset.timed.t_s = c.t_s;
-    onset.timed.sigma_s = 0.25 * c.reach_s;
-    onsets.push_back(onset);
-  }
-  return onsets;
-}
-
-Onset to_onset(const TrainOnset& from, std::int64_t drop, const std::string& name) {
-  Onset onset;
-  onset.recording = name;
-  onset.drop = drop;
-  onset.impact = from.impact;
-  onset.t_s = from.timed.t_s;
-  onset.sigma_t_s = from.timed.sigma_s;
-  if (from.inferred) add_flag(onset.flags, "inferred");
-  if (from.overlap) add_flag(onset.flags, "overlap");
-  return onset;
-}
-
-std::optional<ImpactWave> learn_wave(const Hearing& h) {
-  std::vector<RoughImpact> rough;
-  for (const Train& train : h.trains)
-    for (const TrainImpact& impact : train.impacts) {
-      const Candidate& c = h.candidates[impact.candidate];
-      rough.push_back({c.t_s, c.amplitude, c.reach_s});
-    }
-  return learn_impact_wave(h.sound, h.models.noise, rough);
-}
-
-/// Did the converter reach its limit: three successive samples of the same value, the largest around?
-bool is_clipped(const Sound& sound, double t_s) {
-  constexpr double kAround_s = 5e-3;
-  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
-  read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
-  float largest = 0.0F;
-  for (const float value : x) largest = std::max(largest, std::abs(value));
-  for (std::size_t k = 2; k < x.size(); ++k)
-    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
-  return false;
-}
-
-Onsets time_all(const Hearing& h, const std::optional<ImpactWave>& wave, const Sound& sound, const std::string& name) {
-  Onsets onsets;
-  for (std::size_t drop = 0; drop < h.trains.size(); ++drop) {
-    const double end_s = drop + 1 < h.trains.size() ? h.candidates[h.trains[drop + 1].impacts.front().candidate].t_s
-                                                    : static_cast<double>(h.sound.n_samples) / h.sound.rate_hz;
-    for (const TrainOnset& from :
-         wave ? time_train(h.sound, *wave, h.trains[drop], h.candidates, end_s) : rough_onsets(h, h.trains[drop])) {
-      Onset onset = to_onset(from, static_cast<std::int64_t>(drop), name);
-      if (wave) {
-        onset.amplitude = from.timed.amplitude * wave->peak;
-        onset.snr_db = 20.0 * std::log10(*onset.amplitude / quiet_rms(h));
-      }
-      if (is_clipped(sound, onset.t_s)) add_flag(onset.flags, "clipped");
-      onsets.push_back(std::move(onset));
-    }
-  }
-  return onsets;
-}
-
-/// Speeds from the flights before (of a drop's first impact: from the flight after it) [m/s]; 0 = not known.
-std::vector<double> speeds_of(const Onsets& onsets) {
-  std::vector<double> v_mps(onsets.size(), 0.0);
-  const auto flight_s = [&](std::size_t k) {  // between onset k - 1 and k; 0 where one between them was not heard
-    const bool neighbours = onsets[k].drop == onsets[k - 1].drop && onsets[k].impact == onsets[k - 1].impact + 1;
-    return neighbours ? onsets[k].t_s - onsets[k - 1].t_s : 0.0;
-  };
-  for (std::size_t k = 1; k < onsets.size(); ++k) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k);
-  for (std::size_t k = 0; k + 1 < onsets.size(); ++k)
-    if (v_mps[k] == 0.0) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k + 1);
-  return v_mps;
-}
-
-/// Moves the times to the start of contact by the contact-time law that the recording shows.
-std::optional<ContactLaw> correct_for_contact(const Hearing& h, const ImpactWave& wave, Onsets& onsets) {
-  const std::vector<double> v_mps = speeds_of(onsets);
-  std::vector<SpeedAndTime> clear;
-  for (std::size_t k = 0; k < onsets.size(); ++k)
-    if (v_mps[k] > 0.0 && onsets[k].flags.empty()) clear.push_back({onsets[k].t_s, *onsets[k].amplitude, v_mps[k]});
-  const std::optional<ContactLaw> law = learn_contact_law(h.sound, wave, clear);
-  if (!law) return law;
-  for (std::size_t k = 0; k < onsets.size(); ++k) {
-    if (!(v_mps[k] > 0.0)) continue;
-    const double delay_s = law->delay_s(v_mps[k]);
-    onsets[k].t_s -= delay_s;
-    onsets[k].sigma_t_s = std::hypot(*onsets[k].sigma_t_s, delay_s * law->sigma_s / law->tau_1_s);
-  }
-  return law;
-}
-
-LearnedWave to_learned_wave(const ImpactWave& wave, double rate_hz) {
-  return {-wave.contact_index / rate_hz, 1.0 / rate_hz, wave.heard, wave.spread, wave.n_impacts};
-}
 
 NoiseSpectrum noise_spectrum(const Hearing& h) {
   constexpr int kPoints = 256;
@@ -230,11 +126,10 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = quiet_rms(best);
   summarize_trains(best, d.summary);
-  const std::optional<ImpactWave> wave = learn_wave(best);
-  d.onsets = time_all(best, wave, sound, name);
-  if (wave)
-    if (const auto law = correct_for_contact(best, *wave, d.onsets)) d.summary.contact_time_at_1_mps_s = law->tau_1_s;
-  if (wave) d.wave = to_learned_wave(*wave, best.sound.rate_hz);
+  TimedRecording timed = time_recording({best.sound, sound, best.models.noise, best.candidates, best.trains}, name);
+  d.onsets = std::move(timed.onsets);
+  d.wave = std::move(timed.wave);
+  d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
   if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
   conclude(d);
   return d;

@@ -15,6 +15,7 @@ constexpr double kSearch_s = 1e-3;    // error of the rough times
 constexpr std::size_t kMostLearned = 48;
 constexpr int kRounds = 3;
 constexpr std::size_t kResidualOrder = 32;
+constexpr double kAmbiguous = 1e-3;  // odds of another place that are worth a flag
 constexpr double kLeastCorrelation = 0.5;
 
 std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
@@ -101,7 +102,7 @@ void align_rows(std::vector<Row>& rows, const WaveTemplate& wave, const Sound& s
   const std::ptrdiff_t reach = 2 * samples(kSearch_s, sound);
   for (Row& row : rows) {
     double start = row.position;
-    if (search) start = wave.search(row.sound, margin, margin + reach, wave.size());
+    if (search) start = wave.search(row.sound, margin, margin + reach, wave.size()).shift;
     const WaveFit fit = wave.fit(row.sound, start, wave.size());
     const double limit = static_cast<double>(row.sound.size() - wave.size()) - static_cast<double>(margin);
     row.position = std::clamp(fit.shift, static_cast<double>(margin), limit);
@@ -260,10 +261,16 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) const 
     if (begin + static_cast<double>(w.wave.size()) <= 0.0) break;
     w.wave.subtract(x, begin, heard_[j].amplitude);
   }
-  const WaveFit fit = w.wave.fit(x, w.wave.search(x, 0, 2 * reach, n_fit), n_fit);
+  const WavePlace place = w.wave.search(x, 0, 2 * reach, n_fit);
+  const WaveFit fit = w.wave.fit(x, place.shift, n_fit);
   TimedImpact t;
   t.t_s = (static_cast<double>(first) + fit.shift + w.contact_index) / sound_.rate_hz;
   t.sigma_s = fit.sigma_shift * std::sqrt(fit.misfit) / sound_.rate_hz;
+  // two places, odds exp(-lead): what the other adds to the variance; the misfit is not quite white, hence half the
+  // lead
+  const double odds = std::exp(-0.5 * place.lead / std::max(1.0, fit.misfit));
+  t.ambiguous = odds > kAmbiguous;
+  t.sigma_s = std::hypot(t.sigma_s, std::sqrt(odds) / (1.0 + odds) * (place.runner_up - place.shift) / sound_.rate_hz);
   t.amplitude = fit.amplitude;
   t.gain = fit.gain;
   t.misfit = fit.misfit;

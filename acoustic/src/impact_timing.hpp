@@ -27,6 +27,7 @@ struct TimedImpact {
   double gain = 0.0;         ///< log likelihood ratio against no impact there
   double misfit = 0.0;       ///< mean square residual, noise = 1
   double correlation = 0.0;  ///< of the sound with the wave, 0 ... 1
+  bool ambiguous = false;    ///< another time, a cycle off, is almost as likely; sigma_s says how far
 };
 
 /// The sound of an impact, whitened by the noise, as learned from the recording.

@@ -108,22 +108,29 @@ WaveTemplate::WaveTemplate(std::vector<float> mean) : n_(mean.size()), mean_(std
 
 double WaveTemplate::energy(std::size_t n) const { return phases_[0].ww[std::min(n, n_)]; }
 
-double WaveTemplate::search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last,
-                            std::size_t n) const {
+WavePlace WaveTemplate::search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last,
+                               std::size_t n) const {
   n = std::min(n, n_);
-  double best_shift = static_cast<double>(first);
-  double best = -INFINITY;
-  for (std::ptrdiff_t shift = first; shift <= last; ++shift) {
-    const auto stretch = sound.subspan(static_cast<std::size_t>(shift), n);
-    // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
-    for (const std::size_t p : {std::size_t{0}, kPhases / 2}) {
-      const double product = dot(stretch, std::span(phases_[p].wave).first(n));
-      if (product <= best) continue;
-      best = product;
-      best_shift = static_cast<double>(shift) + static_cast<double>(p) / kPhases;
-    }
+  // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
+  std::vector<double> products;
+  for (std::ptrdiff_t shift = first; shift <= last; ++shift)
+    for (const std::size_t p : {std::size_t{0}, kPhases / 2})
+      products.push_back(dot(sound.subspan(static_cast<std::size_t>(shift), n), std::span(phases_[p].wave).first(n)));
+  const auto best = std::max_element(products.begin(), products.end());
+  const auto shift_of = [&](auto place) {
+    return static_cast<double>(first) + 0.5 * static_cast<double>(place - products.begin());
+  };
+  WavePlace found{shift_of(best), shift_of(best), INFINITY};
+  double second = 0.0;
+  for (auto k = products.begin(); k != products.end(); ++k) {
+    const bool is_peak = (k == products.begin() || *k >= *(k - 1)) && (k + 1 == products.end() || *k >= *(k + 1));
+    if (!is_peak || std::abs(k - best) <= 2 || *k <= second) continue;
+    second = *k;
+    found.runner_up = shift_of(k);
   }
-  return best_shift;
+  const double top = std::max(0.0, *best);
+  found.lead = 0.5 * (top * top - second * second) / phases_[0].ww[n];
+  return found;
 }
 
 WaveFit WaveTemplate::fit(std::span<const float> sound, double start, std::size_t n) const {

@@ -30,6 +30,13 @@ struct WaveFit {
   double misfit = 0.0;       ///< mean square of what is left, noise variance 1
 };
 
+/// Where a template may lie.
+struct WavePlace {
+  double shift = 0.0;
+  double runner_up = 0.0;  ///< the next best local maximum
+  double lead = 0.0;       ///< log likelihood ratio of the best to the runner-up
+};
+
 /// A known wave, at every sixteenth of a sample, with its derivative: what maximum likelihood needs.
 class WaveTemplate {
  public:
@@ -46,7 +53,7 @@ class WaveTemplate {
   /// greatest.
   /// @param sound     whitened, at least last + n samples
   /// @param n         samples of the template to be used
-  double search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last, std::size_t n) const;
+  WavePlace search(std::span<const float> sound, std::ptrdiff_t first, std::ptrdiff_t last, std::size_t n) const;
 
   /// Maximum likelihood of shift and amplitude from a start within a sample of it, by Gauss and Newton.
   WaveFit fit(std::span<const float> sound, double start, std::size_t n) const;

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recording_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/core/units.hpp"
+#include "contact_law.hpp"
+#include "impact_timing.hpp"
+#include "train_timing.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr std::size_t kOwnWave = 12;   // impacts from which a train has a wave of its own: its noise is then 11 dB down
+constexpr double kSignificance = 4.0;  // standard errors at which the contact-time law is believed
+
+/// One train, timed.
+struct TimedDrop {
+  Onsets onsets;
+  std::vector<double> v_mps;  // from the flight before each onset (of the first: after it); 0 = not known
+  std::optional<ContactLaw> law;
+};
+
+void add_rough(const HeardRecording& heard, const Train& train, std::vector<RoughImpact>& rough) {
+  for (const TrainImpact& impact : train.impacts) {
+    const Candidate& c = heard.candidates[impact.candidate];
+    rough.push_back({c.t_s, c.amplitude, c.reach_s});
+  }
+}
+
+std::optional<ImpactWave> wave_of_train(const HeardRecording& heard, const Train& train) {
+  std::vector<RoughImpact> rough;
+  add_rough(heard, train, rough);
+  return learn_impact_wave(heard.band, heard.noise, rough);
+}
+
+std::optional<ImpactWave> wave_of_recording(const HeardRecording& heard) {
+  std::vector<RoughImpact> rough;
+  for (const Train& train : heard.trains) add_rough(heard, train, rough);
+  return learn_impact_wave(heard.band, heard.noise, rough);
+}
+
+/// Times as the rise of the sound has them, where no wave could be learned.
+std::vector<TrainOnset> rough_onsets(const HeardRecording& heard, const Train& train) {
+  std::vector<TrainOnset> onsets;
+  for (const TrainImpact& impact : train.impacts) {
+    const Candidate& c = heard.candidates[impact.candidate];
+    TrainOnset onset;
+    onset.impact = impact.impact;
+    onset.timed.t_s = c.t_s;
+    onset.timed.sigma_s = 0.25 * c.reach_s;
+    onsets.push_back(onset);
+  }
+  return onsets;
+}
+
+/// Did the converter reach its limit: three successive samples of the same value, the largest around?
+bool is_clipped(const Sound& sound, double t_s) {
+  constexpr double kAround_s = 5e-3;
+  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
+  read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
+  float largest = 0.0F;
+  for (const float value : x) largest = std::max(largest, std::abs(value));
+  for (std::size_t k = 2; k < x.size(); ++k)
+    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
+  return false;
+}
+
+Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const ImpactWave* wave) {
+  Onset onset;
+  onset.impact = from.impact;
+  onset.t_s = from.timed.t_s;
+  onset.sigma_t_s = from.timed.sigma_s;
+  if (wave != nullptr) {
+    onset.amplitude = from.timed.amplitude * wave->peak;
+    onset.snr_db = 20.0 * std::log10(*onset.amplitude / std::sqrt(heard.noise.quiet_variance));
+  }
+  if (is_clipped(heard.whole, onset.t_s)) add_flag(onset.flags, "clipped");
+  if (from.overlap) add_flag(onset.flags, "overlap");
+  if (from.inferred) add_flag(onset.flags, "inferred");
+  if (from.timed.ambiguous) add_flag(onset.flags, "doubtful");
+  return onset;
+}
+
+std::vector<double> speeds_of(const Onsets& onsets) {
+  std::vector<double> v_mps(onsets.size(), 0.0);
+  const auto flight_s = [&](std::size_t k) {  // between onset k - 1 and k; 0 where one between them was not heard
+    return onsets[k].impact == onsets[k - 1].impact + 1 ? onsets[k].t_s - onsets[k - 1].t_s : 0.0;
+  };
+  for (std::size_t k = 1; k < onsets.size(); ++k) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k);
+  for (std::size_t k = 0; k + 1 < onsets.size(); ++k)
+    if (v_mps[k] == 0.0) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k + 1);
+  return v_mps;
+}
+
+TimedDrop time_drop(const HeardRecording& heard, const Train& train, const ImpactWave* wave, double end_s) {
+  TimedDrop drop;
+  const std::vector<TrainOnset> onsets =
+      wave != nullptr ? time_train(heard.band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
+  for (const TrainOnset& onset : onsets) drop.onsets.push_back(to_onset(onset, heard, wave));
+  drop.v_mps = speeds_of(drop.onsets);
+  if (wave == nullptr) return drop;
+  std::vector<SpeedAndTime> clear;
+  for (std::size_t k = 0; k < drop.onsets.size(); ++k)
+    if (drop.v_mps[k] > 0.0 && drop.onsets[k].flags.empty())
+      clear.push_back({drop.onsets[k].t_s, *drop.onsets[k].amplitude, drop.v_mps[k]});
+  drop.law = learn_contact_law(heard.band, *wave, clear);
+  return drop;
+}
+
+/// Mean of the drops' laws, weighted by their errors; absent where it is not significant.
+std::optional<ContactLaw> pool(const std::vector<TimedDrop>& drops) {
+  double weight = 0.0;
+  double sum = 0.0;
+  for (const TimedDrop& drop : drops)
+    if (drop.law && drop.law->sigma_s > 0.0) {
+      const double w = 1.0 / (drop.law->sigma_s * drop.law->sigma_s);
+      weight += w;
+      sum += w * drop.law->tau_1_s;
+    }
+  if (!(weight > 0.0)) return std::nullopt;
+  const ContactLaw pooled{sum / weight, 1.0 / std::sqrt(weight), 0.0};
+  if (pooled.tau_1_s < kSignificance * pooled.sigma_s) return std::nullopt;
+  return pooled;
+}
+
+/// Moves the times to the start of contact.
+void correct_for_contact(const ContactLaw& pooled, TimedDrop& drop) {
+  if (!drop.law) return;
+  const ContactLaw law{pooled.tau_1_s, pooled.sigma_s, drop.law->reference_u};
+  for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
+    if (!(drop.v_mps[k] > 0.0)) continue;
+    const double delay_s = law.delay_s(drop.v_mps[k]);
+    drop.onsets[k].t_s -= delay_s;
+    drop.onsets[k].sigma_t_s = std::hypot(*drop.onsets[k].sigma_t_s, delay_s * law.sigma_s / law.tau_1_s);
+  }
+}
+
+LearnedWave to_learned_wave(const ImpactWave& wave, double rate_hz) {
+  return {-wave.contact_index / rate_hz, 1.0 / rate_hz, wave.heard, wave.spread, wave.n_impacts};
+}
+
+}  // namespace
+
+TimedRecording time_recording(const HeardRecording& heard, const std::string& name) {
+  TimedRecording timed;
+  std::vector<TimedDrop> drops;
+  std::optional<ImpactWave> shared;
+  const bool share = std::any_of(heard.trains.begin(), heard.trains.end(),
+                                 [](const Train& train) { return train.impacts.size() < kOwnWave; });
+  if (share) shared = wave_of_recording(heard);
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < heard.trains.size(); ++k) {
+    const Train& train = heard.trains[k];
+    const double end_s = k + 1 < heard.trains.size()
+                             ? heard.candidates[heard.trains[k + 1].impacts.front().candidate].t_s
+                             : static_cast<double>(heard.band.n_samples) / heard.band.rate_hz;
+    const std::optional<ImpactWave> own = train.impacts.size() >= kOwnWave ? wave_of_train(heard, train) : std::nullopt;
+    const ImpactWave* wave = own ? &*own : shared ? &*shared : nullptr;
+    drops.push_back(time_drop(heard, train, wave, end_s));
+    if (wave != nullptr && train.impacts.size() > longest) {
+      longest = train.impacts.size();
+      timed.wave = to_learned_wave(*wave, heard.band.rate_hz);
+    }
+  }
+  const std::optional<ContactLaw> law = pool(drops);
+  if (law) timed.contact_time_at_1_mps_s = law->tau_1_s;
+  for (std::size_t k = 0; k < drops.size(); ++k) {
+    if (law) correct_for_contact(*law, drops[k]);
+    for (Onset& onset : drops[k].onsets) {
+      onset.recording = name;
+      onset.drop = static_cast<std::int64_t>(k);
+      timed.onsets.push_back(std::move(onset));
+    }
+  }
+  return timed;
+}
+
+}  // namespace bouncelab
