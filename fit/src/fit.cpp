@@ -46,15 +46,27 @@ LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod metho
   return config;
 }
 
-void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
-  if (!law.message.empty()) warnings.push_back(law.message);
+/// One line for all pairs: the worst one stands for them.
+void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) {
+  std::size_t worst_i = 0, worst_j = 0;
+  double worst = 0.99;
   for (std::size_t i = 0; i < law.parameters.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(law.correlation[i][j]) > 0.99)
-        warnings.push_back(law.parameters[j].name + " and " + law.parameters[i].name +
-                           words(" cannot be told apart with these speeds: their correlation is %.4f; quote eps(v) at "
-                                 "the nodes, or the constants with their covariance",
-                                 law.correlation[i][j]));
+      if (std::abs(law.correlation[i][j]) > worst) {
+        worst = std::abs(law.correlation[i][j]);
+        worst_i = i;
+        worst_j = j;
+      }
+  if (worst_i == worst_j) return;
+  warnings.push_back(law.parameters[worst_j].name + " and " + law.parameters[worst_i].name +
+                     words(" cannot be told apart with these speeds: their correlation is %.4f; quote eps(v) at the "
+                           "nodes, or the constants with their covariance",
+                           law.correlation[worst_i][worst_j]));
+}
+
+void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
+  if (!law.message.empty()) warnings.push_back(law.message);
+  warn_of_correlation(law, warnings);
   if (law.p_value && *law.p_value < 0.001) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());

@@ -44,12 +44,13 @@ LawData law_data(const RestitutionSamples& samples) {
 /// Scatter families to choose from by BIC: how their widths go with speed. Never whether the sides differ: a test that
 /// misses a difference would bias the peak by it.
 std::vector<ScatterFamily> scatter_families(LawMethod method, const LawData& data) {
-  constexpr std::size_t kFew = 30, kMany = 1000;
+  constexpr std::size_t kFew = 30, kMany = 1000, kVeryMany = 20000;
   const double v_ref = data.v_mps[data.size() / 2];
   ScatterKind kind = method == LawMethod::asymmetric_laplace ? ScatterKind::asymmetric_laplace
                      : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
                                                              : ScatterKind::normal;
   if (data.size() < kFew && kind == ScatterKind::asymmetric_laplace) kind = ScatterKind::symmetric_laplace;
+  if (data.size() >= kVeryMany) return {{kind, 6, v_ref}};
   if (data.size() >= kMany) return {{kind, 3, v_ref}};
   return {{kind, 1, v_ref}, {kind, 2, v_ref}, {kind, 3, v_ref}};
 }

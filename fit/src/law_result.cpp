@@ -52,6 +52,12 @@ std::optional<Eigen::MatrixXd> sandwich(const LawLikelihood& likelihood, const E
   return Eigen::MatrixXd(half * half.transpose() * (n / (n - 1.0)));
 }
 
+/// n / (n - p): what p fitted parameters take from the scatter that errors are judged by.
+double small_sample_inflation(const LawFit& fit) {
+  const auto n = static_cast<double>(fit.n), p = static_cast<double>(fit.n_parameters);
+  return n / std::max(1.0, n - p);
+}
+
 /// What is known of the law's coordinates q.
 struct Knowledge {
   Eigen::VectorXd q;
@@ -66,8 +72,12 @@ struct Knowledge {
   }
 };
 
+/// Fewer samples per parameter: the information matrix says little about a surface whose grain is single samples.
+constexpr std::size_t kSamplesPerParameter = 30;
+
 /// A parameter is identified when it is known to a third of itself, or its term C_i A_i v^(i/10) is known, in the
-/// middle of the data, to within the whole loss 1 - eps that the series has to explain.
+/// middle of the data, to within the whole loss 1 - eps that the series has to explain. Constants of a series of
+/// several terms need, besides, 30 samples for each parameter of law and scatter.
 bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, double v_mps, double eps) {
   if (!a.se || !std::isfinite(*a.se)) return false;
   if (3.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
@@ -109,26 +119,29 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Kno
   const double v_middle = v[v.size() / 2];
   const double eps_middle = model.eps(std::span(&v_middle, 1), q)[0];
   const auto names = model.names();
+  const bool enough = fit.n >= kSamplesPerParameter * fit.n_parameters;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     Estimate a = known.estimate(values[i], j.row(i));
-    a.identified = is_identified(model, i, a, v_middle, eps_middle);
+    a.identified = (values.size() == 1 || enough) && is_identified(model, i, a, v_middle, eps_middle);
     fit.parameters.push_back({names[static_cast<std::size_t>(i)], a});
   }
   spread_ignorance(fit.parameters, correlation);
-  std::string unknown;
-  for (const NamedEstimate& p : fit.parameters)
-    if (!p.estimate.identified)
-      unknown += (unknown.empty() ? "" : "; ") + p.name + " is not identifiable: its 95 % interval is " +
-                 number(p.estimate.ci95->lo) + " to " + number(p.estimate.ci95->hi);
+  std::string unknown, intervals;
+  for (const NamedEstimate& p : fit.parameters) {
+    if (p.estimate.identified) continue;
+    unknown += (unknown.empty() ? "" : ", ") + p.name;
+    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + number(p.estimate.ci95->lo) + " to " +
+                 number(p.estimate.ci95->hi);
+  }
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
   const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues();
   if (eigenvalues.minCoeff() > 0.0) fit.condition_number = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
   if (!unknown.empty()) {
     fit.status = FitStatus::not_identifiable;
-    fit.message = unknown +
-                  "; none of them without the others, as they are tied by their correlations (eps(v) itself is "
-                  "known: see the nodes)";
+    fit.message = unknown + (unknown.find(',') == std::string::npos ? " is" : " are") +
+                  " not identifiable from these " + std::to_string(fit.n) +
+                  " impacts (95 % intervals at best: " + intervals + "); quote eps(v) at the nodes";
   }
 }
 
@@ -187,7 +200,8 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
   const auto set = [&](Estimate& e, const Eigen::RowVectorXd& row, auto&& value_of) {
     const auto offsets = n_law == 1 ? one : along(row);
     if (!offsets) return;
-    const auto end = [&](double offset) {
+    const auto end = [&](double profile_offset) {
+      const double offset = profile_offset * std::sqrt(small_sample_inflation(fit));
       return n_law == 1 ? value_of(Eigen::VectorXd::Constant(1, q[0] + offset)) : e.value + offset;
     };
     const auto ordered = [&](const Interval& i) {
@@ -214,9 +228,11 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   fit.status = FitStatus::ok;
   const Eigen::Index n_law = likelihood.model().n_parameters();
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
-  Knowledge known{maximum.x.head(n_law), (white * white.transpose()).topLeftCorner(n_law, n_law), std::nullopt};
-  if (const auto robust = sandwich(likelihood, maximum.x, white)) known.robust = robust->topLeftCorner(n_law, n_law);
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
+  const double inflation = small_sample_inflation(fit);
+  Knowledge known{maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law),
+                  std::nullopt};
+  if (const auto robust = sandwich(likelihood, maximum.x, white)) known.robust = robust->topLeftCorner(n_law, n_law);
   fit.scatter = likelihood.scatter_model(maximum.x);
   fit.law = likelihood.model().law(known.q);
   describe_parameters(fit, likelihood, known);

@@ -200,9 +200,35 @@ TEST(LawFit, OnOneShortDropSaysThatAIsNotIdentifiable) {
   Onsets onsets = synthetic_onsets(run);
   const auto fit = fit_law(restitution_samples(onsets, {}).samples, {});
   EXPECT_EQ(fit.status, FitStatus::not_identifiable) << fit.message;
-  EXPECT_NE(fit.message.find("A2 is not identifiable"), std::string::npos) << fit.message;
+  EXPECT_NE(fit.message.find("A2, A4, A5 are not identifiable from these 48 impacts"), std::string::npos)
+      << fit.message;
+  for (const auto& p : fit.parameters) EXPECT_FALSE(p.estimate.identified);
   ASSERT_EQ(fit.nodes.size(), 3u);
   for (const auto& node : fit.nodes) EXPECT_LT(std::abs(node.eps.value - 0.946), 5.0 * *node.eps.se);
+}
+
+TEST(LawFit, IntervalsOfOneDropOfFiftyImpactsCover) {
+  // as above over 150 seeds, noise and scatter alike in size: 95 % good to 1.8, 68 % to 3.8; three standard errors. Not
+  // bounded above: errors of neighbouring times compensate, which the likelihood does not know.
+  double in95 = 0.0, in68 = 0.0, n = 0.0;
+  for (int seed = 1; seed <= 150; ++seed) {
+    SyntheticRun run;
+    run.n_drops = 1;
+    run.n_impacts = 50;
+    run.law = ConstantLaw{0.946};
+    run.below_at_1mps = run.above_at_1mps = 2e-3;
+    run.timing_sigma_s = 1e-4;
+    run.seed = static_cast<std::uint64_t>(seed);
+    const auto fit = fit_law(restitution_samples(synthetic_onsets(run), {}).samples, {});
+    EXPECT_EQ(fit.status, FitStatus::not_identifiable);
+    for (const auto& node : fit.nodes) {
+      in95 += node.eps.ci95->lo <= 0.946 && 0.946 <= node.eps.ci95->hi;
+      in68 += node.eps.ci68->lo <= 0.946 && 0.946 <= node.eps.ci68->hi;
+      n += 1.0;
+    }
+  }
+  EXPECT_GT(in95 / n, 0.895);
+  EXPECT_GT(in68 / n, 0.57);
 }
 
 TEST(LawFit, LeavesGrossOutliersOutAndCountsThem) {
