@@ -43,13 +43,15 @@ LawData law_data(const RestitutionSamples& samples) {
 
 /// Scatter families to choose from by BIC: how their widths go with speed. Never whether the sides differ: a test that
 /// misses a difference would bias the peak by it.
-std::vector<ScatterFamily> scatter_families(LawMethod method, const LawData& data) {
+std::vector<ScatterFamily> scatter_families(const LawFitConfig& config, const LawData& data) {
+  const LawMethod method = config.method;
   constexpr std::size_t kFew = 30, kMany = 1000, kVeryMany = 20000;
   const double v_ref = data.v_mps[data.size() / 2];
   ScatterKind kind = method == LawMethod::asymmetric_laplace ? ScatterKind::asymmetric_laplace
                      : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
                                                              : ScatterKind::normal;
   if (data.size() < kFew && kind == ScatterKind::asymmetric_laplace) kind = ScatterKind::symmetric_laplace;
+  if (config.n_scatter_terms > 0) return {{kind, config.n_scatter_terms, v_ref}};
   if (data.size() >= kVeryMany) return {{kind, 6, v_ref}};
   if (data.size() >= kMany) return {{kind, 3, v_ref}};
   return {{kind, 1, v_ref}, {kind, 2, v_ref}, {kind, 3, v_ref}};
@@ -80,9 +82,9 @@ std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, 
   return candidate;
 }
 
-std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, LawMethod method) {
+std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
-  for (const ScatterFamily& family : scatter_families(method, data)) {
+  for (const ScatterFamily& family : scatter_families(config, data)) {
     auto candidate = fit_family(data, model, family);
     if (!candidate) return std::nullopt;
     const bool better = !best || (candidate->maximum.converged && !best->maximum.converged) ||
@@ -167,18 +169,20 @@ LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   LawFit fit;
   fit.kind = config.kind;
   fit.method = config.method;
+  if (config.n_scatter_terms > 8)
+    throw InvalidArgument("terms of the scatter " + std::to_string(config.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
   LawData data = law_data(samples);
   fit.n = data.size();
   fit.message = reason_not_to_fit(data, config, fit.status);
   if (!fit.message.empty()) return fit;
 
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
-  auto candidate = best_candidate(data, model, config.method);
+  auto candidate = best_candidate(data, model, config);
   // outliers widen the scatter they are judged by: again until none is left
   for (std::size_t n_removed = 1; candidate && n_removed > 0 && data.size() > kFewest;) {
     n_removed = remove_outliers(data, model, *candidate);
     fit.n_outliers += n_removed;
-    if (n_removed > 0) candidate = best_candidate(data, model, config.method);
+    if (n_removed > 0) candidate = best_candidate(data, model, config);
   }
   fit.n = data.size();
   if (!candidate) {

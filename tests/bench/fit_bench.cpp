@@ -42,6 +42,7 @@ void compare(std::size_t n, double noise_at_1mps) {
   LawFit fit;
   LawFitConfig config;
   config.node_speeds_mps = {0.25, 0.6, 1.2};
+  config.n_scatter_terms = 3;  // as in fit_iminuit.py
   const double seconds = seconds_of([&] { fit = fit_law(samples, config); });
   std::printf("%zu samples, timing noise %g of the scatter\n", n, noise_at_1mps / 5e-4);
   std::printf("  law with profile intervals of 3 nodes and 3 constants: %.2f s, status %s\n", seconds,

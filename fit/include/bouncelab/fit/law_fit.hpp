@@ -36,6 +36,8 @@ struct LawFitConfig {
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
   LawMethod method = LawMethod::asymmetric_laplace;
   IntervalMethod intervals = IntervalMethod::profile;
+  /// Terms of log b(v) on each side, 1 to 8; 0: by BIC among 1 to 3 below 1000 samples, 3 below 20,000, 6 from there.
+  std::size_t n_scatter_terms = 0;
   /// Speeds at which eps(v) is reported [m/s]; empty: 0.25, 0.6, 1.2 where the data reach there, else within the data.
   std::vector<double> node_speeds_mps;
 };
