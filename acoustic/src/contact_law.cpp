@@ -15,14 +15,14 @@ namespace {
 constexpr std::size_t kLeastImpacts = 8;
 constexpr std::size_t kMostImpacts = 400;  // more would tell no more than the spread of timbre allows
 constexpr double kFirstGuess_s = 30e-6;    // steel on glass; the iteration forgets it
-constexpr double kLargestProduct = 1.2;    // f tau, short of the pulse's zero at 1.5 where a logarithm fails
+// f tau; beyond it the change with tau is no longer linear over the speeds of a drop
+constexpr double kLargestProduct = 0.8;
 
 double speed_power(double v_mps) { return std::pow(v_mps, -0.2); }
 
 /// d ln P(f tau) / d tau, P(x) = cos(pi x) / (1 - 4 x^2).
 double log_slope(double f_hz, double tau_s) {
   const double x = f_hz * tau_s;
-  if (x > kLargestProduct) return 0.0;
   if (std::abs(x - 0.5) < 1e-3) return f_hz * (-2.0 * (0.5 + 0.25 * (x - 0.5)));  // the poles of both terms cancel
   return f_hz * (-kPi * std::tan(kPi * x) + 8.0 * x / (1.0 - 4.0 * x * x));
 }
@@ -41,11 +41,16 @@ Eigen::MatrixXd basis_of(const std::vector<float>& mean, double rate_hz, double 
     const double index =
         k <= n_padded / 2 ? static_cast<double>(k) : static_cast<double>(k) - static_cast<double>(n_padded);
     const double f_hz = index * rate_hz / static_cast<double>(n_padded);
-    derivative[k] = k == n_padded / 2 ? 0.0 : spectrum[k] * std::complex<double>(0.0, 2.0 * kPi * f_hz);
+    if (k == n_padded / 2 || std::abs(f_hz) * tau_s > kLargestProduct) {
+      spectrum[k] = 0.0;  // from all three: what dulls up there must not be taken for a smaller amplitude
+      continue;
+    }
+    derivative[k] = spectrum[k] * std::complex<double>(0.0, 2.0 * kPi * f_hz);
     longer[k] = spectrum[k] * log_slope(std::abs(f_hz), tau_s);
   }
   std::vector<double> derivative_t;
   std::vector<double> longer_t;
+  fft.inv(wave, spectrum);
   fft.inv(derivative_t, derivative);
   fft.inv(longer_t, longer);
   const auto n = static_cast<Eigen::Index>(mean.size());
