@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 
@@ -52,6 +54,25 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+void score_within_drops(const Onsets& truth, const Onsets& detected, OnsetScore& score) {
+  using Drop = std::pair<std::string, std::int64_t>;
+  std::map<Drop, std::vector<std::size_t>> found;  // by drop of the truth
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    if (score.match[k]) found[{truth[k].recording, truth[k].drop}].push_back(k);
+  std::vector<double> errors, pulls;
+  for (const auto& [drop, impacts] : found) {
+    std::vector<double> of_drop;
+    for (const std::size_t k : impacts) of_drop.push_back(detected[*score.match[k]].t_s - truth[k].t_s);
+    const double offset_s = median(of_drop);
+    for (std::size_t n = 0; n < impacts.size(); ++n) {
+      errors.push_back(of_drop[n] - offset_s);
+      if (const auto sigma_s = detected[*score.match[impacts[n]]].sigma_t_s) pulls.push_back(errors.back() / *sigma_s);
+    }
+  }
+  score.rms_within_drops_s = root_mean_square(errors);
+  if (!pulls.empty()) score.pull_sd = root_mean_square(pulls);
+}
+
 }  // namespace
 
 OnsetScore score_onsets(const Onsets& truth, const Onsets& detected, double tolerance_s) {
@@ -70,19 +91,13 @@ OnsetScore score_onsets(const Onsets& truth, const Onsets& detected, double tole
   score.n_invented = detected.size() - score.n_found;
   if (score.n_found == 0) return score;
 
-  std::vector<double> errors, pulls;
+  std::vector<double> errors;
   for (std::size_t k = 0; k < truth.size(); ++k)
     if (score.match[k]) errors.push_back(detected[*score.match[k]].t_s - truth[k].t_s);
   score.offset_s = median(errors);
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    if (!score.match[k]) continue;
-    errors[n] -= *score.offset_s;
-    if (const auto sigma = detected[*score.match[k]].sigma_t_s) pulls.push_back(errors[n] / *sigma);
-    ++n;
-  }
+  for (double& error : errors) error -= *score.offset_s;
   score.rms_s = root_mean_square(errors);
-  if (!pulls.empty()) score.pull_sd = root_mean_square(pulls);
+  score_within_drops(truth, detected, score);
   return score;
 }
 

@@ -26,6 +26,14 @@ TEST(Score, AConstantLatencyIsReportedAndTakenOut) {
   EXPECT_NEAR(*score.rms_s, 0.0, 1e-15);
 }
 
+TEST(Score, EachDropsOwnLatencyIsTakenOutOfWhatIntervalsSee) {
+  Onsets truth = at({1.0, 2.0, 3.0, 4.0});
+  truth[2].drop = truth[3].drop = 1;
+  const OnsetScore score = score_onsets(truth, at({1.0001, 2.0001, 2.9999, 3.9999}));
+  EXPECT_NEAR(*score.rms_s, 1e-4, 1e-15);  // rounding of numbers near 4
+  EXPECT_NEAR(*score.rms_within_drops_s, 0.0, 1e-15);
+}
+
 TEST(Score, MatchesAreOneToOneNearestFirst) {
   const OnsetScore score = score_onsets(at({1.0, 1.0008}), at({1.0007}));
   EXPECT_EQ(score.n_found, 1u);

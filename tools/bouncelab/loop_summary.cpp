@@ -90,6 +90,7 @@ Json loop_summary(const LoopResults& results) {
   summary["n_missed"] = results.score.n_missed;
   summary["n_invented"] = results.score.n_invented;
   if (results.score.rms_s) summary["time_rms_s"] = *results.score.rms_s;
+  if (results.score.rms_within_drops_s) summary["time_rms_within_drops_s"] = *results.score.rms_within_drops_s;
   if (results.score.offset_s) summary["time_offset_s"] = *results.score.offset_s;
   if (results.score.pull_sd) summary["time_pull_sd"] = *results.score.pull_sd;
   summary["n_samples"] = results.n_samples;
@@ -131,11 +132,12 @@ std::string loop_table(const Json& s) {
       fmt::format("Impacts: {} simulated, {} found, {} missed, {} invented\n", s["n_impacts"].get<long>(),
                   s["n_found"].get<long>(), s["n_missed"].get<long>(), s["n_invented"].get<long>());
   if (s.contains("time_rms_s"))
-    text += fmt::format("Error of t_i: {:.3g} us rms about a constant {:.3g} us{}\n",
+    text += fmt::format("Error of t_i: {:.3g} us rms about a constant {:.3g} us; within drops {:.3g} us\n",
                         1e6 * s["time_rms_s"].get<double>(), 1e6 * s["time_offset_s"].get<double>(),
-                        s.contains("time_pull_sd")
-                            ? fmt::format("; error / sigma has sd {:.2f}", s["time_pull_sd"].get<double>())
-                            : std::string());
+                        1e6 * s["time_rms_within_drops_s"].get<double>());
+  if (s.contains("time_pull_sd"))
+    text +=
+        fmt::format("Error within drops over the standard error stated: {:.3g} rms\n", s["time_pull_sd"].get<double>());
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const Json& n : s["eps_nodes"])
     text += row(fmt::format("eps at {:g} m/s", n["v_mps"].get<double>()),

@@ -66,7 +66,7 @@ Json summary_of(const SynthesisResult& result) {
 Table truth_of(const std::vector<DropRecording>& recordings) {
   Table all;
   for (const DropRecording& recording : recordings) {
-    Table one = truth_table(recording.result.truth, recording.path.filename().string());
+    Table one = truth_table(recording.result.truth, recording.path.string());
     if (all.columns.empty()) {
       all = std::move(one);
       continue;

@@ -209,7 +209,7 @@ function head() {
                card(`${number(summary.n_missed)} / ${number(summary.n_invented)}`, 'missed / invented'));
   else if (summary && known(summary.n_onsets)) cards.push(card(number(summary.n_onsets), 'impacts found in the sound'));
   if (summary && known(summary.n_drops)) cards.push(card(number(summary.n_drops), summary.n_drops === 1 ? 'drop' : 'drops'));
-  if (summary && known(summary.time_rms_s)) cards.push(card(`${number(1e6 * summary.time_rms_s, 3)} µs`, 'rms error of the times'));
+  if (summary && known(summary.time_rms_within_drops_s)) cards.push(card(`${number(1e6 * summary.time_rms_within_drops_s, 3)} µs`, 'rms error of the times within a drop'));
   if (summary && known(summary.n_samples)) cards.push(card(number(summary.n_samples), 'samples of ε'));
   if (summary && known(summary.eps_median)) cards.push(card(number(summary.eps_median, 4), 'median ε'));
   if (cards.length) add('div', {class: 'cards'}, cards);

@@ -18,7 +18,10 @@ struct OnsetScore {
   /// Median of (detected - true): a constant latency, which intervals do not see [s]. Absent without a match.
   std::optional<double> offset_s;
   std::optional<double> rms_s;  ///< root mean square of the errors about the offset [s]
-  /// Standard deviation of error / sigma_t over matches that state a sigma; 1 for honest standard errors.
+  /// The same with each drop's own median error taken out: what the intervals of a drop see [s].
+  std::optional<double> rms_within_drops_s;
+  /// Root mean square of (error within its drop) / sigma_t over matches that state a sigma; 1 for honest standard
+  /// errors.
   std::optional<double> pull_sd;
   std::vector<std::optional<std::size_t>> match;  ///< for each true impact, the index of its detected one
 };
