@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -17,7 +18,8 @@ namespace {
 using testing::HasSubstr;
 
 std::filesystem::path file_with(const std::string& content) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "bouncelab_csv_test.csv";
+  const auto path =
+      std::filesystem::path(testing::TempDir()) / ("bouncelab_csv_test_" + std::to_string(::getpid()) + ".csv");
   std::ofstream(path, std::ios::binary) << content;
   return path;
 }

@@ -2,8 +2,10 @@
 #include "bouncelab/core/output_file.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <iterator>
+#include <string>
 
 #include "bouncelab/core/error.hpp"
 
@@ -15,10 +17,11 @@ namespace fs = std::filesystem;
 class OutputFileTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "bouncelab_output_file_test";
+    folder_ = fs::path(testing::TempDir()) / ("bouncelab_output_file_test_" + std::to_string(::getpid()));
     fs::remove_all(folder_);
     fs::create_directory(folder_);
   }
+  void TearDown() override { fs::remove_all(folder_); }
   long n_files() const { return std::distance(fs::directory_iterator(folder_), {}); }
   fs::path folder_;
 };
