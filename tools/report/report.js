@@ -245,9 +245,10 @@ function nodesTable() {
   if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
   const others = [['least squares', fit.law_least_squares], ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes && o[1].nodes.length);
   if (others.length) {
-    const constants = ['A2', 'A4', 'A5', 'gamma'].filter(k => others.some(([, l]) => l[k] && known(l[k].value)));
-    table(['other fits', ...others[0][1].nodes.map(n => `ε(${number(n.v_mps, 3)} m/s)`), ...constants.map(k => k === 'gamma' ? 'γ' : k)],
-          others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se)), ...constants.map(k => l[k] ? measured(l[k].value, l[k].se) : '')]));
+    const constants = l => ['A2', 'A4', 'A5', 'gamma'].filter(k => l[k] && known(l[k].value)).map(k => `${k === 'gamma' ? 'γ' : k} = ${measured(l[k].value, l[k].se)}`).join(', ');
+    table(['other fits', ...others[0][1].nodes.map(n => `ε(${number(n.v_mps, 3)} m/s)`)],
+          others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
+    add('p', {class: 'caption'}, others.map(([name, l]) => `${name}: ${constants(l)}`).join('; ') + '.');
   }
 }
 
