@@ -24,7 +24,7 @@ TEST_F(Usage, EveryCommandHasHelpWithAnExample) {
 
 TEST_F(Usage, NoCommandAndUnknownCommandsAndOptionsAreWrongUsage) {
   expect_one_line_error(run(""), 2, {"bouncelab"});
-  expect_one_line_error(run("bounce"), 2, {"bounce"});
+  expect_one_line_error(run("bounce"), 2, {"unknown command 'bounce'"});
   expect_one_line_error(run("simulate --asperites 5 --out a.csv"), 2, {"--asperites"});
 }
 

@@ -65,6 +65,7 @@ Outcome run_fit(const FitOptions& options, Run& run) {
   if (!usable(result)) {
     outcome.exit_code = kNotUsable;
     outcome.trouble = options.samples + ": " + result.law.message;
+    std::erase(outcome.warnings, result.law.message);
   }
   return outcome;
 }

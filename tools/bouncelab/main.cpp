@@ -109,19 +109,16 @@ int run(std::vector<std::string> line) {
   CommonOptions common;
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
-      add_simulate_command(app),
-      add_synthesize_command(app),
-      add_detect_command(app),
-      add_restitution_command(app),
-      add_fit_command(app),
-      add_report_command(app),
-      add_calibrate_command(app),
-      add_analyze_command(app),
-      add_loop_command(app),
+      add_simulate_command(app),    add_synthesize_command(app), add_detect_command(app),
+      add_restitution_command(app), add_fit_command(app),        add_report_command(app),
+      add_calibrate_command(app),   add_analyze_command(app),    add_loop_command(app),
   };
   for (const Command& command : commands) add_common_options(*command.app, common);
 
   const std::vector<std::string> typed(line.begin() + 1, line.end());
+  if (!typed.empty() && typed.front().rfind('-', 0) != 0 &&
+      app.get_subcommands([&](const CLI::App* c) { return c->check_name(typed.front()); }).empty())
+    throw InvalidArgument("unknown command '" + typed.front() + "'; see bouncelab --help");
   try {
     std::vector<std::string> arguments = with_config(typed, app);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
