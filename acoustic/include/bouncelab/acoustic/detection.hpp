@@ -38,7 +38,6 @@ struct RecordingSummary {
   std::int64_t n_candidates = 0;     ///< sounds that rise like impacts
   std::int64_t n_drops = 0;          ///< trains found
   double restitution_median = 0.0;   ///< median of T_{k+1} / T_k over all trains; 0 where there is none
-  double restitution_scatter = 0.0;  ///< robust standard deviation of the same about its running course
 };
 
 /// The sound of an impact as learned from the recording (full scale = 1), from a little before the start of contact.
@@ -73,8 +72,8 @@ struct Detection {
 /// 2. trains: the chains of such sounds most probable under T_{k+1} = eps_k T_k against chance;
 /// 3. the time of each impact, below a sample, with a standard error.
 ///
-/// Reads the recording in pieces, several times; memory does not grow with its length except for about 100 bytes an
-/// impact. t_s counts from the first sample.
+/// Reads the recording in pieces, several times: sound is never held whole. The candidates and the train search are, and
+/// grow with the number of sounds in the recording. t_s counts from the first sample.
 /// @throws FileError where the file cannot be read; InvalidArgument where the channel does not exist
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config = {},
                  const ProgressCallback& progress = {});
