@@ -5,6 +5,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const page = document.getElementById('report');
 const {summary, fit, wave, samples} = data;
+const few = Boolean(samples);  // few enough to be shown one by one: more are not in the data
 const ink = '#1b1f24', soft = '#5b6570', blue = '#1f5fa8', red = '#c0392b', orange = '#d9822b', grey = '#9aa4ae';
 const depth = [[0, '#dce8f2'], [0.25, '#9fc3df'], [0.5, '#4a90c2'], [0.75, '#1f5fa8'], [1, '#0b2545']];
 
@@ -91,7 +92,6 @@ function centres(edges) { return edges.slice(1).map((right, k) => 0.5 * (right +
 /// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.
 function drawLaw(parent) {
   const traces = [];
-  const few = samples && samples.eps.length <= 400;
   if (few) {
     traces.push({x: samples.v_mps, y: samples.eps, mode: 'markers', type: 'scatter', name: 'samples',
                  error_y: {type: 'data', array: samples.sigma_eps, thickness: 1, width: 0, color: grey},
@@ -277,7 +277,7 @@ function work() {
 
 head();
 drawLaw(figure('Coefficient of restitution against impact speed',
-               'Colour: number of samples in each cell, on a logarithmic scale. Line and band: the fitted law with its 95% interval. Zoom with the mouse; the camera saves an SVG.'));
+               (few ? 'Points: samples, with the error that timing alone gives them.' : 'Colour: number of samples in each cell, on a logarithmic scale.') + ' Line and band: the fitted law with its 95% interval. Zoom with the mouse; the camera saves an SVG.'));
 nodesTable();
 if (fit && fit.law && (fit.law.residuals || []).some(r => known(r.pull)))
   drawResiduals(figure('Does the law hold at every speed?', 'Mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does.'), fit.law.residuals);
