@@ -149,6 +149,16 @@ void AudioWriter::commit() {
   state_->output.commit();
 }
 
+std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding) {
+  std::vector<float> floats(samples.size());
+  const int n_bits = 8 * bytes_per_sample(encoding);
+  std::transform(samples.begin(), samples.end(), floats.begin(), [&](double x) {
+    if (encoding == SampleEncoding::float32) return static_cast<float>(std::clamp(x, -1.0, 1.0));
+    return static_cast<float>(left_aligned(x, n_bits) * 0x1p-31);
+  });
+  return floats;
+}
+
 void validate(const std::filesystem::path& path, const AudioSpec& spec) { checked_info(path, spec, 0); }
 
 }  // namespace bouncelab

@@ -66,12 +66,6 @@ Impacts one_drop(const Impacts& impacts, std::size_t first, std::size_t last) {
   return drop;
 }
 
-std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop) {
-  std::string number = std::to_string(drop);
-  if (number.size() < 4) number.insert(0, 4 - number.size(), '0');
-  return out.parent_path() / (out.stem().string() + "." + number + out.extension().string());
-}
-
 void check_file(const std::filesystem::path& out, const SynthesisConfig& config) {
   validate(out, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding});
 }
@@ -86,18 +80,30 @@ SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config
   return write_recording(recording, *instrument, config, out, may_replace, progress);
 }
 
+SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop) {
+  SynthesisConfig own = config;
+  own.levels = levels;
+  own.seed = philox_block(config.seed, RandomStream::noise, 1ull << 63, static_cast<std::uint64_t>(drop))[0];
+  return own;
+}
+
+std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop) {
+  std::string number = std::to_string(drop);
+  if (number.size() < 4) number.insert(0, 4 - number.size(), '0');
+  return out.parent_path() / (out.stem().string() + "." + number + out.extension().string());
+}
+
 std::vector<DropRecording> synthesize_each_drop(const Impacts& impacts, const SynthesisConfig& config,
                                                 const std::filesystem::path& out, bool may_replace,
                                                 const ProgressCallback& progress) {
   check_file(out, config);
   const auto instrument = make_instrument(config);
-  SynthesisConfig of_drop = config;
-  of_drop.levels = SyntheticRecording(impacts, config, instrument).levels();
+  const Levels levels = SyntheticRecording(impacts, config, instrument).levels();
   std::vector<DropRecording> recordings;
   for (std::size_t first = 0, last = 0; first < impacts.rows.size(); first = last) {
     const std::int64_t drop = impacts.rows[first].drop;
     while (last < impacts.rows.size() && impacts.rows[last].drop == drop) ++last;
-    of_drop.seed = philox_block(config.seed, RandomStream::noise, 1ull << 63, static_cast<std::uint64_t>(drop))[0];
+    const SynthesisConfig of_drop = config_of_drop(config, levels, drop);
     const SyntheticRecording recording(one_drop(impacts, first, last), of_drop, instrument);
     const std::filesystem::path path = path_of_drop(out, drop);
     recordings.push_back({path, write_recording(recording, *instrument, of_drop, path, may_replace, {})});

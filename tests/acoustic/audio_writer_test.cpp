@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab {
@@ -95,6 +96,21 @@ TEST_F(AudioWriterTest, WavTurnsIntoRf64AboveFourGibibytes) {
   EXPECT_EQ(magic(1000), "RIFF");
   EXPECT_EQ(magic(134000000), "RIFF");
   EXPECT_EQ(magic(134300000), "RF64");  // 8 channels of 4 bytes: 2^32 is passed at 134,217,728 frames
+}
+
+TEST_F(AudioWriterTest, SamplesAreKnownAsTheyWillBeReadBackBeforeAnythingIsWritten) {
+  std::vector<double> samples{0.0, 1.0, -1.0, 1.5, -1.5, 0.4999999999, -0x1p-24, 0x1.8p-24, 1.0 / 3.0};
+  for (const SampleEncoding encoding :
+       {SampleEncoding::pcm16, SampleEncoding::pcm24, SampleEncoding::pcm32, SampleEncoding::float32}) {
+    const fs::path path = folder_ / "read_back.wav";
+    AudioWriter writer(path, {48000, 1, encoding}, static_cast<std::int64_t>(samples.size()), true);
+    writer.write(samples);
+    writer.commit();
+    std::vector<float> read(samples.size());
+    AudioReader reader(path);
+    reader.sound(0).read(0, read);
+    EXPECT_EQ(as_read_back(samples, encoding), read);
+  }
 }
 
 TEST_F(AudioWriterTest, AnAbandonedFileLeavesNothing) {

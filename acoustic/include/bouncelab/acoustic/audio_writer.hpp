@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace bouncelab {
 
@@ -40,6 +41,9 @@ class AudioWriter {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The samples as they would be read back from a file of this encoding: rounded and clipped like AudioWriter does.
+std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding);
 
 /// Throws InvalidArgument where no AudioWriter could write this: a long synthesis should not find out at its end.
 void validate(const std::filesystem::path& path, const AudioSpec& spec);

@@ -125,6 +125,12 @@ struct SynthesisResult {
 SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config, const std::filesystem::path& out,
                            bool may_replace, const ProgressCallback& progress = {});
 
+/// The configuration of one drop's own recording: gain and noise as given in `levels`, the noise itself its own.
+/// A function of (config, drop).
+SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop);
+/// NAME.0017.wav for out = NAME.wav and drop 17.
+std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop);
+
 /// One of several recordings.
 struct DropRecording {
   std::filesystem::path path;

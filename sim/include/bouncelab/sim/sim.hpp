@@ -2,11 +2,12 @@
 /// Start here: a rough ball bouncing on a plate. make_surface, then simulate; the rest is what these are made of.
 #pragma once
 
-#include "bouncelab/sim/contact.hpp"     // the collision: paper, frictionless, Coulomb
-#include "bouncelab/sim/drag.hpp"        // drag
-#include "bouncelab/sim/energy.hpp"      // where the energy went
-#include "bouncelab/sim/envelope.hpp"    // what can touch the plate, and where
-#include "bouncelab/sim/experiment.hpp"  // many drops: SimulationConfig -> Impacts
-#include "bouncelab/sim/flight.hpp"      // the first contact of a flight
-#include "bouncelab/sim/surface.hpp"     // asperities, drawn or read
-#include "bouncelab/sim/vector3.hpp"     // vectors and rotations
+#include "bouncelab/sim/contact.hpp"        // the collision: paper, frictionless, Coulomb
+#include "bouncelab/sim/drag.hpp"           // drag
+#include "bouncelab/sim/energy.hpp"         // where the energy went
+#include "bouncelab/sim/energy_shares.hpp"  // vertical, horizontal, rotational, against bounce number
+#include "bouncelab/sim/envelope.hpp"       // what can touch the plate, and where
+#include "bouncelab/sim/experiment.hpp"     // many drops: SimulationConfig -> Impacts
+#include "bouncelab/sim/flight.hpp"         // the first contact of a flight
+#include "bouncelab/sim/surface.hpp"        // asperities, drawn or read
+#include "bouncelab/sim/vector3.hpp"        // vectors and rotations

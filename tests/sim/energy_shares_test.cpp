@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/sim/energy_shares.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/sim/experiment.hpp"
+
+namespace bouncelab {
+namespace {
+
+SimulationConfig config_with_states() {
+  SimulationConfig config;
+  config.n_drops = 40;
+  config.n_impacts_max = 80;
+  config.with_state = true;
+  config.n_threads = 1;
+  return config;
+}
+
+TEST(EnergyShares, OfARoughBallMoveFromVerticalToRotationAndHorizontalMotionBounceByBounce) {
+  const SimulationConfig config = config_with_states();
+  const Surface surface = make_surface(config.ball, 20'000, UniformRadii{}, 1);
+  const std::vector<EnergyShares> shares = energy_shares(config.ball, simulate(config, surface).impacts);
+  ASSERT_EQ(shares.size(), 80u);
+  for (const EnergyShares& s : shares) {
+    EXPECT_EQ(s.n, 40u);
+    EXPECT_NEAR(s.vertical + s.horizontal + s.rotational, 1.0, 1e-14);  // 40 sums of three quotients, rounded
+    EXPECT_LE(s.rotational_lo, s.rotational_hi);
+  }
+  EXPECT_EQ(shares[0].vertical, 1.0);  // released at rest
+  // asperities do not pull back what they set going: over decades of bounces the share grows
+  EXPECT_GT(shares[10].rotational, shares[1].rotational);
+  EXPECT_GT(shares[79].rotational, shares[10].rotational);
+  EXPECT_LT(shares[79].vertical, 1.0);
+}
+
+TEST(EnergyShares, OfASmoothBallStayVertical) {
+  const SimulationConfig config = config_with_states();
+  for (const EnergyShares& s : energy_shares(config.ball, simulate(config, Surface{}).impacts)) {
+    EXPECT_EQ(s.vertical, 1.0);
+    EXPECT_EQ(s.rotational_hi, 0.0);
+  }
+}
+
+TEST(EnergyShares, WithoutStatesAreRefused) {
+  SimulationConfig config = config_with_states();
+  config.with_state = false;
+  config.n_drops = 1;
+  EXPECT_THROW(energy_shares(config.ball, simulate(config, Surface{}).impacts), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace bouncelab
