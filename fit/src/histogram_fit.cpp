@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/histogram_fit.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
 #include "goodness.hpp"
 #include "law_likelihood.hpp"
-#include "maximise.hpp"
-#include "profile.hpp"
-#include "start_values.hpp"
+#include "shape_fit.hpp"
+#include "window_fit.hpp"
 
 namespace bouncelab {
 namespace {
@@ -63,94 +64,14 @@ Bins bins_of(std::vector<double> eps) {
   return bins;
 }
 
-/// The density expected of the window's samples: the mean over their timing errors.
-std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {
-  constexpr std::size_t kPoints = 161, kTaus = 64;
-  std::vector<double> taus = data.tau;
-  std::sort(taus.begin(), taus.end());
-  const std::size_t n_taus = std::min(kTaus, taus.size());
-  std::vector<CurvePoint> curve;
-  for (std::size_t k = 0; k < kPoints; ++k) {
-    const double eps = bins.eps_edges.front() +
-                       (bins.eps_edges.back() - bins.eps_edges.front()) * static_cast<double>(k) / (kPoints - 1);
-    double sum = 0.0;
-    for (std::size_t j = 0; j < n_taus; ++j)
-      sum += std::exp(normal_laplace(eps - theta[0], std::exp(theta[1]), std::exp(theta[2]),
-                                     taus[(2 * j + 1) * taus.size() / (2 * n_taus)])
-                          .log_density);
-    curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
-  }
-  return curve;
-}
-
-struct WindowFit {
-  LawData data;
-  Maximum maximum;
-  Eigen::MatrixXd covariance;
-  std::vector<std::optional<ProfileIntervals>> profiles;  ///< of peak, log b_below, log b_above
-};
-
-WindowFit fit_window(const LawData& original, ScatterKind kind) {
-  const LawModel constant = make_law_model(LawKind::constant, {}, original.v_mps);
-  const ScatterFamily family{kind, 1, original.v_mps.front()};
-  WindowFit fit{original, {}, {}, {}};
-  const Eigen::VectorXd start = start_values(original, constant, family);
-  if (kind != ScatterKind::normal)
-    widen(fit.data, LawLikelihood(original, constant, family), start,
-          1.0 / std::sqrt(static_cast<double>(original.size())));
-  const LawLikelihood likelihood(fit.data, constant, family);
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  fit.maximum = maximise(function, start, likelihood.information(start));
-  const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
-  fit.covariance = white * white.transpose();
-  if (kind == ScatterKind::asymmetric_laplace && fit.maximum.converged)
-    for (Eigen::Index i = 0; i < start.size(); ++i)
-      fit.profiles.push_back(profile_intervals(function, fit.maximum, white, Eigen::VectorXd::Unit(start.size(), i)));
-  return fit;
-}
-
-/// Intervals about `value` at the offsets given, through a monotone function.
-void set_intervals(Estimate& e, const Interval& offset68, const Interval& offset95, auto&& value_of) {
-  const auto ordered = [&](const Interval& i) {
-    const double a = value_of(i.lo), b = value_of(i.hi);
-    return Interval{std::min(a, b), std::max(a, b)};
-  };
-  e.ci68 = ordered(offset68);
-  e.ci95 = ordered(offset95);
-}
-
-Estimate peak_estimate(const WindowFit& fit) {
-  Estimate e = normal_estimate(fit.maximum.x[0], std::sqrt(fit.covariance(0, 0)));
-  if (fit.profiles.empty() || !fit.profiles[0]) return e;
-  const auto at = [&](double offset) { return e.value + offset; };
-  set_intervals(e, fit.profiles[0]->offset68, fit.profiles[0]->offset95, at);
-  e.interval_method = "profile";
-  return e;
-}
-
-/// 1/b from log b, i = 1 below, 2 above: intervals are those of the logarithm.
-Estimate slope_estimate(const WindowFit& fit, Eigen::Index i) {
-  constexpr double k95 = 1.959963984540054;
-  constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
-  const double se = std::sqrt(fit.covariance(i, i)), slope = std::exp(-fit.maximum.x[i]);
-  Estimate e = normal_estimate(slope, slope * se);
-  const auto& profile = fit.profiles.empty() ? std::nullopt : fit.profiles[static_cast<std::size_t>(i)];
-  const auto at = [&](double offset) { return slope * std::exp(-offset); };
-  set_intervals(e, profile ? profile->offset68 : Interval{-se, se},
-                profile ? profile->offset95 : Interval{-k95 * se, k95 * se}, at);
-  if (profile) e.interval_method = "profile";
-  e.identified = se < kKnownToAFactor2;
-  return e;
-}
-
-void describe(HistogramFit& result, const LawData& data) {
-  const WindowFit fit = fit_window(data, ScatterKind::asymmetric_laplace);
+void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
   const Eigen::VectorXd& theta = fit.maximum.x;
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   if (!fit.maximum.converged) result.message = "the search did not converge";
   result.peak_eps = peak_estimate(fit);
   result.slope_rising = slope_estimate(fit, 1);
   result.slope_falling = slope_estimate(fit, 2);
+  result.slope_ratio = slope_ratio_estimate(fit);
   if (!result.slope_rising->identified || !result.slope_falling->identified) {
     if (fit.maximum.converged) result.status = FitStatus::not_identifiable;
     result.message = "the scatter is narrower than the timing error: its slopes are not identifiable";
@@ -164,36 +85,100 @@ void describe(HistogramFit& result, const LawData& data) {
     result.ndf = chi2->ndf;
     result.p_value = chi2->p_value;
   }
-  const WindowFit normal = fit_window(data, ScatterKind::normal);
-  if (normal.maximum.converged && fit.maximum.converged)
-    result.delta_aic_gaussian = 2.0 * (2.0 - normal.maximum.loglik) - 2.0 * (3.0 - fit.maximum.loglik);
   result.curve = density_curve(data, theta, result.bins);
+}
+
+void compare_with_other_densities(HistogramFit& result, const LawData& data, const WindowFit& fit) {
+  if (!fit.maximum.converged) return;
+  const WindowFit normal = fit_window(data, ScatterKind::normal);
+  if (normal.maximum.converged)
+    result.delta_aic_gaussian = 2.0 * (2.0 - normal.maximum.loglik) - 2.0 * (3.0 - fit.maximum.loglik);
+  const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
+  if (symmetric.maximum.converged)
+    result.p_equal_slopes = chi2_survival(std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
+  result.shapes =
+      fit_shapes(result.bins, data.tau, {fit.maximum.x[0], std::exp(fit.maximum.x[1]), std::exp(fit.maximum.x[2])});
+}
+
+/// Differences of AIC beyond which one shape is called better (Burnham & Anderson, 2002: "essentially no support").
+constexpr double kDecided = 10.0;
+
+const char* in_words(const std::string& shape) {
+  if (shape == "two_exponentials") return "two exponentials";
+  if (shape == "student_t") return "a Student t";
+  return shape == "gumbel" ? "a Gumbel" : "a normal";
+}
+
+std::string verdict(const HistogramFit& h) {
+  if (h.shapes.empty()) return {};
+  const auto best = std::min_element(h.shapes.begin(), h.shapes.end(),
+                                     [](const ShapeFit& a, const ShapeFit& b) { return a.delta_aic < b.delta_aic; });
+  std::string rivals;
+  for (const ShapeFit& s : h.shapes)
+    if (&s != &*best && s.delta_aic - best->delta_aic < kDecided)
+      rivals += (rivals.empty() ? "" : " or ") + std::string(in_words(s.shape));
+  std::string text = rivals.empty() ? std::string(in_words(best->shape)) + " describe" +
+                                          (best->shape == "two_exponentials" ? "" : "s") + " it best"
+                                    : std::string(in_words(best->shape)) + ", not to be told from " + rivals;
+  if (best->p_value && *best->p_value < 1e-3) text += ", though not within the errors";
+  if (h.p_equal_slopes && best->shape == "two_exponentials")
+    text += *h.p_equal_slopes < 1e-3 ? "; the slopes differ" : "; the slopes may be equal";
+  return text;
+}
+
+HistogramFit fit_histogram(const RestitutionSamples& samples, double centre, double width, std::size_t n_min,
+                           const LawFit& law) {
+  HistogramFit result;
+  result.v_mps = centre;
+  result.v_lo_mps = centre - 0.5 * width;
+  result.v_hi_mps = centre + 0.5 * width;
+  const LawData data = window_data(samples, result.v_lo_mps, result.v_hi_mps, centre, law);
+  result.n = data.size();
+  if (result.n > 0) result.bins = bins_of(data.eps);
+  if (result.n < std::max<std::size_t>(n_min, 5)) {
+    result.message = std::to_string(result.n) + " samples: at least " + std::to_string(n_min) + " are needed";
+    return result;
+  }
+  const WindowFit fit = fit_window(data, ScatterKind::asymmetric_laplace);
+  fit_two_exponentials(result, data, fit);
+  compare_with_other_densities(result, data, fit);
+  result.verdict = verdict(result);
+  return result;
+}
+
+/// The narrowest that gives the median window enough samples.
+double chosen_width_mps(const RestitutionSamples& samples, const std::vector<double>& centres_mps) {
+  constexpr std::size_t kEnough = 1000;
+  for (const double width : {0.02, 0.05, 0.1}) {
+    std::vector<std::size_t> counts;
+    for (const double centre : centres_mps)
+      counts.push_back(static_cast<std::size_t>(std::count_if(
+          samples.begin(), samples.end(), [&](const auto& s) { return std::abs(s.v_mps - centre) < 0.5 * width; })));
+    std::sort(counts.begin(), counts.end());
+    if (!counts.empty() && counts[counts.size() / 2] >= kEnough) return width;
+  }
+  return 0.2;
+}
+
+void check(const HistogramConfig& config) {
+  if (!(config.width_mps >= 0.0))
+    throw InvalidArgument("width of the histograms' windows " + std::to_string(config.width_mps) +
+                          " m/s: must be positive, or 0 to have it chosen");
+  for (const double centre : config.centres_mps)
+    if (!(centre > 0.0))
+      throw InvalidArgument("centre of a histogram's window " + std::to_string(centre) + " m/s: must be positive");
 }
 
 }  // namespace
 
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law) {
-  if (!(config.width_mps > 0.0))
-    throw InvalidArgument("width of the histograms' windows " + std::to_string(config.width_mps) +
-                          " m/s: must be positive");
-  std::vector<HistogramFit> results;
-  for (const double centre : config.centres_mps) {
-    HistogramFit result;
-    result.v_mps = centre;
-    result.v_lo_mps = centre - 0.5 * config.width_mps;
-    result.v_hi_mps = centre + 0.5 * config.width_mps;
-    if (!(centre > 0.0))
-      throw InvalidArgument("centre of a histogram's window " + std::to_string(centre) + " m/s: must be positive");
-    const LawData data = window_data(samples, result.v_lo_mps, result.v_hi_mps, centre, law);
-    result.n = data.size();
-    if (result.n > 0) result.bins = bins_of(data.eps);
-    if (result.n < std::max<std::size_t>(config.n_min, 5))
-      result.message = std::to_string(result.n) + " samples: at least " + std::to_string(config.n_min) + " are needed";
-    else
-      describe(result, data);
-    results.push_back(std::move(result));
-  }
+  check(config);
+  const double width = config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(samples, config.centres_mps);
+  std::vector<HistogramFit> results(config.centres_mps.size());
+  tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
+    results[i] = fit_histogram(samples, config.centres_mps[i], width, config.n_min, law);
+  });
   return results;
 }
 

@@ -8,25 +8,40 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <mutex>
 
 namespace bouncelab {
 namespace {
+
+/// One evaluation: each costs a pass over all samples, and the solver asks for the same point more than once.
+struct Evaluated {
+  Eigen::VectorXd y, gradient_by_y;
+  double loglik = 0.0;
+};
 
 /// The negative log-likelihood of y, x = start + whitening y, less its value at the start.
 class WhitenedCost final : public ceres::FirstOrderFunction {
  public:
   WhitenedCost(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& whitening,
-               double loglik_at_start, int& n_evaluations)
-      : loglik_(loglik), start_(start), whitening_(whitening), at_start_(loglik_at_start), n_(n_evaluations) {}
+               double loglik_at_start, Evaluated& last, int& n_evaluations)
+      : loglik_(loglik),
+        start_(start),
+        whitening_(whitening),
+        at_start_(loglik_at_start),
+        last_(last),
+        n_(n_evaluations) {}
 
   bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
     const Eigen::Map<const Eigen::VectorXd> y(parameters, start_.size());
-    Eigen::VectorXd by_x;
-    ++n_;
-    const double value = loglik_(start_ + whitening_ * y, gradient ? &by_x : nullptr);
-    if (!std::isfinite(value)) return false;
-    *cost = at_start_ - value;
-    if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, start_.size()) = -whitening_.transpose() * by_x;
+    if (last_.y != y) {
+      Eigen::VectorXd by_x;
+      ++n_;
+      const double value = loglik_(start_ + whitening_ * y, &by_x);
+      if (!std::isfinite(value)) return false;
+      last_ = {y, whitening_.transpose() * by_x, value};
+    }
+    *cost = at_start_ - last_.loglik;
+    if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, start_.size()) = -last_.gradient_by_y;
     return true;
   }
   int NumParameters() const override { return static_cast<int>(start_.size()); }
@@ -36,19 +51,30 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
   const Eigen::VectorXd& start_;
   const Eigen::MatrixXd& whitening_;
   double at_start_;
+  Evaluated& last_;
   int& n_;
 };
 
-/// Ceres comments on degenerate line searches on standard error; what the search came to is in its result.
+/// Ceres comments on degenerate line searches on standard error; what the search came to is in its result. Searches run
+/// side by side: the first silences, the last restores.
 class QuietCeres {
  public:
-  QuietCeres() : level_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_ERROR; }
-  ~QuietCeres() { FLAGS_minloglevel = level_; }
+  QuietCeres() {
+    const std::lock_guard lock(mutex_);
+    if (n_searches_++ > 0) return;
+    level_ = FLAGS_minloglevel;
+    FLAGS_minloglevel = google::GLOG_ERROR;
+  }
+  ~QuietCeres() {
+    const std::lock_guard lock(mutex_);
+    if (--n_searches_ == 0) FLAGS_minloglevel = level_;
+  }
   QuietCeres(const QuietCeres&) = delete;
   QuietCeres& operator=(const QuietCeres&) = delete;
 
  private:
-  int level_;
+  static inline std::mutex mutex_;
+  static inline int n_searches_ = 0, level_ = 0;
 };
 
 ceres::GradientProblemSolver::Options solver_options(double tolerance) {
@@ -77,20 +103,22 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
                  double tolerance) {
   Maximum result;
   result.x = start;
-  result.loglik = loglik(start, nullptr);
+  Eigen::VectorXd gradient;
+  result.loglik = loglik(start, &gradient);
   result.n_evaluations = 1;
   if (!std::isfinite(result.loglik)) return result;
   const Eigen::MatrixXd white = whitening(information, 1e-6);
-  const double at_start = result.loglik;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
-  ceres::GradientProblem problem(new WhitenedCost(loglik, start, white, at_start, result.n_evaluations));
+  Evaluated last{y, white.transpose() * gradient, result.loglik};
+  const WhitenedCost cost(loglik, start, white, result.loglik, last, result.n_evaluations);
+  ceres::GradientProblem problem(new WhitenedCost(cost));
   ceres::GradientProblemSolver::Summary summary;
   const QuietCeres quiet;
   ceres::Solve(solver_options(tolerance), problem, y.data(), &summary);
   result.x = start + white * y;
-  Eigen::VectorXd gradient;
-  result.loglik = loglik(result.x, &gradient);
-  result.gain_left = 0.5 * (white.transpose() * gradient).squaredNorm();
+  if (double ignored = 0.0; last.y != y && !cost.Evaluate(y.data(), &ignored, nullptr)) return result;
+  result.loglik = last.loglik;
+  result.gain_left = 0.5 * last.gradient_by_y.squaredNorm();
   result.converged = summary.IsSolutionUsable() && result.gain_left < 1e-4;
   return result;
 }

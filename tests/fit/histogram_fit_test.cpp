@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -23,6 +24,8 @@ LawFit truth_of(const SyntheticRun& run) {
   return law;
 }
 
+double width_of(const std::vector<HistogramFit>& fits) { return fits[0].v_hi_mps - fits[0].v_lo_mps; }
+
 TEST(HistogramFit, RecoversSlopesAndPeakFreeOfTimingNoise) {
   // noise from none to twice the scatter; in every window each estimate within 4.5 of its standard errors
   for (const double noise : {0.0, 5e-4, 1e-3}) {
@@ -38,6 +41,86 @@ TEST(HistogramFit, RecoversSlopesAndPeakFreeOfTimingNoise) {
       EXPECT_GT(*h.p_value, 1e-5);
     }
   }
+}
+
+TEST(HistogramFit, RatioOfSlopesIsCoveredByItsIntervals) {
+  // eight windows of 12 seeds: 95 % good to 2.2 points, 68 % to 4.7; three standard errors
+  for (const double noise : {0.0, 5e-4}) {
+    double in68 = 0.0, in95 = 0.0, n = 0.0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+      SyntheticRun run;
+      run.seed = seed;
+      const double truth = run.below_at_1mps / run.above_at_1mps;
+      for (const auto& h : fit_histograms(independent_samples(run, 6000, 0.2, 1.4, noise), {}, truth_of(run))) {
+        in68 += h.slope_ratio->ci68->lo <= truth && truth <= h.slope_ratio->ci68->hi;
+        in95 += h.slope_ratio->ci95->lo <= truth && truth <= h.slope_ratio->ci95->hi;
+        n += 1.0;
+      }
+    }
+    EXPECT_NEAR(in68 / n, 0.683, 0.142) << noise;
+    EXPECT_NEAR(in95 / n, 0.95, 0.067) << noise;
+  }
+}
+
+TEST(HistogramFit, EqualSlopesAreCalledEqualAndUnequalOnesNot) {
+  SyntheticRun run;
+  for (const auto& h : fit_histograms(independent_samples(run, 40000, 0.2, 1.4, 0.0), {}, truth_of(run)))
+    EXPECT_LT(*h.p_equal_slopes, 1e-3);  // 4 : 3 at 2000 to 7000 samples: 6 standard errors and more
+  run.above_at_1mps = run.below_at_1mps;
+  for (const auto& h : fit_histograms(independent_samples(run, 40000, 0.2, 1.4, 0.0), {}, truth_of(run)))
+    EXPECT_GT(*h.p_equal_slopes, 1e-3);
+}
+
+const ShapeFit& shape_named(const HistogramFit& h, const std::string& name) {
+  return *std::find_if(h.shapes.begin(), h.shapes.end(), [&](const auto& s) { return s.shape == name; });
+}
+
+TEST(HistogramFit, FindsTheShapeThatTheScatterHas) {
+  const std::pair<Scatter, std::string> cases[] = {{Scatter::asymmetric_laplace, "two_exponentials"},
+                                                   {Scatter::normal, "normal"},
+                                                   {Scatter::gumbel, "gumbel"},
+                                                   {Scatter::student_t3, "student_t"}};
+  for (const double noise : {0.0, 1e-4})
+    for (const auto& [scatter, name] : cases) {
+      SyntheticRun run;
+      run.scatter = scatter;
+      HistogramConfig config;
+      config.centres_mps = {0.3, 0.5};  // some 5000 and 3000 samples: enough to decide
+      for (const auto& h : fit_histograms(independent_samples(run, 30000, 0.2, 1.4, noise), config, truth_of(run))) {
+        SCOPED_TRACE(name + " " + std::to_string(h.v_mps));
+        ASSERT_EQ(h.shapes.size(), 4u);
+        const ShapeFit& right = shape_named(h, name);
+        EXPECT_EQ(right.status, FitStatus::ok);
+        EXPECT_GT(*right.p_value, 1e-5);
+        for (const ShapeFit& other : h.shapes) {
+          if (&other == &right) continue;
+          // a Student t of many degrees of freedom is a normal with one parameter more
+          const bool contains = name == "normal" && other.shape == "student_t";
+          EXPECT_GT(other.delta_aic - right.delta_aic, contains ? -8.0 : 10.0) << other.shape;
+        }
+      }
+    }
+}
+
+TEST(HistogramFit, BinnedFitAgreesWithTheUnbinned) {
+  // the same samples, so the difference is what the bins lose: small against the standard error
+  for (const double noise : {0.0, 3e-4})
+    for (const auto& h : fit_histograms(independent_samples({}, 40000, 0.2, 1.4, noise), {}, truth_of({}))) {
+      const auto& binned = shape_named(h, "two_exponentials").parameters;
+      EXPECT_NEAR(binned[0].estimate.value, h.peak_eps->value, 1.5 * *h.peak_eps->se) << h.v_mps;
+      EXPECT_NEAR(binned[1].estimate.value, h.slope_rising->value, *h.slope_rising->se) << h.v_mps;
+      EXPECT_NEAR(binned[2].estimate.value, h.slope_falling->value, *h.slope_falling->se) << h.v_mps;
+      EXPECT_NEAR(*binned[1].estimate.se / *h.slope_rising->se, 1.0, 0.15);
+    }
+}
+
+TEST(HistogramFit, WidthIsChosenByCounts) {
+  HistogramConfig config;
+  config.width_mps = 0.0;
+  // log-uniform speeds: n width / (v log 7) in a window; 1000 at .6 to .7 m/s in .02 from 63,000 samples
+  EXPECT_NEAR(width_of(fit_histograms(independent_samples({}, 90000, 0.2, 1.4, 0.0), config, {})), 0.02, 1e-12);
+  EXPECT_NEAR(width_of(fit_histograms(independent_samples({}, 30000, 0.2, 1.4, 0.0), config, {})), 0.05, 1e-12);
+  EXPECT_NEAR(width_of(fit_histograms(independent_samples({}, 500, 0.2, 1.4, 0.0), config, {})), 0.2, 1e-12);
 }
 
 TEST(HistogramFit, TellsLaplaceFromNormalBothWays) {
@@ -88,7 +171,7 @@ TEST(HistogramFit, SaysWhereNoiseHidesTheSlopes) {
 }
 
 TEST(HistogramFit, RejectsBadWindows) {
-  EXPECT_THROW(fit_histograms({}, {{0.5}, 0.0, 30}, {}), InvalidArgument);
+  EXPECT_THROW(fit_histograms({}, {{0.5}, -0.1, 30}, {}), InvalidArgument);
   EXPECT_THROW(fit_histograms({}, {{-0.5}, 0.1, 30}, {}), InvalidArgument);
 }
 

@@ -32,8 +32,12 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
   app.add_option("--hand-off-speed", options.config.hand_off_speed_mps,
                  "Speed of the constant eps for DEM codes, m/s; default the middle node")
       ->check(CLI::PositiveNumber);
-  app.add_option("--window-width", options.config.histograms.width_mps, "Width of the histograms' windows, m/s")
-      ->check(CLI::PositiveNumber);
+  app.add_option("--windows", options.config.histograms.centres_mps, "Centres of the histograms' windows of speed, m/s")
+      ->check(CLI::PositiveNumber)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--window-width", options.config.histograms.width_mps,
+                 "Width of the histograms' windows, m/s; 0: chosen by the number of samples")
+      ->check(CLI::NonNegativeNumber);
 }
 
 std::string describe(const FitResult& result) {
@@ -44,8 +48,8 @@ std::string describe(const FitResult& result) {
     for (const NamedEstimate& p : law->parameters) text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));
   for (const HistogramFit& h : result.histograms)
     if (h.slope_rising && h.slope_falling)
-      text += fmt::format("p(eps) at {:.2g} m/s: slopes {} rising, {} falling\n", h.v_mps, with_error(*h.slope_rising),
-                          with_error(*h.slope_falling));
+      text += fmt::format("p(eps) at {:.2g} m/s: slopes {} rising, {} falling; {}\n", h.v_mps,
+                          with_error(*h.slope_rising), with_error(*h.slope_falling), h.verdict);
   return text;
 }
 

@@ -13,7 +13,8 @@ namespace bouncelab {
 
 struct HistogramConfig {
   std::vector<double> centres_mps{0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
-  double width_mps = 0.1;  ///< full width of each window, > 0
+  /// Full width of each window; 0: the narrowest of 0.02, 0.05, 0.1, 0.2 m/s with 1000 samples in the median window.
+  double width_mps = 0.1;
   std::size_t n_min = 30;  ///< fewer samples: no fit
 };
 
@@ -23,6 +24,25 @@ struct Bins {
   std::vector<std::size_t> counts;
   std::size_t underflow = 0;
   std::size_t overflow = 0;
+};
+
+/// One shape of p(eps), fitted to the counts of the bins (under- and overflow are bins too) by maximum likelihood, each
+/// shape blurred by the timing errors of the window's samples.
+///
+///   two_exponentials  as HistogramFit: peak, slope_rising, slope_falling
+///   normal            mean, sd
+///   gumbel            mode, scale (negative: the long tail points to low eps), density exp(-z - exp(-z)) / |scale|
+///   student_t         location, scale, nu
+struct ShapeFit {
+  std::string shape;
+  FitStatus status = FitStatus::not_converged;
+  std::vector<NamedEstimate> parameters;  ///< with errors from the binned likelihood's information
+  double loglik = 0.0;                    ///< multinomial, without its constant, which all shapes share
+  double delta_aic = 0.0;  ///< AIC less that of the two exponentials on the same bins: > 0 speaks against this shape
+  std::optional<double> chi2;      ///< Pearson's, bins with fewer than 5 expected joined to their neighbours
+  std::optional<std::size_t> ndf;  ///< bins less one less parameters
+  std::optional<double> p_value;
+  std::vector<double> expected;  ///< counts of Bins::counts that it expects
 };
 
 /// p(eps) in a window of speeds: the paper's two exponentials.
@@ -37,16 +57,20 @@ struct HistogramFit {
   double v_mps = 0.0;  ///< centre of the window, where slopes and peak refer to
   std::size_t n = 0;
   std::optional<Estimate> peak_eps, slope_rising, slope_falling;  ///< slopes per unit eps, both positive
+  std::optional<Estimate> slope_ratio;                            ///< falling over rising: 1 if p(eps) is symmetric
+  std::optional<double> p_equal_slopes;                           ///< likelihood ratio against one slope for both sides
   std::optional<double> loglik, chi2, p_value;                    ///< Pearson's chi2 in bins of equal probability
   std::optional<std::size_t> ndf;
   std::optional<double> delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0 speaks against the normal
   Bins bins;
   std::vector<CurvePoint> curve;  ///< fitted density, timing error included
+  std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t
+  std::string verdict;            ///< which of the shapes describes the window, in words
 };
 
 /// @param law  its drift of eps(v) and of the scatter within each window is taken out before the fit, so that peak and
 ///             slopes refer to the window's centre; where law.law is absent the samples are taken as they are
-/// @throws InvalidArgument where a centre or the width is not positive
+/// @throws InvalidArgument where a centre is not positive or the width negative
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law);
 
