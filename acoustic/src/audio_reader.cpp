@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -18,7 +20,9 @@ namespace {
 
 constexpr double kLowestRate_hz = 4e3;  // below, a contact of steel on glass (30 us) leaves nothing to time
 constexpr double kHighestRate_hz = 4e6;
-constexpr std::int64_t kFramesAtOnce = 1 << 14;  // 64 kB of one channel: stays in the cache
+constexpr std::int64_t kFramesAtOnce = 1 << 14;   // 64 kB of one channel: stays in the cache
+constexpr std::uint32_t kExponent = 0x7f800000;   // of a float
+constexpr std::int64_t kMostHeldWhole = 1 << 24;  // samples, 64 MB: decoded once where a recording is no longer
 
 /// The ISO base media signature of m4a, mp4, mov.
 bool is_mpeg4(const std::filesystem::path& path) {
@@ -85,7 +89,9 @@ struct AudioReader::State {
   }
 
   void fill_buffer(std::int64_t first) {
-    const std::int64_t n = std::min(kFramesAtOnce, format.n_frames - first);
+    const bool whole = format.n_frames * format.n_channels <= kMostHeldWhole;
+    if (whole) first = 0;
+    const std::int64_t n = whole ? format.n_frames : std::min(kFramesAtOnce, format.n_frames - first);
     if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
       throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
     buffered.resize(static_cast<std::size_t>(n * format.n_channels));
@@ -102,10 +108,10 @@ struct AudioReader::State {
   }
 
   void check_finite() const {
-    // a sum is not finite when a term is not: one cheap pass, the search only where there is something to find
-    float sum = 0.0F;
-    for (const float x : buffered) sum += 0.0F * x;
-    if (sum == 0.0F) return;
+    // all exponent bits set is how infinity and NaN are written: one pass of integers
+    std::uint32_t n_bad = 0;
+    for (const float x : buffered) n_bad += (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 1 : 0;
+    if (n_bad == 0) return;
     const auto bad = std::find_if(buffered.begin(), buffered.end(), [](float x) { return !std::isfinite(x); });
     const std::int64_t index = bad - buffered.begin();
     const std::int64_t frame = buffered_first + index / format.n_channels;
@@ -160,7 +166,8 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
     }
     const std::int64_t n_here = std::min(n - done, s.buffered_first + n_buffered - at);
     const float* from = s.buffered.data() + (at - s.buffered_first) * s.format.n_channels + channel;
-    for (std::int64_t k = 0; k < n_here; ++k) out[done + k] = from[k * s.format.n_channels];
+    if (s.format.n_channels == 1) std::copy_n(from, n_here, out.begin() + done);
+    for (std::int64_t k = 0; k < n_here && s.format.n_channels > 1; ++k) out[done + k] = from[k * s.format.n_channels];
     done += n_here;
   }
 }

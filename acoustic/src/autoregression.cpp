@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "bouncelab/core/units.hpp"
+#include "products.hpp"
 
 namespace bouncelab {
 namespace {
@@ -34,19 +35,6 @@ std::vector<float> hann(std::size_t n) {
   return window;
 }
 
-float dot(const float* a, const float* b, std::size_t n) {
-  // four partial sums: the compiler may vectorise without reordering what we wrote
-  constexpr std::size_t kLanes = 16;
-  float lane[kLanes] = {};
-  std::size_t k = 0;
-  for (; k + kLanes <= n; k += kLanes)
-    for (std::size_t j = 0; j < kLanes; ++j) lane[j] += a[k + j] * b[k + j];
-  float sum = 0.0F;
-  for (const float x : lane) sum += x;
-  for (; k < n; ++k) sum += a[k] * b[k];
-  return sum;
-}
-
 /// One frame's autocorrelation over its energy.
 struct Frame {
   double energy = 0.0;
@@ -71,10 +59,10 @@ std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
     for (std::size_t at = 1; at + n_frame <= n_here; at += n_frame) {
       for (std::size_t k = 0; k < n_frame; ++k) x[k] = window[k] * (block[at + k] - block[at + k - 1]);
       Frame frame;
-      frame.energy = dot(x.data(), x.data(), n_frame);
+      frame.energy = dot(x, x);
       if (frame.energy <= 0.0) continue;
       for (std::size_t lag = 0; lag <= order; ++lag)
-        frame.r.push_back(dot(x.data(), x.data() + lag, n_frame - lag) / frame.energy);
+        frame.r.push_back(dot(x, std::span(x).subspan(lag)) / frame.energy);
       frames.push_back(std::move(frame));
     }
   }
@@ -146,23 +134,8 @@ void read_innovations(const Sound& sound, const Autoregression& model, std::int6
   const std::size_t order = model.filter.size() - 1;
   std::vector<float> x(out.size() + order);
   read_padded(sound, first - static_cast<std::int64_t>(order), x);
-  // eight outputs at once: each coefficient is loaded once for all of them
-  constexpr std::size_t kAtOnce = 8;
-  std::size_t n = 0;
-  for (; n + kAtOnce <= out.size(); n += kAtOnce) {
-    float sum[kAtOnce] = {};
-    for (std::size_t k = 0; k <= order; ++k) {
-      const float c = model.filter[k];
-      const float* from = x.data() + n + order - k;
-      for (std::size_t j = 0; j < kAtOnce; ++j) sum[j] += c * from[j];
-    }
-    std::copy_n(sum, kAtOnce, out.begin() + static_cast<std::ptrdiff_t>(n));
-  }
-  for (; n < out.size(); ++n) {
-    float sum = 0.0F;
-    for (std::size_t k = 0; k <= order; ++k) sum += model.filter[k] * x[n + order - k];
-    out[n] = sum;
-  }
+  const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
+  correlate(x, taps, out);
 }
 
 double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz) {

@@ -5,7 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+
+#include "vector_clones.hpp"
 
 namespace bouncelab {
 namespace {
@@ -13,131 +14,175 @@ namespace {
 constexpr double kHop_s = 0.125e-3;
 constexpr std::array<std::int64_t, 3> kAfterHops{3, 12, 48};
 constexpr std::int64_t kBeforeFactor = 3;  // three times as long before: the background is known better than the rise
-constexpr std::int64_t kMarginHops = kBeforeFactor * 48 + 64;
 constexpr std::int64_t kApartHops = 4;
 // P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one in 3 s
 constexpr double kThreshold = 8.0;
-constexpr std::int64_t kBlockHops = 1 << 13;
+constexpr std::int64_t kBlockHops = 1 << 12;
+// so far over a block's ends candidates are looked for, so that they rule each other out alike in whatever block
+constexpr std::int64_t kOverlapHops = 128;
+constexpr std::int64_t kMarginHops = kOverlapHops + kBeforeFactor * kAfterHops.back() + 2 * kApartHops;
 
 /// Log of the likelihood ratio of two variances against one; 0 where there is no rise.
 double rise_ratio(double sum_before, double n_before, double sum_after, double n_after) {
   const double before = sum_before / n_before;
   const double after = sum_after / n_after;
-  if (after < 1.2 * before) return 0.0;  // cannot pass the threshold in the shorter windows; saves the logarithms
+  if (after <= before) return 0.0;
   const double all = (sum_before + sum_after) / (n_before + n_after);
   return 0.5 * ((n_before + n_after) * std::log(all) - n_before * std::log(before) - n_after * std::log(after));
 }
 
-/// Innovations of one block of hops with margins, and their running energy.
+/// after / before at which the likelihood ratio reaches the threshold: it grows with after / before and depends on
+/// nothing else, so that most places need no logarithm.
+double least_rise(double n_after) {
+  const double n_before = kBeforeFactor * n_after;
+  double lo = 1.0;
+  double hi = 1e12;
+  for (int k = 0; k < 200 && hi - lo > 1e-9 * lo; ++k) {
+    const double middle = std::sqrt(lo * hi);
+    (rise_ratio(n_before, n_before, middle * n_after, n_after) < kThreshold ? lo : hi) = middle;
+  }
+  return hi;
+}
+
+BOUNCELAB_VECTOR_CLONES void rises_over(const double* before, const double* here, const double* after, std::size_t n,
+                                        double* rise) {
+  for (std::size_t k = 0; k < n; ++k)
+    rise[k] = static_cast<double>(kBeforeFactor) * (after[k] - here[k]) / (here[k] - before[k]);
+}
+
+/// Innovations of one block of hops with margins, and their running energy from hop to hop.
 class Block {
  public:
   Block(const Sound& sound, const Autoregression& model, std::int64_t hop, std::int64_t first_hop, std::int64_t n_hops)
-      : hop_(hop), first_sample_((first_hop - kMarginHops) * hop), u_((n_hops + 2 * kMarginHops) * hop) {
+      : hop_(hop),
+        first_hop_(first_hop - kMarginHops),
+        // background never below a hundredth of the quiet level: digital silence is no background
+        floor_(0.01 * model.quiet_variance),
+        u_(static_cast<std::size_t>((n_hops + 2 * kMarginHops) * hop)),
+        running_(static_cast<std::size_t>(n_hops + 2 * kMarginHops) + 1) {
     read_innovations_padded(sound, model);
-    running_.resize(u_.size() + 1);
-    running_[0] = 0.0;
-    // background never below a hundredth of the quiet level: digital silence is no background
-    const double floor = 0.01 * model.quiet_variance;
-    for (std::size_t k = 0; k < u_.size(); ++k)
-      running_[k + 1] = running_[k] + static_cast<double>(u_[k]) * u_[k] + floor;
-  }
-
-  double energy(std::int64_t from_sample, std::int64_t to_sample) const {
-    return running_[static_cast<std::size_t>(to_sample - first_sample_)] -
-           running_[static_cast<std::size_t>(from_sample - first_sample_)];
-  }
-
-  /// Rise at the start of a hop, in windows of one scale.
-  double statistic(std::int64_t hop_index, std::int64_t after_hops) const {
-    const std::int64_t at = hop_index * hop_;
-    const std::int64_t after = after_hops * hop_;
-    const std::int64_t before = kBeforeFactor * after;
-    return rise_ratio(energy(at - before, at), static_cast<double>(before), energy(at, at + after),
-                      static_cast<double>(after));
-  }
-
-  /// The sample at which the change of variance is most likely. The statistic of a short pulse is flat as long as the
-  /// pulse lies in the window, so the search goes over all of it.
-  std::int64_t refine(std::int64_t hop_index, std::int64_t after_hops) const {
-    const std::int64_t first = (hop_index - kApartHops) * hop_;
-    const std::int64_t last = (hop_index + after_hops + 1) * hop_;
-    const std::int64_t begin = first - 2 * after_hops * hop_;
-    const std::int64_t end = last + after_hops * hop_;
-    std::int64_t best_sample = hop_index * hop_;
-    double best = 0.0;
-    for (std::int64_t n = first; n <= last; ++n) {
-      const double ratio =
-          rise_ratio(energy(begin, n), static_cast<double>(n - begin), energy(n, end), static_cast<double>(end - n));
-      if (ratio > best) {
-        best = ratio;
-        best_sample = n;
-      }
+    for (std::size_t k = 0; k + 1 < running_.size(); ++k) {
+      const float* x = u_.data() + static_cast<std::int64_t>(k) * hop;
+      float sum = 0.0F;
+      for (std::int64_t j = 0; j < hop; ++j) sum += x[j] * x[j];
+      running_[k + 1] = running_[k] + sum + floor_ * static_cast<double>(hop);
     }
-    return best_sample;
+  }
+
+  /// Mean square after over mean square before the start of each hop from `first` on, in windows of one scale.
+  std::vector<double> rise(std::int64_t first, std::size_t n, std::int64_t after_hops) const {
+    std::vector<double> rise(n);
+    const double* here = running_.data() + (first - first_hop_);
+    rises_over(here - kBeforeFactor * after_hops, here, here + after_hops, n, rise.data());
+    return rise;
+  }
+
+  /// Energies from sample to sample: out[k] = that of samples first ... first + k - 1.
+  std::vector<double> energies(std::int64_t first, std::int64_t last) const {
+    std::vector<double> sums{0.0};
+    sums.reserve(static_cast<std::size_t>(last - first) + 1);
+    for (const float* x = u_.data() + (first - first_hop_ * hop_); first < last; ++first, ++x)
+      sums.push_back(sums.back() + static_cast<double>(*x) * *x + floor_);
+    return sums;
   }
 
  private:
   void read_innovations_padded(const Sound& sound, const Autoregression& model) {
     // before the first and after the last sample there is nothing to judge by
-    const std::int64_t lo = std::max<std::int64_t>(0, first_sample_);
-    const std::int64_t hi =
-        std::min<std::int64_t>(sound.n_samples, first_sample_ + static_cast<std::int64_t>(u_.size()));
-    if (hi > lo) read_innovations(sound, model, lo, std::span(u_).subspan(lo - first_sample_, hi - lo));
+    const std::int64_t first = first_hop_ * hop_;
+    const std::int64_t lo = std::max<std::int64_t>(0, first);
+    const std::int64_t hi = std::min<std::int64_t>(sound.n_samples, first + static_cast<std::int64_t>(u_.size()));
+    if (hi > lo) read_innovations(sound, model, lo, std::span(u_).subspan(lo - first, hi - lo));
     const auto level = static_cast<float>(std::sqrt(model.quiet_variance));
-    std::fill(u_.begin(), u_.begin() + (lo - first_sample_), level);
-    std::fill(u_.begin() + std::max<std::int64_t>(0, hi - first_sample_), u_.end(), level);
+    std::fill(u_.begin(), u_.begin() + (lo - first), level);
+    std::fill(u_.begin() + std::max<std::int64_t>(0, hi - first), u_.end(), level);
   }
 
   std::int64_t hop_;
-  std::int64_t first_sample_;
+  std::int64_t first_hop_;  // of the margin
+  double floor_;
   std::vector<float> u_;
   std::vector<double> running_;
 };
 
+/// The sample at which the change of variance is most likely. The statistic of a short pulse is flat as long as the
+/// pulse lies in the window, so the search goes over all of it.
+std::int64_t refine(const Block& block, std::int64_t hop, std::int64_t hop_index, std::int64_t after_hops) {
+  const std::int64_t first = (hop_index - kApartHops) * hop;
+  const std::int64_t last = (hop_index + after_hops + 1) * hop;
+  const std::int64_t begin = first - 2 * after_hops * hop;
+  const std::int64_t end = last + after_hops * hop;
+  const std::vector<double> sums = block.energies(begin, end);
+  std::int64_t best_sample = hop_index * hop;
+  double best = 0.0;
+  for (std::int64_t n = first; n <= last; ++n) {
+    const double before = sums[static_cast<std::size_t>(n - begin)];
+    const double ratio =
+        rise_ratio(before, static_cast<double>(n - begin), sums.back() - before, static_cast<double>(end - n));
+    if (ratio > best) {
+      best = ratio;
+      best_sample = n;
+    }
+  }
+  return best_sample;
+}
+
 double added_amplitude(const Block& block, std::int64_t at, std::int64_t hop, double quiet_variance) {
+  const std::int64_t longest = kAfterHops.back() * hop;
+  const std::vector<double> sums = block.energies(at - kBeforeFactor * longest, at + longest);
+  const auto here = sums.begin() + kBeforeFactor * longest;
   double best = 0.0;
   for (const std::int64_t after_hops : kAfterHops) {
     const std::int64_t after = after_hops * hop;
-    const double added = block.energy(at, at + after) - block.energy(at - kBeforeFactor * after, at) / kBeforeFactor;
+    const double added = *(here + after) - *here - (*here - *(here - kBeforeFactor * after)) / kBeforeFactor;
     best = std::max(best, added);
   }
   return std::sqrt(best / quiet_variance);
 }
 
-/// Local maxima of one scale's statistic within the block, as (hop, statistic).
-std::vector<std::pair<std::int64_t, double>> rises(const Block& block, std::int64_t first, std::int64_t n_hops,
-                                                   std::int64_t after_hops) {
-  std::vector<double> statistic(static_cast<std::size_t>(n_hops + 2 * kApartHops));
-  for (std::size_t k = 0; k < statistic.size(); ++k)
-    statistic[k] = block.statistic(first + static_cast<std::int64_t>(k) - kApartHops, after_hops);
-  std::vector<std::pair<std::int64_t, double>> found;
+struct Rise {
+  std::int64_t hop_index = 0;
+  double log_likelihood_ratio = 0.0;
+};
+
+/// Local maxima of one scale's statistic at the hops first ... first + n_hops - 1.
+std::vector<Rise> rises(const Block& block, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
+                        std::int64_t after_hops) {
+  const auto n_after = static_cast<double>(after_hops * hop);
+  const double least = least_rise(n_after);
+  const std::vector<double> rise =
+      block.rise(first - kApartHops, static_cast<std::size_t>(n_hops + 2 * kApartHops), after_hops);
+  std::vector<Rise> found;
   for (std::int64_t k = kApartHops; k < n_hops + kApartHops; ++k) {
-    const double here = statistic[static_cast<std::size_t>(k)];
-    if (here < kThreshold) continue;
-    const auto around = statistic.begin() + (k - kApartHops);
+    const double here = rise[static_cast<std::size_t>(k)];
+    if (here < least) continue;
+    const auto around = rise.begin() + (k - kApartHops);
     if (*std::max_element(around, around + 2 * kApartHops + 1) > here) continue;
-    found.emplace_back(first + k - kApartHops, here);
+    const double n_before = kBeforeFactor * n_after;
+    found.push_back({first + k - kApartHops, rise_ratio(n_before, n_before, here * n_after, n_after)});
   }
   return found;
 }
 
 /// Candidates of one block. A longer window speaks only where no shorter one has spoken within its reach: it is there
 /// for what is too faint for the shorter ones, and knows the time less well.
-void find_in_block(const Block& block, const Sound& sound, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
+void find_in_block(const Block& block, double rate_hz, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
                    double quiet_variance, std::vector<Candidate>& candidates) {
   std::vector<double> spoken_s;
   for (const std::int64_t after_hops : kAfterHops) {
-    const double reach_s = static_cast<double>(after_hops * hop) / sound.rate_hz;
-    const double apart_s = static_cast<double>(kApartHops * hop) / sound.rate_hz;
+    const double reach_s = static_cast<double>(after_hops * hop) / rate_hz;
+    const double apart_s = static_cast<double>(kApartHops * hop) / rate_hz;
     std::vector<double> new_s;
-    for (const auto& [hop_index, ratio] : rises(block, first, n_hops, after_hops)) {
-      const std::int64_t sample = block.refine(hop_index, after_hops);
-      const double t_s = static_cast<double>(sample) / sound.rate_hz;
+    for (const Rise& rise : rises(block, hop, first - kOverlapHops, n_hops + 2 * kOverlapHops, after_hops)) {
+      const std::int64_t sample = refine(block, hop, rise.hop_index, after_hops);
+      const double t_s = static_cast<double>(sample) / rate_hz;
       const auto next = std::lower_bound(spoken_s.begin(), spoken_s.end(), t_s - apart_s - reach_s);
       if (next != spoken_s.end() && *next <= t_s + apart_s + reach_s) continue;
       if (!new_s.empty() && t_s - new_s.back() < apart_s) continue;
       new_s.push_back(t_s);
-      candidates.push_back({t_s, added_amplitude(block, sample, hop, quiet_variance), reach_s + apart_s, ratio});
+      if (sample >= first * hop && sample < (first + n_hops) * hop)
+        candidates.push_back(
+            {t_s, added_amplitude(block, sample, hop, quiet_variance), reach_s + apart_s, rise.log_likelihood_ratio});
     }
     spoken_s.insert(spoken_s.end(), new_s.begin(), new_s.end());
     std::sort(spoken_s.begin(), spoken_s.end());
@@ -155,7 +200,7 @@ std::vector<Candidate> find_candidates(const Sound& sound, const Autoregression&
   for (std::int64_t first = 0; first < n_hops; first += kBlockHops) {
     const std::int64_t n_here = std::min(kBlockHops, n_hops - first);
     const Block block(sound, model, hop, first, n_here);
-    find_in_block(block, sound, hop, first, n_here, model.quiet_variance, candidates);
+    find_in_block(block, sound.rate_hz, hop, first, n_here, model.quiet_variance, candidates);
     if (progress)
       progress(static_cast<double>((first + n_here) * hop) / sound.rate_hz,
                static_cast<double>(sound.n_samples) / sound.rate_hz);

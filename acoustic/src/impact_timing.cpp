@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "products.hpp"
+
 namespace bouncelab {
 namespace {
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bouncelab/core/units.hpp"
+#include "products.hpp"
 #include "wave_template.hpp"
 
 namespace bouncelab {

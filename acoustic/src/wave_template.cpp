@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
+#include "products.hpp"
 
 namespace bouncelab {
 namespace {
@@ -35,19 +36,6 @@ double kernel(double x, double reach) {
 
 }  // namespace
 
-double dot(std::span<const float> a, std::span<const float> b) {
-  constexpr std::size_t kLanes = 16;
-  float lane[kLanes] = {};
-  const std::size_t n = std::min(a.size(), b.size());
-  std::size_t k = 0;
-  for (; k + kLanes <= n; k += kLanes)
-    for (std::size_t j = 0; j < kLanes; ++j) lane[j] += a[k + j] * b[k + j];
-  double sum = 0.0;
-  for (const float x : lane) sum += x;
-  for (; k < n; ++k) sum += static_cast<double>(a[k]) * b[k];
-  return sum;
-}
-
 FractionalShift::FractionalShift(double fraction) {
   // out[n] = sum_k tap[k] x[n + k], tap[k] = kernel(kReach + fraction - k)
   for (std::size_t k = 0; k < 2 * kReach; ++k)
@@ -56,12 +44,7 @@ FractionalShift::FractionalShift(double fraction) {
 
 void FractionalShift::apply(std::span<const float> x, std::span<float> out) const {
   assert(x.size() >= out.size() + 2 * kReach);
-  std::fill(out.begin(), out.end(), 0.0F);
-  for (std::size_t k = 0; k < 2 * kReach; ++k) {
-    const float c = tap_[k];
-    const float* from = x.data() + k;
-    for (std::size_t n = 0; n < out.size(); ++n) out[n] += c * from[n];
-  }
+  correlate(x, tap_, out);
 }
 
 WaveTemplate::WaveTemplate(std::vector<float> mean) : n_(mean.size()), mean_(std::move(mean)), phases_(kPhases) {

@@ -74,7 +74,4 @@ class WaveTemplate {
   std::vector<Phase> phases_;
 };
 
-/// Sum of products; partial sums side by side so that it vectorises.
-double dot(std::span<const float> a, std::span<const float> b);
-
 }  // namespace bouncelab

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "products.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstring>
+
+#include "vector_clones.hpp"
+
+namespace bouncelab {
+namespace {
+
+using Lanes = float __attribute__((vector_size(32)));  // one wide register, or two narrow ones
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
+constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
+constexpr std::size_t kAtOnce = kLanes * kChains;
+
+BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
+  std::array<Lanes, kChains> sum{};
+  for (std::size_t k = 0; k < n; k += kAtOnce)
+    for (std::size_t c = 0; c < kChains; ++c) {
+      Lanes x, y;
+      std::memcpy(&x, a + k + c * kLanes, sizeof x);
+      std::memcpy(&y, b + k + c * kLanes, sizeof y);
+      sum[c] += x * y;
+    }
+  std::memcpy(lanes, sum.data(), sizeof sum);
+}
+
+/// @param n  a multiple of kAtOnce
+BOUNCELAB_VECTOR_CLONES void correlate_blocks(const float* x, const float* taps, std::size_t n_taps, float* out,
+                                              std::size_t n) {
+  for (std::size_t at = 0; at < n; at += kAtOnce) {
+    std::array<Lanes, kChains> sum{};
+    for (std::size_t k = 0; k < n_taps; ++k)
+      for (std::size_t c = 0; c < kChains; ++c) {
+        Lanes here;
+        std::memcpy(&here, x + at + k + c * kLanes, sizeof here);
+        sum[c] += taps[k] * here;
+      }
+    std::memcpy(out + at, sum.data(), sizeof sum);
+  }
+}
+
+}  // namespace
+
+double dot(std::span<const float> a, std::span<const float> b) {
+  const std::size_t n = std::min(a.size(), b.size());
+  const std::size_t n_whole = n - n % kAtOnce;
+  std::array<float, kAtOnce> lanes;
+  dot_lanes(a.data(), b.data(), n_whole, lanes.data());
+  double sum = 0.0;
+  for (const float x : lanes) sum += x;
+  for (std::size_t k = n_whole; k < n; ++k) sum += static_cast<double>(a[k]) * b[k];
+  return sum;
+}
+
+void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
+  assert(x.size() + 1 >= out.size() + taps.size());
+  const std::size_t n_whole = out.size() - out.size() % kAtOnce;
+  correlate_blocks(x.data(), taps.data(), taps.size(), out.data(), n_whole);
+  for (std::size_t n = n_whole; n < out.size(); ++n) {
+    float sum = 0.0F;
+    for (std::size_t k = 0; k < taps.size(); ++k) sum += taps[k] * x[n + k];
+    out[n] = sum;
+  }
+}
+
+}  // namespace bouncelab
