@@ -24,11 +24,19 @@ struct CommonOptions {
   bool force = false;
 };
 
+/// An option that is to run through several values.
+struct SweepAxis {
+  std::string option;  ///< without dashes in front
+  std::vector<std::string> values;
+};
+
 /// One call of the program, as a command sees it.
 struct Run {
   CommonOptions common;
   std::vector<std::string> command_line;
-  Json parameters;  ///< every option of the command, resolved, for the provenance
+  Json parameters;                     ///< every option of the command, resolved, for the provenance
+  std::vector<std::string> arguments;  ///< of the command, those of the configuration file first
+  std::vector<SweepAxis> sweep;        ///< lists of the configuration file, in its order
 };
 
 enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileTrouble = 3, kInterrupted = 130 };

@@ -34,21 +34,38 @@ class Arguments {
     if (option == nullptr || key == "config" || key == "help")
       throw InvalidArgument(path_ + ": " + line_of(value) + ": unknown key '" + key + "'; bouncelab " +
                             command_.get_name() + " --help lists the options");
-    if (const auto* array = value.as_array()) {
-      for (const toml::node& element : *array) push(key, element);
-    } else {
-      push(key, value);
-    }
+    const auto* array = value.as_array();
+    if (array == nullptr || (takes_several(*option) && !holds_lists(*array)))
+      result.arguments.push_back("--" + key + "=" + text_of(key, value));
+    else
+      run_through(key, *array);
   }
 
-  std::vector<std::string> list;
+  ConfigArguments result;
 
  private:
-  void push(const std::string& key, const toml::node& value) {
-    const std::string text = typed(value);
+  static bool takes_several(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
+  static bool holds_lists(const toml::array& array) { return !array.empty() && array.front().is_array(); }
+
+  void run_through(const std::string& key, const toml::array& array) {
+    SweepAxis axis{key, {}};
+    for (const toml::node& element : array) axis.values.push_back(text_of(key, element));
+    if (axis.values.empty())
+      throw InvalidArgument(path_ + ": " + line_of(array) + ": the list of '" + key + "' is empty");
+    result.lists.push_back(std::move(axis));
+  }
+
+  /// A scalar, or scalars joined by commas.
+  std::string text_of(const std::string& key, const toml::node& value) const {
+    std::string text;
+    if (const auto* array = value.as_array()) {
+      for (const toml::node& element : *array) text += (text.empty() ? "" : ",") + text_of(key, element);
+    } else {
+      text = typed(value);
+    }
     if (text.empty())
       throw InvalidArgument(path_ + ": " + line_of(value) + ": key '" + key + "' needs a number, a word or true/false");
-    list.push_back("--" + key + "=" + text);
+    return text;
   }
 
   const std::string& path_;
@@ -57,8 +74,8 @@ class Arguments {
 
 }  // namespace
 
-std::vector<std::string> config_arguments(const std::string& path, const CLI::App& command,
-                                          const std::vector<std::string>& known_sections) {
+ConfigArguments config_arguments(const std::string& path, const CLI::App& command,
+                                 const std::vector<std::string>& known_sections) {
   toml::table table;
   try {
     table = toml::parse_file(path);
@@ -78,7 +95,7 @@ std::vector<std::string> config_arguments(const std::string& path, const CLI::Ap
       throw InvalidArgument(path + ": " + line_of(value) + ": unknown section [" + name + "]");
     for (const auto& [inner_key, inner_value] : *section) arguments.add(std::string(inner_key.str()), inner_value);
   }
-  return arguments.list;
+  return arguments.result;
 }
 
 }  // namespace bouncelab::cli

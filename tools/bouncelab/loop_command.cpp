@@ -7,13 +7,17 @@
 
 #include "bouncelab/acoustic/score.hpp"
 #include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "common_options.hpp"
 #include "detect_command.hpp"
 #include "fit_command.hpp"
 #include "loop_summary.hpp"
+#include "paper_loop.hpp"
 #include "report_command.hpp"
 #include "restitution_command.hpp"
 #include "stages.hpp"
+#include "sweep.hpp"
 #include "table_file.hpp"
 #include "wave_file.hpp"
 
@@ -29,19 +33,16 @@ const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "wave.json",   "summary.json",
                                 "report.html"};
 
-/// Speeds at which truth and results are compared: slow, middle and fast impacts of a drop from 10 cm.
-const std::vector<double> kNodeSpeeds_mps{0.25, 0.6, 1.2};
-
 /// impact times -> samples -> fit, on files of the folder. Returns the exit code of the fit.
-Outcome times_to_constants(double gravity_mps2, Run& run, const fs::path& onsets, const fs::path& samples,
-                           const fs::path& fit_json, std::vector<std::string>& warnings) {
+Outcome times_to_constants(const LoopOptions& options, double gravity_mps2, Run& run, const fs::path& onsets,
+                           const fs::path& samples, const fs::path& fit_json, std::vector<std::string>& warnings) {
   RestitutionOptions restitution;
   restitution.onsets = onsets;
   restitution.out = samples;
   restitution.config.gravity_mps2 = gravity_mps2;
   add_warnings(warnings, run_restitution(restitution, run).warnings);
   FitOptions fit;
-  fit.config.law.node_speeds_mps = kNodeSpeeds_mps;
+  fit.config.law.node_speeds_mps = options.node_speeds_mps;
   fit.samples = samples;
   fit.out = fit_json;
   Outcome fitted = run_fit(fit, run);
@@ -51,9 +52,8 @@ Outcome times_to_constants(double gravity_mps2, Run& run, const fs::path& onsets
 
 Onsets read_onsets(const fs::path& path) { return onsets_from_table(read_table(path, onset_columns()), path.string()); }
 
-}  // namespace
-
-Outcome run_loop(const LoopOptions& options, Run& run) {
+/// 40 drops or so, every stage on the files of INTERFACE: any of them can be run again by hand.
+Outcome run_through_files(const LoopOptions& options, Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   for (const char* name : kOutputs) check_may_write(run, folder / name);
@@ -82,10 +82,10 @@ Outcome run_loop(const LoopOptions& options, Run& run) {
 
   const Outcome fitted = clock.time("restitution_and_fit", [&] {
     std::vector<std::string> known_from_sound;
-    times_to_constants(config.gravity_mps2, run, synthesize.truth, folder / "samples_from_true_times.csv",
+    times_to_constants(options, config.gravity_mps2, run, synthesize.truth, folder / "samples_from_true_times.csv",
                        folder / "fit_from_true_times.json", known_from_sound);
-    return times_to_constants(config.gravity_mps2, run, detect.out, folder / "samples.csv", folder / "fit.json",
-                              results.warnings);
+    return times_to_constants(options, config.gravity_mps2, run, detect.out, folder / "samples.csv",
+                              folder / "fit.json", results.warnings);
   });
 
   const Onsets truth = read_onsets(synthesize.truth);
@@ -109,18 +109,55 @@ Outcome run_loop(const LoopOptions& options, Run& run) {
   return {fitted.exit_code, summary, loop_table(summary) + shown.text, results.warnings, fitted.trouble};
 }
 
+}  // namespace
+
+void add_loop_options(CLI::App& command, LoopOptions& options) {
+  command
+      .add_option("--preset", options.preset,
+                  "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
+                  "paper: 2,320 drops of 95 impacts, through memory; killed at any moment, the same command goes on")
+      ->check(CLI::IsMember({"quick", "paper"}));
+  command.add_option("--out", options.out, "Folder for every file of the run")->required();
+  command.add_flag("--keep-sound", options.keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop");
+  add_simulate_options(command, options.simulate);
+  add_synthesize_options(command, options.synthesize);
+}
+
+ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
+  ParsedLoop parsed;
+  CLI::App app("", "loop");
+  set_option_defaults(app);
+  add_loop_options(app, parsed.options);
+  add_common_options(app, parsed.run.common);
+  try {
+    app.parse(std::vector<std::string>{arguments.rbegin(), arguments.rend()});
+  } catch (const CLI::ParseError& error) {
+    throw InvalidArgument(error.what());
+  }
+  parsed.run.parameters = resolved_parameters(app);
+  if (parsed.options.preset == "paper") apply_paper_preset(app, parsed.options.simulate, parsed.run);
+  return parsed;
+}
+
+Outcome run_loop(const LoopOptions& options, Run& run) {
+  if (!run.sweep.empty()) return run_sweep(options.out, run);
+  return options.preset == "paper" ? run_paper_loop(options, run) : run_through_files(options, run);
+}
+
 Command add_loop_command(CLI::App& app) {
   auto options = std::make_shared<LoopOptions>();
   CLI::App* command = app.add_subcommand(
       "loop",
-      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, through files in one folder");
-  command->add_option("--preset", options->preset, "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB")
-      ->check(CLI::IsMember({"quick"}));
-  command->add_option("--out", options->out, "Folder for every file of the run")->required();
-  add_simulate_options(*command, options->simulate);
-  add_synthesize_options(*command, options->synthesize);
-  command->footer("Example: bouncelab loop --preset quick --out out/loop");
-  return {command, [options](Run& run) { return run_loop(*options, run); }};
+      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder");
+  command->footer(
+      "Examples: bouncelab loop --preset quick --out out/loop\n"
+      "          bouncelab loop --preset paper --out out/paper\n"
+      "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)");
+  add_loop_options(*command, *options);
+  return {command, [options, command](Run& run) {
+            if (options->preset == "paper") apply_paper_preset(*command, options->simulate, run);
+            return run_loop(*options, run);
+          }};
 }
 
 }  // namespace bouncelab::cli

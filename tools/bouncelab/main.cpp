@@ -12,6 +12,7 @@
 #include "bouncelab/core/version.hpp"
 #include "calibrate_command.hpp"
 #include "command.hpp"
+#include "common_options.hpp"
 #include "config_file.hpp"
 #include "detect_command.hpp"
 #include "fit_command.hpp"
@@ -27,51 +28,31 @@ namespace {
 
 const std::vector<std::string> kConfigSections{"simulate", "synthesize", "detect", "restitution", "fit"};
 
-void add_common_options(CLI::App& app, CommonOptions& common) {
-  const char* group = "Every command has";
-  app.add_option("--seed", common.seed, "Seed of all random numbers")->group(group);
-  app.add_option("--threads", common.n_threads, "Threads, 0 = all cores; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->group(group);
-  app.add_option("--config", common.config, "TOML file of options: KEY = VALUE; the command line wins")->group(group);
-  app.add_flag("--json", common.json, "Summary as JSON on standard output")->group(group);
-  app.add_flag("--quiet", common.quiet, "No progress, no summary; errors only")->group(group);
-  app.add_flag("--force", common.force, "Replace outputs that exist")->group(group);
-}
+/// The line as it is parsed: the configuration file's keys stand between the command's name and the rest, so that the
+/// rest wins. The file's lists, through which `loop` runs, stay apart.
+struct FullLine {
+  std::vector<std::string> arguments;
+  std::vector<SweepAxis> lists;
+};
 
-/// Every option with the value in force, as given or by default.
-Json resolved_parameters(const CLI::App& app) {
-  Json parameters = Json::object();
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
-    if (name == "help") continue;
-    if (option->count() == 0)
-      parameters[name] = option->get_items_expected_max() == 0 ? "false" : option->get_default_str();
-    else if (option->results().size() == 1)
-      parameters[name] = option->results().front();
-    else
-      parameters[name] = option->results();
-  }
-  return parameters;
-}
-
-/// Puts the configuration file's keys between the command's name and the rest of the line, so that the line wins.
-std::vector<std::string> with_config(const std::vector<std::string>& arguments, const CLI::App& app) {
-  if (arguments.empty()) return arguments;
-  const auto named = app.get_subcommands([&](const CLI::App* c) { return c->check_name(arguments.front()); });
-  if (named.empty()) return arguments;
+FullLine with_config(const std::vector<std::string>& typed, const CLI::App& app) {
+  if (typed.empty()) return {typed, {}};
+  const auto named = app.get_subcommands([&](const CLI::App* c) { return c->check_name(typed.front()); });
+  if (named.empty()) return {typed, {}};
   const CLI::App* command = named.front();
   std::string path;
-  for (std::size_t k = 1; k < arguments.size(); ++k) {
-    if (arguments[k] == "--config" && k + 1 < arguments.size()) path = arguments[k + 1];
-    if (arguments[k].rfind("--config=", 0) == 0) path = arguments[k].substr(9);
+  for (std::size_t k = 1; k < typed.size(); ++k) {
+    if (typed[k] == "--config" && k + 1 < typed.size()) path = typed[k + 1];
+    if (typed[k].rfind("--config=", 0) == 0) path = typed[k].substr(9);
   }
-  if (path.empty()) return arguments;
-  std::vector<std::string> all{arguments.front()};
-  const auto from_file = config_arguments(path, *command, kConfigSections);
-  all.insert(all.end(), from_file.begin(), from_file.end());
-  all.insert(all.end(), arguments.begin() + 1, arguments.end());
-  return all;
+  if (path.empty()) return {typed, {}};
+  const ConfigArguments file = config_arguments(path, *command, kConfigSections);
+  if (!file.lists.empty() && command->get_name() != "loop")
+    throw InvalidArgument(path + ": '" + file.lists.front().option + "' takes one value; only loop runs through lists");
+  FullLine line{{typed.front()}, file.lists};
+  line.arguments.insert(line.arguments.end(), file.arguments.begin(), file.arguments.end());
+  line.arguments.insert(line.arguments.end(), typed.begin() + 1, typed.end());
+  return line;
 }
 
 int report(const Outcome& outcome, const CommonOptions& common) {
@@ -104,7 +85,7 @@ int run(std::vector<std::string> line) {
   app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")");
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "This help");
-  app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  set_option_defaults(app);
 
   CommonOptions common;
   const std::vector<Command> commands{
@@ -119,17 +100,20 @@ int run(std::vector<std::string> line) {
   if (!typed.empty() && typed.front().rfind('-', 0) != 0 &&
       app.get_subcommands([&](const CLI::App* c) { return c->check_name(typed.front()); }).empty())
     throw InvalidArgument("unknown command '" + typed.front() + "'; see bouncelab --help");
+  FullLine full;
   try {
-    std::vector<std::string> arguments = with_config(typed, app);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
-    app.parse(arguments);
+    full = with_config(typed, app);
+    app.parse(std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : wrong_usage(error, app);
   }
   notice_interrupts();
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
-    Run call{common, line, resolved_parameters(*command.app)};
+    Run call{common, line, resolved_parameters(*command.app), {}, {}};
+    call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
+    for (const SweepAxis& axis : full.lists)  // the command line wins here too
+      if (command.app->get_option("--" + axis.option)->count() == 0) call.sweep.push_back(axis);
     return report(command.run(call), common);
   }
   return kWrongUsage;

@@ -15,6 +15,25 @@
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
 
+namespace {
+
+using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
+
+std::string in_hexadecimal(const Digest& digest, unsigned int size) {
+  std::string text;
+  for (unsigned int k = 0; k < size; ++k) text += fmt::format("{:02x}", digest[k]);
+  return text;
+}
+
+}  // namespace
+
+std::string sha256_of(std::string_view text) {
+  Digest digest{};
+  unsigned int size = 0;
+  EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr);
+  return in_hexadecimal(digest, size);
+}
+
 std::string sha256_of_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError(path.string(), "cannot be opened for reading");
@@ -23,12 +42,10 @@ std::string sha256_of_file(const fs::path& path) {
   std::vector<char> buffer(1 << 20);
   while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0)
     EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(in.gcount()));
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  Digest digest{};
   unsigned int size = 0;
   EVP_DigestFinal_ex(context.get(), digest.data(), &size);
-  std::string text;
-  for (unsigned int k = 0; k < size; ++k) text += fmt::format("{:02x}", digest[k]);
-  return text;
+  return in_hexadecimal(digest, size);
 }
 
 void write_provenance(const Run& run, const fs::path& output, const std::vector<fs::path>& inputs) {

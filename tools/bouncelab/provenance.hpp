@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "command.hpp"
@@ -10,6 +12,9 @@ namespace bouncelab::cli {
 
 /// SHA-256 of a file's content, in hexadecimal. @throws FileError
 std::string sha256_of_file(const std::filesystem::path& path);
+
+/// SHA-256 of a text, in hexadecimal.
+std::string sha256_of(std::string_view text);
 
 /// Writes OUTPUT.meta.json beside an output: command line, version, commit, seed, inputs with their SHA-256, and all
 /// parameters as resolved.

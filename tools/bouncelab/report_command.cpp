@@ -52,14 +52,18 @@ std::string samples_json(const fs::path& path, std::vector<fs::path>& inputs) {
 Outcome run_report(const ReportOptions& options, Run& run) {
   const fs::path folder = options.folder;
   const fs::path fit = folder / "fit.json";
-  if (!fs::exists(fit)) throw FileError(fit.string(), "no such file; bouncelab fit, analyze or loop makes it");
-  std::vector<fs::path> inputs{fit};
+  if (!fs::exists(fit) && !fs::exists(folder / "sweep.json"))
+    throw FileError(fit.string(), "no such file; bouncelab fit, analyze or loop makes it");
+  std::vector<fs::path> inputs;
   report::ReportInput input;
   input.title =
       options.title.empty() ? "Restitution: " + fs::absolute(folder).lexically_normal().string() : options.title;
-  input.fit_json = content(fit);
+  input.fit_json = content_if_there(fit, inputs);
   input.summary_json = content_if_there(folder / "summary.json", inputs);
   input.wave_json = content_if_there(folder / "wave.json", inputs);
+  input.paper_json = content_if_there(folder / "paper.json", inputs);
+  input.fit_simulation_json = content_if_there(folder / "fit_from_simulation.json", inputs);
+  input.sweep_json = content_if_there(folder / "sweep.json", inputs);
   input.samples_json = samples_json(folder / "samples.csv", inputs);
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   write_text(run, out, report::render(input), inputs);

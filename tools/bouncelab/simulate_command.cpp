@@ -26,13 +26,6 @@ void copy(const std::vector<double>& from, std::array<double, N>& to) {
   for (std::size_t k = 0; k < from.size() && k < N; ++k) to[k] = from[k];
 }
 
-Surface surface_of(const SimulateOptions& options, const SimulationConfig& config, const ProgressCallback& progress) {
-  if (!options.surface_file.empty())
-    return surface_from_table(read_table(options.surface_file, surface_columns()), options.surface_file, config.ball);
-  return make_surface(config.ball, options.n_asperities, radius_law_from_text(options.radius_law), config.seed,
-                      progress);
-}
-
 Json summary_of(const SimulationResult& result) {
   const EnergyLedger& energy = result.energy;
   const auto ended = [&](DropEnd end) { return result.n_ended[static_cast<std::size_t>(end)]; };
@@ -71,9 +64,9 @@ std::vector<std::filesystem::path> inputs_of(const SimulateOptions& options) {
   return {options.surface_file};
 }
 
-/// The paper's run, where the user did not say otherwise: 2,320 drops of 95 bounces are 220,400 impacts.
-void apply_preset(const CLI::App& app, SimulateOptions& options, Run& run) {
-  if (options.preset != "paper") return;
+}  // namespace
+
+void apply_paper_preset(const CLI::App& app, SimulateOptions& options, Run& run) {
   const auto set = [&](const char* name, const char* key, std::int64_t& value, std::int64_t to) {
     if (app.get_option(name)->count() > 0) return;
     value = to;
@@ -83,7 +76,12 @@ void apply_preset(const CLI::App& app, SimulateOptions& options, Run& run) {
   set("--impacts", "impacts", options.config.n_impacts_max, 95);
 }
 
-}  // namespace
+Surface surface_of(const SimulateOptions& options, const SimulationConfig& config, const ProgressCallback& progress) {
+  if (!options.surface_file.empty())
+    return surface_from_table(read_table(options.surface_file, surface_columns()), options.surface_file, config.ball);
+  return make_surface(config.ball, options.n_asperities, radius_law_from_text(options.radius_law), config.seed,
+                      progress);
+}
 
 void add_simulate_options(CLI::App& app, SimulateOptions& o) {
   SimulationConfig& c = o.config;
@@ -171,7 +169,7 @@ Command add_simulate_command(CLI::App& app) {
   command->add_option("--write-surface", options->write_surface, "Write the asperities: FILE.csv or FILE.h5");
   command->add_flag("--state", options->config.with_state, "Also position, orientation and velocities at each impact");
   return {command, [options, command](Run& run) {
-            apply_preset(*command, *options, run);
+            if (options->preset == "paper") apply_paper_preset(*command, *options, run);
             return run_simulate(*options, run);
           }};
 }

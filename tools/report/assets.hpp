@@ -8,6 +8,8 @@ namespace bouncelab::report {
 /// Files of this folder, carried inside the program.
 std::string_view asset_template();
 std::string_view asset_style();
+std::string_view asset_paper();
+std::string_view asset_sweep();
 std::string_view asset_script();
 std::string_view asset_plotly();
 

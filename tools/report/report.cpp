@@ -34,10 +34,14 @@ std::string embedded(const Json& data) {
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
   }
   return out;
 }
@@ -51,12 +55,17 @@ std::string render(const ReportInput& input) {
   data["summary"] = parsed(input.summary_json, "summary.json");
   data["fit"] = parsed(input.fit_json, "fit.json");
   data["wave"] = parsed(input.wave_json, "wave.json");
+  data["paper"] = parsed(input.paper_json, "paper.json");
+  data["simulation"] = parsed(input.fit_simulation_json, "fit_from_simulation.json");
+  data["sweep"] = parsed(input.sweep_json, "sweep.json");
   data["samples"] = parsed(input.samples_json, "the samples");
 
-  const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},
+  const std::array<std::pair<std::string_view, std::string>, 7> parts{{{"@TITLE@", escaped(input.title)},
                                                                        {"@STYLE@", std::string(asset_style())},
                                                                        {"@PLOTLY@", std::string(asset_plotly())},
                                                                        {"@DATA@", embedded(data)},
+                                                                       {"@PAPER@", std::string(asset_paper())},
+                                                                       {"@SWEEP@", std::string(asset_sweep())},
                                                                        {"@SCRIPT@", std::string(asset_script())}}};
   // the template once from left to right: what is put in is never searched again
   std::string html;

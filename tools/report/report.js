@@ -276,7 +276,9 @@ function work() {
 }
 
 head();
-drawLaw(figure('Coefficient of restitution against impact speed',
+if (data.sweep) sweepSection(data.sweep);
+if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
+if (fit) drawLaw(figure('Coefficient of restitution against impact speed',
                (few ? 'Points: samples, with the error that timing alone gives them.' : 'Colour: number of samples in each cell, on a logarithmic scale.') + ' Line and band: the fitted law with its 95% interval. Zoom with the mouse; the camera saves an SVG.'));
 nodesTable();
 if (fit && fit.law && (fit.law.residuals || []).some(r => known(r.pull)))
