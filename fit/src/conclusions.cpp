@@ -125,13 +125,7 @@ Conclusion asperities_scatter(const FitResult& rough, const FitResult& smooth) {
 }
 
 Conclusion scatter_grows(const FitResult& rough) {
-  Conclusion c{"the scatter grows as the speed falls",
-               "k of spread ∝ v^k",
-               {},
-               {},
-               "95% interval below 0",
-               false,
-               ""};
+  Conclusion c{"the scatter grows as the speed falls", "k of spread ∝ v^k", {}, {}, "95% interval below 0", false, ""};
   const std::optional<Estimate>& k = rough.budget.width_exponent;
   if (!k) return c;
   c.value = k->value;

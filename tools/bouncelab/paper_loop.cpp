@@ -39,7 +39,6 @@ const char* const kOutputs[] = {"impacts.csv",
 Json identity_of(const LoopOptions& options, const Run& run) {
   Json identity{{"version", version()}, {"commit", commit()}, {"parameters", run.parameters}};
   for (const char* how : {"threads", "quiet", "json", "force", "config", "out"}) identity["parameters"].erase(how);
-  identity["seed"] = run.common.seed;
   if (!options.simulate.surface_file.empty())
     identity["surface_sha256"] = sha256_of_file(options.simulate.surface_file);
   const std::string table = "table:";

@@ -40,11 +40,13 @@ std::optional<Json> content_of(const std::string& line) {
 std::string first_difference(const Json& before, const Json& now) {
   const Json a = before.flatten(), b = now.flatten();
   const auto text = [](const Json& all, const std::string& key) {
-    return all.contains(key) ? all[key].dump() : std::string("nothing");
+    if (!all.contains(key)) return std::string("nothing");
+    return all[key].is_string() ? all[key].get<std::string>() : all[key].dump();
   };
   for (const Json* all : {&b, &a})
     for (const auto& [key, value] : all->items())
-      if (text(a, key) != text(b, key)) return fmt::format("{} was {}, now {}", key, text(a, key), text(b, key));
+      if (text(a, key) != text(b, key))
+        return fmt::format("{} was {}, now {}", key.substr(key.rfind('/') + 1), text(a, key), text(b, key));
   return "the order of the settings differs";
 }
 
