@@ -84,23 +84,11 @@ class Region {
     return std::max(0.0, std::max(a, b));
   }
 
-  /// Does w.n + c >= 0 hold for sure everywhere in the region? (w.X + c |X| >= 0, term by term)
-  bool is_nowhere_negative(Vector3 w, double c) const {
-    return w.x + w.y * a_ + w.z * b_ - h_ * (std::abs(w.y) + std::abs(w.z)) + c * (c < 0.0 ? longest_ : shortest_) >=
-           0.0;
-  }
-
-  /// Unit vector at (x, y) in [-1, 1]^2 of the region.
-  Vector3 direction(double x, double y) const { return normalized(Vector3{1.0, a_ + x * h_, b_ + y * h_}); }
-
-  /// Where u lies in the region, [-1, 1] inside; u.x > 0.
-  std::array<double, 2> place(Vector3 u) const {
-    const double scale = 1.0 / (h_ * u.x);
-    return {u.y * scale - a_ / h_, u.z * scale - b_ / h_};
-  }
-
-  /// Upper bound of |n - u| for two directions in one of n_side^2 equal squares of the region.
-  double square_diameter(int n_side) const { return std::sqrt(2.0) * 2.0 * h_ / n_side / shortest_; }
+  /// X0 = (1, a0, b0) at the middle, the greatest deviation from a0 and b0, and bounds of |X|.
+  Vector3 centre() const { return {1.0, a_, b_}; }
+  double half() const { return h_; }
+  double shortest() const { return shortest_; }
+  double longest() const { return longest_; }
 
  private:
   /// The plane through the ball's centre and an edge at coordinate x (or -x): (x_u - x u.x) / sqrt(1 + x^2).

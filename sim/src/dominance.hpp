@@ -16,17 +16,13 @@ inline double elevation_at_most(const Envelope::Site& site, const Region& region
   return site.height - 0.5 * distance * distance;
 }
 
-/// What can be the highest somewhere in a region.
-struct Contenders {
-  std::vector<std::uint32_t> list;  ///< indices into the sites
-  double floor = 0.0;               ///< the envelope is nowhere in the region lower than this
-};
-
-/// Reduces the contenders of a wider region to those of a region within: a superset of those that are the highest
-/// somewhere in it. In turn goes what lies below the elevation that the envelope is sure to have everywhere in the
-/// region; what one of five rivals beats everywhere in it; in short lists what any other beats. The order stays; of
-/// equal sites the first stays.
+/// Reduces the list of a wider region to a region within: a superset of the sites that are the highest somewhere in
+/// it. In turn goes what stays below the floor; what one of five rivals beats everywhere in the region; in short lists
+/// what any other beats. The order stays; of equal sites the first stays.
+/// @param floor  the envelope is nowhere in the region lower than this
 /// @param sites  with directions in the frame of the region's face
-Contenders contenders_within(const Region& region, std::span<const Envelope::Site> sites, const Contenders& wider);
+/// @param wider  indices into the sites
+std::vector<std::uint32_t> contenders_within(const Region& region, double floor, std::span<const Envelope::Site> sites,
+                                             const std::vector<std::uint32_t>& wider);
 
 }  // namespace bouncelab

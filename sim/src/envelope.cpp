@@ -12,6 +12,7 @@
 
 #include "cube_cell.hpp"
 #include "dominance.hpp"
+#include "floor_map.hpp"
 
 namespace bouncelab {
 namespace {
@@ -22,7 +23,7 @@ using Patch = Envelope::Patch;
 using List = std::vector<std::uint32_t>;
 
 /// Lists up to this length are not split: shorter ones cost more memory and levels than they save looks.
-constexpr std::size_t kListLength = 12;
+constexpr std::size_t kListLength = 16;
 /// Where more sites than kListLength meet in one point (a regular surface), splitting never ends by itself; a cell of
 /// level 24 is 1e-7 wide.
 constexpr int kMaxDepth = 24;
@@ -35,13 +36,12 @@ float rounded_up(double x) {
 /// Grows the quadtree of one patch.
 class PatchBuilder {
  public:
-  PatchBuilder(std::vector<Site> sites, Patch& patch)
-      : sites_(std::move(sites)), place_(sites_.size(), kNowhere), patch_(patch) {}
+  PatchBuilder(const FloorMap& floors, std::vector<Site> sites, Patch& patch)
+      : floors_(floors), sites_(std::move(sites)), place_(sites_.size(), kNowhere), patch_(patch) {}
 
   void build(const CubeCell& cell) {
-    Contenders all;
-    all.list.resize(sites_.size());
-    std::iota(all.list.begin(), all.list.end(), 0U);
+    List all(sites_.size());
+    std::iota(all.begin(), all.end(), 0U);
     patch_.nodes.emplace_back();
     grow(0, cell, all, 0);
     patch_.nodes.shrink_to_fit();
@@ -52,10 +52,9 @@ class PatchBuilder {
  private:
   static constexpr std::uint32_t kNowhere = 0xffffffffU;
 
-  void grow(std::size_t node, const CubeCell& cell, const Contenders& wider, int depth) {
+  void grow(std::size_t node, const CubeCell& cell, const List& wider, int depth) {
     const Region region(cell);
-    const Contenders within = contenders_within(region, sites_, wider);
-    const List& list = within.list;
+    const List list = contenders_within(region, floors_.elevation_at_least(cell), sites_, wider);
     double top = 0.0;
     for (const std::uint32_t k : list) top = std::max(top, elevation_at_most(sites_[k], region));
     patch_.nodes[node].max_elevation = rounded_up(top);
@@ -68,7 +67,7 @@ class PatchBuilder {
     patch_.nodes[node].n_list = kNowhere;
     patch_.nodes.resize(first + 4);
     for (int child = 0; child < 4; ++child)
-      grow(first + static_cast<std::size_t>(child), child_of(cell, child), within, depth + 1);
+      grow(first + static_cast<std::size_t>(child), child_of(cell, child), list, depth + 1);
   }
 
   void make_leaf(std::size_t node, int face, const List& list) {
@@ -84,6 +83,7 @@ class PatchBuilder {
     }
   }
 
+  const FloorMap& floors_;
   std::vector<Site> sites_;
   List place_;  ///< in the patch's sites, by working index
   Patch& patch_;
@@ -110,11 +110,13 @@ PatchRange patches_met(double along, double normal, double s, int n_side) {
   return {std::max(0, index(lo, -0.5 * margin)), std::min(n_side - 1, index(hi, 0.5 * margin))};
 }
 
-/// Calls with every patch in whose region an asperity rises above the smooth sphere (and a few more).
+/// Calls with every patch in whose region an asperity rises above the envelope's least elevation (and a few more).
+/// @param rise  of the asperity above that elevation
 template <class Function>
-void for_each_patch(const Asperity& asperity, double height, int n_side, const Function& function) {
-  // |n - u| = sqrt(2 height) = 2 sin(angle / 2)
-  const double s = std::sqrt(2.0 * height * (1.0 - 0.5 * height));
+void for_each_patch(const Asperity& asperity, double rise, int n_side, const Function& function) {
+  if (rise < 0.0) return;
+  // |n - u| = sqrt(2 rise) = 2 sin(angle / 2)
+  const double s = std::sqrt(2.0 * rise * (1.0 - 0.5 * rise));
   for (int face = 0; face < 6; ++face) {
     const Vector3 u = to_face(face, asperity.direction);
     if (u.x < 0.4 - s) continue;  // no region reaches farther from its face's centre than this
@@ -130,12 +132,12 @@ struct Distribution {
   List asperities;
 };
 
-Distribution distribute(const Ball& ball, const Surface& surface, int n_side) {
+Distribution distribute(const Ball& ball, const Surface& surface, int n_side, double least_elevation) {
   Distribution d;
   d.begin.assign(static_cast<std::size_t>(6 * n_side * n_side) + 1, 0);
   const auto visit = [&](const auto& function) {
     for (std::size_t j = 0; j < surface.asperities.size(); ++j)
-      for_each_patch(surface.asperities[j], surface.asperities[j].radius_m / ball.radius_m, n_side,
+      for_each_patch(surface.asperities[j], surface.asperities[j].radius_m / ball.radius_m - least_elevation, n_side,
                      [&](std::size_t patch) { function(patch, static_cast<std::uint32_t>(j)); });
   };
   visit([&](std::size_t patch, std::uint32_t) { ++d.begin[patch + 1]; });
@@ -168,10 +170,11 @@ CubeCell cell_of_patch(std::size_t patch, int n_side) {
 }  // namespace
 
 Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, const ProgressCallback& progress) {
-  // about 10,000 asperities to a patch: few enough to stay in the fast cache while its tree is grown
-  while (6.0 * n_side_ * n_side_ * 10000.0 < static_cast<double>(surface.asperities.size())) n_side_ *= 2;
+  // 600 to 2,500 asperities to a patch: few enough to stay in the fast cache while its tree is grown
+  while (6.0 * n_side_ * n_side_ * 2500.0 < static_cast<double>(surface.asperities.size())) n_side_ *= 2;
   patches_.resize(static_cast<std::size_t>(6 * n_side_ * n_side_));
-  const Distribution distribution = distribute(ball, surface, n_side_);
+  const FloorMap floors(ball, surface, (kRegionMargin - 1.0) / n_side_);
+  const Distribution distribution = distribute(ball, surface, n_side_, floors.least());
   std::mutex mutex;
   std::size_t n_done = 0;
   // as many workers as asked for, even where there are fewer cores
@@ -181,7 +184,7 @@ Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, cons
   arena.execute([&] {
     oneapi::tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t patch) {
       const CubeCell cell = cell_of_patch(patch, n_side_);
-      PatchBuilder(sites_of(ball, surface, distribution, patch, cell.face), patches_[patch]).build(cell);
+      PatchBuilder(floors, sites_of(ball, surface, distribution, patch, cell.face), patches_[patch]).build(cell);
       if (!progress) return;
       const std::lock_guard lock(mutex);
       progress(static_cast<double>(++n_done), static_cast<double>(patches_.size()));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -42,6 +43,19 @@ constexpr double kClear_m = 1e-12;
 /// Looks at the envelope after which a search is given up: only a broken state gets there.
 constexpr int kMaxLooks = 10'000'000;
 
+/// Lists up to this length are narrowed.
+constexpr std::size_t kMostNarrowed = 32;
+
+/// Tells the processor what will be read: sites lie apart, and the search can do other things meanwhile.
+void prefetch(const Envelope::Site* site) {
+#if defined(__GNUC__)
+  __builtin_prefetch(site);
+  __builtin_prefetch(reinterpret_cast<const char*>(site + 1) - 1);
+#else
+  (void)site;
+#endif
+}
+
 std::int64_t index_of(const Envelope::Site* site) { return site == nullptr ? -1 : std::int64_t{site->asperity}; }
 
 /// The search for one flight; Path is the centre's: Parabola or DraggedPath.
@@ -66,13 +80,15 @@ class Search {
     double t = time_of_unhindered_rise();
     for (int look = 0; look < kMaxLooks; ++look) {
       t = skip_above(envelope_.max_elevation(), t);
-      const Vector3 n = pole_.at(t).direction;
+      const Pole here = pole_.from(t);
+      const Vector3 n = here.along + here.cosine;
       // most often the leaf under the pole is where the ball comes down
       const Envelope::Cell leaf = envelope_.find(n, -1.0);
+      for (const std::uint32_t k : leaf.list) prefetch(&leaf.sites[k]);
       const double t_exit = t + leaf.room_rad / pole_.speed_radps;
       const double t_reach = skip_above(leaf.max_elevation, t);
       if (t_reach < t_exit) {
-        if (const auto found = search_leaf(leaf, t_reach, t_exit)) return *found;
+        if (const auto found = search_leaf(leaf, here, t, t_reach, t_exit)) return *found;
         t = t_exit;
         continue;
       }
@@ -87,7 +103,7 @@ class Search {
  private:
   struct Candidate {
     double step_s = std::numeric_limits<double>::infinity();
-    double slope_mps = 0.0;
+    double gap_m = 0.0, slope_mps = 0.0;
     const Envelope::Site* site = nullptr;
   };
 
@@ -103,16 +119,28 @@ class Search {
     return path_.height_m(t) > level_m + kClear_m ? path_.descent_to(level_m, t) : t;
   }
 
-  /// Advances from t to t_exit through a leaf; what it hits, if anything.
-  std::optional<Found> search_leaf(const Envelope::Cell& cell, double t, double t_exit) const {
-    const Pole here = pole_.from(t);
-    const double t_begin = t;
+  /// What is looked at in a leaf: all of its list, until most of it is ruled out. Longer lists than fit are not
+  /// narrowed; leaves hold so many only where as many asperities meet in a point.
+  struct Rivals {
+    std::span<const std::uint32_t> list;
+    bool is_narrow = false;
+    std::array<std::uint32_t, kMostNarrowed> few;
+    std::array<double, kMostNarrowed> gap_m, slope_mps;
+  };
+
+  /// Advances from t to t_exit through a leaf; what it hits, if anything. @param here  the pole with its clock at
+  /// t_here
+  std::optional<Found> search_leaf(const Envelope::Cell& cell, const Pole& here, double t_here, double t,
+                                   double t_exit) const {
+    Rivals rivals;
+    rivals.list = cell.list;
     while (t < t_exit) {
-      const Candidate first = nearest(cell, t, here.at(t - t_begin));
+      const Candidate first = nearest(cell, rivals, t, here.at(t - t_here));
       const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
       // after a safe step the gap is at most bend step^2: what is left is that over the closing speed
       const double left_s = bend_mps2_ * first.step_s * first.step_s / -first.slope_mps;
       if (first.slope_mps < 0.0 && left_s <= resolution_s) return Found{t + first.step_s, first.site};
+      if (!rivals.is_narrow) narrow(rivals, first, t_exit - t);
       t += std::max(first.step_s, resolution_s);
       if (path_.height_m(t) > radius_m_ * cell.max_elevation + kClear_m)
         t = std::max(t, std::min(t_exit, skip_above(cell.max_elevation, t)));
@@ -120,29 +148,51 @@ class Search {
     return std::nullopt;
   }
 
-  /// The smallest safe step of all that can touch in the cell.
-  Candidate nearest(const Envelope::Cell& cell, double t, const Pole::Instant& pole) const {
+  /// The smallest safe step of all that can touch.
+  Candidate nearest(const Envelope::Cell& cell, Rivals& rivals, double t, const Pole::Instant& pole) const {
     const double y = path_.height_m(t), v = path_.velocity_mps(t);
     Candidate first = judge(nullptr, y, v, t);
-    for (const std::uint32_t k : cell.list) {
-      const Envelope::Site& site = cell.sites[k];
+    for (std::size_t i = 0; i < rivals.list.size(); ++i) {
+      const Envelope::Site& site = cell.sites[rivals.list[i]];
       const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
       const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
-      // positive for sure until the smallest step so far: no need to know its own
-      if (gap > 0.0 && gap + first.step_s * (slope - 0.5 * bend_mps2_ * first.step_s) >= 0.0) continue;
+      if (i < kMostNarrowed) {
+        rivals.gap_m[i] = gap;
+        rivals.slope_mps[i] = slope;
+      }
+      if (is_open_until(first.step_s, gap, slope)) continue;
       const Candidate candidate = judge(&site, gap, slope, t);
       if (candidate.step_s < first.step_s) first = candidate;
     }
     return first;
   }
 
+  /// Rules out what is open for sure until `first` has closed for sure, where that is before the leaf is left.
+  void narrow(Rivals& rivals, const Candidate& first, double room_s) const {
+    const double left = first.slope_mps * first.slope_mps - 2.0 * bend_mps2_ * first.gap_m;
+    if (!(first.slope_mps < 0.0 && left > 0.0 && rivals.list.size() <= kMostNarrowed)) return;
+    const double latest_s = 2.0 * first.gap_m / (std::sqrt(left) - first.slope_mps);
+    if (!(latest_s < room_s)) return;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < rivals.list.size(); ++i) {
+      rivals.few[n] = rivals.list[i];
+      n += is_open_until(latest_s, rivals.gap_m[i], rivals.slope_mps[i]) ? 0 : 1;
+    }
+    rivals.list = std::span(rivals.few).first(n);
+    rivals.is_narrow = true;
+  }
+
+  bool is_open_until(double step_s, double gap_m, double slope_mps) const {
+    return gap_m > 0.0 && gap_m + step_s * (slope_mps - 0.5 * bend_mps2_ * step_s) >= 0.0;
+  }
+
   Candidate judge(const Envelope::Site* site, double gap_m, double slope_mps, double t) const {
     const double bend = site == nullptr ? path_.bend_mps2() : bend_mps2_;
     // what was just left opens with the contact's speed: its gap cannot close before 2 slope / bend
-    if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(site)) return {slope_mps / bend, slope_mps, site};
-    if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), slope_mps, site};
-    if (slope_mps < 0.0) return {0.0, slope_mps, site};
-    return {2.0 * slope_mps / bend, slope_mps, site};
+    if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(site)) return {slope_mps / bend, gap_m, slope_mps, site};
+    if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), gap_m, slope_mps, site};
+    if (slope_mps < 0.0) return {0.0, gap_m, slope_mps, site};
+    return {2.0 * slope_mps / bend, gap_m, slope_mps, site};
   }
 
   double radius_m_;
