@@ -44,7 +44,7 @@ void Background::add(std::size_t channel, std::int64_t first, std::span<double> 
   add_noise(channel, first, out);
   add_hum_and_drift(first, out);
   add_clicks(first, out);
-  for (std::size_t k = 0; k < schedule_.bursts.size(); ++k) add_burst(k, first, out);
+  for (const Burst& burst : schedule_.bursts) add_burst(burst, first, out);
 }
 
 void Background::add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const {
@@ -93,8 +93,7 @@ void Background::add_clicks(std::int64_t first, std::span<double> out) const {
   }
 }
 
-void Background::add_burst(std::size_t index, std::int64_t first, std::span<double> out) const {
-  const Burst& burst = schedule_.bursts[index];
+void Background::add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const {
   const double rate_hz = config_.rate_hz;
   const auto begin = static_cast<std::int64_t>(std::ceil(burst.t_s * rate_hz));
   const auto end = static_cast<std::int64_t>((burst.t_s + burst.duration_s) * rate_hz);
@@ -102,7 +101,7 @@ void Background::add_burst(std::size_t index, std::int64_t first, std::span<doub
   if (lo >= hi) return;
   std::vector<double> sound(static_cast<std::size_t>(hi - lo), 0.0);
   constexpr int kTones = 24;  // of random pitch: rough like a fan or a geared motor
-  Random random(config_.seed, RandomStream::disturbance, (static_cast<std::uint64_t>(index) << 8) | (kPhaseItem - 1));
+  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
   for (int k = 0; k < kTones; ++k) {
     const double frequency_hz = burst.lowest_hz * std::pow(burst.highest_hz / burst.lowest_hz, random.uniform());
     add_tone(std::min(frequency_hz, 0.45 * rate_hz), random.uniform(0.0, 2.0 * kPi),

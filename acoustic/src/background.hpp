@@ -25,7 +25,7 @@ class Background {
   void add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const;
   void add_hum_and_drift(std::int64_t first, std::span<double> out) const;
   void add_clicks(std::int64_t first, std::span<double> out) const;
-  void add_burst(std::size_t index, std::int64_t first, std::span<double> out) const;
+  void add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const;
 
   const SynthesisConfig& config_;
   const Schedule& schedule_;

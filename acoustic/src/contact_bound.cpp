@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace bouncelab {
 namespace {
@@ -55,6 +56,11 @@ double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
     peak = largest(block, peak);
   }
   return peak;
+}
+
+double WaveMeter::peak(const Contact& contact, const PoleValues& amplitudes) const {
+  ContactWave wave = bank_.wave(contact, amplitudes, false);
+  return ringing_peak(std::move(wave.ringing), largest(wave.samples, 0.0));
 }
 
 WaveMeasure WaveMeter::measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const {

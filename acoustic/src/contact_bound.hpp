@@ -25,6 +25,7 @@ struct WaveMeasure {
 class WaveMeter {
  public:
   explicit WaveMeter(const ResonatorBank& bank);
+  double peak(const Contact& contact, const PoleValues& amplitudes) const;
   WaveMeasure measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const;
 
  private:

@@ -60,18 +60,34 @@ double WhiteNoise::rejected_sample(std::int64_t frame, std::uint32_t word) const
   return slow_sample(random, word);
 }
 
-void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<double> out) const {
-  constexpr std::int64_t kPerBlock = 8;
-  std::int64_t frame = first_frame;
-  std::array<std::uint64_t, 4> words{};
-  for (std::size_t k = 0; k < out.size(); ++k, ++frame) {
-    const auto lane = static_cast<std::size_t>(frame & (kPerBlock - 1));
-    if (lane == 0 || k == 0)
-      words = philox_block(seed_, RandomStream::noise, source_, static_cast<std::uint64_t>(frame / kPerBlock));
-    const auto word = static_cast<std::uint32_t>(words[lane / 2] >> (32 * (lane & 1)));
+std::array<double, WhiteNoise::kBlock> WhiteNoise::block(std::int64_t index) const {
+  const std::array<std::uint64_t, 4> words =
+      philox_block(seed_, RandomStream::noise, source_, static_cast<std::uint64_t>(index));
+  const auto word_of = [&](std::size_t lane) {
+    return static_cast<std::uint32_t>(words[lane / 2] >> (32 * (lane & 1)));
+  };
+  std::array<double, kBlock> x;
+  bool settled = true;
+  for (std::size_t lane = 0; lane < kBlock; ++lane) {
+    const std::uint32_t word = word_of(lane);
     const std::size_t layer = word & (kLayers - 1);
-    const double x = signed_uniform(word) * kZiggurat.x[layer];
-    out[k] += rms * (std::abs(x) < kZiggurat.x[layer + 1] ? x : rejected_sample(frame, word));
+    x[lane] = signed_uniform(word) * kZiggurat.x[layer];
+    settled &= std::abs(x[lane]) < kZiggurat.x[layer + 1];
+  }
+  for (std::size_t lane = 0; !settled && lane < kBlock; ++lane)
+    if (!(std::abs(x[lane]) < kZiggurat.x[(word_of(lane) & (kLayers - 1)) + 1]))
+      x[lane] =
+          rejected_sample(index * static_cast<std::int64_t>(kBlock) + static_cast<std::int64_t>(lane), word_of(lane));
+  return x;
+}
+
+void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<double> out) const {
+  constexpr auto kFrames = static_cast<std::int64_t>(kBlock);
+  std::int64_t index = first_frame >= 0 ? first_frame / kFrames : -((kFrames - 1 - first_frame) / kFrames);
+  auto lane = static_cast<std::size_t>(first_frame - index * kFrames);
+  for (std::size_t k = 0; k < out.size(); ++index, lane = 0) {
+    const std::array<double, kBlock> x = block(index);
+    for (; lane < kBlock && k < out.size(); ++lane, ++k) out[k] += rms * x[lane];
   }
 }
 

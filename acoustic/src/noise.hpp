@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,7 +12,7 @@ namespace bouncelab {
 
 /// Standard normal white noise as a function of the frame number: any stretch may be asked for, in any order.
 /// Marsaglia and Tsang's ziggurat (J. Stat. Softw. 5(8), 2000, doi:10.18637/jss.v005.i08) with 256 layers on 64-bit
-/// Philox words, one word a sample; the one sample in a hundred that the ziggurat rejects draws on from a counter of
+/// Philox words, half a word a sample; the one sample in a hundred that the ziggurat rejects draws on from a counter of
 /// its own.
 class WhiteNoise {
  public:
@@ -19,6 +21,8 @@ class WhiteNoise {
   void add(std::int64_t first_frame, double rms, std::span<double> out) const;
 
  private:
+  static constexpr std::size_t kBlock = 8;  // samples of one call of Philox
+  std::array<double, kBlock> block(std::int64_t index) const;
   double rejected_sample(std::int64_t frame, std::uint32_t word) const;
   std::uint64_t seed_, source_;
 };

@@ -47,22 +47,38 @@ BOUNCELAB_VECTOR_CLONES void add_scaled(PoleValues& z, const PoleValues& k, doub
   }
 }
 
-/// Free ringing of one resonator with value (re, im): blocks of out_j += Re((re + i im)(c_j + i s_j)), each followed by
-/// the value's rotation over a block.
-BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s,
-                                         std::complex<double> block_step, double silence, double& re, double& im) {
+/// How many resonators ring together: a sample is loaded and stored once for all of them.
+constexpr std::size_t kTogether = 4;
+
+/// Free ringing of four resonators: blocks of out_j += sum_k Re((re_k + i im_k)(c_kj + i s_kj)), each followed by the
+/// values' rotation over a block. @param c, s  four rows of kBlock
+BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re,
+                                         const double* step_im, double silence, double* re, double* im) {
   constexpr auto kFrames = static_cast<std::size_t>(ResonatorBank::kBlock);
+  const double *c1 = c + kFrames, *c2 = c1 + kFrames, *c3 = c2 + kFrames;
+  const double *s1 = s + kFrames, *s2 = s1 + kFrames, *s3 = s2 + kFrames;
   for (double* y = out.data(); y != out.data() + out.size(); y += kFrames) {
-    if (std::abs(re) + std::abs(im) < silence) {
-      re = im = 0.0;
+    double loudest = 0.0;
+    for (std::size_t k = 0; k < kTogether; ++k) loudest = std::max(loudest, std::abs(re[k]) + std::abs(im[k]));
+    if (loudest < silence) {
+      std::fill_n(re, kTogether, 0.0);
+      std::fill_n(im, kTogether, 0.0);
       return;
     }
-    for (std::size_t j = 0; j < kFrames; ++j) y[j] += re * c[j] - im * s[j];
-    const double re_before = re;
-    re = re * block_step.real() - im * block_step.imag();
-    im = re_before * block_step.imag() + im * block_step.real();
+    const double re0 = re[0], re1 = re[1], re2 = re[2], re3 = re[3];
+    const double im0 = im[0], im1 = im[1], im2 = im[2], im3 = im[3];
+    for (std::size_t j = 0; j < kFrames; ++j)
+      y[j] += ((re0 * c[j] - im0 * s[j]) + (re1 * c1[j] - im1 * s1[j])) +
+              ((re2 * c2[j] - im2 * s2[j]) + (re3 * c3[j] - im3 * s3[j]));
+    for (std::size_t k = 0; k < kTogether; ++k) {
+      const double re_before = re[k];
+      re[k] = re_before * step_re[k] - im[k] * step_im[k];
+      im[k] = re_before * step_im[k] + im[k] * step_re[k];
+    }
   }
 }
+
+std::size_t rounded_up(std::size_t n) { return (n + kTogether - 1) / kTogether * kTogether; }
 
 PoleValues product(const PoleValues& a, const PoleValues& b) {
   PoleValues result(a.size());
@@ -98,9 +114,9 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
       interval_(gauss_legendre(n_interval_nodes(largest_frequency_radps(poles_), rate_hz), 0.0, 1.0)),
       pole_steps_(size()),
       step_(size()),
-      block_step_(size()),
+      block_step_(rounded_up(size())),
       kick_(interval_.nodes.size(), PoleValues(size())),
-      table_(size() * static_cast<std::size_t>(kBlock)) {
+      table_(rounded_up(size()) * static_cast<std::size_t>(kBlock)) {
   for (std::size_t p = 0; p < size(); ++p) {
     const Complex s = poles_[p] / rate_hz;
     pole_steps_.set(p, s);
@@ -154,9 +170,15 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
 }
 
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
-  for (std::size_t p = 0; p < size(); ++p) {
-    const std::size_t at = p * static_cast<std::size_t>(kBlock);
-    add_ringing(out, table_.re.data() + at, table_.im.data() + at, block_step_[p], silence, state.re[p], state.im[p]);
+  for (std::size_t p = 0; p < size(); p += kTogether) {
+    const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
+    double re[kTogether]{}, im[kTogether]{};
+    std::copy_n(state.re.data() + p, n, re);
+    std::copy_n(state.im.data() + p, n, im);
+    add_ringing(out, table_.re.data() + at, table_.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
+                silence, re, im);
+    std::copy_n(re, n, state.re.data() + p);
+    std::copy_n(im, n, state.im.data() + p);
   }
 }
 

@@ -65,8 +65,8 @@ class ResonatorBank {
   std::int64_t memory_frames() const { return memory_frames_; }
 
   ContactWave wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const;
-  /// Adds one block of free ringing to `out` (kBlock frames) and advances the state to the block's end. Resonators
-  /// below `silence` are put to rest.
+  /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
+  /// are all below `silence` at a block's begin are put to rest.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;
@@ -83,7 +83,7 @@ class ResonatorBank {
   PoleValues pole_steps_;         // s / rate
   PoleValues step_, block_step_;  // exp(s / rate), exp(s kBlock / rate)
   std::vector<PoleValues> kick_;  // by node: weight exp(s (1 - node) / rate)
-  PoleValues table_;              // kBlock values for each pole: exp(s j / rate)
+  PoleValues table_;              // kBlock values for each pole: exp(s j / rate); zeros make up whole fours
 };
 
 }  // namespace bouncelab

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-/// In front of a function: compiled twice, the wider registers taken where the processor has them. Without fused
-/// multiply-add, so that every machine gives the same bytes.
+/// In front of a function: compiled three times, the wider registers taken where the processor has them. The room is
+/// compiled with -ffp-contract=off: no fused multiply-add, so that every machine gives the same bytes.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define BOUNCELAB_VECTOR_CLONES
 #endif

@@ -91,28 +91,6 @@ std::string joined(const std::vector<std::string>& cells) {
   return text;
 }
 
-struct Source {
-  std::size_t cell;  ///< position in the line
-  std::size_t column;
-};
-
-std::vector<Source> locate(const std::vector<std::string>& header, const std::vector<ColumnSpec>& wanted,
-                           const std::string& path, Table& table) {
-  std::vector<Source> sources;
-  for (const ColumnSpec& spec : wanted) {
-    const auto found =
-        std::find_if(header.begin(), header.end(), [&](const std::string& cell) { return trimmed(cell) == spec.name; });
-    if (found != header.end()) {
-      sources.push_back({static_cast<std::size_t>(found - header.begin()), table.columns.size()});
-      table.columns.push_back(empty_column(spec));
-    } else if (spec.required) {
-      throw FileError(path, "line 1: column '" + spec.name + "' is missing (found: " + joined(header) +
-                                "); the first line must name the columns");
-    }
-  }
-  return sources;
-}
-
 bool next_line(std::istream& in, std::string& line) {
   if (!std::getline(in, line)) return false;
   if (!line.empty() && line.back() == '\r') line.pop_back();
@@ -131,37 +109,55 @@ void write_text(std::ostream& out, const std::string& text) {
 
 }  // namespace
 
-Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
-  const std::string name = path.string();
+CsvReader::CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) : name_(path.string()) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw FileError(name, "no such file");
-  if (std::filesystem::is_directory(path, error)) throw FileError(name, "is a folder; a CSV file is needed");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(name, "cannot be opened for reading; check its permissions");
+  if (!std::filesystem::exists(path, error)) throw FileError(name_, "no such file");
+  if (std::filesystem::is_directory(path, error)) throw FileError(name_, "is a folder; a CSV file is needed");
+  in_.open(path, std::ios::binary);
+  if (!in_) throw FileError(name_, "cannot be opened for reading; check its permissions");
 
   std::string line;
-  if (!next_line(in, line)) throw FileError(name, "is empty; a first line naming the columns is needed");
+  if (!next_line(in_, line)) throw FileError(name_, "is empty; a first line naming the columns is needed");
   if (line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);
-  std::vector<std::string> cells;
-  split(line, cells);
-  const std::size_t n_cells = cells.size();
-  Table table;
-  const std::vector<Source> sources = locate(cells, wanted, name, table);
+  std::vector<std::string> header;
+  split(line, header);
+  n_cells_ = header.size();
+  for (const ColumnSpec& spec : wanted) {
+    const auto found =
+        std::find_if(header.begin(), header.end(), [&](const std::string& cell) { return trimmed(cell) == spec.name; });
+    if (found != header.end()) {
+      sources_.push_back({static_cast<std::size_t>(found - header.begin()), empty_.columns.size()});
+      empty_.columns.push_back(empty_column(spec));
+    } else if (spec.required) {
+      throw FileError(name_, "line 1: column '" + spec.name + "' is missing (found: " + joined(header) +
+                                 "); the first line must name the columns");
+    }
+  }
+}
 
-  for (std::size_t line_number = 2; next_line(in, line); ++line_number) {
+Table CsvReader::next(std::size_t max_rows) {
+  Table table = empty_;
+  std::string line;
+  std::vector<std::string> cells;
+  for (std::size_t n_rows = 0; n_rows < max_rows && next_line(in_, line); ++line_) {
     if (line.empty()) continue;
     split(line, cells);
-    const std::string place = "line " + std::to_string(line_number);
-    if (cells.size() != n_cells)
-      throw FileError(name, place + ": " + std::to_string(cells.size()) + " cells where the header names " +
-                                std::to_string(n_cells) + "; is the file cut off?");
-    for (const Source& source : sources)
+    const std::string place = "line " + std::to_string(line_);
+    if (cells.size() != n_cells_)
+      throw FileError(name_, place + ": " + std::to_string(cells.size()) + " cells where the header names " +
+                                 std::to_string(n_cells_) + "; is the file cut off?");
+    for (const Source& source : sources_)
       if (!append(table.columns[source.column], cells[source.cell]))
-        throw FileError(name, place + ", column " + table.columns[source.column].name + ": '" + cells[source.cell] +
-                                  "' is not a number");
+        throw FileError(name_, place + ", column " + table.columns[source.column].name + ": '" + cells[source.cell] +
+                                   "' is not a number");
+    ++n_rows;
   }
-  if (in.bad()) throw FileError(name, "reading failed; is the disk or the network drive all right?");
+  if (in_.bad()) throw FileError(name_, "reading failed; is the disk or the network drive all right?");
   return table;
+}
+
+Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
+  return CsvReader(path, wanted).next(std::numeric_limits<std::size_t>::max());
 }
 
 void write_csv(std::ostream& out, const Table& table) {

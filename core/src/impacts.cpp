@@ -97,7 +97,7 @@ std::vector<ColumnSpec> impact_columns() {
   return columns;
 }
 
-Impacts impacts_from_table(const Table& table, const std::string& name) {
+Impacts impacts_from_table(const Table& table, const std::string& name, std::size_t first_line, const Impact* before) {
   const auto& drop = *table.integers("drop");
   const auto& impact = *table.integers("impact");
   const auto& t = *table.reals("t_s");
@@ -110,16 +110,17 @@ Impacts impacts_from_table(const Table& table, const std::string& name) {
   Impacts impacts;
   impacts.rows.reserve(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
-    const std::string place = "line " + std::to_string(k + 2);
+    const std::string place = "line " + std::to_string(k + first_line);
     if (!std::isfinite(t[k])) throw FileError(name, place + ", column t_s: not a finite time");
     if (!std::isfinite(v[k]) || !std::isfinite(v_after[k]))
       throw FileError(name, place + ", columns v_mps and v_after_mps: not finite speeds");
-    if (k > 0 && drop[k] < drop[k - 1]) throw FileError(name, place + ": drops must not go back; sort the file");
-    if (k > 0 && drop[k] == drop[k - 1] && t[k] <= t[k - 1])
+    if (before && drop[k] < before->drop) throw FileError(name, place + ": drops must not go back; sort the file");
+    if (before && drop[k] == before->drop && t[k] <= before->t_s)
       throw FileError(name, place + ", column t_s: times must increase within a drop; sort the file");
     impacts.rows.push_back({drop[k], impact[k], t[k], v[k], v_after[k], v_after[k] / v[k],
                             v_contact ? (*v_contact)[k] : v[k], eps_contact ? (*eps_contact)[k] : v_after[k] / v[k],
                             asperity ? (*asperity)[k] : -1});
+    before = &impacts.rows.back();
   }
   bool has_state = true;
   for (const StateColumn& column : kStateColumns) has_state = has_state && table.has(column.name);

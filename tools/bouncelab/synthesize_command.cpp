@@ -9,8 +9,9 @@
 #include <sstream>
 
 #include "bouncelab/acoustic/hard_cases.hpp"
+#include "bouncelab/acoustic/synthesize.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/impacts.hpp"
+#include "impact_file.hpp"
 #include "progress_line.hpp"
 #include "provenance.hpp"
 #include "table_file.hpp"
@@ -53,42 +54,59 @@ std::string hard_case_help() {
 }
 
 Json summary_of(const SynthesisResult& result) {
-  return {{"n_impacts", result.truth.size()},
-          {"n_other_sounds", result.others.size()},
+  return {{"n_impacts", result.n_impacts},
+          {"n_other_sounds", result.n_other_sounds},
           {"n_modes", result.n_modes},
+          {"n_files", result.n_files},
           {"duration_s", result.duration_s},
           {"noise_rms", result.levels.noise_rms},
           {"weakest_peak", result.levels.weakest_peak},
           {"gain", result.levels.gain}};
 }
 
-/// The truth of several recordings in one table.
-Table truth_of(const std::vector<DropRecording>& recordings) {
-  Table all;
-  for (const DropRecording& recording : recordings) {
-    Table one = truth_table(recording.result.truth, recording.path.string());
-    if (all.columns.empty()) {
-      all = std::move(one);
-      continue;
-    }
-    for (std::size_t k = 0; k < all.columns.size(); ++k)
-      std::visit(
-          [&](auto& values) {
-            const auto& more = std::get<std::decay_t<decltype(values)>>(one.columns[k].values);
-            values.insert(values.end(), more.begin(), more.end());
-          },
-          all.columns[k].values);
-  }
-  return all;
-}
+/// Writes the truth of all recordings, and beside each recording provenance and what else sounds in it.
+class TruthFiles {
+ public:
+  TruthFiles(const Run& run, const std::filesystem::path& truth, const std::filesystem::path& impacts)
+      : run_(run), inputs_{impacts}, truth_(run, truth, inputs_) {}
 
-std::vector<DropRecording> recordings_of(const SynthesizeOptions& options, const SynthesisConfig& config,
-                                         const Impacts& impacts, const Run& run) {
+  void add(const DropTruth& drop) {
+    if (recording_ != drop.recording) {
+      finish_recording();
+      recording_ = drop.recording;
+    }
+    truth_.add(truth_table(drop.impacts, drop.recording.string()));
+    if (drop.others.empty()) return;
+    if (!others_) others_ = std::make_unique<TableWriter>(run_, beside(recording_, ".others.csv"), inputs_);
+    others_->add(others_table(drop.others));
+  }
+  void finish() {
+    finish_recording();
+    truth_.finish();
+  }
+
+ private:
+  void finish_recording() {
+    if (recording_.empty()) return;
+    write_provenance(run_, recording_, inputs_);
+    if (others_) others_->finish();
+    others_.reset();
+  }
+
+  const Run& run_;
+  std::vector<std::filesystem::path> inputs_;
+  TableWriter truth_;
+  std::filesystem::path recording_;
+  std::unique_ptr<TableWriter> others_;
+};
+
+SynthesisResult make_sound(const SynthesizeOptions& options, const SynthesisConfig& config, const TruthSink& truth,
+                           const Run& run) {
+  const DropSource drops = impact_file(options.impacts);
   const bool force = run.common.force;
   if (options.each_drop)
-    return synthesize_each_drop(impacts, config, options.out, force, progress_line(run, "synthesize", "impacts"));
-  return {
-      {options.out, synthesize(impacts, config, options.out, force, progress_line(run, "synthesize", "s of sound"))}};
+    return synthesize_each_drop(drops, config, options.out, force, truth, progress_line(run, "synthesize", "impacts"));
+  return synthesize(drops, config, options.out, force, truth, progress_line(run, "synthesize", "s of sound"));
 }
 
 }  // namespace
@@ -161,29 +179,17 @@ Outcome run_synthesize(const SynthesizeOptions& options, Run& run) {
   const std::filesystem::path truth =
       options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
   check_may_write(run, out);
-  check_may_write(run, truth);
+  TruthFiles files(run, truth, options.impacts);
+  const SynthesisResult result = make_sound(
+      options, config, [&files](const DropTruth& drop) { files.add(drop); }, run);
+  files.finish();
 
-  const Impacts impacts = impacts_from_table(read_table(options.impacts, impact_columns()), options.impacts);
-  const std::vector<DropRecording> recordings = recordings_of(options, config, impacts, run);
-
-  const std::vector<std::filesystem::path> inputs{options.impacts};
   Outcome outcome;
-  double duration_s = 0.0;
-  for (const auto& [path, result] : recordings) {
-    write_provenance(run, path, inputs);
-    if (!result.others.empty()) write_table(run, beside(path, ".others.csv"), others_table(result.others), inputs);
-    duration_s += result.duration_s;
-    outcome.warnings = result.warnings;
-  }
-  write_table(run, truth, truth_of(recordings), inputs);
-  outcome.summary = summary_of(recordings.front().result);
-  outcome.summary["n_files"] = recordings.size();
-  outcome.summary["n_impacts"] = impacts.rows.size();
-  outcome.summary["duration_s"] = duration_s;
-  outcome.text = fmt::format(
-      "{:.1f} s of sound with {} impacts in {}, truth in {}\n", duration_s, impacts.rows.size(),
-      recordings.size() == 1 ? recordings.front().path.string() : std::to_string(recordings.size()) + " files",
-      truth.string());
+  outcome.warnings = result.warnings;
+  outcome.summary = summary_of(result);
+  outcome.text =
+      fmt::format("{:.1f} s of sound with {} impacts in {}, truth in {}\n", result.duration_s, result.n_impacts,
+                  options.each_drop ? std::to_string(result.n_files) + " files" : out.string(), truth.string());
   return outcome;
 }
 

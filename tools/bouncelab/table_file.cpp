@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <string>
+#include <utility>
 
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
@@ -15,7 +16,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.extension() == ".hdf5"; }
+/// Puts the rows of `more` below those of `table`, which has the same columns or none.
+void append(Table& table, const Table& more) {
+  if (table.columns.empty())
+    table = more;
+  else
+    for (std::size_t k = 0; k < table.columns.size(); ++k)
+      std::visit(
+          [&](auto& values) {
+            const auto& tail = std::get<std::decay_t<decltype(values)>>(more.columns[k].values);
+            values.insert(values.end(), tail.begin(), tail.end());
+          },
+          table.columns[k].values);
+}
 
 void write_csv_file(const fs::path& path, const Table& table, const std::string& name) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
@@ -25,6 +38,8 @@ void write_csv_file(const fs::path& path, const Table& table, const std::string&
 }
 
 }  // namespace
+
+bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.extension() == ".hdf5"; }
 
 Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
   return is_hdf5(path) ? read_hdf5(path, wanted) : read_csv(path, wanted);
@@ -38,6 +53,31 @@ void write_table(const Run& run, const fs::path& path, const Table& table, const
     write_csv_file(file.temporary_path(), table, path.string());
   file.commit();
   write_provenance(run, path, inputs);
+}
+
+TableWriter::TableWriter(const Run& run, const fs::path& path, std::vector<fs::path> inputs)
+    : run_(run), path_(path), inputs_(std::move(inputs)), file_(path, run.common.force) {
+  if (!is_hdf5(path)) csv_.open(file_.temporary_path(), std::ios::binary | std::ios::trunc);
+}
+
+void TableWriter::add(const Table& rows) {
+  if (is_hdf5(path_))
+    append(whole_, rows);
+  else if (std::exchange(begun_, true))
+    write_csv_rows(csv_, rows);
+  else
+    write_csv(csv_, rows);
+}
+
+void TableWriter::finish() {
+  if (is_hdf5(path_)) {
+    write_hdf5(file_.temporary_path(), whole_, path_.string());
+  } else {
+    csv_.close();
+    if (!csv_) throw FileError(path_.string(), "writing failed; is the disk full?");
+  }
+  file_.commit();
+  write_provenance(run_, path_, inputs_);
 }
 
 void write_text(const Run& run, const fs::path& path, const std::string& content, const std::vector<fs::path>& inputs) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <vector>
 
+#include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/table.hpp"
 #include "command.hpp"
 
@@ -12,9 +14,31 @@ namespace bouncelab::cli {
 /// Reads the wanted columns from a table file; the extension chooses the format. @throws FileError
 Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 
+/// Is it HDF5, by its extension?
+bool is_hdf5(const std::filesystem::path& path);
+
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
                  const std::vector<std::filesystem::path>& inputs = {});
+
+/// As write_table, a piece of the rows at a time: for CSV in constant memory. Nothing is left without finish().
+class TableWriter {
+ public:
+  /// @param run  must outlive this. @throws FileError
+  TableWriter(const Run& run, const std::filesystem::path& path, std::vector<std::filesystem::path> inputs);
+  /// @param rows  with the same columns each time
+  void add(const Table& rows);
+  void finish();
+
+ private:
+  const Run& run_;
+  std::filesystem::path path_;
+  std::vector<std::filesystem::path> inputs_;
+  OutputFile file_;
+  std::ofstream csv_;
+  bool begun_ = false;
+  Table whole_;  // of HDF5
+};
 
 /// Writes a text (JSON, HTML ...) whole or not at all, and its provenance beside it. @throws FileError
 void write_text(const Run& run, const std::filesystem::path& path, const std::string& content,

@@ -10,4 +10,5 @@
 #include "bouncelab/acoustic/score.hpp"         // detected against true times
 #include "bouncelab/acoustic/sound.hpp"         // one channel that can be read anywhere
 #include "bouncelab/acoustic/synthesis.hpp"     // impact times -> sound and its truth
+#include "bouncelab/acoustic/synthesize.hpp"    // hours of it to files, drop by drop
 #include "bouncelab/acoustic/wave_preview.hpp"  // a recording small enough to be drawn

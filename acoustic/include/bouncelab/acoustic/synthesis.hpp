@@ -14,7 +14,6 @@
 #include "bouncelab/acoustic/sensor.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/impacts.hpp"
-#include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -103,44 +102,15 @@ class SyntheticRecording {
   std::unique_ptr<State> state_;
 };
 
-/// The truth as an `onsets` table with further columns: contact_time_s, travel_time_s, x_m, y_m, v_mps.
-Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording);
-/// `kind,t_s`.
-Table others_table(const std::vector<OtherSound>& others);
-
-struct SynthesisResult {
-  std::vector<TrueImpact> truth;
-  std::vector<OtherSound> others;
-  Levels levels;
-  double duration_s = 0.0;
-  int n_modes = 0;                    ///< of ground, below half the sample rate and max_mode_hz
-  std::vector<std::string> warnings;  ///< modes that the rate cannot hold, clipped impacts ...
-};
-
-/// Impact times to sound: renders the recording to a file, in constant memory for any length.
-///
-/// Each impact is a Hertz pulse of impulse m (v + v_after) at its exact time, ringing the modes of the ground as the
-/// sensor hears them, band-limited by the converter's anti-alias filter. @param progress  in seconds of sound
-/// @throws as SyntheticRecording and AudioWriter do
-SynthesisResult synthesize(const Impacts& impacts, const SynthesisConfig& config, const std::filesystem::path& out,
-                           bool may_replace, const ProgressCallback& progress = {});
-
 /// The configuration of one drop's own recording: gain and noise as given in `levels`, the noise itself its own.
 /// A function of (config, drop).
 SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop);
 /// NAME.0017.wav for out = NAME.wav and drop 17.
 std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop);
 
-/// One of several recordings.
-struct DropRecording {
-  std::filesystem::path path;
-  SynthesisResult result;
-};
-
-/// One file for each drop, NAME.0000.wav for out = NAME.wav and drop 0. Gain and noise are those of all drops in one
-/// recording; the noise of each file is its own.
-std::vector<DropRecording> synthesize_each_drop(const Impacts& impacts, const SynthesisConfig& config,
-                                                const std::filesystem::path& out, bool may_replace,
-                                                const ProgressCallback& progress = {});
+/// The truth as an `onsets` table with further columns: contact_time_s, travel_time_s, x_m, y_m, v_mps.
+Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording);
+/// `kind,t_s`.
+Table others_table(const std::vector<OtherSound>& others);
 
 }  // namespace bouncelab

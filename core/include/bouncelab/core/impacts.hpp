@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "bouncelab/core/table.hpp"
@@ -45,8 +47,11 @@ Table to_table(const Impacts& impacts);
 std::vector<ColumnSpec> impact_columns();
 
 /// Checks what the table promises: finite times that increase within each drop, positive speeds, drops in order.
-/// @param name  of the file, for messages
+/// @param name        of the file, for messages
+/// @param first_line  of the file, that the table's first row stands on
+/// @param before      the row before the table's first one, where the table is a piece of a longer one
 /// @throws FileError naming the first offending row by its line
-Impacts impacts_from_table(const Table& table, const std::string& name);
+Impacts impacts_from_table(const Table& table, const std::string& name, std::size_t first_line = 2,
+                           const Impact* before = nullptr);
 
 }  // namespace bouncelab

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "bouncelab/acoustic/synthesize.hpp"
+
+namespace bouncelab::cli {
+
+/// The drops of an impacts table, read as they are asked for; of an HDF5 file they are read as a whole.
+/// @throws FileError, while drops are taken
+DropSource impact_file(const std::filesystem::path& path);
+
+}  // namespace bouncelab::cli
