@@ -67,6 +67,10 @@ TEST_F(PaperLoop, AnUnfinishedRunWithOtherSettingsIsRefusedByTheirName) {
   EXPECT_EQ(content_of(folder_ / "out" / "unfinished.journal"), before);
 }
 
+TEST_F(PaperLoop, MoreThanOneSensorIsRefused) {
+  expect_one_line_error(run(command("out", "--channel 0,0 --channel 0.1,0")), 2, {"--channel", "one sensor, not 2"});
+}
+
 TEST_F(PaperLoop, AFinishedRunIsNotReplacedWithoutForce) {
   ASSERT_EQ(run(command("out", "--drops 2 --quiet")).exit_code, 0);
   expect_one_line_error(run(command("out", "--drops 2")), 3, {"exists", "--force"});

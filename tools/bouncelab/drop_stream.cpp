@@ -130,6 +130,9 @@ int threads_of(const Run& run) {
 }  // namespace
 
 SoundStage make_sound_stage(const SynthesisConfig& config, const Impacts& impacts) {
+  if (config.channels.size() != 1)
+    throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
+                          std::to_string(config.channels.size()) + "; give one, or use --preset quick without lists");
   SoundStage stage;
   stage.config = config;
   stage.config.simulated_positions = false;

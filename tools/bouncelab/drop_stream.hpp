@@ -25,6 +25,7 @@ struct SoundStage {
 };
 
 /// Gain and noise are chosen for the first drops (up to 40): the weakest impact of so many has the SNR asked for.
+/// @throws InvalidArgument where there is more than one channel
 SoundStage make_sound_stage(const SynthesisConfig& config, const Impacts& impacts);
 
 /// One drop, heard.
