@@ -60,12 +60,19 @@ int container(const std::filesystem::path& path, const AudioSpec& spec, std::int
   return n_bytes > kWavLimit_bytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
 }
 
-/// x of full scale 1 as an integer of n_bits, in the upper bits of 32.
-int left_aligned(double x, int n_bits) {
-  const double full_scale = std::ldexp(1.0, n_bits - 1);
-  const double rounded = std::clamp(std::nearbyint(x * full_scale), -full_scale, full_scale - 1.0);
-  return static_cast<int>(static_cast<std::int64_t>(rounded) * (std::int64_t{1} << (32 - n_bits)));
-}
+/// Samples of full scale 1 as integers of some bits.
+class Rounding {
+ public:
+  explicit Rounding(SampleEncoding encoding)
+      : full_scale_(std::ldexp(1.0, 8 * bytes_per_sample(encoding) - 1)), step_to_32_bits_(0x1p31 / full_scale_) {}
+  double steps(double x) const { return std::clamp(std::nearbyint(x * full_scale_), -full_scale_, full_scale_ - 1.0); }
+  /// In the upper bits of 32.
+  int left_aligned(double x) const { return static_cast<int>(steps(x) * step_to_32_bits_); }
+  float read_back(double x) const { return static_cast<float>(steps(x) / full_scale_); }
+
+ private:
+  double full_scale_, step_to_32_bits_;
+};
 
 SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames) {
   const std::string name = path.string();
@@ -134,9 +141,9 @@ void AudioWriter::write(std::span<const double> interleaved) {
     // rounded here: libsndfile cuts off the lower bits, half a step of offset
     std::vector<int>& words = state_->words;
     words.resize(interleaved.size());
-    const int n_bits = 8 * bytes_per_sample(state_->encoding);
+    const Rounding rounding(state_->encoding);
     std::transform(interleaved.begin(), interleaved.end(), words.begin(),
-                   [n_bits](double x) { return left_aligned(x, n_bits); });
+                   [&](double x) { return rounding.left_aligned(x); });
     n_written = sf_write_int(state_->file, words.data(), n);
   }
   if (n_written != n)
@@ -151,11 +158,13 @@ void AudioWriter::commit() {
 
 std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding) {
   std::vector<float> floats(samples.size());
-  const int n_bits = 8 * bytes_per_sample(encoding);
-  std::transform(samples.begin(), samples.end(), floats.begin(), [&](double x) {
-    if (encoding == SampleEncoding::float32) return static_cast<float>(std::clamp(x, -1.0, 1.0));
-    return static_cast<float>(left_aligned(x, n_bits) * 0x1p-31);
-  });
+  if (encoding == SampleEncoding::float32) {
+    std::transform(samples.begin(), samples.end(), floats.begin(),
+                   [](double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); });
+    return floats;
+  }
+  const Rounding rounding(encoding);
+  std::transform(samples.begin(), samples.end(), floats.begin(), [&](double x) { return rounding.read_back(x); });
   return floats;
 }
 

@@ -90,6 +90,7 @@ std::vector<double> SyntheticRecording::segment(std::int64_t index) const {
 
 std::vector<double> SyntheticRecording::samples() const {
   std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(n_frames()) * state_->config.channels.size());
   for (std::int64_t k = 0; k < n_segments(); ++k) {
     const std::vector<double> part = segment(k);
     all.insert(all.end(), part.begin(), part.end());
