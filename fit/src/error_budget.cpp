@@ -1,116 +1,56 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/error_budget.hpp"
 
+#include <gsl/gsl_cdf.h>
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "timing_noise.hpp"
 
 namespace bouncelab {
+
+const char* to_string(Effect effect) {
+  switch (effect) {
+    case Effect::absent:
+      return "absent";
+    case Effect::present:
+      return "not taken out";
+    case Effect::corrected:
+      return "taken out";
+  }
+  return "unknown";
+}
+
 namespace {
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+/// What drag does to eps at a speed, uncorrected: two flights with the true eps between them.
+double shift_by_drag(double v_mps, double eps, const BudgetConfig& config) {
+  const double before_s = 2.0 * v_mps / config.gravity_mps2;
+  const Flight before = flight_with_drag(config.ball, config.air, before_s, config.gravity_mps2);
+  const Flight after = flight_with_drag(config.ball, config.air, eps * before_s, config.gravity_mps2);
+  return eps - after.launch_mps / before.landing_mps;
 }
 
-/// Two neighbouring impacts of a drop.
-struct Pair {
-  double product_s2;  ///< -r r' T T' / ((1+e)(1+e'))
-  double normalised;  ///< r r' / (spread spread')
-  std::size_t group;  ///< drop
-};
-
-std::vector<Pair> pairs_of(const RestitutionSamples& samples, const LawFit& law) {
-  std::vector<Pair> pairs;
-  std::size_t drop = 0;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
-    const RestitutionSample &a = samples[k], &b = samples[k + 1];
-    if (a.recording != b.recording || a.drop != b.drop) {
-      ++drop;
-      continue;
-    }
-    const double interval_s = b.t_s - a.t_s;  // T_{i+1}
-    if (b.impact != a.impact + 1 || !(interval_s > 0.0) || !(a.eps > 0.0)) continue;
-    const double before_s = interval_s / a.eps;
-    const double ra = a.eps - restitution(*law.law, a.v_mps), rb = b.eps - restitution(*law.law, b.v_mps);
-    // every spread of eps goes nearly as 1/T: that makes the pairs alike
-    pairs.push_back(
-        {-ra * rb * interval_s * before_s / ((1.0 + a.eps) * (1.0 + b.eps)), ra * before_s * rb * interval_s, drop});
-  }
-  return pairs;
+double shift_by_contact_time(double v_mps, double eps, const BudgetConfig& config) {
+  const double before_s = 2.0 * v_mps / config.gravity_mps2;
+  const double contact_before_s = hertz_contact_time_s(config.ball, config.plate, v_mps / eps);
+  const double contact_after_s = hertz_contact_time_s(config.ball, config.plate, v_mps);
+  return (eps * before_s + contact_after_s) / (before_s + contact_before_s) - eps;
 }
 
-struct MeanWithError {
-  double mean, se;
-};
-
-/// Mean over pairs; error from the sums of the drops, or of pairs where there are few drops.
-MeanWithError mean_by_drop(const std::vector<Pair>& pairs, double Pair::*member) {
-  constexpr std::size_t kEnoughDrops = 8;
-  const auto n = static_cast<double>(pairs.size());
-  double mean = 0.0;
-  for (const Pair& p : pairs) mean += p.*member / n;
-  const std::size_t n_drops = pairs.back().group + 1;
-  const bool by_drop = n_drops >= kEnoughDrops;
-  std::vector<double> sums(by_drop ? n_drops : pairs.size(), 0.0);
-  for (std::size_t k = 0; k < pairs.size(); ++k) sums[by_drop ? pairs[k].group : k] += pairs[k].*member - mean;
-  double variance = 0.0;
-  for (const double s : sums) variance += s * s;
-  return {mean, std::sqrt(variance) / n};
-}
-
-std::optional<double> stated_timing_s(const RestitutionSamples& samples) {
-  std::vector<double> stated;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
-    const RestitutionSample& s = samples[k];
-    const double interval_s = samples[k + 1].t_s - s.t_s;
-    if (!s.sigma_eps || samples[k + 1].drop != s.drop || samples[k + 1].impact != s.impact + 1 || !(interval_s > 0.0))
-      continue;
-    const double of_times = std::sqrt(1.0 + (1.0 + s.eps) * (1.0 + s.eps) + s.eps * s.eps);
-    stated.push_back(*s.sigma_eps * (interval_s / s.eps) / of_times);
-  }
-  if (stated.empty()) return std::nullopt;
-  return median_of(stated);
-}
-
-std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const LawFit& law) {
-  const auto pairs = pairs_of(samples, law);
-  if (pairs.size() < 8) return std::nullopt;
-  const MeanWithError variance = mean_by_drop(pairs, &Pair::product_s2);
-  const MeanWithError covariance = mean_by_drop(pairs, &Pair::normalised);
-  double square = 0.0;
-  std::size_t n = 0;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
-    const double interval_s = samples[k + 1].t_s - samples[k].t_s;
-    if (samples[k + 1].drop != samples[k].drop || samples[k + 1].impact != samples[k].impact + 1 || !(interval_s > 0.0))
-      continue;
-    const double r = samples[k].eps - restitution(*law.law, samples[k].v_mps);
-    square += std::pow(r * interval_s / samples[k].eps, 2);
-    ++n;
-  }
-  TimingNoise noise;
-  noise.n_pairs = pairs.size();
-  noise.lag1_correlation = covariance.mean / (square / static_cast<double>(n));
-  noise.lag1_correlation_se = covariance.se / (square / static_cast<double>(n));
-  noise.variance_s2 = variance.mean;
-  noise.variance_se_s2 = variance.se;
-  if (variance.mean > 0.0) noise.sigma_s = std::sqrt(variance.mean);
-  noise.upper95_s = std::sqrt(std::max(0.0, variance.mean) + 1.645 * variance.se);
-  noise.stated_s = stated_timing_s(samples);
-  return noise;
-}
-
-/// What drag and contact do to eps at a speed, uncorrected: two flights with the true eps between them.
-void add_shifts(BudgetRow& row, const LawFit& law, const BudgetConfig& config) {
-  const double eps = restitution(*law.law, row.v_mps), g = config.gravity_mps2;
-  const double before_s = 2.0 * row.v_mps / g, after_s = eps * before_s;
-  const Flight before = flight_with_drag(config.ball, config.air, before_s, g);
-  const Flight after = flight_with_drag(config.ball, config.air, after_s, g);
-  row.shift_drag = eps - after.launch_mps / before.landing_mps;
-  const double contact_before_s = hertz_contact_time_s(config.ball, config.plate, row.v_mps / eps);
-  const double contact_after_s = hertz_contact_time_s(config.ball, config.plate, row.v_mps);
-  row.shift_contact_time = (after_s + contact_after_s) / (before_s + contact_before_s) - eps;
+/// Parts of the variance; they are scaled down where together they exceed what is there (timing stated too large).
+void add_shares(BudgetRow& row) {
+  const double ball = std::pow(row.spread_asperities.value_or(0.0), 2);
+  const auto& timing_spread = row.spread_timing_stated ? row.spread_timing_stated : row.spread_timing_lag1;
+  const double timing = std::pow(timing_spread.value_or(0.0), 2),
+               travel = row.spread_travel_time * row.spread_travel_time;
+  const double total = std::max(row.spread * row.spread, ball + timing + travel);
+  if (!(total > 0.0)) return;
+  row.share_asperities = ball / total;
+  row.share_timing = timing / total;
+  row.share_travel_time = travel / total;
+  row.share_unexplained = 1.0 - (ball + timing + travel) / total;
 }
 
 BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& law, const BudgetConfig& config,
@@ -141,17 +81,23 @@ BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& la
     return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);
   });
   if (point != law.curve.end() && point->band95) row.se_curve = (point->band95->hi - point->band95->lo) / (2.0 * 1.96);
-  add_shifts(row, law, config);
+  if (config.drag == Effect::present) row.shift_drag = shift_by_drag(row.v_mps, eps, config);
+  if (config.contact_time == Effect::present) row.shift_contact_time = shift_by_contact_time(row.v_mps, eps, config);
+  if (config.travel_time == Effect::present)
+    row.spread_travel_time = eps * config.kick_per_speed * row.v_mps / config.wave_speed_mps;
+  add_shares(row);
   return row;
 }
 
-/// Slope of log spread_asperities (or of the total spread) against log v, weighted by counts.
-std::optional<Estimate> width_exponent(const std::vector<BudgetRow>& rows) {
-  if (rows.size() < 4) return std::nullopt;
+/// Power law through the spreads, by least squares in logarithms, weighted by counts; error from the rows' scatter
+/// about it.
+void fit_width(ErrorBudget& budget) {
+  const std::vector<BudgetRow>& rows = budget.rows;
+  if (rows.size() < 4) return;
   double w = 0.0, wx = 0.0, wy = 0.0;
   const auto y_of = [](const BudgetRow& r) { return std::log(r.spread); };
   for (const BudgetRow& r : rows) {
-    if (!(r.spread > 0.0)) return std::nullopt;
+    if (!(r.spread > 0.0)) return;
     const auto n = static_cast<double>(r.n);
     w += n;
     wx += n * std::log(r.v_mps);
@@ -164,16 +110,26 @@ std::optional<Estimate> width_exponent(const std::vector<BudgetRow>& rows) {
     sxy += n * x * y;
     syy += n * y * y;
   }
-  if (!(sxx > 0.0)) return std::nullopt;
-  const double slope = sxy / sxx;
-  const double residual = std::max(0.0, syy - slope * sxy) / (static_cast<double>(rows.size()) - 2.0);
-  return normal_estimate(slope, std::sqrt(residual / sxx));
+  if (!(sxx > 0.0)) return;
+  const double slope = sxy / sxx, n_free = static_cast<double>(rows.size()) - 2.0;
+  const double se = std::sqrt(std::max(0.0, syy - slope * sxy) / n_free / sxx);
+  Estimate exponent = normal_estimate(slope, se);
+  exponent.ci68 =
+      Interval{slope - gsl_cdf_tdist_Pinv(0.84135, n_free) * se, slope + gsl_cdf_tdist_Pinv(0.84135, n_free) * se};
+  exponent.ci95 =
+      Interval{slope - gsl_cdf_tdist_Pinv(0.975, n_free) * se, slope + gsl_cdf_tdist_Pinv(0.975, n_free) * se};
+  budget.width_exponent = exponent;
+  for (const double v : {rows.front().v_mps, rows.back().v_mps})
+    budget.width_law.push_back({v, std::exp(wy / w + slope * (std::log(v) - wx / w)), std::nullopt});
 }
 
 }  // namespace
 
 ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config) {
   ErrorBudget budget;
+  budget.ball = config.ball;
+  budget.effects = {
+      {"air drag", config.drag}, {"contact time", config.contact_time}, {"travel time", config.travel_time}};
   if (!law.law || samples.empty()) return budget;
   budget.timing = timing_noise(samples, law);
   std::vector<const RestitutionSample*> by_speed;
@@ -184,7 +140,7 @@ ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, c
     budget.rows.push_back(budget_row({by_speed.begin() + static_cast<std::ptrdiff_t>(j * n / n_bins),
                                       by_speed.begin() + static_cast<std::ptrdiff_t>((j + 1) * n / n_bins)},
                                      law, config, budget.timing));
-  budget.width_exponent = width_exponent(budget.rows);
+  fit_width(budget);
   return budget;
 }
 

@@ -12,11 +12,12 @@ namespace bouncelab {
 
 double chi2_survival(double chi2, double ndf) { return gsl_cdf_chisq_Q(chi2, ndf); }
 
-std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters) {
+std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
+                                      std::size_t n_groups_most) {
   constexpr std::size_t kPerCell = 8;
   const std::size_t n = u.size();
-  const std::size_t n_cells = std::clamp<std::size_t>(n / kPerCell, 1, 10);
-  const std::size_t n_groups = std::clamp<std::size_t>(n / (n_cells * kPerCell), 1, 40);
+  const std::size_t n_cells = std::clamp<std::size_t>(n / kPerCell, 1, n_groups_most > 1 ? 10 : 30);
+  const std::size_t n_groups = std::clamp<std::size_t>(n / (n_cells * kPerCell), 1, n_groups_most);
   if (n_cells < 2) return std::nullopt;
   ChiSquare result;
   for (std::size_t g = 0; g < n_groups; ++g) {

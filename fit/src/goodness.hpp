@@ -20,7 +20,9 @@ struct ChiSquare {
 /// (1954), doi:10.1214/aoms/1177728726): all are subtracted where they are less than a tenth of the cells and the
 /// difference is small, none otherwise, which makes p too large rather than too small. nullopt where samples are too
 /// few for one degree of freedom.
-std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters);
+/// @param n_groups_most  1: cells in u alone, up to 30
+std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
+                                      std::size_t n_groups_most = 40);
 
 /// Probability of a chi-square above chi2.
 double chi2_survival(double chi2, double ndf);

@@ -80,7 +80,7 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
   std::vector<double> u;
   for (std::size_t k = 0; k < data.size(); ++k)
     u.push_back(normal_laplace_cdf(data.eps[k] - theta[0], std::exp(theta[1]), std::exp(theta[2]), data.tau[k]));
-  if (const auto chi2 = pearson_chi2(u, 3)) {
+  if (const auto chi2 = pearson_chi2(u, 3, 1)) {
     result.chi2 = chi2->chi2;
     result.ndf = chi2->ndf;
     result.p_value = chi2->p_value;

@@ -176,6 +176,11 @@ Json json_of(const BudgetRow& r) {
           {"spread_asperities", json_of(r.spread_asperities)},
           {"spread_timing_stated", json_of(r.spread_timing_stated)},
           {"spread_timing_lag1", json_of(r.spread_timing_lag1)},
+          {"spread_travel_time", json_of(r.spread_travel_time)},
+          {"share_asperities", json_of(r.share_asperities)},
+          {"share_timing", json_of(r.share_timing)},
+          {"share_travel_time", json_of(r.share_travel_time)},
+          {"share_unexplained", json_of(r.share_unexplained)},
           {"shift_drag", json_of(r.shift_drag)},
           {"shift_contact_time", json_of(r.shift_contact_time)},
           {"mean_minus_peak", json_of(r.mean_minus_peak)},
@@ -185,7 +190,17 @@ Json json_of(const BudgetRow& r) {
 Json json_of(const ErrorBudget& budget) {
   Json rows = Json::array();
   for (const BudgetRow& r : budget.rows) rows.push_back(json_of(r));
-  return {{"timing", json_of(budget.timing)}, {"width_exponent", json_of(budget.width_exponent)}, {"rows", rows}};
+  Json effects = Json::array(), v = Json::array(), spread = Json::array();
+  for (const auto& [name, effect] : budget.effects) effects.push_back({{"name", name}, {"state", to_string(effect)}});
+  for (const CurvePoint& p : budget.width_law) {
+    v.push_back(p.x);
+    spread.push_back(json_of(p.y));
+  }
+  return {{"timing", json_of(budget.timing)},
+          {"width_exponent", json_of(budget.width_exponent)},
+          {"width_law", {{"v_mps", v}, {"spread", spread}}},
+          {"effects", effects},
+          {"rows", rows}};
 }
 
 Json json_of(const HandOff& h) {
@@ -204,8 +219,11 @@ Json json_of(const HandOff& h) {
 std::string to_json(const FitResult& result) {
   Json histograms = Json::array();
   for (const HistogramFit& h : result.histograms) histograms.push_back(json_of(h));
+  Json answers = Json::array();
+  for (const Answer& a : result.answers) answers.push_back({{"question", a.question}, {"answer", a.answer}});
   const Json j{{"status", to_string(result.status)},
                {"warnings", result.warnings},
+               {"answers", answers},
                {"n_used", result.n_used},
                {"n_left_out", result.n_left_out},
                {"law", json_of(result.law)},

@@ -65,6 +65,31 @@ TEST(ErrorBudget, ShiftsAreThoseOfPhysics) {
   }
 }
 
+TEST(ErrorBudget, SharesAddToOneAndTellTheBallFromTheClock) {
+  testing::SyntheticRun run;
+  run.timing_sigma_s = 1e-5;
+  run.n_drops = 80;
+  for (const auto& row : budget_of(run).rows) {
+    EXPECT_NEAR(row.share_asperities + row.share_timing + row.share_travel_time + row.share_unexplained, 1.0, 1e-12);
+    // both sides of the ratio go as 1/v^2: (4e-4^2 + 3e-4^2) to (s g sqrt(6)/2)^2 = 1.44e-8 at 1 m/s
+    EXPECT_NEAR(row.share_timing / row.share_asperities, 1.44e-8 / 2.5e-7, 0.004);
+    EXPECT_LT(row.share_unexplained, 0.3);
+  }
+}
+
+TEST(ErrorBudget, WhatIsCorrectedOrAbsentShiftsNothing) {
+  testing::SyntheticRun run;
+  LawFit truth;
+  truth.law = run.law;
+  BudgetConfig config;
+  config.drag = Effect::corrected;
+  config.contact_time = config.travel_time = Effect::absent;
+  const auto budget = error_budget(restitution_samples(synthetic_onsets(run), {}).samples, truth, config);
+  for (const auto& row : budget.rows)
+    EXPECT_TRUE(row.shift_drag == 0.0 && row.shift_contact_time == 0.0 && row.spread_travel_time == 0.0);
+  EXPECT_STREQ(to_string(budget.effects.at(0).second), "taken out");
+}
+
 TEST(ErrorBudget, WithoutALawIsEmpty) {
   EXPECT_TRUE(error_budget(testing::independent_samples({}, 50, 0.2, 1.4, 0.0), {}, {}).rows.empty());
 }

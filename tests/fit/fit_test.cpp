@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -55,6 +56,33 @@ TEST(FitAll, WarnsInWordsOfConstantsThatCannotBeToldApart) {
   const auto it = std::find_if(result.warnings.begin(), result.warnings.end(),
                                [](const auto& w) { return w.find("cannot be told apart") != std::string::npos; });
   EXPECT_NE(it, result.warnings.end());
+}
+
+TEST(FitAll, AnswersTheFiveQuestionsOfAReader) {
+  const auto result = fit_all(testing::independent_samples({}, 20000, 0.2, 1.4, 1e-4), {});
+  ASSERT_EQ(result.answers.size(), 5u);
+  const auto says = [&](std::size_t k, const char* words) {
+    return result.answers[k].answer.find(words) != std::string::npos;
+  };
+  EXPECT_TRUE(says(0, "A2 = 0.0") && says(0, "gamma = ")) << result.answers[0].answer;
+  EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << result.answers[1].answer;
+  EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing") && says(2, "air drag")) << result.answers[2].answer;
+  EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8")) << result.answers[3].answer;
+  EXPECT_TRUE(says(4, "eps = 0.979") && says(4, "0.6 m/s")) << result.answers[4].answer;
+}
+
+TEST(FitAll, WarnsOfDragThatMovesTheCurveByMoreThanItsError) {
+  const auto samples = testing::independent_samples({}, 5000, 0.2, 1.4, 0.0);
+  const auto warned = [&](Effect drag) {
+    FitConfig config;
+    config.budget.drag = drag;
+    const auto warnings = fit_all(samples, config).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const auto& w) { return w.find("--correct-drag") != std::string::npos; });
+  };
+  EXPECT_TRUE(warned(Effect::present));
+  EXPECT_FALSE(warned(Effect::corrected));
+  EXPECT_FALSE(warned(Effect::absent));
 }
 
 nlohmann::json json_of(const RestitutionSamples& samples) {

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 
 #include "bouncelab/fit/json.hpp"
 #include "progress_line.hpp"
+#include "stages.hpp"
 #include "table_file.hpp"
 
 namespace bouncelab::cli {
@@ -17,6 +19,22 @@ std::string with_error(const Estimate& e) {
   std::string text = fmt::format("{:.6g}", e.value);
   if (e.se) text += fmt::format(" +- {:.2g}", *e.se);
   return text + (e.identified ? "" : " (not identifiable)");
+}
+
+/// What the samples' provenance says of corrections; samples from elsewhere say nothing and count as not corrected.
+void read_corrections(const std::string& samples, BudgetConfig& budget) {
+  const std::filesystem::path meta = samples + ".meta.json";
+  if (!std::filesystem::exists(meta)) return;
+  const Json corrections = read_json(meta).value("/parameters/corrections"_json_pointer, Json::object());
+  const auto set = [&](const char* key, Effect& effect) {
+    if (effect == Effect::present && corrections.value(key, false)) effect = Effect::corrected;
+  };
+  set("drag", budget.drag);
+  set("contact_time", budget.contact_time);
+  set("travel_time", budget.travel_time);
+  budget.ball.radius_m = corrections.value("ball_radius_m", budget.ball.radius_m);
+  budget.ball.material.density_kgpm3 = corrections.value("ball_density_kgpm3", budget.ball.material.density_kgpm3);
+  budget.gravity_mps2 = corrections.value("gravity_mps2", budget.gravity_mps2);
 }
 
 }  // namespace
@@ -57,7 +75,9 @@ Outcome run_fit(const FitOptions& options, Run& run) {
   check_may_write(run, options.out);
   if (!options.table.empty()) check_may_write(run, options.table);
   const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
-  const FitResult result = fit_all(samples, options.config, progress_line(run, "fit", "fits"));
+  FitConfig config = options.config;
+  read_corrections(options.samples, config.budget);
+  const FitResult result = fit_all(samples, config, progress_line(run, "fit", "fits"));
   Outcome outcome;
   const std::string json = to_json(result);
   write_text(run, options.out, json, {options.samples});

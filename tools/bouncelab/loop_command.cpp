@@ -36,15 +36,18 @@ const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "report.html"};
 
 /// impact times -> samples -> fit, on files of the folder. Returns the exit code of the fit.
-Outcome times_to_constants(const LoopOptions& options, double gravity_mps2, Run& run, const fs::path& onsets,
-                           const fs::path& samples, const fs::path& fit_json, std::vector<std::string>& warnings) {
+Outcome times_to_constants(const LoopOptions& options, const SimulationConfig& simulated, Run& run,
+                           const fs::path& onsets, const fs::path& samples, const fs::path& fit_json,
+                           std::vector<std::string>& warnings) {
   RestitutionOptions restitution;
   restitution.onsets = onsets;
   restitution.out = samples;
-  restitution.config.gravity_mps2 = gravity_mps2;
+  restitution.config.gravity_mps2 = simulated.gravity_mps2;
+  restitution.config.ball = simulated.ball;
   add_warnings(warnings, run_restitution(restitution, run).warnings);
   FitOptions fit;
   fit.config.law.node_speeds_mps = options.node_speeds_mps;
+  fit.config.budget = budget_of(simulated);
   fit.samples = samples;
   fit.out = fit_json;
   Outcome fitted = run_fit(fit, run);
@@ -84,10 +87,10 @@ Outcome run_through_files(const LoopOptions& options, Run& run) {
 
   const Outcome fitted = clock.time("restitution_and_fit", [&] {
     std::vector<std::string> known_from_sound;
-    times_to_constants(options, config.gravity_mps2, run, synthesize.truth, folder / "samples_from_true_times.csv",
+    times_to_constants(options, config, run, synthesize.truth, folder / "samples_from_true_times.csv",
                        folder / "fit_from_true_times.json", known_from_sound);
-    return times_to_constants(options, config.gravity_mps2, run, detect.out, folder / "samples.csv",
-                              folder / "fit.json", results.warnings);
+    return times_to_constants(options, config, run, detect.out, folder / "samples.csv", folder / "fit.json",
+                              results.warnings);
   });
 
   const Onsets truth = read_onsets(synthesize.truth);

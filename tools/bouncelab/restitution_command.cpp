@@ -18,10 +18,10 @@ void add_restitution_options(CLI::App& app, RestitutionOptions& options) {
   app.add_option("--drop-height", options.drop_height_m,
                  "Height of the ball's lowest point at release, m, 0 = not known; the first impact counts then")
       ->check(CLI::Range(0.0, 1e3));
-  app.add_option("--correction-radius", options.config.ball.radius_m, "Radius of the ball for the corrections, m")
+  app.add_option("--ball-radius", options.config.ball.radius_m,
+                 "Radius of the ball, m: for the corrections and the error budget")
       ->check(CLI::Range(1e-6, 10.0));
-  app.add_option("--correction-density", options.config.ball.material.density_kgpm3,
-                 "Density of the ball for the corrections, kg/m^3")
+  app.add_option("--ball-density", options.config.ball.material.density_kgpm3, "Density of the ball, kg/m^3: likewise")
       ->check(CLI::Range(1.0, 3e4));
 }
 
@@ -55,7 +55,13 @@ Outcome run_restitution(const RestitutionOptions& options, Run& run) {
   Outcome outcome;
   outcome.text = describe(result.counts) + "\n";
   outcome.summary = to_json(result.counts);
-  write_table(run, options.out, to_table(result.samples), {options.onsets});
+  Run described = run;  // the samples say what was taken out of them, whichever command made them
+  described.parameters["corrections"] = {{"drag", config.correct_drag},
+                                         {"contact_time", config.correct_contact_time},
+                                         {"ball_radius_m", config.ball.radius_m},
+                                         {"ball_density_kgpm3", config.ball.material.density_kgpm3},
+                                         {"gravity_mps2", config.gravity_mps2}};
+  write_table(described, options.out, to_table(result.samples), {options.onsets});
   if (result.samples.empty()) {
     outcome.exit_code = kNotUsable;
     outcome.trouble = options.onsets + ": no three successive impacts: no coefficient of restitution";

@@ -17,6 +17,16 @@ Json read_json(const std::filesystem::path& path) {
   }
 }
 
+BudgetConfig budget_of(const SimulationConfig& simulated) {
+  BudgetConfig budget;
+  budget.ball = simulated.ball;
+  budget.gravity_mps2 = simulated.gravity_mps2;
+  if (simulated.air) budget.air = *simulated.air;
+  budget.drag = simulated.air ? Effect::present : Effect::absent;
+  budget.contact_time = budget.travel_time = Effect::absent;
+  return budget;
+}
+
 void add_warnings(std::vector<std::string>& warnings, const std::vector<std::string>& more) {
   for (const std::string& warning : more)
     if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/fit/error_budget.hpp"
+#include "bouncelab/sim/experiment.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {
@@ -39,6 +41,9 @@ class StageClock {
 
 /// A JSON file of an earlier stage. @throws FileError
 Json read_json(const std::filesystem::path& path);
+
+/// What is in the samples of a simulated ball: it strikes without delay and, in sound, always at one point.
+BudgetConfig budget_of(const SimulationConfig& simulated);
 
 /// Appends what is not there yet.
 void add_warnings(std::vector<std::string>& warnings, const std::vector<std::string>& more);

@@ -109,8 +109,7 @@ void fit_everything(StreamedLoop& loop, const LoopOptions& options, const Run& r
   };
   FitConfig config;
   config.law.node_speeds_mps = options.node_speeds_mps;
-  config.budget.ball = loop.simulation.ball;
-  config.budget.gravity_mps2 = loop.simulation.gravity_mps2;
+  config.budget = budget_of(loop.simulation);
   loop.samples_direct = direct_samples(loop.rough.impacts);
   loop.samples_true = from(true_onsets_of(loop.rough.drops, loop.rough.name));
   loop.samples_sound = from(onsets_of(loop.rough.drops));

@@ -13,7 +13,26 @@
 
 BOUNCELAB_ASSET(template, BOUNCELAB_TEMPLATE)
 BOUNCELAB_ASSET(style, BOUNCELAB_STYLE)
-BOUNCELAB_ASSET(paper, BOUNCELAB_PAPER)
-BOUNCELAB_ASSET(sweep, BOUNCELAB_SWEEP)
-BOUNCELAB_ASSET(script, BOUNCELAB_SCRIPT)
+BOUNCELAB_ASSET(text, BOUNCELAB_SCRIPTS "/text.js")
+BOUNCELAB_ASSET(plot, BOUNCELAB_SCRIPTS "/plot.js")
+BOUNCELAB_ASSET(law_figures, BOUNCELAB_SCRIPTS "/law_figures.js")
+BOUNCELAB_ASSET(scatter_figures, BOUNCELAB_SCRIPTS "/scatter_figures.js")
+BOUNCELAB_ASSET(sound_figures, BOUNCELAB_SCRIPTS "/sound_figures.js")
+BOUNCELAB_ASSET(paper, BOUNCELAB_SCRIPTS "/paper.js")
+BOUNCELAB_ASSET(sweep, BOUNCELAB_SCRIPTS "/sweep.js")
+BOUNCELAB_ASSET(tables, BOUNCELAB_SCRIPTS "/tables.js")
+BOUNCELAB_ASSET(page, BOUNCELAB_SCRIPTS "/page.js")
 BOUNCELAB_ASSET(plotly, BOUNCELAB_PLOTLY)
+
+namespace bouncelab::report {
+
+std::string asset_script() {
+  std::string script;
+  for (const std::string_view part :
+       {asset_text(), asset_plot(), asset_law_figures(), asset_scatter_figures(), asset_sound_figures(), asset_paper(),
+        asset_sweep(), asset_tables(), asset_page()})
+    script += part;
+  return script;
+}
+
+}  // namespace bouncelab::report

@@ -3,9 +3,9 @@
 
 const windowColours = ['#0b2545', '#1f5fa8', '#3a86c8', '#5aa9a0', '#8ab06a', '#d9a22b', '#d9722b', '#c0392b'];
 
-function twoPlaces(title, caption) {
-  const parent = figure(title, caption);
-  parent.className = 'pair';
+function twoPlaces(name, title, caption) {
+  const parent = figure(name, title, caption);
+  parent.classList.add('pair');
   return parent;
 }
 
@@ -80,9 +80,8 @@ function conclusionsTable(conclusions) {
 }
 
 function paperSlopes(windows) {
-  add('h2', {}, 'Slopes of p(ε): what measuring by sound adds');
   const cells = side => [measured(side.simulation.value, side.simulation.se), measured(side.sound.value, side.sound.se), side.ratio.toFixed(3)];
-  table(['window', 'n simulation', 'n sound', 'rising, simulation', 'rising, sound', 'ratio', 'falling, simulation', 'falling, sound', 'ratio'],
+  table('Slopes of p(ε): what measuring by sound adds', ['window', 'n simulation', 'n sound', 'rising, simulation', 'rising, sound', 'ratio', 'falling, simulation', 'falling, sound', 'ratio'],
         windows.map(w => [`${number(w.v_mps, 2)} m/s`, number(w.n_simulation), number(w.n_sound), ...cells(w.rising), ...cells(w.falling)]));
   add('p', {class: 'caption'}, 'Slopes per unit of ε, with standard errors. Simulation: macroscopic ε of every impact. Sound: eq. 2 on the times heard, the stated timing noise taken out. Ratio: sound over simulation.');
 }
@@ -95,7 +94,7 @@ function paperSection(paper, simulation) {
   const ranges = {v: [Math.min(...densities.map(d => d.v_edges_mps[0])), Math.max(...densities.map(d => d.v_edges_mps.at(-1)))],
                   eps: [Math.min(...densities.map(d => d.eps_edges[0])), Math.max(...densities.map(d => d.eps_edges.at(-1)))],
                   floor: -Math.ceil(Math.log10(Math.max(10, ...densities.map(d => Math.max(...d.counts.flat())))))};
-  const pictures = twoPlaces('Coefficient of restitution against impact speed: simulated and heard',
+  const pictures = twoPlaces('paper-law', 'Coefficient of restitution against impact speed: simulated and heard',
                              'Figures 1 and 2 of the paper, top. Colour: frequency relative to the most frequent cell, logarithmic; the same axes. Line: the law that went in.');
   drawPaperDensity(pictures, 'simulation: macroscopic ε', simulation, ranges);
   drawPaperDensity(pictures, 'sound: eq. 2 on the times heard', fit, ranges);
@@ -103,13 +102,13 @@ function paperSection(paper, simulation) {
   if (bins.length) {
     const heights = bins.flatMap(h => h.bins.counts.filter(c => c > 0).map(c => Math.log10(c / (h.n * (h.bins.eps_edges[1] - h.bins.eps_edges[0])))));
     const range = {eps: [Math.min(...bins.map(h => h.bins.eps_edges[0])), Math.max(...bins.map(h => h.bins.eps_edges.at(-1)))], p: [Math.min(...heights) - 0.1, Math.max(...heights) + 0.2]};
-    const histogramsPlace = twoPlaces('Distribution of ε at fixed speed: simulated and heard',
+    const histogramsPlace = twoPlaces('paper-histograms', 'Distribution of ε at fixed speed: simulated and heard',
                                       'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each. The same axes.');
     drawPaperHistograms(histogramsPlace, 'simulation', simulation, range);
     drawPaperHistograms(histogramsPlace, 'sound', fit, range);
   }
   if (paper.slopes.length) paperSlopes(paper.slopes);
-  const why = twoPlaces('Why it scatters', 'Left: standard deviation of ε about the law in bins of speed; what a smooth ball leaves is the method’s own noise. Right: mean shares of the kinetic energy just before each bounce.');
+  const why = twoPlaces('paper-why', 'Why it scatters', 'Left: standard deviation of ε about the law in bins of speed; what a smooth ball leaves is the method’s own noise. Right: mean shares of the kinetic energy just before each bounce.');
   drawSpread(why, paper.spread);
   drawShares(why, paper.energy_shares);
 }

@@ -60,13 +60,11 @@ std::string render(const ReportInput& input) {
   data["sweep"] = parsed(input.sweep_json, "sweep.json");
   data["samples"] = parsed(input.samples_json, "the samples");
 
-  const std::array<std::pair<std::string_view, std::string>, 7> parts{{{"@TITLE@", escaped(input.title)},
+  const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},
                                                                        {"@STYLE@", std::string(asset_style())},
                                                                        {"@PLOTLY@", std::string(asset_plotly())},
                                                                        {"@DATA@", embedded(data)},
-                                                                       {"@PAPER@", std::string(asset_paper())},
-                                                                       {"@SWEEP@", std::string(asset_sweep())},
-                                                                       {"@SCRIPT@", std::string(asset_script())}}};
+                                                                       {"@SCRIPT@", asset_script()}}};
   // the template once from left to right: what is put in is never searched again
   std::string html;
   std::string_view rest = asset_template();

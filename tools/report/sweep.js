@@ -36,8 +36,8 @@ function sweepSection(sweep) {
             .map(t => element('td', {}, t)));
       }))));
   add('p', {class: 'caption'}, '“What fails” compares the times heard with the true times of the same drops: 99% of the impacts found and 99% of the found ones true, ε(v) moved by less than its standard error, slopes by less than a tenth.');
-  const parent = figure('The same as pictures', `Against ${options.at(-1).replace(/-/g, ' ')}; a line for each combination of the other lists.`);
-  parent.className = 'grid wide';
+  const parent = figure('sweep', 'The same as pictures', `Against ${options.at(-1).replace(/-/g, ' ')}; a line for each combination of the other lists.`);
+  parent.classList.add('grid', 'wide');
   drawSwept(parent, sweep, 'share of impacts found', 'recall', {});
   drawSwept(parent, sweep, 'rms error of the times within drops (s)', 'time_rms_within_drops_s', {type: 'log', exponentformat: 'power'});
   drawSwept(parent, sweep, 'rising slope at 0.6 m/s, sound', 'slope_rising_0.6_sound', {});

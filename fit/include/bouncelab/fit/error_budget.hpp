@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
@@ -32,6 +34,15 @@ struct TimingNoise {
   std::optional<double> stated_s;  ///< median of what the samples' sigma_eps says
 };
 
+/// Is a disturbance in the samples?
+enum class Effect {
+  absent,     ///< there was none: a simulation without it
+  present,    ///< not taken out
+  corrected,  ///< taken out of the samples
+};
+/// "absent", "not taken out", "taken out".
+const char* to_string(Effect effect);
+
 /// Where the scatter of eps and the shifts of eps(v) come from, in a bin of speeds. Spreads are standard deviations.
 struct BudgetRow {
   double v_mps = 0.0;
@@ -40,24 +51,37 @@ struct BudgetRow {
   std::optional<double> spread_asperities;     ///< by the fit's scatter: sqrt(b_below^2 + b_above^2)
   std::optional<double> spread_timing_stated;  ///< by sigma_eps
   std::optional<double> spread_timing_lag1;    ///< by TimingNoise
-  double shift_drag = 0.0;                     ///< of eps, if not corrected for
-  double shift_contact_time = 0.0;             ///< likewise
-  std::optional<double> mean_minus_peak;       ///< b_above - b_below: what least squares would be off by
-  std::optional<double> se_curve;              ///< finite sample: standard error of eps(v) here
+  double spread_travel_time = 0.0;             ///< where it is present: eps * kick / wave speed
+  /// Parts of the variance of eps - eps(v), together 1: what the fit finds of the ball, timing as stated (else by
+  /// TimingNoise), travel time, and what these leave over.
+  double share_asperities = 0.0, share_timing = 0.0, share_travel_time = 0.0, share_unexplained = 0.0;
+  double shift_drag = 0.0;                ///< of eps, where it is present
+  double shift_contact_time = 0.0;        ///< likewise
+  std::optional<double> mean_minus_peak;  ///< b_above - b_below: what least squares would be off by
+  std::optional<double> se_curve;         ///< finite sample: standard error of eps(v) here
 };
 
 struct ErrorBudget {
   std::optional<TimingNoise> timing;       ///< needs times and at least 8 pairs of neighbours
   std::optional<Estimate> width_exponent;  ///< k of spread ~ v^k; -1 in the paper
+  std::vector<CurvePoint> width_law;       ///< that power law at the first and the last row
   std::vector<BudgetRow> rows;
+  std::vector<std::pair<std::string, Effect>> effects;
+  Ball ball;  ///< that the shifts were computed for
 };
 
-/// What the shifts are computed for. Defaults: the paper's ball on glass.
+/// What the shifts are computed for. Defaults: a recording of the paper's ball on glass, nothing corrected for.
 struct BudgetConfig {
   Ball ball;
   Material plate = kGlass;
   Air air;
   double gravity_mps2 = kDefaultGravity_mps2;
+  Effect drag = Effect::present, contact_time = Effect::present, travel_time = Effect::present;
+  /// An impact changes the ball's speed along the line to the sensor by a random kick, which changes the travel time of
+  /// all later sound: d eps = eps kick / wave speed. Its rms per speed of impact; default: that of the simulated ball
+  /// of the paper (uniform radii, found .0105 to .0112 from 0.2 to 1.4 m/s).
+  double kick_per_speed = 0.011;
+  double wave_speed_mps = 2500.0;  ///< in the plate; 343 for a microphone
 };
 
 /// @param samples  that were fitted; t_s is needed for the timing noise only

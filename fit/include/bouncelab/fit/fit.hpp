@@ -29,6 +29,12 @@ struct FitConfig {
   std::optional<double> hand_off_speed_mps;  ///< absent: the middle node
 };
 
+/// A question that a reader of the report brings, and what the fit has to say to it.
+struct Answer {
+  std::string question;
+  std::string answer;
+};
+
 struct FitResult {
   FitStatus status = FitStatus::too_few_samples;  ///< of the main law
   LawFit law;                                     ///< as configured; by default the asymmetric Laplace
@@ -39,6 +45,7 @@ struct FitResult {
   ErrorBudget budget;
   std::optional<HandOff> hand_off;
   std::vector<std::string> warnings;  ///< in words, most important first
+  std::vector<Answer> answers;        ///< what are the constants, how sure, what limits them ...; empty without a law
   std::size_t n_used = 0;
   std::map<std::string, std::size_t> n_left_out;  ///< by reason
 };

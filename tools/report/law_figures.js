@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures of the law eps(v): density and curve, residuals, corners.
+
+
+function band(curve, color, name) {
+  const v = curve.map(p => p.v_mps);
+  return {x: v.concat([...v].reverse()), y: curve.map(p => p.hi95).concat(curve.map(p => p.lo95).reverse()), fill: 'toself',
+          fillcolor: color, line: {width: 0}, hoverinfo: 'skip', name, type: 'scatter', mode: 'lines'};
+}
+function centres(edges) { return edges.slice(1).map((right, k) => 0.5 * (right + edges[k])); }
+
+function samplesTrace() {
+  if (few)
+    return {x: samples.v_mps, y: samples.eps, mode: 'markers', type: 'scatter', name: 'samples',
+            error_y: {type: 'data', array: samples.sigma_eps, thickness: 1, width: 0, color: grey},
+            marker: {size: 6, color: blue}, hovertemplate: 'v = %{x:.4f} m/s<br>eps = %{y:.5f}<extra></extra>'};
+  const {counts, v_edges_mps, eps_edges} = fit.density;
+  const z = counts.map(row => row.map(n => n > 0 ? Math.log10(n) : null));
+  const most = Math.max(1, Math.ceil(Math.max(...counts.flat().map(n => n > 0 ? Math.log10(n) : 0))));
+  const ticks = [...Array(most + 1).keys()];
+  return {type: 'heatmap', x: centres(v_edges_mps), y: centres(eps_edges), z, text: counts, zmin: 0, colorscale: depth,
+          colorbar: {title: {text: 'samples', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => number(10 ** t)), thickness: 12, len: 0.9},
+          hovertemplate: 'v = %{x:.3f} m/s<br>eps = %{y:.4f}<br>%{text} samples<extra></extra>'};
+}
+
+/// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.
+function drawLaw(parent) {
+  const traces = few || (fit && fit.density && fit.density.counts.length) ? [samplesTrace()] : [];
+  const curve = law && law.curve;
+  if (curve && curve.length) {
+    if (known(curve[0].lo95)) traces.push(band(curve, 'rgba(192,57,43,.22)', '95% band'));
+    traces.push({x: curve.map(p => p.v_mps), y: curve.map(p => p.eps), mode: 'lines', type: 'scatter', name: 'fitted law',
+                 line: {color: red, width: 2}, hovertemplate: 'v = %{x:.3f}<br>law %{y:.5f}<extra></extra>'});
+  }
+  if (summary && summary.truth_curve)
+    traces.push({x: summary.truth_curve.map(p => p.v_mps), y: summary.truth_curve.map(p => p.eps), mode: 'lines', type: 'scatter',
+                 name: 'what went in', line: {color: ink, width: 1.6, dash: 'dash'},
+                 hovertemplate: 'v = %{x:.3f}<br>truth %{y:.5f}<extra></extra>'});
+  const peaks = ((fit && fit.histograms) || []).filter(h => h.peak_eps && known(h.peak_eps.value));
+  if (!few && peaks.length)
+    traces.push({x: peaks.map(h => h.v_mps), y: peaks.map(h => h.peak_eps.value), mode: 'markers', type: 'scatter', name: 'peaks of p(ε)',
+                 error_y: {type: 'data', array: peaks.map(h => h.peak_eps.se), thickness: 1.4, width: 3, color: orange},
+                 marker: {color: orange, size: 7, line: {color: 'white', width: 1}}, hovertemplate: 'v = %{x:.2f}<br>peak %{y:.5f}<extra></extra>'});
+  const range = fit && fit.density && !few ? [fit.density.eps_edges[0], fit.density.eps_edges.at(-1)] : undefined;
+  draw(parent, '', traces, {xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('coefficient of restitution ε', {range}), showlegend: true});
+}
+
+/// Does the law hold at every speed? Pulls of the location, and the width of the scatter, in bins of speed.
+function drawResiduals(parent, residuals) {
+  const used = residuals.filter(r => known(r.pull));
+  const trace = (key, extra) => Object.assign({x: used.map(r => r.v_mps), y: used.map(r => r[key]), mode: 'markers', type: 'scatter',
+                                               marker: {size: 7, color: blue}, text: used.map(r => r.n)}, extra);
+  draw(parent, 'low', [trace('pull', {error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey},
+                                      hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'})],
+       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of ε(v)', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
+  draw(parent, 'low', [trace('scatter_ratio', {hovertemplate: 'v = %{x:.3f} m/s<br>%{y:.3f} of the scatter expected<br>%{text} samples<extra></extra>'})],
+       {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('scatter found / fitted'),
+        shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 1, y1: 1, line: {color: red, width: 1.4}}]});
+}
+
+/// Ellipse of a pair of normal estimates that a point falls into with probability 68 or 95 % (chi2 of two degrees).
+function ellipse(a, b, correlation, chi2) {
+  const angles = [...Array(73).keys()].map(k => 2 * Math.PI * k / 72), r = Math.sqrt(chi2), s = Math.sqrt(Math.max(0, 1 - correlation * correlation));
+  return {x: angles.map(t => a.value + a.se * r * Math.cos(t)), y: angles.map(t => b.value + b.se * r * (correlation * Math.cos(t) + s * Math.sin(t)))};
+}
+function bell(e) {
+  const x = [...Array(81).keys()].map(k => e.value + e.se * (k - 40) / 11);
+  return {x, y: x.map(t => Math.exp(-0.5 * ((t - e.value) / e.se) ** 2))};
+}
+
+/// What is known of each constant alone (diagonal: normal of its standard error, bar: 95 % interval) and of each pair.
+function drawCorner(parent, estimates, correlation) {
+  const n = estimates.length, traces = [], plotLayout = {showlegend: false, grid: {rows: n, columns: n, pattern: 'independent'}, shapes: []};
+  const cell = (row, column) => row * n + column + 1;
+  const ranges = estimates.map(e => [e.value - 3.6 * e.se, e.value + 3.6 * e.se]);
+  for (let row = 0; row < n; ++row) {
+    for (let column = 0; column <= row; ++column) {
+      const id = cell(row, column), axes = {xaxis: 'x' + id, yaxis: 'y' + id, type: 'scatter', mode: 'lines', hoverinfo: 'skip'};
+      const a = estimates[column], b = estimates[row];
+      const common = {nticks: 4, tickfont: {size: narrow ? 8 : 11}, tickangle: 0, exponentformat: 'none', separatethousands: false};
+      plotLayout['xaxis' + id] = axis(row === n - 1 ? a.name : '', {...common, range: ranges[column], anchor: 'y' + id, showticklabels: row === n - 1,
+                                                                    domain: [column / n + 0.03, (column + 1) / n - 0.02]});
+      plotLayout['yaxis' + id] = axis(column === 0 && row > 0 ? b.name : '', {
+        ...common, anchor: 'x' + id, showticklabels: column === 0 && row > 0, range: row === column ? [0, 1.15] : ranges[row],
+        domain: [1 - (row + 1) / n + 0.03, 1 - row / n - 0.02]});
+      if (row === column) {
+        traces.push({...axes, ...bell(a), line: {color: blue, width: 1.8}});
+        if (a.ci95) traces.push({...axes, x: a.ci95, y: [0.05, 0.05], line: {color: ink, width: 4}});
+        if (known(a.truth)) traces.push({...axes, x: [a.truth, a.truth], y: [0, 1.1], line: {color: red, width: 1.4, dash: 'dash'}});
+        continue;
+      }
+      traces.push({...axes, ...ellipse(a, b, correlation[row][column], 5.99), line: {color: blue, width: 1}, fill: 'toself', fillcolor: 'rgba(31,95,168,.15)'});
+      traces.push({...axes, ...ellipse(a, b, correlation[row][column], 2.30), line: {color: blue, width: 1.4}, fill: 'toself', fillcolor: 'rgba(31,95,168,.35)'});
+      if (known(a.truth) && known(b.truth))
+        traces.push({...axes, x: [a.truth], y: [b.truth], mode: 'markers', marker: {symbol: 'x-thin', size: 9, line: {color: red, width: 2}}});
+    }
+  }
+  draw(parent, 'corner', traces, plotLayout);
+}
+
+function cornersOfLaw() {
+  if (!law || !law.nodes || !law.parameters) return;
+  const truths = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth]));
+  const nodeTruth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
+  const constants = law.parameters.map(name => ({name, ...law[name], truth: truths[name]}));
+  const nodes = law.nodes.map(n => ({name: `ε(${number(n.v_mps, 3)})`, value: n.eps, se: n.se, ci95: n.ci95, truth: nodeTruth(n.v_mps)}));
+  const drawable = list => list.length > 1 && list.every(e => known(e.value) && known(e.se) && e.se > 0);
+  const how = 'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '');
+  if (drawable(nodes)) drawCorner(figure('nodes', 'How well ε is known at three speeds, and how their errors go together', how), nodes, law.node_correlation);
+  if (drawable(constants))
+    drawCorner(figure('constants', `How well ${constants.map(c => c.name).join(', ')} are known`, how + ' Thin ellipses: only a combination of the constants is known.'), constants, law.correlation);
+}

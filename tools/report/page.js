@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page: warnings, answers, figures, tables.
+
+
+function card(value, text) { return element('div', {class: 'card'}, element('b', {}, value), element('span', {}, text)); }
+
+function head() {
+  add('h1', {}, data.title);
+  add('p', {class: 'sub'}, data.program);
+  const warnings = [...new Set([...((summary && summary.warnings) || []), ...((fit && fit.warnings) || [])])];
+  if (warnings.length) add('div', {class: 'warnings'}, element('ul', {}, warnings.map(w => element('li', {}, w))));
+  const cards = [];
+  if (summary && known(summary.n_impacts))
+    cards.push(card(`${number(summary.n_found)} of ${number(summary.n_impacts)}`, 'impacts found in the sound'),
+               card(`${number(summary.n_missed)} / ${number(summary.n_invented)}`, 'missed / invented'));
+  else if (summary && known(summary.n_onsets)) cards.push(card(number(summary.n_onsets), 'impacts found in the sound'));
+  if (summary && known(summary.n_drops)) cards.push(card(number(summary.n_drops), summary.n_drops === 1 ? 'drop' : 'drops'));
+  if (summary && known(summary.time_rms_within_drops_s)) cards.push(card(`${number(1e6 * summary.time_rms_within_drops_s, 3)} µs`, 'rms error of the times within a drop'));
+  if (summary && known(summary.n_samples)) cards.push(card(number(summary.n_samples), 'samples of ε'));
+  if (summary && known(summary.eps_median)) cards.push(card(number(summary.eps_median, 4), 'median ε'));
+  if (cards.length) add('div', {class: 'cards'}, cards);
+  const answers = (fit && fit.answers) || [];
+  if (answers.length) add('dl', {class: 'answers'}, answers.map(a => [element('dt', {}, a.question), element('dd', {}, a.answer.replace(/\+-/g, '±'))]));
+}
+
+function figures() {
+  if (data.sweep) sweepSection(data.sweep);
+  if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
+  if (!fit) return;
+  drawLaw(figure('law', 'Coefficient of restitution against impact speed',
+                 (few ? 'Points: samples, with the error that timing alone gives them.' : 'Colour: number of samples in each cell, on a logarithmic scale.') + ' Line and band: the fitted law with its 95% interval. Zoom with the mouse.'));
+  if (law && (law.residuals || []).length > 1)
+    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does. Below: mean distance from ε(v) over the one that the fit expects.'), law.residuals);
+  const histograms = (fit && fit.histograms) || [];
+  const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
+  if (shown.length) {
+    const parent = figure('histograms', 'Distribution of ε at fixed speed',
+                          'Points: normalised frequency with Poisson errors, logarithmic axis. Red: two exponentials, one rising, one falling, of different slope, as the timing noise blurs them. Grey dots: the normal that fits best.');
+    parent.classList.add('grid');
+    for (const h of shown) drawHistogram(parent, h);
+    if (shown.length > 1)
+      drawSlopes(figure('slopes', 'Slopes of p(ε) against speed', 'Slopes of the two exponentials, timing noise taken out, with 95% intervals. Below: their ratio; 1 would be a symmetric p(ε).'), shown);
+  } else if (histograms.length) {
+    add('h2', {}, 'Distribution of ε at fixed speed');
+    add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
+  }
+  const budget = fit && fit.budget;
+  if (budget && (budget.rows || []).length > 1) {
+    drawEnergy(figure('energy', 'Scatter against speed', 'Standard deviation of ε − ε(v), all of it and by cause. An energy given at random to rotation makes it go as 1/v.'), budget);
+    drawBudget(figure('budget', 'What limits the result', 'Above: where the variance of ε comes from. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.'), budget);
+  }
+  cornersOfLaw();
+  if (wave && wave.envelope) drawSound();
+}
+
+function tables() {
+  truthTable();
+  lawTable();
+  otherFits();
+  histogramTables();
+  timingTable();
+  budgetTable();
+  handOff();
+  work();
+}
+
+head();
+figures();
+tables();
+add('footer', {}, `${data.program}. Model: Montaine, Heckel, Kruelle, Schwager, Pöschel, Phys. Rev. E 84, 041306 (2011).`);
+finishPlots();

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures of the scatter of eps: histograms, slopes, energy picture, error budget.
+
+
+/// Figure 1 (bottom) of the paper: p(eps) in windows of speed, log axis, with the two exponentials and a normal.
+function drawHistogram(parent, h) {
+  const width = h.bins.eps_edges[1] - h.bins.eps_edges[0], unit = h.n * width;
+  const x = centres(h.bins.eps_edges);
+  const used = x.map((_, k) => k).filter(k => h.bins.counts[k] > 0);
+  const traces = [{
+    x: used.map(k => x[k]), y: used.map(k => h.bins.counts[k] / unit), type: 'scatter', mode: 'markers',
+    error_y: {type: 'data', array: used.map(k => Math.sqrt(h.bins.counts[k]) / unit), thickness: 1, width: 0, color: grey},
+    marker: {size: 4.5, color: blue}, text: used.map(k => h.bins.counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} samples<extra></extra>',
+  }];
+  const normal = (h.shapes || []).find(s => s.shape === 'normal');
+  if (normal) traces.push({x, y: normal.expected.map(n => n / unit), type: 'scatter', mode: 'lines', line: {color: grey, width: 1.2, dash: 'dot'}, hoverinfo: 'skip'});
+  if (h.curve && h.curve.eps)
+    traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
+  const floor = 0.4 / unit;
+  const top = Math.max(...h.bins.counts.map(c => c / unit), ...((h.curve && h.curve.density) || [0]));
+  draw(parent, 'small', traces, {
+    showlegend: false, margin: {l: 52, r: 8, t: 30, b: 42}, title: {text: `v = ${speed(h.v_mps)}, n = ${number(h.n)}`, font: {size: 13}, x: 0.5, y: 0.97},
+    xaxis: axis('ε', {nticks: 5}), yaxis: axis('p(ε)', {type: 'log', range: [Math.log10(floor), Math.log10(top) + 0.25], dtick: 1, exponentformat: 'power'}),
+  });
+}
+
+const errorsOf = (list, color) => ({
+  type: 'data', symmetric: false, array: list.map(e => e.ci95 ? e.ci95[1] - e.value : null), arrayminus: list.map(e => e.ci95 ? e.value - e.ci95[0] : null),
+  thickness: 1.2, width: 3, color});
+
+/// Slopes of p(eps) and their ratio against speed.
+function drawSlopes(parent, histograms) {
+  const used = histograms.filter(h => h.slope_rising && h.slope_falling && h.slope_ratio);
+  const v = used.map(h => h.v_mps);
+  const trace = (key, name, color) => ({x: v, y: used.map(h => h[key].value), mode: 'markers', type: 'scatter', name, marker: {size: 7, color},
+                                        error_y: errorsOf(used.map(h => h[key]), color), hovertemplate: `%{x} m/s<br>${name} %{y:.4g}<extra></extra>`});
+  draw(parent, 'low', [trace('slope_rising', 'rising', blue), trace('slope_falling', 'falling', orange)],
+       {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('slope of log p(ε)')});
+  draw(parent, 'low', [trace('slope_ratio', 'falling / rising', ink)],
+       {showlegend: false, xaxis: speedAxis(), yaxis: axis('falling slope / rising slope'),
+        shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 1, y1: 1, line: {color: red, width: 1.4}}]});
+}
+
+/// Scatter of eps against speed, with its power law.
+function drawEnergy(parent, budget) {
+  const rows = budget.rows, v = rows.map(r => r.v_mps);
+  const points = (key, name, color, symbol) => ({x: v, y: rows.map(r => r[key]), mode: 'markers', type: 'scatter', name, marker: {size: 8, color, symbol},
+                                                 hovertemplate: `%{x:.3f} m/s<br>${name} %{y:.3e}<extra></extra>`});
+  const traces = [points('spread', 'all of it', ink, 'circle'), points('spread_asperities', 'of the ball (fit)', blue, 'diamond'),
+                  points('spread_timing_stated', 'timing, as stated', orange, 'triangle-up'), points('spread_timing_lag1', 'timing, from neighbours', green, 'triangle-down')]
+      .filter(t => t.y.some(y => known(y) && y > 0));
+  if (budget.width_exponent)
+    traces.push({x: budget.width_law.v_mps, y: budget.width_law.spread, mode: 'lines', type: 'scatter', line: {color: red, width: 1.6}, hoverinfo: 'skip',
+                 name: `v^(${measured(budget.width_exponent.value, budget.width_exponent.se)})`});
+  draw(parent, '', traces, {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('standard deviation of ε', decades)});
+}
+
+const causes = [['share_asperities', 'ball (asperities)', blue], ['share_timing', 'timing', orange], ['share_travel_time', 'travel time', green], ['share_unexplained', 'not explained', grey]];
+const shifts = [['shift_drag', 'air drag', blue], ['shift_contact_time', 'contact time', orange], ['se_curve', 'finite sample (1 se)', red]];
+
+/// Where the variance of eps comes from, and what shifts eps(v), by speed.
+function drawBudget(parent, budget) {
+  const rows = budget.rows, names = rows.map(r => number(r.v_mps, 2));
+  draw(parent, 'low', causes.filter(([key]) => rows.some(r => known(r[key]) && r[key] > 0)).map(([key, name, color]) => (
+         {type: 'bar', x: names, y: rows.map(r => 100 * (r[key] || 0)), name, marker: {color}, hovertemplate: `%{x} m/s<br>${name} %{y:.2f}%<extra></extra>`})),
+       {barmode: 'stack', showlegend: true, xaxis: axis('normal impact speed v (m/s)', {type: 'category'}), yaxis: axis('share of variance (%)')});
+  draw(parent, 'low', shifts.filter(([key]) => rows.some(r => known(r[key]) && r[key] !== 0)).map(([key, name, color]) => (
+         {x: rows.map(r => r.v_mps), y: rows.map(r => known(r[key]) && r[key] !== 0 ? Math.abs(r[key]) : null), mode: 'lines+markers', type: 'scatter', name, line: {color, width: 1.5},
+          marker: {size: 6}, text: rows.map(r => number(r[key], 3)), hovertemplate: `%{x:.3f} m/s<br>${name} %{text}<extra></extra>`})),
+       {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('shift of ε(v)', decades)});
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tables below the figures.
+
+
+/// Truth beside what came back; only after a closed loop.
+function truthTable() {
+  const nodes = (summary && summary.eps_nodes) || [];
+  if (!nodes.some(n => n.from_true_times)) return;
+  const pull = (x, se, truth) => known(x) && known(se) && se > 0 && known(truth) ? ((x - truth) / se).toFixed(1) : '–';
+  const row = (name, truth, a, b) => [name, number(truth, 6), measured(a[0], a[1]), measured(b[0], b[1]), pull(b[0], b[1], truth)];
+  const of = (e, key) => [(e || {})[key], (e || {}).se];
+  const rows = nodes.map(n => row(`ε(${speed(n.v_mps)})`, n.truth, of(n.from_true_times, 'eps'), of(n.from_sound, 'eps')));
+  for (const c of summary.constants || []) rows.push(row(c.name, c.truth, of(c.from_true_times, 'value'), of(c.from_sound, 'value')));
+  table('What went in, what came out', ['', 'truth', 'from true times', 'from sound', 'pull'], rows,
+        'Pull: (from sound − truth) / standard error; honest errors give values of about ±1.');
+  const cell = x => x ? measured(x.value, x.se) : '–';
+  table('', ['slopes of p(ε)', 'rising, true times', 'rising, sound', 'falling, true times', 'falling, sound'], (summary.slopes || []).map(s => {
+    const t = s.from_true_times || {}, f = s.from_sound || {};
+    return [speed(s.v_mps), cell(t.rising), cell(f.rising), cell(t.falling), cell(f.falling)];
+  }));
+}
+
+function lawTable() {
+  if (!law) return;
+  const named = [...(law.parameters || []).map(name => [name, law[name]]),
+                 ...(law.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])].filter(([, e]) => e && known(e.value));
+  const robust = named.some(([, e]) => known(e.se_robust)), boot = named.some(([, e]) => e.bootstrap);
+  const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci68), interval(e.ci95),
+                                         ...(robust ? [known(e.se_robust) ? e.se_robust.toPrecision(2) : '–'] : []),
+                                         ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
+  table('The law of restitution', ['', 'value ± standard error', '68% interval', '95% interval', ...(robust ? ['error between drops'] : []),
+                                   ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
+        `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Method: ${(law.method || '–').replace(/_/g, ' ')}; ${number(law.n)} samples; status: ${(law.status || '–').replace(/_/g, ' ')}.`);
+  const quality = [];
+  if (law.correlation && law.correlation.length > 1)
+    law.parameters.forEach((a, i) => law.parameters.forEach((b, j) => i < j && quality.push(`correlation ${a} ${b} ${number(law.correlation[i][j], 4)}`)));
+  if (known(law.condition_number)) quality.push(`condition number ${number(law.condition_number, 3)}`);
+  if (known(law.loglik)) quality.push(`log-likelihood ${number(law.loglik, 7)}`);
+  if (known(law.chi2) && known(law.ndf)) quality.push(`χ²/ndf = ${number(law.chi2, 5)}/${number(law.ndf)}, p = ${number(law.p_value, 3)}`);
+  if (law.anderson_darling)
+    quality.push(`Anderson–Darling A² = ${number(law.anderson_darling.a2, 4)}, p = ${number(law.anderson_darling.p_value, 3)} among ${number(law.anderson_darling.n_replicates)} simulated fits`);
+  if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
+}
+
+function otherFits() {
+  if (!law || !law.nodes) return;
+  const others = [['as above', law], ['least squares (follows the mean)', fit.law_least_squares], ['least absolute deviations (median)', fit.law_least_absolute],
+                  ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes && o[1].nodes.length);
+  const constants = l => (l.parameters || []).map(k => `${k === 'gamma' ? 'γ' : k} = ${measured(l[k].value, l[k].se)}`).join(', ');
+  if (others.length > 1) {
+    table('Other fits of the same samples', ['', ...law.nodes.map(n => `ε(${speed(n.v_mps)})`)], others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
+    add('p', {class: 'caption'}, others.slice(1).map(([name, l]) => `${name}: ${constants(l)}`).join('; ') + '.');
+  }
+  table('Which law?', ['law', 'parameters', 'ΔAIC', 'ΔBIC'], (fit.law_comparison || []).map(c => [c.name, number(c.n_parameters), number(c.delta_aic, 4), number(c.delta_bic, 4)]),
+        'Same samples, same model of the scatter; differences to the best, smaller is better, 10 is decisive.');
+}
+
+function histogramTables() {
+  const used = ((fit && fit.histograms) || []).filter(h => h.slope_rising && h.slope_ratio);
+  table('p(ε) at fixed speed', ['window', 'n', 'below / above', 'peak ε', 'rising slope', 'falling slope', 'falling / rising (95%)', 'p', 'p equal slopes'],
+        used.map(h => [speed(h.v_mps), number(h.n), `${h.bins.underflow} / ${h.bins.overflow}`, estimated(h.peak_eps), estimated(h.slope_rising), estimated(h.slope_falling),
+                       `${number(h.slope_ratio.value, 3)} (${interval(h.slope_ratio.ci95)})`, number(h.p_value, 3), number(h.p_equal_slopes, 3)]),
+        'Two exponentials, unbinned, timing noise taken out, the law’s drift inside the window taken out; intervals by profile likelihood. Below / above: samples outside the bins of the picture.');
+  const shape = (h, name) => (h.shapes || []).find(s => s.shape === name);
+  const cell = s => s ? `${number(Math.round(10 * s.delta_aic) / 10, 6)} (p ${number(s.p_value, 2)})` : '–';
+  table('Which shape?', ['window', 'two exponentials', 'normal', 'Gumbel', 'Student t', 'in words'],
+        used.filter(h => (h.shapes || []).length).map(h => [speed(h.v_mps), ...['two_exponentials', 'normal', 'gumbel', 'student_t'].map(name => cell(shape(h, name))), element('span', {class: 'words'}, h.verdict)]),
+        'ΔAIC against the two exponentials on the same bins, each shape blurred by the timing errors: positive speaks for the two exponentials. p: of χ².');
+}
+
+function timingTable() {
+  const t = fit && fit.budget && fit.budget.timing;
+  if (!t) return;
+  const us = x => known(x) ? `${number(1e6 * x, 3)} µs` : '–';
+  table('Timing noise that the samples themselves show', ['', 'value'],
+        [['correlation of neighbours (0: ball alone, −2/3: timing alone)', measured(t.lag1_correlation, t.lag1_correlation_se)],
+         ['timing noise from it', t.sigma_s === null ? `none seen; below ${us(t.upper95_s)} (95%)` : `${us(t.sigma_s)}; below ${us(t.upper95_s)} (95%)`],
+         ['timing noise stated by the detector (median)', us(t.stated_s)], ['pairs of neighbours', number(t.n_pairs)]]);
+}
+
+function budgetTable() {
+  const b = fit && fit.budget;
+  if (!b || !(b.rows || []).length) return;
+  const percent = x => known(x) ? `${(100 * x).toFixed(100 * x < 1 && x > 0 ? 3 : 1)}%` : '–', tiny = x => known(x) ? (x === 0 ? '0' : x.toExponential(1)) : '–';
+  const there = ([key]) => b.rows.some(r => known(r[key]) && r[key] !== 0);
+  const parts = causes.filter(there), moved = [...shifts, ['mean_minus_peak', 'mean − peak']].filter(there);
+  table('Error budget', ['v (m/s)', 'n', 'sd of ε', ...parts.map(([, name]) => name), ...moved.map(([, name]) => name)],
+        b.rows.map(r => [number(r.v_mps, 3), number(r.n), tiny(r.spread), ...parts.map(([key]) => percent(r[key])), ...moved.map(([key]) => tiny(r[key]))]),
+        'Shares of the variance of ε, then shifts of ε(v) that are still in the samples, beside the standard error of the curve. Mean − peak: what least squares is off by; the fit follows the peak. ' + (b.effects || []).map(e => `${e.name}: ${e.state}`).join('; ') + '.');
+}
+
+/// The fitted law for codes of discrete particles.
+function handOff() {
+  const h = fit && fit.hand_off;
+  if (!h) return;
+  add('h2', {id: 'dem'}, 'In a DEM code');
+  add('p', {class: 'caption'}, `ε = ${measured(h.eps, h.se)} at ${speed(h.v_mps)}. Mind: ${h.warning}.`);
+  const rows = ['v_mps,eps,lo95,hi95', ...((law && law.curve) || []).map(p => [p.v_mps, p.eps, p.lo95, p.hi95].map(x => x === null ? '' : x).join(','))];
+  add('p', {}, element('a', {href: 'data:text/csv;charset=utf-8,' + encodeURIComponent(rows.join('\n') + '\n'), download: 'restitution_law.csv'}, 'ε(v) with its 95% band as a table (CSV)'),
+      '; constants with their covariance: fit.json.');
+  for (const s of h.snippets || []) {
+    add('h3', {}, s.program);
+    add('p', {class: 'caption'}, `fills ${s.parameter}`);
+    add('pre', {}, s.text);
+  }
+}
+
+function work() {
+  if (summary && summary.seconds)
+    table('Where the time went', ['stage', 'seconds'], Object.entries(summary.seconds).map(([stage, s]) => [stage.replace(/_/g, ' '), s.toFixed(2)]));
+}

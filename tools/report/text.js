@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Data, numbers and elements of the page. Numbers are shown, none are computed.
+'use strict';
+
+const data = JSON.parse(document.getElementById('data').textContent);
+const page = document.getElementById('report');
+const {summary, fit, wave, samples} = data;
+const law = fit && fit.law;
+const few = Boolean(samples);  // few enough to be shown one by one: more are not in the data
+
+function element(tag, attributes, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes || {})) node.setAttribute(key, value);
+  for (const child of children.flat(Infinity)) node.append(child);
+  return node;
+}
+function add(tag, attributes, ...children) {
+  const node = element(tag, attributes, ...children);
+  page.append(node);
+  return node;
+}
+const known = x => typeof x === 'number' && Number.isFinite(x);
+
+/// A number with as many digits as its standard error warrants: 0.98169 ± 0.00004.
+function measured(value, se) {
+  if (!known(value)) return '–';
+  if (!known(se) || se <= 0) return number(value);
+  const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(se))));
+  return value.toFixed(decimals) + ' ± ' + se.toFixed(decimals);
+}
+const estimated = e => e ? measured(e.value, e.se) + (e.identified === false ? ' (not identifiable)' : '') : '–';
+function number(value, digits = 5) {
+  if (!known(value)) return '–';
+  if (Number.isInteger(value)) return value.toLocaleString('en-US').replace(/,/g, '\u202f');
+  const size = Math.abs(value);
+  return size >= 1e5 || (size < 1e-4 && size > 0) ? value.toExponential(Math.max(0, digits - 2)) : String(+value.toPrecision(digits));
+}
+function interval(range) {
+  if (!Array.isArray(range) || !known(range[0]) || !known(range[1])) return '–';
+  const decimals = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(Math.max(range[1] - range[0], 1e-12)))));
+  return `${range[0].toFixed(decimals)} … ${range[1].toFixed(decimals)}`;
+}
+const speed = v => `${number(v, 3)} m/s`;
+
+function table(title, head, rows, caption) {
+  if (!rows.length) return;
+  if (title) add('h2', {}, title);
+  if (caption) add('p', {class: 'caption'}, caption);
+  add('div', {class: 'scroll'}, element('table', {},
+      element('thead', {}, element('tr', {}, head.map(text => element('th', {}, text)))),
+      element('tbody', {}, rows.map(row => element('tr', {}, row.map(cell => element('td', {}, cell)))))));
+}
