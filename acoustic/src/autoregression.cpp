@@ -131,11 +131,16 @@ std::vector<double> prediction_error_filter(const std::vector<double>& r) {
 }
 
 void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out) {
+  constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
   const std::size_t order = model.filter.size() - 1;
-  std::vector<float> x(out.size() + order);
-  read_padded(sound, first - static_cast<std::int64_t>(order), x);
   const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
-  correlate(x, taps, out);
+  std::vector<float> x(std::min(kAtOnce, out.size()) + order);
+  for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, out.size() - at);
+    const auto here = std::span(x).first(n + order);
+    read_padded(sound, first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order), here);
+    correlate(here, taps, out.subspan(at, n));
+  }
 }
 
 double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz) {

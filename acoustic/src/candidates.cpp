@@ -50,22 +50,31 @@ BOUNCELAB_VECTOR_CLONES void rises_over(const double* before, const double* here
     rise[k] = static_cast<double>(kBeforeFactor) * (after[k] - here[k]) / (here[k] - before[k]);
 }
 
-/// Innovations of one block of hops with margins, and their running energy from hop to hop.
+BOUNCELAB_VECTOR_CLONES void square(float* x, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) x[k] *= x[k];
+}
+
+/// Squared innovations of one block of hops with margins, and their running energy from hop to hop.
 class Block {
  public:
-  Block(const Sound& sound, const Autoregression& model, std::int64_t hop, std::int64_t first_hop, std::int64_t n_hops)
-      : hop_(hop),
-        first_hop_(first_hop - kMarginHops),
+  Block(const Sound& sound, const Autoregression& model, std::int64_t hop)
+      : sound_(sound),
+        model_(model),
+        hop_(hop),
         // background never below a hundredth of the quiet level: digital silence is no background
-        floor_(0.01 * model.quiet_variance),
-        u_(static_cast<std::size_t>((n_hops + 2 * kMarginHops) * hop)),
-        running_(static_cast<std::size_t>(n_hops + 2 * kMarginHops) + 1) {
-    read_innovations_padded(sound, model);
+        floor_(0.01 * model.quiet_variance) {}
+
+  void load(std::int64_t first_hop, std::int64_t n_hops) {
+    first_hop_ = first_hop - kMarginHops;
+    squares_.resize(static_cast<std::size_t>((n_hops + 2 * kMarginHops) * hop_));
+    running_.resize(static_cast<std::size_t>(n_hops + 2 * kMarginHops) + 1);
+    read_innovations_padded();
+    square(squares_.data(), squares_.size());
+    const float* x = squares_.data();
     for (std::size_t k = 0; k + 1 < running_.size(); ++k) {
-      const float* x = u_.data() + static_cast<std::int64_t>(k) * hop;
       float sum = 0.0F;
-      for (std::int64_t j = 0; j < hop; ++j) sum += x[j] * x[j];
-      running_[k + 1] = running_[k] + sum + floor_ * static_cast<double>(hop);
+      for (const float* end = x + hop_; x != end; ++x) sum += *x;
+      running_[k + 1] = running_[k] + static_cast<double>(sum) + floor_ * static_cast<double>(hop_);
     }
   }
 
@@ -81,27 +90,30 @@ class Block {
   std::vector<double> energies(std::int64_t first, std::int64_t last) const {
     std::vector<double> sums{0.0};
     sums.reserve(static_cast<std::size_t>(last - first) + 1);
-    for (const float* x = u_.data() + (first - first_hop_ * hop_); first < last; ++first, ++x)
-      sums.push_back(sums.back() + static_cast<double>(*x) * *x + floor_);
+    for (const float* x = squares_.data() + (first - first_hop_ * hop_); first < last; ++first, ++x)
+      sums.push_back(sums.back() + static_cast<double>(*x) + floor_);
     return sums;
   }
 
  private:
-  void read_innovations_padded(const Sound& sound, const Autoregression& model) {
+  void read_innovations_padded() {
     // before the first and after the last sample there is nothing to judge by
     const std::int64_t first = first_hop_ * hop_;
+    const auto n = static_cast<std::int64_t>(squares_.size());
     const std::int64_t lo = std::max<std::int64_t>(0, first);
-    const std::int64_t hi = std::min<std::int64_t>(sound.n_samples, first + static_cast<std::int64_t>(u_.size()));
-    if (hi > lo) read_innovations(sound, model, lo, std::span(u_).subspan(lo - first, hi - lo));
-    const auto level = static_cast<float>(std::sqrt(model.quiet_variance));
-    std::fill(u_.begin(), u_.begin() + (lo - first), level);
-    std::fill(u_.begin() + std::max<std::int64_t>(0, hi - first), u_.end(), level);
+    const std::int64_t hi = std::min<std::int64_t>(sound_.n_samples, first + n);
+    if (hi > lo) read_innovations(sound_, model_, lo, std::span(squares_).subspan(lo - first, hi - lo));
+    const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
+    std::fill(squares_.begin(), squares_.begin() + (lo - first), level);
+    std::fill(squares_.begin() + std::max<std::int64_t>(0, hi - first), squares_.end(), level);
   }
 
+  const Sound& sound_;
+  const Autoregression& model_;
   std::int64_t hop_;
-  std::int64_t first_hop_;  // of the margin
   double floor_;
-  std::vector<float> u_;
+  std::int64_t first_hop_ = 0;  // of the margin
+  std::vector<float> squares_;
   std::vector<double> running_;
 };
 
@@ -174,6 +186,11 @@ void find_in_block(const Block& block, double rate_hz, std::int64_t hop, std::in
     const double apart_s = static_cast<double>(kApartHops * hop) / rate_hz;
     std::vector<double> new_s;
     for (const Rise& rise : rises(block, hop, first - kOverlapHops, n_hops + 2 * kOverlapHops, after_hops)) {
+      // wherever in its window this one begins, a shorter window has spoken of it
+      const double hop_s = static_cast<double>(hop) / rate_hz;
+      const double begin_s = static_cast<double>(rise.hop_index) * hop_s;
+      const auto sure = std::lower_bound(spoken_s.begin(), spoken_s.end(), begin_s - hop_s);
+      if (sure != spoken_s.end() && *sure <= begin_s + reach_s - hop_s) continue;
       const std::int64_t sample = refine(block, hop, rise.hop_index, after_hops);
       const double t_s = static_cast<double>(sample) / rate_hz;
       const auto next = std::lower_bound(spoken_s.begin(), spoken_s.end(), t_s - apart_s - reach_s);
@@ -197,9 +214,10 @@ std::vector<Candidate> find_candidates(const Sound& sound, const Autoregression&
   if (model.quiet_variance <= 0.0) return candidates;
   const auto hop = std::max<std::int64_t>(1, std::llround(kHop_s * sound.rate_hz));
   const std::int64_t n_hops = sound.n_samples / hop;
+  Block block(sound, model, hop);
   for (std::int64_t first = 0; first < n_hops; first += kBlockHops) {
     const std::int64_t n_here = std::min(kBlockHops, n_hops - first);
-    const Block block(sound, model, hop, first, n_here);
+    block.load(first, n_here);
     find_in_block(block, sound.rate_hz, hop, first, n_here, model.quiet_variance, candidates);
     if (progress)
       progress(static_cast<double>((first + n_here) * hop) / sound.rate_hz,

@@ -2,22 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <vector>
 
-#include "autoregression.hpp"
 #include "bouncelab/acoustic/sound.hpp"
-#include "wave_template.hpp"
+#include "impact_wave.hpp"
 
 namespace bouncelab {
-
-/// An impact whose time is known to a millisecond or better.
-struct RoughImpact {
-  double t_s = 0.0;
-  double amplitude = 0.0;  ///< any unit, the same for all
-  double reach_s = 1e-3;   ///< how far from t_s it may lie
-};
 
 /// An impact timed by maximum likelihood.
 struct TimedImpact {
@@ -27,42 +17,36 @@ struct TimedImpact {
   double gain = 0.0;         ///< log likelihood ratio against no impact there
   double misfit = 0.0;       ///< mean square residual, noise = 1
   double correlation = 0.0;  ///< of the sound with the wave, 0 ... 1
-  bool ambiguous = false;    ///< another time, a cycle off, is almost as likely; sigma_s says how far
+  double runner_up_s = 0.0;  ///< the next best time, a cycle off
+  double lead = 0.0;         ///< log odds of t_s against runner_up_s
 };
-
-/// The sound of an impact, whitened by the noise, as learned from the recording.
-struct ImpactWave {
-  std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
-  WaveTemplate wave;
-  double contact_index = 0.0;  ///< start of contact, in samples from the template's first
-  double correlation = 0.0;    ///< median of the learned impacts with the template
-  std::int64_t n_impacts = 0;  ///< learned from
-  std::vector<double> heard;   ///< the mean wave as recorded, not whitened
-  std::vector<double> spread;  ///< its standard deviation from impact to impact
-  double peak = 0.0;           ///< of `heard`
-};
-
-/// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again.
-/// Absent where no three impacts sound alike.
-std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
-                                            const std::vector<RoughImpact>& impacts);
 
 /// Times impacts one after the other, what still rings of the earlier ones subtracted.
 class ImpactTimer {
  public:
   /// @param sound, wave  kept by reference
-  ImpactTimer(const Sound& sound, const ImpactWave& wave) : sound_(sound), wave_(wave) {}
+  ImpactTimer(const Sound& sound, const ImpactWave& wave);
 
   /// The most likely impact within reach_s of t_s. Does not remember it.
   /// @param until_s  sound from here on belongs to the next impact
-  TimedImpact time(double t_s, double reach_s, double until_s) const;
+  TimedImpact time(double t_s, double reach_s, double until_s);
   /// From now on its ringing is subtracted. Impacts come in time order.
   void remember(const TimedImpact& impact);
 
  private:
+  struct Ringing {
+    TimedImpact impact;
+    std::int64_t first = 0;   // sample at which the window begins
+    std::vector<float> wave;  // placed in it; made when first needed
+  };
+  std::vector<float> read(std::int64_t first, std::size_t n_fit);
+  /// The wave as far as it lies in the first n_fit samples.
+  WaveTemplate cut_wave(double shift, std::size_t n_fit);
+
   const Sound& sound_;
   const ImpactWave& wave_;
-  std::vector<TimedImpact> heard_;
+  Fourier fourier_;
+  std::vector<Ringing> heard_;
 };
 
 }  // namespace bouncelab

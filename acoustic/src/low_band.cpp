@@ -6,7 +6,6 @@
 
 #include "bouncelab/core/units.hpp"
 #include "products.hpp"
-#include "wave_template.hpp"
 
 namespace bouncelab {
 namespace {

@@ -3,24 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
 #include "contact_law.hpp"
-#include "impact_timing.hpp"
+#include "impact_wave.hpp"
 #include "train_timing.hpp"
 
 namespace bouncelab {
 namespace {
 
-constexpr std::size_t kOwnWave = 12;   // impacts from which a train has a wave of its own: its noise is then 11 dB down
-constexpr double kSignificance = 4.0;  // standard errors at which the contact-time law is believed
+constexpr std::size_t kOwnWave = 12;  // impacts from which a train has a wave of its own: its noise is then 11 dB down
 
 /// One train, timed.
 struct TimedDrop {
   Onsets onsets;
   std::vector<double> v_mps;  // from the flight before each onset (of the first: after it); 0 = not known
-  std::optional<ContactLaw> law;
+  std::optional<ContactEvidence> contact;
 };
 
 void add_rough(const HeardRecording& heard, const Train& train, std::vector<RoughImpact>& rough) {
@@ -30,10 +30,30 @@ void add_rough(const HeardRecording& heard, const Train& train, std::vector<Roug
   }
 }
 
-std::optional<ImpactWave> wave_of_train(const HeardRecording& heard, const Train& train) {
+std::optional<ImpactWave> wave_of_train(const Sound& band, const HeardRecording& heard, const Train& train) {
   std::vector<RoughImpact> rough;
   add_rough(heard, train, rough);
-  return learn_impact_wave(heard.band, heard.noise, rough);
+  return learn_impact_wave(band, heard.noise, rough);
+}
+
+/// The sound around a train, read once: held in memory where it is no longer than a few minutes.
+Sound held(const Sound& sound, double begin_s, double end_s) {
+  constexpr double kAround_s = 0.2;
+  constexpr std::int64_t kMost = 1 << 24;  // samples, 64 MB
+  const std::int64_t first =
+      std::clamp<std::int64_t>(std::llround((begin_s - kAround_s) * sound.rate_hz), 0, sound.n_samples);
+  const std::int64_t last =
+      std::clamp<std::int64_t>(std::llround((end_s + kAround_s) * sound.rate_hz), first, sound.n_samples);
+  if (last - first > kMost || last == first) return sound;
+  const auto samples = std::make_shared<std::vector<float>>(static_cast<std::size_t>(last - first));
+  sound.read(first, *samples);
+  return {sound.rate_hz, sound.n_samples, [sound, samples, first, last](std::int64_t from, std::span<float> out) {
+            const std::int64_t to = from + static_cast<std::int64_t>(out.size());
+            if (from >= first && to <= last)
+              std::copy_n(samples->begin() + (from - first), out.size(), out.begin());
+            else
+              sound.read(from, out);
+          }};
 }
 
 std::optional<ImpactWave> wave_of_recording(const HeardRecording& heard) {
@@ -80,7 +100,7 @@ Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const Impact
   if (is_clipped(heard.whole, onset.t_s)) add_flag(onset.flags, "clipped");
   if (from.overlap) add_flag(onset.flags, "overlap");
   if (from.inferred) add_flag(onset.flags, "inferred");
-  if (from.timed.ambiguous) add_flag(onset.flags, "doubtful");
+  if (from.doubtful) add_flag(onset.flags, "doubtful");
   return onset;
 }
 
@@ -95,10 +115,11 @@ std::vector<double> speeds_of(const Onsets& onsets) {
   return v_mps;
 }
 
-TimedDrop time_drop(const HeardRecording& heard, const Train& train, const ImpactWave* wave, double end_s) {
+TimedDrop time_drop(const Sound& band, const HeardRecording& heard, const Train& train, const ImpactWave* wave,
+                    double end_s) {
   TimedDrop drop;
   const std::vector<TrainOnset> onsets =
-      wave != nullptr ? time_train(heard.band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
+      wave != nullptr ? time_train(band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
   for (const TrainOnset& onset : onsets) drop.onsets.push_back(to_onset(onset, heard, wave));
   drop.v_mps = speeds_of(drop.onsets);
   if (wave == nullptr) return drop;
@@ -106,35 +127,25 @@ TimedDrop time_drop(const HeardRecording& heard, const Train& train, const Impac
   for (std::size_t k = 0; k < drop.onsets.size(); ++k)
     if (drop.v_mps[k] > 0.0 && drop.onsets[k].flags.empty())
       clear.push_back({drop.onsets[k].t_s, *drop.onsets[k].amplitude, drop.v_mps[k]});
-  drop.law = learn_contact_law(heard.band, *wave, clear);
+  drop.contact = learn_contact(band, *wave, clear);
   return drop;
 }
 
-/// Mean of the drops' laws, weighted by their errors; absent where it is not significant.
-std::optional<ContactLaw> pool(const std::vector<TimedDrop>& drops) {
-  double weight = 0.0;
-  double sum = 0.0;
+std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
+  std::vector<ContactEvidence> evidence;
   for (const TimedDrop& drop : drops)
-    if (drop.law && drop.law->sigma_s > 0.0) {
-      const double w = 1.0 / (drop.law->sigma_s * drop.law->sigma_s);
-      weight += w;
-      sum += w * drop.law->tau_1_s;
-    }
-  if (!(weight > 0.0)) return std::nullopt;
-  const ContactLaw pooled{sum / weight, 1.0 / std::sqrt(weight), 0.0};
-  if (pooled.tau_1_s < kSignificance * pooled.sigma_s) return std::nullopt;
-  return pooled;
+    if (drop.contact) evidence.push_back(*drop.contact);
+  return pool_contacts(evidence);
 }
 
 /// Moves the times to the start of contact.
-void correct_for_contact(const ContactLaw& pooled, TimedDrop& drop) {
-  if (!drop.law) return;
-  const ContactLaw law{pooled.tau_1_s, pooled.sigma_s, drop.law->reference_u};
+void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
+  if (!drop.contact) return;
   for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
     if (!(drop.v_mps[k] > 0.0)) continue;
-    const double delay_s = law.delay_s(drop.v_mps[k]);
-    drop.onsets[k].t_s -= delay_s;
-    drop.onsets[k].sigma_t_s = std::hypot(*drop.onsets[k].sigma_t_s, delay_s * law.sigma_s / law.tau_1_s);
+    const double delay = contact_delay(drop.v_mps[k], drop.contact->reference_u);
+    drop.onsets[k].t_s -= delay * law.tau_1_s;
+    drop.onsets[k].sigma_t_s = std::hypot(*drop.onsets[k].sigma_t_s, delay * law.sigma_s);
   }
 }
 
@@ -157,15 +168,19 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
     const double end_s = k + 1 < heard.trains.size()
                              ? heard.candidates[heard.trains[k + 1].impacts.front().candidate].t_s
                              : static_cast<double>(heard.band.n_samples) / heard.band.rate_hz;
-    const std::optional<ImpactWave> own = train.impacts.size() >= kOwnWave ? wave_of_train(heard, train) : std::nullopt;
+    const double begin_s = heard.candidates[train.impacts.front().candidate].t_s;
+    const double last_s = heard.candidates[train.impacts.back().candidate].t_s;
+    const Sound band = held(heard.band, begin_s, last_s);
+    const std::optional<ImpactWave> own =
+        train.impacts.size() >= kOwnWave ? wave_of_train(band, heard, train) : std::nullopt;
     const ImpactWave* wave = own ? &*own : shared ? &*shared : nullptr;
-    drops.push_back(time_drop(heard, train, wave, end_s));
+    drops.push_back(time_drop(band, heard, train, wave, end_s));
     if (wave != nullptr && train.impacts.size() > longest) {
       longest = train.impacts.size();
       timed.wave = to_learned_wave(*wave, heard.band.rate_hz);
     }
   }
-  const std::optional<ContactLaw> law = pool(drops);
+  const std::optional<ContactLaw> law = contact_law_of(drops);
   if (law) timed.contact_time_at_1_mps_s = law->tau_1_s;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     if (law) correct_for_contact(*law, drops[k]);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "cycle_choice.hpp"
+
 namespace bouncelab {
 namespace {
 
@@ -13,9 +15,17 @@ constexpr double kShortestInterval_s = 1.2e-3;
 constexpr double kLargestAmplitudeRatio = 3.5;  // between neighbours; eps and the place struck explain up to two
 constexpr double kClearRise = 20.0;             // log likelihood ratio that no noise reaches in hours
 constexpr double kReliable = 0.7;               // half of an impact's energy is the wave's
+constexpr double kAmbiguous = 1e-3;             // odds of another place that are worth a flag
 constexpr int kMostFailures = 2;                // impacts not heard in a row, then the train is over
 
-/// Misfit-scaled log likelihood ratio that noise alone exceeds once in a thousand searches over n lags: the maximum of
+// Gain over misfit from which an impact is believed. Under what still rings of others the misfit is that of few modes
+// and not that of noise, so that `threshold` says nothing: a rise where the train expects it needs least, a place
+// between two impacts more, one beyond the train's end most.
+constexpr double kRiseOverMisfit = 1.3;
+constexpr double kBetweenOverMisfit = 2.0;
+constexpr double kBeyondOverMisfit = 4.0;
+
+/// Log likelihood ratio that noise alone exceeds once in a thousand searches over n lags: the maximum of
 /// n squared normals.
 double threshold(double n_lags) { return std::log(n_lags) + 6.9; }
 
@@ -23,8 +33,9 @@ class TrainTimer {
  public:
   TrainTimer(const Sound& sound, const ImpactWave& wave, double end_s)
       : timer_(sound, wave),
+        wave_(wave),
         sound_(sound),
-        wave_s_(static_cast<double>(wave.wave.size()) / sound.rate_hz),
+        wave_s_(static_cast<double>(wave.n_wave) / sound.rate_hz),
         end_s_(end_s),
         wave_is_reliable_(wave.correlation > kReliable) {}
 
@@ -32,7 +43,7 @@ class TrainTimer {
   void add(const Candidate& c, std::int64_t impact, double next_s) {
     const double last_s = onsets_.empty() ? -1.0 : onsets_.back().timed.t_s;
     const double reach_s = std::min({c.reach_s, 0.25 * (next_s - c.t_s), 0.25 * (c.t_s - last_s)});
-    keep({impact, timer_.time(c.t_s, reach_s, next_s), false, next_s - c.t_s < wave_s_});
+    keep({impact, timer_.time(c.t_s, reach_s, next_s), next_s, false, next_s - c.t_s < wave_s_});
   }
 
   /// Searches for impacts between the last one and the next heard one.
@@ -44,7 +55,7 @@ class TrainTimer {
       // the intervals left are about a geometric series with the ratio of the one before
       const double eps = last_eps();
       const double expected_s = rest_s * (1.0 - eps) / (1.0 - std::pow(eps, left + 1.0));
-      if (!infer(onsets_.back().impact + 1, expected_s, next_s)) return;
+      if (!infer(onsets_.back().impact + 1, expected_s, next_s, kBetweenOverMisfit)) return;
     }
   }
 
@@ -57,7 +68,8 @@ class TrainTimer {
       double sum_s = 0.0;
       for (int k = 0; k <= failures; ++k) sum_s += expected_s *= last_eps();
       if (expected_s < kShortestInterval_s || onsets_.back().timed.t_s + sum_s + 0.5 * expected_s > end_s_) break;
-      if (infer(onsets_.back().impact + 1 + failures, sum_s, onsets_.back().timed.t_s + sum_s + 0.9 * expected_s)) {
+      if (infer(onsets_.back().impact + 1 + failures, sum_s, onsets_.back().timed.t_s + sum_s + 0.9 * expected_s,
+                kBeyondOverMisfit)) {
         if (failures > 0) break;  // the interval before it is not known any more
       } else {
         ++failures;
@@ -68,14 +80,39 @@ class TrainTimer {
   /// Gives up the last impact where the wave does not support it, nor a clear rise where impacts do not sound alike.
   bool give_up_last(const Candidate& c) {
     if (onsets_.size() <= 3 || (!wave_is_reliable_ && c.log_likelihood_ratio > kClearRise)) return false;
-    if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0)) return false;
+    if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0, kRiseOverMisfit)) return false;
     onsets_.pop_back();
     return true;
   }
 
-  std::vector<TrainOnset> take() { return std::move(onsets_); }
+  /// Decides what may be a cycle off, and hands over.
+  std::vector<TrainOnset> take() {
+    std::vector<TwoPlaces> places;
+    for (const TrainOnset& onset : onsets_)
+      places.push_back({onset.impact, onset.timed.t_s, onset.timed.runner_up_s, onset.timed.lead});
+    const std::vector<PlaceChoice> choices = choose_places(places);
+    ImpactTimer again(sound_, wave_);
+    for (std::size_t k = 0; k < onsets_.size(); ++k) {
+      TrainOnset& onset = onsets_[k];
+      if (choices[k].other) {
+        onset.timed = again.time(places[k].other_s, 0.0, onset.until_s);
+        onset.timed.runner_up_s = places[k].t_s;
+      }
+      doubt(onset, choices[k].lead);
+      again.remember(onset.timed);
+    }
+    return std::move(onsets_);
+  }
 
  private:
+  /// Two places, odds exp(-lead): what the other adds to the variance.
+  static void doubt(TrainOnset& onset, double lead) {
+    TimedImpact& t = onset.timed;
+    const double odds = std::exp(-lead);
+    onset.doubtful = odds > kAmbiguous;
+    t.sigma_s = std::hypot(t.sigma_s, std::sqrt(odds) / (1.0 + odds) * (t.runner_up_s - t.t_s));
+  }
+
   void keep(const TrainOnset& onset) {
     timer_.remember(onset.timed);
     onsets_.push_back(onset);
@@ -94,22 +131,24 @@ class TrainTimer {
     return std::clamp(*middle, 0.3, 0.999);
   }
 
-  bool is_supported(const TrainOnset& onset, const TrainOnset& neighbour, double n_lags) const {
+  /// @param over_misfit  least gain in units of what is left of other sounds
+  bool is_supported(const TrainOnset& onset, const TrainOnset& neighbour, double n_lags, double over_misfit) const {
     const double ratio = onset.timed.amplitude / neighbour.timed.amplitude;
-    const double gain = onset.timed.gain / std::max(1.0, onset.timed.misfit);
-    return ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio && gain > threshold(n_lags);
+    return ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio &&
+           onset.timed.gain > threshold(n_lags) && onset.timed.gain > over_misfit * onset.timed.misfit;
   }
 
-  bool infer(std::int64_t impact, double after_s, double until_s) {
+  bool infer(std::int64_t impact, double after_s, double until_s, double over_misfit) {
     const double t_s = onsets_.back().timed.t_s + after_s;
     const double reach_s = kEpsReach * after_s + 2.0 / sound_.rate_hz;
-    const TrainOnset onset{impact, timer_.time(t_s, reach_s, until_s), true, until_s - t_s < wave_s_};
-    if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz)) return false;
+    const TrainOnset onset{impact, timer_.time(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
+    if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz, over_misfit)) return false;
     keep(onset);
     return true;
   }
 
   ImpactTimer timer_;
+  const ImpactWave& wave_;
   const Sound& sound_;
   double wave_s_;
   double end_s_;

@@ -38,8 +38,9 @@ constexpr double kStartCost = 7.0;         // prior log odds against a train sta
 constexpr double kAcceptance = 8.0;        // log odds a train must reach: 1 in 3000 by chance
 constexpr std::size_t kBeam = 32;
 constexpr double kBeamDepth = 18.0;
-constexpr double kHopeless = -13.0;  // log odds below which a young train is not followed
-constexpr double kMostGain = 8.0;    // of one impact: density 20 to 200 at the best place, amplitude in favour
+constexpr std::size_t kStatesAtOnce = 1 << 17;  // 18 MB; then those no train needs are forgotten
+constexpr double kHopeless = -13.0;             // log odds below which a young train is not followed
+constexpr double kMostGain = 8.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
 constexpr int kOctaves = 12;
 constexpr double kSmallestReach_s = 2e-3;
 
@@ -189,6 +190,38 @@ class Search {
       states_.push_back(s);
     }
     begin_[k + 1] = states_.size();
+    if (states_.size() > most_states_) forget(k + 1);
+  }
+
+  /// Keeps the states from which trains may yet be followed, and those on the way to them.
+  void forget(std::size_t n_visited) {
+    std::size_t live = n_visited;
+    while (live > 0 && c_[n_visited - 1].t_s - c_[live - 1].t_s <= kMostGap * kLongestFlight_s) --live;
+    std::vector<std::int64_t> index(states_.size(), -1);  // from here on: 0 where needed, then the new place
+    const auto need = [&](std::int64_t s) {
+      if (s >= 0) index[static_cast<std::size_t>(s)] = 0;
+    };
+    for (std::size_t s = begin_[live]; s < states_.size(); ++s) need(static_cast<std::int64_t>(s));
+    for (std::size_t k = live; k <= n_visited; ++k) need(best_[k].state);
+    for (std::size_t s = states_.size(); s-- > 0;)
+      if (index[s] == 0) need(states_[s].previous >= 0 ? states_[s].previous : best_[states_[s].first_candidate].state);
+    std::size_t n_kept = 0;
+    std::vector<std::size_t> n_before(states_.size() + 1, 0);
+    for (std::size_t s = 0; s < states_.size(); ++s) {
+      n_before[s + 1] = n_kept;
+      if (index[s] < 0) continue;
+      index[s] = static_cast<std::int64_t>(n_kept);
+      State kept = states_[s];
+      if (kept.previous >= 0) kept.previous = index[static_cast<std::size_t>(kept.previous)];
+      states_[n_kept++] = kept;
+      n_before[s + 1] = n_kept;
+    }
+    states_.resize(n_kept);
+    for (std::size_t k = 0; k <= n_visited; ++k) {
+      begin_[k] = n_before[begin_[k]];
+      if (best_[k].state >= 0) best_[k].state = index[static_cast<std::size_t>(best_[k].state)];
+    }
+    most_states_ = 2 * n_kept + kStatesAtOnce;
   }
 
   void start(std::size_t j, std::size_t k, std::vector<State>& here) const {
@@ -293,6 +326,7 @@ class Search {
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
+  std::size_t most_states_ = kStatesAtOnce;
 };
 
 }  // namespace

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "band_clocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "bouncelab/core/units.hpp"
+#include "products.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr std::size_t kMostClocks = 12;
+constexpr std::size_t kLeastBins = 4;  // below, neighbours share their modes and are no clocks of their own
+// disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
+constexpr double kPriorClocks = 8.0;
+constexpr int kMostSteps = 6;
+constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
+constexpr double kLargestMove = 1.0;  // samples; the clocks of the highest frequencies turn by half a cycle
+
+/// Amplitude at which a clock's sound stands, drawn to the wave's where noise hides it.
+double clock_amplitude(double own, double common, double energy, double noise) {
+  constexpr double kPrior = 10.0;  // worth as much as so much energy over noise
+  const double snr = common * common * energy / noise;
+  return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
+}
+
+double sum(std::span<const float> x) {
+  static const std::vector<float> ones(1 << 12, 1.0F);
+  double total = 0.0;
+  for (std::size_t at = 0; at < x.size(); at += ones.size())
+    total += dot(x.subspan(at, std::min(ones.size(), x.size() - at)), ones);
+  return total;
+}
+
+std::vector<float> bin_numbers(std::size_t n) {
+  std::vector<float> k(n);
+  std::iota(k.begin(), k.end(), 0.0F);
+  return k;
+}
+
+/// Each clock's amplitude and what its time lies beyond `shift`.
+struct Sums {
+  std::vector<double> in_phase;
+  std::vector<double> quadrature;  // omega times
+};
+
+Sums sums_at(const Spectrum& z, const BandClocks& clocks, const std::vector<float>& bins, double omega, double shift) {
+  const Spectrum turned = product(z, phasors(z.size(), omega * shift));
+  Sums sums;
+  for (std::size_t j = 0; j < clocks.n(); ++j) {
+    const std::size_t from = clocks.edge[j];
+    const std::size_t n = clocks.edge[j + 1] - from;
+    sums.in_phase.push_back(sum(std::span(turned.re).subspan(from, n)));
+    sums.quadrature.push_back(-omega * dot(std::span(turned.im).subspan(from, n), std::span(bins).subspan(from, n)));
+  }
+  return sums;
+}
+
+/// Jitter at which the squared deviations of one clock, each over its expected size, average 1.
+double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise,
+                 const std::vector<double>& share) {
+  const auto excess = [&](double jitter2) {
+    double total = 0.0;
+    for (std::size_t k = 0; k < squares.size(); ++k)
+      total += std::min(squares[k] / (share[k] * (noise[k] + jitter2)), 9.0) - 1.0;  // a knock is no jitter
+    return total;
+  };
+  if (excess(0.0) <= 0.0) return 0.0;
+  double lo = 0.0;
+  double hi = *std::max_element(squares.begin(), squares.end()) * 10.0;
+  for (int step = 0; step < 60 && hi - lo > 1e-6 * hi; ++step) {
+    const double middle = 0.5 * (lo + hi);
+    (excess(middle) > 0.0 ? lo : hi) = middle;
+  }
+  return 0.5 * (lo + hi);
+}
+
+}  // namespace
+
+WaveTemplate::WaveTemplate(Spectrum wave, std::size_t n_window)
+    : wave_(std::move(wave)),
+      n_window_(n_window),
+      omega_(2.0 * kPi / static_cast<double>(n_window)),
+      running_(wave_.size() + 1, 0.0),
+      running_information_(wave_.size() + 1, 0.0) {
+  for (std::size_t k = 0; k < wave_.size(); ++k) {
+    const double w = omega_ * static_cast<double>(k);
+    const double power =
+        static_cast<double>(wave_.re[k]) * wave_.re[k] + static_cast<double>(wave_.im[k]) * wave_.im[k];
+    running_[k + 1] = running_[k] + power;
+    running_information_[k + 1] = running_information_[k] + w * w * power;
+  }
+  energy_ = running_.back();
+}
+
+BandClocks equal_clocks(const WaveTemplate& wave) {
+  const std::size_t n_bins = wave.wave().size() - 1;
+  const std::size_t n = std::clamp<std::size_t>(n_bins / (2 * kLeastBins), 1, kMostClocks);
+  const double all = wave.information(0, n_bins);
+  BandClocks clocks;
+  clocks.edge.push_back(1);
+  for (std::size_t k = 1; k < n_bins && clocks.edge.size() < n; ++k)
+    if (wave.information(0, k) > all * static_cast<double>(clocks.edge.size()) / static_cast<double>(n) &&
+        k >= clocks.edge.back() + kLeastBins && k + kLeastBins <= n_bins)
+      clocks.edge.push_back(k);
+  clocks.edge.push_back(n_bins);
+  clocks.noise.assign(clocks.edge.size() - 1, 1.0);
+  clocks.jitter2.assign(clocks.edge.size() - 1, 0.0);
+  return clocks;
+}
+
+ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start) {
+  const Spectrum z = product_conj(wave.wave(), sound);
+  const std::vector<float> bins = bin_numbers(z.size());
+  const std::size_t n = clocks.n();
+  ClockReading r;
+  r.shift = start;
+  r.deviation.resize(n);
+  r.noise_variance.resize(n);
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Sums sums = sums_at(z, clocks, bins, wave.omega(), r.shift);
+    const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.end(), 0.0);
+    r.amplitude = in_phase / wave.energy();
+    r.gain = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;
+    if (r.amplitude <= 0.0) break;
+    double weights = 0.0;
+    double mean = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double energy = wave.energy(clocks.edge[j], clocks.edge[j + 1]);
+      const double information = wave.information(clocks.edge[j], clocks.edge[j + 1]);
+      const double a = clock_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, clocks.noise[j]);
+      r.noise_variance[j] = clocks.noise[j] / (a * a * information + 1e-30);
+      r.deviation[j] = sums.quadrature[j] / (a * information + 1e-30);
+      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
+      weights += weight;
+      mean += weight * r.deviation[j];
+    }
+    mean /= weights;
+    double chi2 = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double d = r.deviation[j] - mean;
+      chi2 += d * d / (r.noise_variance[j] + clocks.jitter2[j]);
+    }
+    const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
+    r.variance = std::max(1.0, scale) / weights;
+    const double move = std::clamp(mean, -kLargestMove, kLargestMove);
+    for (double& d : r.deviation) d -= move;
+    r.shift += move;
+    if (std::abs(move) < kArrived) break;
+  }
+  return r;
+}
+
+void learn_jitter(const std::vector<ClockReading>& readings, BandClocks& clocks) {
+  if (readings.size() < 3) return;
+  const std::size_t n = clocks.n();
+  for (int round = 0; round < 4; ++round) {
+    std::vector<std::vector<double>> squares(n), noise(n), share(n);
+    for (const ClockReading& r : readings) {
+      double weights = 0.0;
+      double mean = 0.0;
+      for (std::size_t j = 0; j < n; ++j) {
+        const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
+        weights += weight;
+        mean += weight * r.deviation[j];
+      }
+      mean /= weights;
+      for (std::size_t j = 0; j < n; ++j) {
+        squares[j].push_back((r.deviation[j] - mean) * (r.deviation[j] - mean));
+        noise[j].push_back(r.noise_variance[j]);
+        // the mean follows each clock by its own weight
+        share[j].push_back(std::max(0.2, 1.0 - 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights)));
+      }
+    }
+    for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(squares[j], noise[j], share[j]);
+  }
+  // few impacts know a clock's jitter badly: drawn to that of the others
+  std::vector<double> sorted = clocks.jitter2;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+  const double typical = sorted[n / 2];
+  const auto k = static_cast<double>(readings.size());
+  for (double& jitter2 : clocks.jitter2) jitter2 = (k * jitter2 + 4.0 * typical) / (k + 4.0);
+}
+
+}  // namespace bouncelab

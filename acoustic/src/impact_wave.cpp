@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "impact_wave.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "bouncelab/core/units.hpp"
+#include "products.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr double kWave_s = 15e-3;      // holds more than nine tenths of what a plate's sound says of its time
+constexpr double kLongWave_s = 40e-3;  // where impacts follow so closely that what rings after 15 ms hides them
+constexpr double kClose_s = 20e-3;
+constexpr std::size_t kManyClose = 20;
+constexpr double kBefore_s = 0.5e-3;  // quiet part in front of the rough time
+constexpr double kSearch_s = 1e-3;    // error of the rough times
+constexpr double kFade_s = 2e-3;      // at the wave's end
+constexpr std::size_t kMostLearned = 32;
+constexpr std::size_t kMostHeard = 12;  // of those whose sound is shown
+constexpr int kRounds = 2;
+constexpr std::size_t kResidualOrder = 32;
+constexpr double kLeastCorrelation = 0.5;
+constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
+
+std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
+
+/// One impact to learn from.
+struct Row {
+  WhiteWindow window;
+  Spectrum spectrum;
+  double total = 0.0;     // sum of squares
+  double position = 0.0;  // of the wave within the window
+  ClockReading reading;
+  double correlation = 1.0;
+};
+
+/// How much of the wave is to be learned.
+double wave_length_s(const std::vector<RoughImpact>& impacts) {
+  std::size_t n_close = 0;
+  std::size_t n_far = 0;
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k) {
+    n_close += impacts[k + 1].t_s - impacts[k].t_s < kClose_s ? 1 : 0;
+    n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kLongWave_s ? 1 : 0;
+  }
+  return n_close >= kManyClose && n_far >= kMostHeard ? kLongWave_s : kWave_s;
+}
+
+/// Strong impacts that ring alone; where none does, the strong ones.
+std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts, double wave_s) {
+  std::vector<std::size_t> alone;
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    all.push_back(k);
+    const bool next_far = k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > wave_s + 2.0 * kSearch_s;
+    const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > wave_s;
+    if (next_far && last_far) alone.push_back(k);
+  }
+  std::vector<std::size_t>& chosen = alone.size() >= 5 ? alone : all;
+  const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
+  if (chosen.size() > kMostLearned) {
+    std::nth_element(chosen.begin(), chosen.begin() + kMostLearned, chosen.end(), stronger);
+    chosen.resize(kMostLearned);
+  }
+  std::sort(chosen.begin(), chosen.end(), stronger);
+  return chosen;
+}
+
+class Learner {
+ public:
+  Learner(const Sound& sound, const std::vector<RoughImpact>& impacts, ImpactWave& learned)
+      : sound_(sound), impacts_(impacts), learned_(learned) {
+    const double wave_s = wave_length_s(impacts);
+    chosen_ = choose_rows(impacts, wave_s);
+    n_window_ = power_of_two(static_cast<std::size_t>(samples(kBefore_s + wave_s + 2.0 * kSearch_s, sound)));
+    learned.n_wave = std::min(n_window_, static_cast<std::size_t>(samples(kBefore_s + wave_s, sound)));
+    fourier_.emplace(n_window_);
+  }
+
+  void read_rows() {
+    std::vector<Row> before = std::move(rows_);
+    rows_.clear();
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      Row row;
+      const std::int64_t first =
+          before.empty() ? samples(impacts_[chosen_[k]].t_s - kBefore_s, sound_) : before[k].window.first;
+      if (!before.empty()) row = std::move(before[k]);
+      cut(row, first);
+      rows_.push_back(std::move(row));
+    }
+  }
+
+  /// Rounds of aligning and averaging, from the strongest row or from the rows as they lie.
+  void align_and_average(bool afresh) {
+    average_is_first_ = afresh;
+    average();
+    for (int round = 0; round < kRounds; ++round) {
+      align(afresh || round == 0);  // a new whitener may have cleared up what was ambiguous
+      average();
+    }
+  }
+
+  /// A filter that also makes white what the wave does not explain: noise where that is all, the ringing of modes that
+  /// are struck differently each time where the recording is cleaner than the wave is constant.
+  void whiten_residuals() {
+    std::vector<double> r(kResidualOrder + 1, 0.0);
+    for (const Row& row : rows_) {
+      const std::vector<float> placed = fourier_->inverse(
+          product(learned_.wave.wave(), phasors(row.spectrum.size(), -learned_.wave.omega() * row.position)));
+      std::vector<float> x = row.window.sound;
+      for (std::size_t n = 0; n < n_window_; ++n) x[n] -= static_cast<float>(row.reading.amplitude) * placed[n];
+      const double energy = dot(x, x) + 1e-30;
+      for (std::size_t lag = 0; lag <= kResidualOrder; ++lag) r[lag] += dot(x, std::span(x).subspan(lag)) / energy;
+    }
+    const std::vector<double> a = prediction_error_filter(r);
+    std::vector<float> both(learned_.whitener.size() + kResidualOrder, 0.0F);
+    for (std::size_t j = 0; j < learned_.whitener.size(); ++j)
+      for (std::size_t k = 0; k <= kResidualOrder; ++k) both[j + k] += learned_.whitener[j] * static_cast<float>(a[k]);
+    learned_.whitener = std::move(both);
+  }
+
+  /// Noise of each clock from the quietest of the windows that end where impacts begin.
+  void learn_noise() {
+    BandClocks& clocks = learned_.clocks;
+    std::vector<std::vector<double>> power(clocks.n());
+    for (const Row& row : rows_) {
+      const Spectrum quiet = fourier_->forward(
+          read_white(sound_, learned_.whitener, row.window.first - static_cast<std::int64_t>(n_window_), n_window_)
+              .sound);
+      for (std::size_t j = 0; j < clocks.n(); ++j) {
+        double sum = 0.0;
+        for (std::size_t k = clocks.edge[j]; k < clocks.edge[j + 1]; ++k)
+          sum += static_cast<double>(quiet.re[k]) * quiet.re[k] + static_cast<double>(quiet.im[k]) * quiet.im[k];
+        power[j].push_back(0.5 * sum / static_cast<double>(clocks.edge[j + 1] - clocks.edge[j]));
+      }
+    }
+    for (std::size_t j = 0; j < clocks.n(); ++j) {
+      const auto quarter = power[j].begin() + static_cast<std::ptrdiff_t>(power[j].size() / 4);
+      std::nth_element(power[j].begin(), quarter, power[j].end());
+      clocks.noise[j] = std::max(*quarter, 1e-6);
+    }
+  }
+
+  void learn_clocks() {
+    learned_.clocks = equal_clocks(learned_.wave);
+    learn_noise();
+    for (int round = 0; round < 2; ++round) {
+      align(false);
+      std::vector<ClockReading> readings;
+      for (const Row& row : rows_)
+        if (row.correlation >= kLeastCorrelation) readings.push_back(row.reading);
+      learn_jitter(readings, learned_.clocks);
+      average();
+    }
+  }
+
+  void describe() {
+    std::vector<double> correlations;
+    for (const Row& row : rows_) {
+      correlations.push_back(row.correlation);
+      if (row.correlation >= kLeastCorrelation) ++learned_.n_impacts;
+    }
+    const auto middle = correlations.begin() + static_cast<std::ptrdiff_t>(correlations.size() / 2);
+    std::nth_element(correlations.begin(), middle, correlations.end());
+    learned_.correlation = *middle;
+    learned_.contact_index = begin_of_wave();
+  }
+
+  /// The mean of the rows as recorded, and how much they differ from it.
+  void describe_as_heard() {
+    std::vector<double> sum(n_window_, 0.0);
+    std::vector<double> squares(n_window_, 0.0);
+    std::vector<float> x(n_window_);
+    double n = 0.0;
+    for (const Row& row : rows_) {
+      if (row.correlation < kLeastCorrelation || n >= kMostHeard) continue;
+      read_padded(sound_, row.window.first, x);
+      const Spectrum moved =
+          product(fourier_->forward(x), phasors(n_window_ / 2 + 1, learned_.wave.omega() * row.position));
+      const std::vector<float> y = fourier_->inverse(moved);
+      for (std::size_t k = 0; k < n_window_; ++k) {
+        const double value = y[k] / row.reading.amplitude;
+        sum[k] += value;
+        squares[k] += value * value;
+      }
+      n += 1.0;
+    }
+    learned_.heard.resize(learned_.n_wave);
+    learned_.spread.resize(learned_.n_wave);
+    for (std::size_t k = 0; k < learned_.n_wave; ++k) {
+      learned_.heard[k] = sum[k] / n;
+      learned_.spread[k] = std::sqrt(std::max(0.0, squares[k] / n - learned_.heard[k] * learned_.heard[k]));
+      learned_.peak = std::max(learned_.peak, std::abs(learned_.heard[k]));
+    }
+  }
+
+ private:
+  void cut(Row& row, std::int64_t first) {
+    row.window = read_white(sound_, learned_.whitener, first, n_window_);
+    row.spectrum = fourier_->forward(row.window.sound);
+    row.total = dot(row.window.sound, row.window.sound);
+  }
+
+  /// Average of the rows that sound alike, each as heavy as its amplitude; at first the strongest.
+  void average() {
+    Spectrum sum{std::vector<float>(n_window_ / 2 + 1, 0.0F), std::vector<float>(n_window_ / 2 + 1, 0.0F)};
+    double weight = 0.0;
+    const double omega = 2.0 * kPi / static_cast<double>(n_window_);
+    for (const Row& row : rows_) {
+      if (row.correlation < kLeastCorrelation) continue;
+      const double a = average_is_first_ ? 1.0 : row.reading.amplitude;
+      add_scaled(sum, product(row.spectrum, phasors(sum.size(), omega * row.position)), a);
+      weight += a * a;
+      if (average_is_first_) break;
+    }
+    average_is_first_ = false;
+    std::vector<float> mean = fourier_->inverse(sum);
+    const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
+    const auto fade = static_cast<std::size_t>(samples(kFade_s, sound_));
+    const auto rise = static_cast<std::size_t>(samples(0.25 * kBefore_s, sound_)) + 1;
+    for (std::size_t n = 0; n < n_window_; ++n) {
+      double w = n < learned_.n_wave ? scale : 0.0;
+      if (n < rise) w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(rise)), 2);
+      if (n < learned_.n_wave && n + fade > learned_.n_wave)
+        w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(learned_.n_wave - n) / static_cast<double>(fade)), 2);
+      mean[n] *= static_cast<float>(w);
+    }
+    mean_ = mean;
+    learned_.wave = WaveTemplate(fourier_->forward(mean), n_window_);
+    if (learned_.clocks.n() == 0) learned_.clocks = equal_clocks(learned_.wave);
+  }
+
+  void align(bool search) {
+    for (Row& row : rows_) {
+      if (search) row.position = find_place(learned_.wave, row.spectrum, kSearch_s * sound_.rate_hz).shift;
+      if (std::abs(row.position) > kFarOff) {
+        const std::int64_t moved = std::llround(row.position);
+        cut(row, row.window.first + moved);
+        row.position -= static_cast<double>(moved);
+      }
+      row.reading = read_clocks(learned_.wave, learned_.clocks, row.spectrum, row.position);
+      row.position = row.reading.shift;
+      row.reading.amplitude = std::max(row.reading.amplitude, 1e-6);
+      row.correlation = correlation(row.reading, row.total);
+    }
+  }
+
+  /// Where the wave begins: the first sample above a tenth of the peak. Noise and the forerunners of a linear-phase
+  /// converter stay below; a plate's first motion does not.
+  double begin_of_wave() const {
+    float peak = 0.0F;
+    for (const float x : mean_) peak = std::max(peak, std::abs(x));
+    const auto first = std::find_if(mean_.begin(), mean_.end(), [&](float x) { return std::abs(x) > 0.1F * peak; });
+    return static_cast<double>(first - mean_.begin());
+  }
+
+  const Sound& sound_;
+  const std::vector<RoughImpact>& impacts_;
+  ImpactWave& learned_;
+  std::vector<std::size_t> chosen_;
+  std::size_t n_window_ = 0;
+  std::optional<Fourier> fourier_;
+  std::vector<Row> rows_;
+  std::vector<float> mean_;
+  bool average_is_first_ = false;
+};
+
+std::vector<float> white(const Autoregression& noise) {
+  std::vector<float> filter = noise.filter;
+  const auto scale = static_cast<float>(1.0 / std::sqrt(noise.quiet_variance));
+  for (float& c : filter) c *= scale;
+  return filter;
+}
+
+}  // namespace
+
+std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
+                                            const std::vector<RoughImpact>& impacts) {
+  if (impacts.size() < 3 || !(noise.quiet_variance > 0.0)) return std::nullopt;
+  ImpactWave learned;
+  learned.whitener = white(noise);
+  Learner learner(sound, impacts, learned);
+  learner.read_rows();
+  learner.align_and_average(true);
+  learner.whiten_residuals();
+  learner.read_rows();
+  learner.align_and_average(false);
+  learner.learn_clocks();
+  learner.describe();
+  if (learned.n_impacts < 3) return std::nullopt;
+  learner.describe_as_heard();
+  return learned;
+}
+
+WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n) {
+  WhiteWindow window{first, std::vector<float>(n)};
+  read_innovations(sound, {whitener, 0.0}, first, window.sound);
+  return window;
+}
+
+WavePlace find_place(const WaveTemplate& wave, const Spectrum& sound, double reach) {
+  // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
+  Fourier twice(2 * wave.n_window());
+  const std::vector<float> products = twice.inverse(product_conj(wave.wave(), sound));
+  const auto n = static_cast<std::int64_t>(products.size());
+  const std::int64_t last = std::min<std::int64_t>(n / 2 - 2, std::llround(2.0 * reach));
+  const auto at = [&](std::int64_t k) { return products[static_cast<std::size_t>((k + n) % n)]; };
+  std::int64_t best = -last;
+  for (std::int64_t k = -last; k <= last; ++k)
+    if (at(k) > at(best)) best = k;
+  WavePlace found{0.5 * static_cast<double>(best), 0.5 * static_cast<double>(best), INFINITY};
+  double second = 0.0;
+  for (std::int64_t k = -last; k <= last; ++k) {
+    const bool is_peak = (k == -last || at(k) >= at(k - 1)) && (k == last || at(k) >= at(k + 1));
+    if (!is_peak || std::abs(k - best) <= 2 || at(k) <= second) continue;
+    second = at(k);
+    found.runner_up = 0.5 * static_cast<double>(k);
+  }
+  // the inverse holds sums of products over sqrt(n_window)
+  const double top = std::max(0.0, static_cast<double>(at(best)));
+  found.lead = 0.5 * static_cast<double>(wave.n_window()) * (top * top - second * second) / wave.energy();
+  return found;
+}
+
+double correlation(const ClockReading& reading, double total) {
+  return std::sqrt(std::min(1.0, 2.0 * reading.gain / (total + 1e-30)));
+}
+
+}  // namespace bouncelab

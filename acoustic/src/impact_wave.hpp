@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "autoregression.hpp"
+#include "band_clocks.hpp"
+#include "bouncelab/acoustic/sound.hpp"
+
+namespace bouncelab {
+
+/// An impact whose time is known to a millisecond or better.
+struct RoughImpact {
+  double t_s = 0.0;
+  double amplitude = 0.0;  ///< any unit, the same for all
+  double reach_s = 1e-3;   ///< how far from t_s it may lie
+};
+
+/// The sound of an impact, whitened by the noise, as learned from the recording.
+struct ImpactWave {
+  std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
+  WaveTemplate wave;
+  BandClocks clocks;
+  std::size_t n_wave = 0;      ///< samples from the window's first after which the wave is quiet
+  double contact_index = 0.0;  ///< start of contact, in samples from the window's first
+  double correlation = 0.0;    ///< median of the learned impacts with the wave
+  std::int64_t n_impacts = 0;  ///< learned from
+  std::vector<double> heard;   ///< the mean wave as recorded, not whitened
+  std::vector<double> spread;  ///< its standard deviation from impact to impact
+  double peak = 0.0;           ///< of `heard`
+};
+
+/// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again; then
+/// the noise and the jitter of its clocks. Absent where no three impacts sound alike.
+std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
+                                            const std::vector<RoughImpact>& impacts);
+
+/// A whitened window as a spectrum.
+struct WhiteWindow {
+  std::int64_t first = 0;  ///< sample of the recording at which it begins
+  std::vector<float> sound;
+};
+WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n);
+
+/// Where a wave may lie.
+struct WavePlace {
+  double shift = 0.0;
+  double runner_up = 0.0;  ///< the next best local maximum
+  double lead = 0.0;       ///< log likelihood ratio of the best to the runner-up, noise variance 1
+};
+
+/// Shift in [-reach, reach], in steps of a half, at which the likelihood, maximised over a positive amplitude, is
+/// greatest.
+WavePlace find_place(const WaveTemplate& wave, const Spectrum& sound, double reach);
+
+/// Share of an impact's sound that the wave explains, as a correlation 0 ... 1.
+/// @param total  sum of squares of the window
+double correlation(const ClockReading& reading, double total);
+
+}  // namespace bouncelab

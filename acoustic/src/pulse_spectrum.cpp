@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pulse_spectrum.hpp"
+
+#include <cmath>
+
+#include "bouncelab/core/units.hpp"
+#include "hertz_pulse.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr double kPerUnit = 512.0;
+
+double half_sine_force(double s) { return 0.5 * kPi * std::sin(kPi * s); }
+
+}  // namespace
+
+PulseSpectrum::PulseSpectrum(double (*force)(double)) {
+  // the trapezoidal rule over theta, s = (1 - cos theta)/2, where force ds/dtheta is smooth and periodic
+  constexpr int kNodes = 96;
+  std::vector<double> middle_out(kNodes), weight(kNodes);
+  double total = 0.0;
+  for (int q = 0; q < kNodes; ++q) {
+    const double theta = kPi * (q + 0.5) / kNodes;
+    middle_out[q] = -0.5 * std::cos(theta);
+    weight[q] = std::sin(theta) * force(0.5 + middle_out[q]);
+    total += weight[q];
+  }
+  for (int k = 0; k <= static_cast<int>(kLargest * kPerUnit); ++k) {
+    double value = 0.0, slope = 0.0;
+    for (int q = 0; q < kNodes; ++q) {
+      const double phase = 2.0 * kPi * middle_out[q];
+      value += weight[q] / total * std::cos(phase * k / kPerUnit);
+      slope -= weight[q] / total * phase * std::sin(phase * k / kPerUnit);
+    }
+    value_.push_back(static_cast<float>(value));
+    slope_.push_back(static_cast<float>(slope));
+  }
+}
+
+const PulseSpectrum& PulseSpectrum::hertz() {
+  static const PulseSpectrum spectrum(hertz_force);
+  return spectrum;
+}
+
+const PulseSpectrum& PulseSpectrum::half_sine() {
+  static const PulseSpectrum spectrum(half_sine_force);
+  return spectrum;
+}
+
+void PulseSpectrum::tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const {
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const double place = static_cast<double>(k) * step * kPerUnit;
+    const auto index = static_cast<std::size_t>(place);
+    if (index + 1 >= value_.size()) {
+      value[k] = slope[k] = 0.0F;
+      continue;
+    }
+    const auto part = static_cast<float>(place - static_cast<double>(index));
+    value[k] = value_[index] + part * (value_[index + 1] - value_[index]);
+    slope[k] = slope_[index] + part * (slope_[index + 1] - slope_[index]);
+  }
+}
+
+}  // namespace bouncelab
