@@ -59,7 +59,7 @@ class CsvDrops {
 }  // namespace
 
 DropSource impact_file(const std::filesystem::path& path) {
-  if (is_hdf5(path)) {
+  if (is_hdf5(path) || is_json_lines(path)) {
     const auto all = std::make_shared<Impacts>(impacts_from_table(read_table(path, impact_columns()), path.string()));
     return [all] { return [all, next = drops_of(*all)()](Impacts& drop) { return next(drop); }; };
   }

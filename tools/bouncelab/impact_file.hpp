@@ -7,7 +7,7 @@
 
 namespace bouncelab::cli {
 
-/// The drops of an impacts table, read as they are asked for; of an HDF5 file they are read as a whole.
+/// The drops of an impacts table, read as they are asked for; other formats than CSV are read as a whole.
 /// @throws FileError, while drops are taken
 DropSource impact_file(const std::filesystem::path& path);
 

@@ -14,6 +14,7 @@
 #include "command.hpp"
 #include "common_options.hpp"
 #include "config_file.hpp"
+#include "convert_command.hpp"
 #include "detect_command.hpp"
 #include "fit_command.hpp"
 #include "loop_command.hpp"
@@ -90,9 +91,9 @@ int run(std::vector<std::string> line) {
   CommonOptions common;
   const std::vector<Command> commands{
       // in the order of --help, which is that of the data
-      add_simulate_command(app),    add_synthesize_command(app), add_detect_command(app),
-      add_restitution_command(app), add_fit_command(app),        add_report_command(app),
-      add_calibrate_command(app),   add_analyze_command(app),    add_loop_command(app),
+      add_simulate_command(app),    add_synthesize_command(app), add_detect_command(app), add_convert_command(app),
+      add_restitution_command(app), add_fit_command(app),        add_report_command(app), add_calibrate_command(app),
+      add_analyze_command(app),     add_loop_command(app),
   };
   for (const Command& command : commands) add_common_options(*command.app, common);
 
@@ -103,7 +104,8 @@ int run(std::vector<std::string> line) {
   FullLine full;
   try {
     full = with_config(typed, app);
-    app.parse(std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
+    app.parse(
+        std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : wrong_usage(error, app);
   }

@@ -9,6 +9,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "hdf5_table.hpp"
+#include "json_lines_table.hpp"
 #include "provenance.hpp"
 
 namespace bouncelab::cli {
@@ -30,9 +31,12 @@ void append(Table& table, const Table& more) {
           table.columns[k].values);
 }
 
-void write_csv_file(const fs::path& path, const Table& table, const std::string& name) {
+void write_text_table(const fs::path& path, const Table& table, const std::string& name) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  write_csv(out, table);
+  if (is_json_lines(path))
+    write_json_lines(out, table);
+  else
+    write_csv(out, table);
   out.close();
   if (!out) throw FileError(name, "writing failed; is the disk full?");
 }
@@ -41,8 +45,11 @@ void write_csv_file(const fs::path& path, const Table& table, const std::string&
 
 bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.extension() == ".hdf5"; }
 
+bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
+
 Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  return is_hdf5(path) ? read_hdf5(path, wanted) : read_csv(path, wanted);
+  if (is_hdf5(path)) return read_hdf5(path, wanted);
+  return is_json_lines(path) ? read_json_lines(path, wanted) : read_csv(path, wanted);
 }
 
 void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
@@ -50,31 +57,33 @@ void write_table(const Run& run, const fs::path& path, const Table& table, const
   if (is_hdf5(path))
     write_hdf5(file.temporary_path(), table, path.string());
   else
-    write_csv_file(file.temporary_path(), table, path.string());
+    write_text_table(file.temporary_path(), table, path.string());
   file.commit();
   write_provenance(run, path, inputs);
 }
 
 TableWriter::TableWriter(const Run& run, const fs::path& path, std::vector<fs::path> inputs)
     : run_(run), path_(path), inputs_(std::move(inputs)), file_(path, run.common.force) {
-  if (!is_hdf5(path)) csv_.open(file_.temporary_path(), std::ios::binary | std::ios::trunc);
+  if (!is_hdf5(path)) text_.open(file_.temporary_path(), std::ios::binary | std::ios::trunc);
 }
 
 void TableWriter::add(const Table& rows) {
   if (is_hdf5(path_))
     append(whole_, rows);
+  else if (is_json_lines(path_))
+    write_json_lines(text_, rows);
   else if (std::exchange(begun_, true))
-    write_csv_rows(csv_, rows);
+    write_csv_rows(text_, rows);
   else
-    write_csv(csv_, rows);
+    write_csv(text_, rows);
 }
 
 void TableWriter::finish() {
   if (is_hdf5(path_)) {
     write_hdf5(file_.temporary_path(), whole_, path_.string());
   } else {
-    csv_.close();
-    if (!csv_) throw FileError(path_.string(), "writing failed; is the disk full?");
+    text_.close();
+    if (!text_) throw FileError(path_.string(), "writing failed; is the disk full?");
   }
   file_.commit();
   write_provenance(run_, path_, inputs_);

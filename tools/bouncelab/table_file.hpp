@@ -14,14 +14,16 @@ namespace bouncelab::cli {
 /// Reads the wanted columns from a table file; the extension chooses the format. @throws FileError
 Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 
-/// Is it HDF5, by its extension?
+/// .h5 and .hdf5 are HDF5, .jsonl is JSON Lines, everything else CSV.
 bool is_hdf5(const std::filesystem::path& path);
+bool is_json_lines(const std::filesystem::path& path);
 
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
                  const std::vector<std::filesystem::path>& inputs = {});
 
-/// As write_table, a piece of the rows at a time: for CSV in constant memory. Nothing is left without finish().
+/// As write_table, a piece of the rows at a time: for CSV and JSON Lines in constant memory. Nothing is left without
+/// finish().
 class TableWriter {
  public:
   /// @param run  must outlive this. @throws FileError
@@ -35,7 +37,7 @@ class TableWriter {
   std::filesystem::path path_;
   std::vector<std::filesystem::path> inputs_;
   OutputFile file_;
-  std::ofstream csv_;
+  std::ofstream text_;
   bool begun_ = false;
   Table whole_;  // of HDF5
 };

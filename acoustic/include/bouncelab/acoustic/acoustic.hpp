@@ -6,6 +6,7 @@
 #include "bouncelab/acoustic/audio_writer.hpp"  // samples to WAV, RF64, W64, FLAC
 #include "bouncelab/acoustic/detection.hpp"     // sound -> impact times with standard errors
 #include "bouncelab/acoustic/hard_cases.hpp"    // recordings that are hard to hear impacts in
+#include "bouncelab/acoustic/marks.hpp"         // impact times in sound editors, and back
 #include "bouncelab/acoustic/plate.hpp"         // the grounds and their modes
 #include "bouncelab/acoustic/score.hpp"         // detected against true times
 #include "bouncelab/acoustic/sound.hpp"         // one channel that can be read anywhere

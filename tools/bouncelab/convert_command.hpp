@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+
+namespace bouncelab::cli {
+
+struct ConvertOptions {
+  std::string input;
+  std::vector<std::string> outputs;
+  std::string recording;  ///< that the marks belong to; of several in a table, the one that is wanted
+  bool renumber = false;
+};
+
+/// Onsets from a table or from a sound editor's marks, to any of these.
+Outcome run_convert(const ConvertOptions& options, Run& run);
+
+Command add_convert_command(CLI::App& app);
+
+}  // namespace bouncelab::cli
