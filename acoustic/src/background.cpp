@@ -93,25 +93,60 @@ void Background::add_clicks(std::int64_t first, std::span<double> out) const {
   }
 }
 
+std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std::size_t n) const {
+  const double rate_hz = config_.rate_hz;
+  const double keep = std::exp(-2.0 * kPi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
+  const double keep_low = std::exp(-2.0 * kPi * burst.lowest_hz / rate_hz);
+  // one pole above, one below the band
+  const auto filter = [=](std::span<double> samples) {
+    double passed = 0.0, low = 0.0;
+    for (double& y : samples) {
+      passed = keep * passed + (1.0 - keep) * y;
+      low = keep_low * low + (1.0 - keep_low) * passed;
+      y = passed - low;
+    }
+  };
+  const auto run_in = static_cast<std::int64_t>(std::log(1e6) / (2.0 * kPi * burst.lowest_hz) * rate_hz);
+  std::vector<double> response(static_cast<std::size_t>(run_in), 0.0);
+  response.front() = 1.0;
+  filter(response);
+  double energy = 0.0;
+  for (const double h : response) energy += h * h;
+
+  std::vector<double> sound(static_cast<std::size_t>(run_in) + n, 0.0);
+  const std::uint64_t source = 128 + burst.number % 128;
+  const auto begin = static_cast<std::int64_t>(burst.t_s * rate_hz);
+  WhiteNoise(config_.seed, source).add(begin + from - run_in, 1.0 / std::sqrt(energy), sound);
+  filter(sound);
+  sound.erase(sound.begin(), sound.begin() + run_in);
+  return sound;
+}
+
+std::vector<double> Background::whine(const Burst& burst, std::int64_t from, std::size_t n) const {
+  constexpr int kTones = 24;
+  std::vector<double> sound(n, 0.0);
+  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
+  for (int k = 0; k < kTones; ++k) {
+    const double frequency_hz = burst.lowest_hz * std::pow(burst.highest_hz / burst.lowest_hz, random.uniform());
+    add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * kPi), std::sqrt(2.0 / kTones),
+             config_.rate_hz, from, sound);
+  }
+  return sound;
+}
+
 void Background::add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const {
   const double rate_hz = config_.rate_hz;
   const auto begin = static_cast<std::int64_t>(std::ceil(burst.t_s * rate_hz));
   const auto end = static_cast<std::int64_t>((burst.t_s + burst.duration_s) * rate_hz);
   const std::int64_t lo = std::max(begin, first), hi = std::min(end, first + static_cast<std::int64_t>(out.size()));
   if (lo >= hi) return;
-  std::vector<double> sound(static_cast<std::size_t>(hi - lo), 0.0);
-  constexpr int kTones = 24;  // of random pitch: rough like a fan or a geared motor
-  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
-  for (int k = 0; k < kTones; ++k) {
-    const double frequency_hz = burst.lowest_hz * std::pow(burst.highest_hz / burst.lowest_hz, random.uniform());
-    add_tone(std::min(frequency_hz, 0.45 * rate_hz), random.uniform(0.0, 2.0 * kPi),
-             burst.level * levels_.weakest_peak * std::sqrt(2.0 / kTones), rate_hz, lo - begin, sound);
-  }
-  const double length = static_cast<double>(end - begin);
+  const auto n = static_cast<std::size_t>(hi - lo);
+  const std::vector<double> sound = burst.tonal ? whine(burst, lo - begin, n) : rush(burst, lo - begin, n);
+  const double length = static_cast<double>(end - begin), level = burst.level * levels_.weakest_peak;
   for (std::size_t k = 0; k < sound.size(); ++k) {
     const double share = (static_cast<double>(lo - begin) + static_cast<double>(k)) / length;
     const double edge = std::min({1.0, share / 0.1, (1.0 - share) / 0.1});
-    out[static_cast<std::size_t>(lo - first) + k] += edge * sound[k];
+    out[static_cast<std::size_t>(lo - first) + k] += level * edge * sound[k];
   }
 }
 

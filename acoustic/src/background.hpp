@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "bouncelab/acoustic/synthesis.hpp"
 #include "converter.hpp"
@@ -25,6 +26,9 @@ class Background {
   void add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const;
   void add_hum_and_drift(std::int64_t first, std::span<double> out) const;
   void add_clicks(std::int64_t first, std::span<double> out) const;
+  /// Sound of rms 1 from frame `from` of the burst on.
+  std::vector<double> rush(const Burst& burst, std::int64_t from, std::size_t n) const;
+  std::vector<double> whine(const Burst& burst, std::int64_t from, std::size_t n) const;
   void add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const;
 
   const SynthesisConfig& config_;

@@ -135,9 +135,9 @@ void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& sch
     schedule.others.push_back({kind, burst.t_s});
   };
   add_knock(window.release_s, 0.3 * weakest_impulse_ns_, "release", random, schedule);
-  add_burst("fan", 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, 0});
+  add_burst("fan", 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, false, 0});
   add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, "pickup", random, schedule);
-  add_burst("motor", 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, 0});
+  add_burst("motor", 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, true, 0});
 }
 
 void forget(Schedule& schedule, double before_s) {

@@ -27,13 +27,14 @@ struct Click {
   double level = 0.0;
 };
 
-/// Fan or motor: a noise of limited duration with soft edges.
+/// A fan's rush (noise) or a geared motor's whine (tones): of limited duration, with soft edges.
 struct Burst {
   double t_s = 0.0;
   double duration_s = 0.0;
   double level = 0.0;
   double lowest_hz = 0.0, highest_hz = 0.0;
-  std::uint64_t number = 0;  ///< in the recording: chooses the tones
+  bool tonal = false;
+  std::uint64_t number = 0;  ///< in the recording: chooses tones or noise
 };
 
 /// When everything happens in a recording, or in the part of it that is looked at.

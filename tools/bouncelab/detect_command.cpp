@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bouncelab/acoustic/marks.hpp"
 #include "bouncelab/core/error.hpp"
 #include "progress_line.hpp"
 #include "table_file.hpp"
@@ -23,15 +24,6 @@ const char* word(DetectionStatus status) {
       return "silent";
   }
   return "?";
-}
-
-/// Audacity's label track: begin, end, text, separated by tabs.
-std::string label_track(const Onsets& onsets) {
-  std::string text;
-  for (const Onset& o : onsets)
-    text +=
-        fmt::format("{0:.9f}\t{0:.9f}\t{1}.{2}{3}{4}\n", o.t_s, o.drop, o.impact, o.flags.empty() ? "" : " ", o.flags);
-  return text;
 }
 
 }  // namespace
@@ -106,7 +98,7 @@ Outcome run_detect(const DetectOptions& options, Run& run) {
   }
   const std::vector<std::filesystem::path> inputs(options.recordings.begin(), options.recordings.end());
   write_table(run, options.out, to_table(all), inputs);
-  if (!options.labels.empty()) write_text(run, options.labels, label_track(all), inputs);
+  if (!options.labels.empty()) write_text(run, options.labels, audacity_labels(marks_of(all)), inputs);
   return outcome;
 }
 
