@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Speed of the synthesizer on one thread, against sound and against a direct sum over impacts and modes; memory.
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "bouncelab/acoustic/acoustic.hpp"
@@ -65,6 +69,26 @@ double synthesis_s_per_s_of_sound(const Impacts& impacts, const SynthesisConfig&
   return (now_s() - begin_s) * config.rate_hz / static_cast<double>(recording.n_frames());
 }
 
+/// Through a file at 8 kHz: the impacts are as many as at any rate.
+void print_memory(int n_drops, SynthesisConfig config) {
+  config.rate_hz = 8000;
+  config.encoding = SampleEncoding::pcm16;
+  const Impacts one = smooth_drops(1);
+  const DropSource drops = [&one, n_drops]() -> NextDrop {
+    return [&one, n_drops, drop = 0](Impacts& next) mutable {
+      next = one;
+      for (Impact& impact : next.rows) impact.drop = drop;
+      return drop++ < n_drops;
+    };
+  };
+  const std::filesystem::path out =
+      std::filesystem::temp_directory_path() / ("synthesis_bench_" + std::to_string(::getpid()) + ".wav");
+  const SynthesisResult result = synthesize(drops, config, out, true);
+  std::filesystem::remove(out);
+  std::printf("%6.1f min of sound with %lld impacts to a file: peak memory of the process %.1f MiB\n",
+              result.duration_s / 60.0, static_cast<long long>(result.n_impacts), peak_memory_mib());
+}
+
 }  // namespace
 
 int main() {
@@ -80,11 +104,20 @@ int main() {
         "96 kHz, %zu modes: %.0f x real time on one thread, %.0f x faster than the direct sum (modes only, no noise)\n",
         n_modes, 1.0 / ours, direct / ours);
   }
-  config.max_mode_hz = 27.0e3;
-  for (const int n_drops : {5, 50, 500}) {
-    const double speed = 1.0 / synthesis_s_per_s_of_sound(smooth_drops(n_drops), config, sum);
-    std::printf("%5.1f min of sound: %.0f x real time, peak memory of the process %.1f MiB\n", n_drops * 11.7 / 60.0,
-                speed, peak_memory_mib());
+  // one drop after the other, with levels given: what a long loop does in memory
+  config.max_mode_hz = 45.0e3;
+  const auto instrument = make_instrument(config);
+  config.levels = SyntheticRecording(ten, config, instrument).levels();
+  const double begin_s = now_s();
+  double sound_s = 0.0;
+  for (int drop = 0; drop < 20; ++drop) {
+    const SyntheticRecording one(smooth_drops(1), config_of_drop(config, *config.levels, drop), instrument);
+    for (std::int64_t k = 0; k < one.n_segments(); ++k) sum += one.segment(k).front();
+    sound_s += static_cast<double>(one.n_frames()) / config.rate_hz;
   }
+  std::printf("96 kHz, %zu modes, a recording a drop: %.0f x real time on one thread\n",
+              PlateModes(config.ground, config.max_mode_hz).modes().size(), sound_s / (now_s() - begin_s));
+  config.levels.reset();
+  for (const int n_drops : {5, 300, 3000}) print_memory(n_drops, config);
   return std::isfinite(sum) ? 0 : 1;
 }
