@@ -17,14 +17,16 @@ std::string reason_to_leave_out(const RestitutionSample& s) {
   return s.flags.substr(0, s.flags.find('|'));
 }
 
-RestitutionSamples usable_samples(const RestitutionSamples& samples, std::map<std::string, std::size_t>& left_out) {
+RestitutionSamples usable_samples(const RestitutionSamples& samples, FitResult& result) {
   RestitutionSamples used;
-  for (const RestitutionSample& s : samples) {
-    const std::string reason = reason_to_leave_out(s);
-    if (reason.empty())
-      used.push_back(s);
-    else
-      ++left_out[reason];
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const std::string reason = reason_to_leave_out(samples[k]);
+    if (reason.empty()) {
+      used.push_back(samples[k]);
+      continue;
+    }
+    ++result.n_left_out[reason];
+    result.first_left_out.try_emplace(reason, k + 1);
   }
   return used;
 }
@@ -33,8 +35,10 @@ LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod metho
   LawFitConfig config = main;
   config.kind = kind;
   config.method = method;
-  // the normal's profile is its covariance to all practical purposes
-  if (method == LawMethod::least_squares) config.intervals = IntervalMethod::covariance;
+  config.n_goodness = config.n_bootstrap = 0;
+  config.compare_laws = false;
+  // shown for comparison only
+  if (method != main.method) config.intervals = IntervalMethod::covariance;
   for (const NodeEstimate& node : fitted.nodes)
     if (main.node_speeds_mps.empty()) config.node_speeds_mps.push_back(node.v_mps);
   return config;
@@ -43,21 +47,27 @@ LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod metho
 }  // namespace
 
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress) {
-  constexpr double kSteps = 4.0;
+  constexpr double kSteps = 5.0;
   const auto step = [&](double done) {
     if (progress) progress(done, kSteps);
   };
   FitResult result;
-  const RestitutionSamples used = usable_samples(samples, result.n_left_out);
+  const RestitutionSamples used = usable_samples(samples, result);
   step(0.0);
-  result.law = fit_law(used, config.law);
+  LawFitConfig main = config.law;
+  main.n_goodness = config.n_goodness;
+  main.compare_laws = true;
+  result.law = fit_law(used, main);
   step(1.0);
   result.law_least_squares =
       fit_law(used, alternative(config.law, config.law.kind, LawMethod::least_squares, result.law));
   step(2.0);
+  result.law_least_absolute =
+      fit_law(used, alternative(config.law, config.law.kind, LawMethod::least_absolute, result.law));
+  step(3.0);
   result.law_viscoelastic =
       fit_law(used, alternative(config.law, LawKind::viscoelastic, config.law.method, result.law));
-  step(3.0);
+  step(4.0);
   result.histograms = fit_histograms(used, config.histograms, result.law);
   result.density = density_picture(used);
   result.budget = error_budget(used, result.law, config.budget);

@@ -14,6 +14,8 @@ Json json_of(std::size_t n) { return n; }
 Json json_of(const Interval& i) { return {json_of(i.lo), json_of(i.hi)}; }
 
 Json json_of(const Estimate& e);
+Json json_of(const BootstrapErrors& b);
+Json json_of(const AndersonDarling& a);
 Json json_of(const ScatterModel& s);
 Json json_of(const TimingNoise& t);
 Json json_of(const HandOff& h);
@@ -22,10 +24,32 @@ Json json_of(const std::optional<T>& x) {
   return x ? json_of(*x) : Json(nullptr);
 }
 
+Json json_of(const BootstrapErrors& b) {
+  return {
+      {"se", json_of(b.se)}, {"ci68", json_of(b.ci68)}, {"ci95", json_of(b.ci95)}, {"n_replicates", b.n_replicates}};
+}
+
+Json json_of(const AndersonDarling& a) {
+  return {{"a2", json_of(a.a2)}, {"p_value", json_of(a.p_value)}, {"n_replicates", a.n_replicates}};
+}
+
+Json comparison_of(const std::vector<LawComparison>& comparison) {
+  Json rows = Json::array();
+  for (const LawComparison& c : comparison)
+    rows.push_back({{"name", c.name},
+                    {"n_parameters", c.n_parameters},
+                    {"loglik", json_of(c.loglik)},
+                    {"aic", json_of(c.aic)},
+                    {"bic", json_of(c.bic)},
+                    {"delta_aic", json_of(c.delta_aic)},
+                    {"delta_bic", json_of(c.delta_bic)}});
+  return rows;
+}
+
 Json json_of(const Estimate& e) {
-  return {{"value", json_of(e.value)}, {"se", json_of(e.se)},     {"se_robust", json_of(e.se_robust)},
-          {"ci68", json_of(e.ci68)},   {"ci95", json_of(e.ci95)}, {"intervals", e.interval_method},
-          {"identified", e.identified}};
+  return {{"value", json_of(e.value)},         {"se", json_of(e.se)},       {"se_robust", json_of(e.se_robust)},
+          {"ci68", json_of(e.ci68)},           {"ci95", json_of(e.ci95)},   {"intervals", e.interval_method},
+          {"bootstrap", json_of(e.bootstrap)}, {"identified", e.identified}};
 }
 
 Json json_of(const Matrix& m) {
@@ -53,7 +77,8 @@ Json nodes_of(const LawFit& fit) {
                      {"se", json_of(node.eps.se)},
                      {"se_robust", json_of(node.eps.se_robust)},
                      {"ci68", json_of(node.eps.ci68)},
-                     {"ci95", json_of(node.eps.ci95)}});
+                     {"ci95", json_of(node.eps.ci95)},
+                     {"bootstrap", json_of(node.eps.bootstrap)}});
   return nodes;
 }
 
@@ -103,6 +128,7 @@ Json json_of(const LawFit& fit) {
   j["chi2"] = json_of(fit.chi2);
   j["ndf"] = json_of(fit.ndf);
   j["p_value"] = json_of(fit.p_value);
+  j["anderson_darling"] = json_of(fit.anderson_darling);
   j["curve"] = curve_of(fit.curve);
   j["residuals"] = residuals_of(fit);
   return j;
@@ -228,6 +254,8 @@ std::string to_json(const FitResult& result) {
                {"n_left_out", result.n_left_out},
                {"law", json_of(result.law)},
                {"law_least_squares", json_of(result.law_least_squares)},
+               {"law_least_absolute", json_of(result.law_least_absolute)},
+               {"law_comparison", comparison_of(result.law.comparison)},
                {"law_viscoelastic", json_of(result.law_viscoelastic)},
                {"histograms", histograms},
                {"budget", json_of(result.budget)},

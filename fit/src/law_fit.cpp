@@ -6,12 +6,14 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "law_likelihood.hpp"
 #include "law_result.hpp"
 #include "maximise.hpp"
+#include "replicates.hpp"
 #include "start_values.hpp"
 
 namespace bouncelab {
@@ -19,7 +21,8 @@ namespace {
 
 constexpr std::size_t kFewest = 10;  // below: more parameters than a scatter can be judged by
 constexpr double kSpeedRatioMin = 1.2;
-constexpr double kResolution = 1e-8;  // of eps: far below any timing; samples without any scatter are fitted too
+constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyond a parabola
+constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
 
 LawData law_data(const RestitutionSamples& samples) {
   std::vector<std::size_t> order(samples.size());
@@ -41,18 +44,18 @@ LawData law_data(const RestitutionSamples& samples) {
   return data;
 }
 
-/// Scatter families to choose from by BIC: how their widths go with speed. Never whether the sides differ: a test that
-/// misses a difference would bias the peak by it.
+/// Scatter families to choose from by BIC: how their widths go with speed. Never whether the sides differ: a
+/// test that misses a difference would bias the peak by it.
 std::vector<ScatterFamily> scatter_families(const LawFitConfig& config, const LawData& data) {
   const LawMethod method = config.method;
-  constexpr std::size_t kFew = 30, kMany = 1000, kVeryMany = 20000;
+  constexpr std::size_t kFew = 30, kMany = 1000;
   const double v_ref = data.v_mps[data.size() / 2];
   ScatterKind kind = method == LawMethod::asymmetric_laplace ? ScatterKind::asymmetric_laplace
                      : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
                                                              : ScatterKind::normal;
   if (data.size() < kFew && kind == ScatterKind::asymmetric_laplace) kind = ScatterKind::symmetric_laplace;
   if (config.n_scatter_terms > 0) return {{kind, config.n_scatter_terms, v_ref}};
-  if (data.size() >= kVeryMany) return {{kind, 6, v_ref}};
+  if (data.size() >= kVeryMany) return {{kind, 3, v_ref}, {kind, 6, v_ref}};
   if (data.size() >= kMany) return {{kind, 3, v_ref}};
   return {{kind, 1, v_ref}, {kind, 2, v_ref}, {kind, 3, v_ref}};
 }
@@ -64,6 +67,13 @@ struct Candidate {
   double bic = HUGE_VAL;
 };
 
+/// The metric of a poor start may be poor: once more from where it led.
+Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const Maximum maximum = maximise(function, start, likelihood.information(start));
+  return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
+}
+
 std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family) {
   Candidate candidate{family, data, {}};
   const Eigen::VectorXd start = start_values(data, model, family);
@@ -73,11 +83,7 @@ std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, 
     widen(candidate.data, LawLikelihood(data, model, family), start,
           std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, family);
-  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  candidate.maximum = maximise(function, start, likelihood.information(start));
-  // the metric of a poor start may be poor: once more from where it led
-  if (!candidate.maximum.converged)
-    candidate.maximum = maximise(function, candidate.maximum.x, likelihood.information(candidate.maximum.x));
+  candidate.maximum = maximise_twice(likelihood, start);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * std::log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
@@ -126,6 +132,62 @@ std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, F
            " m/s: eps(v) is known there only, the constants A are not identifiable";
   }
   return {};
+}
+
+std::vector<std::pair<LawKind, std::vector<int>>> laws_to_compare(const LawFitConfig& config) {
+  std::vector<std::pair<LawKind, std::vector<int>>> laws{{config.kind, config.orders}};
+  for (const auto& orders : std::vector<std::vector<int>>{{2, 4, 5}, {2, 4}, {2, 4, 5, 6}})
+    if (config.kind != LawKind::series || orders != config.orders) laws.push_back({LawKind::series, orders});
+  for (const LawKind kind : {LawKind::viscoelastic, LawKind::constant})
+    if (kind != config.kind) laws.push_back({kind, {}});
+  return laws;
+}
+
+/// Other laws on the samples as the main fit left them: without its outliers, timing errors widened as for it.
+std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig& config) {
+  std::vector<LawComparison> results;
+  for (const auto& [kind, orders] : laws_to_compare(config)) {
+    const LawModel model = make_law_model(kind, orders, main.data.v_mps);
+    const LawLikelihood likelihood(main.data, model, main.family);
+    Maximum maximum = main.maximum;
+    if (!results.empty()) {
+      const Eigen::VectorXd start = start_values(main.data, model, main.family);
+      if (start.size() == 0) continue;
+      maximum = maximise_twice(likelihood, start);
+      if (!maximum.converged) continue;
+    }
+    LawComparison c;
+    for (const std::string& name : model.names()) c.name += (c.name.empty() ? "" : ", ") + name;
+    c.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
+    c.loglik = maximum.loglik;
+    c.aic = 2.0 * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
+    c.bic = std::log(static_cast<double>(main.data.size())) * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
+    results.push_back(std::move(c));
+  }
+  double aic = HUGE_VAL, bic = HUGE_VAL;
+  for (const LawComparison& c : results) aic = std::min(aic, c.aic), bic = std::min(bic, c.bic);
+  for (LawComparison& c : results) c.delta_aic = c.aic - aic, c.delta_bic = c.bic - bic;
+  return results;
+}
+
+void add_bootstrap(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const LawFitConfig& config) {
+  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed);
+  if (drawn.size() < 2) {
+    fit.notes.push_back("no bootstrap by drop: it needs 8 drops or more");
+    return;
+  }
+  const LawModel& model = likelihood.model();
+  const auto errors_of = [&](auto&& value) {
+    std::vector<double> values;
+    for (const Eigen::VectorXd& q : drawn) values.push_back(value(q));
+    return bootstrap_errors(std::move(values));
+  };
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    fit.parameters[i].estimate.bootstrap =
+        errors_of([&](const Eigen::VectorXd& q) { return model.reported(q)[static_cast<Eigen::Index>(i)]; });
+  for (NodeEstimate& node : fit.nodes)
+    node.eps.bootstrap =
+        errors_of([&](const Eigen::VectorXd& q) { return model.eps(std::span(&node.v_mps, 1), q)[0]; });
 }
 
 }  // namespace
@@ -190,9 +252,15 @@ LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
     fit.message = "the median eps is not between 0.05 and 1: no viscoelastic sphere does that";
     return fit;
   }
-  describe_fit(fit, LawLikelihood(candidate->data, model, candidate->family), candidate->maximum,
+  const LawLikelihood likelihood(candidate->data, model, candidate->family);
+  describe_fit(fit, likelihood, candidate->maximum,
                config.node_speeds_mps.empty() ? spread_speeds(data.v_mps, 3) : config.node_speeds_mps,
                config.intervals);
+  if (!candidate->maximum.converged) return fit;
+  if (config.n_goodness > 0)
+    fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
+  if (config.n_bootstrap > 0) add_bootstrap(fit, likelihood, candidate->maximum, config);
+  if (config.compare_laws) fit.comparison = comparison(*candidate, config);
   return fit;
 }
 

@@ -11,7 +11,7 @@
 namespace bouncelab {
 namespace {
 
-constexpr const char* kBreakingFlags[] = {"doubtful", "inferred", "overlap_merged"};
+constexpr const char* kBreakingFlags[] = {"doubtful", "inferred", "overlap_merged", "no_position"};
 
 const char* breaking_flag(const Onset& onset) {
   for (const char* flag : kBreakingFlags)
@@ -187,10 +187,25 @@ void check(const RestitutionConfig& config) {
   positive(config.ball.material.density_kgpm3, "density of the ball [kg/m^3]");
 }
 
+/// Both ways, to say what the correction did.
+Restitution restitution_without_travel_time(const Onsets& onsets, RestitutionConfig config) {
+  const Onsets at_plate = without_travel_time(onsets, *config.travel_time);
+  config.travel_time.reset();
+  Restitution result = restitution_samples(at_plate, config);
+  std::map<std::pair<std::int64_t, std::int64_t>, double> uncorrected;
+  for (const RestitutionSample& s : restitution_samples(onsets, config).samples)
+    uncorrected[{s.drop, s.impact}] = s.eps;
+  double square = 0.0;
+  for (const RestitutionSample& s : result.samples) square += std::pow(s.eps - uncorrected.at({s.drop, s.impact}), 2);
+  result.counts.rms_shift_travel_time = std::sqrt(square / std::max(1.0, static_cast<double>(result.samples.size())));
+  return result;
+}
+
 }  // namespace
 
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config) {
   check(config);
+  if (config.travel_time) return restitution_without_travel_time(onsets, config);
   Restitution result;
   Shifts shifts;
   result.counts.n_onsets = onsets.size();

@@ -27,6 +27,7 @@ void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) 
 
 void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
   if (!law.message.empty()) warnings.push_back(law.message);
+  warnings.insert(warnings.end(), law.notes.begin(), law.notes.end());
   warn_of_correlation(law, warnings);
   if (law.p_value && *law.p_value < 0.001) {
     double ratio = 0.0;
@@ -70,10 +71,24 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
   const double above_one = count([](const auto& s) { return s.eps > 1.0; });
   if (above_one > 0.1 * n)
     warnings.push_back(words("%.0f of %.0f samples have eps > 1: time order or units of the input?", above_one, n));
+  const double below_zero = count([](const auto& s) { return s.eps < 0.0; });
+  if (below_zero > 0.1 * n)
+    warnings.push_back(words("%.0f of %.0f samples have eps < 0: time order or columns of the input?", below_zero, n));
   const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
   if (implausible > 0.1 * n)
     warnings.push_back(
         words("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
+}
+
+/// Flags are the detector's or the intervals' and counted there; rows that no flag explains are the table's.
+void warn_of_rows_left_out(const FitResult& result, std::vector<std::string>& warnings) {
+  for (const auto& [reason, first] : result.first_left_out) {
+    if (reason != "not_finite" && reason != "speed_not_positive") continue;
+    std::string in_words = reason;
+    std::replace(in_words.begin(), in_words.end(), '_', ' ');
+    warnings.push_back(words("%zu samples left out: %s; the first is number %zu", result.n_left_out.at(reason),
+                             in_words.c_str(), first));
+  }
 }
 
 /// The worst node of a shift that is still in the samples, where it exceeds the error of the curve there.
@@ -109,6 +124,7 @@ std::vector<std::string> warnings_of(const FitResult& result, const RestitutionS
   warn_of_law(result.law, warnings);
   warn_of_timing(result.budget, warnings);
   warn_of_samples(used, warnings);
+  warn_of_rows_left_out(result, warnings);
   warn_of_shifts(result.budget, warnings);
   return warnings;
 }

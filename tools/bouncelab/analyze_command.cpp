@@ -60,7 +60,7 @@ Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
   FitOptions fit = options.fit;
   fit.samples = restitution.out;
   fit.out = folder / "fit.json";
-  const Outcome fitted = clock.time("fit", [&] { return run_fit(fit, run); });
+  const Outcome fitted = clock.time("fit", [&] { return as_stage(run_fit(fit, run)); });
   add_warnings(warnings, fitted.warnings);
 
   const Json& recordings = heard.summary["recordings"];

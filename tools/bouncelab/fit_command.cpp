@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "bouncelab/fit/json.hpp"
@@ -32,6 +33,7 @@ void read_corrections(const std::string& samples, BudgetConfig& budget) {
   set("drag", budget.drag);
   set("contact_time", budget.contact_time);
   set("travel_time", budget.travel_time);
+  budget.wave_speed_mps = corrections.value("wave_speed_mps", budget.wave_speed_mps);
   budget.ball.radius_m = corrections.value("ball_radius_m", budget.ball.radius_m);
   budget.ball.material.density_kgpm3 = corrections.value("ball_density_kgpm3", budget.ball.material.density_kgpm3);
   budget.gravity_mps2 = corrections.value("gravity_mps2", budget.gravity_mps2);
@@ -47,6 +49,22 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
   app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
       ->check(CLI::Range(2, 10))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--law-kind", options.config.law.kind, "series, viscoelastic or constant")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, LawKind>{
+          {"series", LawKind::series}, {"viscoelastic", LawKind::viscoelastic}, {"constant", LawKind::constant}}))
+      ->default_str("series");
+  app.add_option("--method", options.config.law.method,
+                 "asymmetric-laplace (eps(v) is the peak), least-squares (the mean) or least-absolute (the median)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LawMethod>{{"asymmetric-laplace", LawMethod::asymmetric_laplace},
+                                           {"least-squares", LawMethod::least_squares},
+                                           {"least-absolute", LawMethod::least_absolute}}))
+      ->default_str("asymmetric-laplace");
+  app.add_option("--bootstrap", options.config.law.n_bootstrap, "Replicates of the bootstrap by drop, 0 = none")
+      ->check(CLI::Range(0, 100000));
+  app.add_option("--goodness-replicates", options.config.n_goodness,
+                 "Replicates of the Anderson-Darling test, 0 = none")
+      ->check(CLI::Range(0, 100000));
   app.add_option("--hand-off-speed", options.config.hand_off_speed_mps,
                  "Speed of the constant eps for DEM codes, m/s; default the middle node")
       ->check(CLI::PositiveNumber);
@@ -76,6 +94,7 @@ Outcome run_fit(const FitOptions& options, Run& run) {
   if (!options.table.empty()) check_may_write(run, options.table);
   const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
   FitConfig config = options.config;
+  config.law.seed = run.common.seed;
   read_corrections(options.samples, config.budget);
   const FitResult result = fit_all(samples, config, progress_line(run, "fit", "fits"));
   Outcome outcome;
@@ -86,12 +105,20 @@ Outcome run_fit(const FitOptions& options, Run& run) {
   outcome.summary = Json::parse(json);
   outcome.text = describe(result);
   outcome.warnings = result.warnings;
-  if (!usable(result)) {
+  if (result.status != FitStatus::ok) {
     outcome.exit_code = kNotUsable;
     outcome.trouble = options.samples + ": " + result.law.message;
     std::erase(outcome.warnings, result.law.message);
   }
   return outcome;
+}
+
+Outcome as_stage(Outcome fitted) {
+  if (fitted.summary.value("status", "") != "not_identifiable" || fitted.summary["law"]["nodes"].empty()) return fitted;
+  fitted.warnings.insert(fitted.warnings.begin(), fitted.summary["law"]["message"].get<std::string>());
+  fitted.exit_code = kDone;
+  fitted.trouble.clear();
+  return fitted;
 }
 
 Command add_fit_command(CLI::App& app) {

@@ -19,7 +19,10 @@ struct FitOptions {
 void add_fit_options(CLI::App& app, FitOptions& options);
 /// The result in a few lines, for people.
 std::string describe(const FitResult& result);
+/// Exit code 1 where the fit did not converge or a constant is not identifiable: what is known is written all the same.
 Outcome run_fit(const FitOptions& options, Run& run);
+/// Within `loop` and `analyze` the curve counts: constants that cannot be known are a warning there.
+Outcome as_stage(Outcome fitted);
 Command add_fit_command(CLI::App& app);
 
 }  // namespace bouncelab::cli

@@ -50,7 +50,7 @@ Outcome times_to_constants(const LoopOptions& options, const SimulationConfig& s
   fit.config.budget = budget_of(simulated);
   fit.samples = samples;
   fit.out = fit_json;
-  Outcome fitted = run_fit(fit, run);
+  Outcome fitted = as_stage(run_fit(fit, run));
   add_warnings(warnings, fitted.warnings);
   return fitted;
 }

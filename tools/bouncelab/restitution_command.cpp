@@ -18,6 +18,12 @@ void add_restitution_options(CLI::App& app, RestitutionOptions& options) {
   app.add_option("--drop-height", options.drop_height_m,
                  "Height of the ball's lowest point at release, m, 0 = not known; the first impact counts then")
       ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--positions", options.positions,
+                 "Table drop,impact,x_m,y_m (as simulate --state writes): take the travel of the sound out");
+  app.add_option("--sensor-position", options.sensor_m, "X,Y of the sensor, m")->delimiter(',')->expected(2);
+  app.add_option("--wave-speed", options.wave_speed_mps,
+                 "Speed of the sound from impact to sensor, m/s: some 2500 in a plate, 343 in air")
+      ->check(CLI::Range(1.0, 2e4));
   app.add_option("--ball-radius", options.config.ball.radius_m,
                  "Radius of the ball, m: for the corrections and the error budget")
       ->check(CLI::Range(1e-6, 10.0));
@@ -32,6 +38,8 @@ std::string describe(const RestitutionCounts& counts) {
     line += fmt::format("; corrected for drag, eps {:+.2g} in the mean", *counts.mean_shift_drag);
   if (counts.mean_shift_contact_time)
     line += fmt::format("; corrected for contact time, eps {:+.2g} in the mean", *counts.mean_shift_contact_time);
+  if (counts.rms_shift_travel_time)
+    line += fmt::format("; corrected for travel time, eps by {:.2g} rms", *counts.rms_shift_travel_time);
   for (const auto& [reason, n] : counts.breaks) line += fmt::format("; chain broken {} times: {}", n, reason);
   if (counts.n_flagged > 0) line += fmt::format("; {} samples flagged, the fit leaves them out", counts.n_flagged);
   return line;
@@ -51,6 +59,16 @@ Outcome run_restitution(const RestitutionOptions& options, Run& run) {
   const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), options.onsets);
   RestitutionConfig config = options.config;
   if (options.drop_height_m > 0.0) config.drop_height_m = options.drop_height_m;
+  std::vector<std::filesystem::path> inputs{options.onsets};
+  if (!options.positions.empty()) {
+    const Table positions = read_table(options.positions, {{"drop", ColumnType::integer},
+                                                           {"impact", ColumnType::integer},
+                                                           {"x_m", ColumnType::real},
+                                                           {"y_m", ColumnType::real}});
+    config.travel_time =
+        travel_time_from_table(positions, options.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
+    inputs.push_back(options.positions);
+  }
   const Restitution result = restitution_samples(onsets, config);
   Outcome outcome;
   outcome.text = describe(result.counts) + "\n";
@@ -58,10 +76,12 @@ Outcome run_restitution(const RestitutionOptions& options, Run& run) {
   Run described = run;  // the samples say what was taken out of them, whichever command made them
   described.parameters["corrections"] = {{"drag", config.correct_drag},
                                          {"contact_time", config.correct_contact_time},
+                                         {"travel_time", config.travel_time.has_value()},
+                                         {"wave_speed_mps", options.wave_speed_mps},
                                          {"ball_radius_m", config.ball.radius_m},
                                          {"ball_density_kgpm3", config.ball.material.density_kgpm3},
                                          {"gravity_mps2", config.gravity_mps2}};
-  write_table(described, options.out, to_table(result.samples), {options.onsets});
+  write_table(described, options.out, to_table(result.samples), inputs);
   if (result.samples.empty()) {
     outcome.exit_code = kNotUsable;
     outcome.trouble = options.onsets + ": no three successive impacts: no coefficient of restitution";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bouncelab/fit/restitution.hpp"
 #include "command.hpp"
@@ -13,6 +14,9 @@ struct RestitutionOptions {
   std::string out;
   RestitutionConfig config;
   double drop_height_m = 0.0;  ///< 0: not known
+  std::string positions;       ///< of the impacts, where travel times are to be taken out; empty: they are not
+  std::vector<double> sensor_m{0.0, 0.0};
+  double wave_speed_mps = 2500.0;
 };
 
 /// The physics options, shared with `loop` and `analyze`.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,13 @@ struct Interval {
   double hi = 0.0;
 };
 
+/// From resampling.
+struct BootstrapErrors {
+  double se = 0.0;
+  Interval ci68, ci95;  ///< percentiles
+  std::size_t n_replicates = 0;
+};
+
 /// A number with its uncertainty. Absent = not known; never a placeholder.
 struct Estimate {
   double value = 0.0;
@@ -31,8 +39,9 @@ struct Estimate {
                                     ///< the model of the scatter does not, or samples of a drop are correlated
   std::optional<Interval> ci68;     ///< 68.27 % confidence interval
   std::optional<Interval> ci95;     ///< 95 % confidence interval
-  std::string interval_method;      ///< "covariance", "profile" or "bootstrap"
-  bool identified = true;           ///< false: the data do not determine it (see the fit's message)
+  std::string interval_method;      ///< of ci68 and ci95: "covariance" or "profile"
+  std::optional<BootstrapErrors> bootstrap;  ///< by drop, where asked for
+  bool identified = true;                    ///< false: the data do not determine it (see the fit's message)
 };
 
 struct NamedEstimate {

@@ -23,7 +23,8 @@
 namespace bouncelab {
 
 struct FitConfig {
-  LawFitConfig law;  ///< the main fit; least squares and the viscoelastic law use its nodes
+  LawFitConfig law;             ///< the main fit; the others use its nodes
+  std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none
   HistogramConfig histograms;
   BudgetConfig budget;
   std::optional<double> hand_off_speed_mps;  ///< absent: the middle node
@@ -38,7 +39,7 @@ struct Answer {
 struct FitResult {
   FitStatus status = FitStatus::too_few_samples;  ///< of the main law
   LawFit law;                                     ///< as configured; by default the asymmetric Laplace
-  LawFit law_least_squares;
+  LawFit law_least_squares, law_least_absolute;
   LawFit law_viscoelastic;
   std::vector<HistogramFit> histograms;
   DensityPicture density;
@@ -47,7 +48,8 @@ struct FitResult {
   std::vector<std::string> warnings;  ///< in words, most important first
   std::vector<Answer> answers;        ///< what are the constants, how sure, what limits them ...; empty without a law
   std::size_t n_used = 0;
-  std::map<std::string, std::size_t> n_left_out;  ///< by reason
+  std::map<std::string, std::size_t> n_left_out;      ///< by reason
+  std::map<std::string, std::size_t> first_left_out;  ///< by reason: number of the first such sample, from 1
 };
 
 /// Fits everything. Left out and counted: samples with a flag, not finite, with v <= 0.

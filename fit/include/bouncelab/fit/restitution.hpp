@@ -11,6 +11,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/fit/flight_correction.hpp"
+#include "bouncelab/fit/travel_time.hpp"
 
 namespace bouncelab {
 
@@ -21,6 +22,7 @@ struct RestitutionConfig {
   Air air;                                     ///< likewise
   bool correct_drag = false;          ///< speeds at the ends of each flight from its duration by Schiller-Naumann drag
   bool correct_contact_time = false;  ///< flights are intervals less the Hertz contact that they begin with
+  std::optional<TravelTime> travel_time;  ///< taken out of the times before anything else
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
   /// v_0 = sqrt(2 g h). Only where impact 0 was heard.
   std::optional<double> drop_height_m;
@@ -37,6 +39,7 @@ struct RestitutionCounts {
   std::map<std::string, std::size_t> breaks;
   /// What the corrections, where switched on, added to eps in the mean.
   std::optional<double> mean_shift_drag, mean_shift_contact_time;
+  std::optional<double> rms_shift_travel_time;  ///< its mean is nearly zero: the ball goes to and fro
 };
 
 struct Restitution {
@@ -55,10 +58,10 @@ struct Restitution {
 /// absent where one of the three is. Neighbours share onsets: lag one correlates by about -2/3, lag two by +1/6.
 ///
 /// A sample needs three successive impacts. The chain of a drop is broken, there and nowhere else, by an onset
-/// flagged `doubtful`, `inferred` or `overlap_merged`, and by a jump in the column `impact`. Where the ratio of two
-/// neighbouring intervals leaves the median ratio m of its drop by more than a factor sqrt(1 + m), an impact was missed
-/// (or one invented) between them: the factor is half-way, on a log scale, to what one missing impact does. Such a
-/// sample and its neighbours that share the wrong interval stay in the table, flagged `missing_impact` or
+/// flagged `doubtful`, `inferred`, `overlap_merged` or `no_position`, and by a jump in the column `impact`. Where the
+/// ratio of two neighbouring intervals leaves the median ratio m of its drop by more than a factor sqrt(1 + m), an
+/// impact was missed (or one invented) between them: the factor is half-way, on a log scale, to what one missing impact
+/// does. Such a sample and its neighbours that share the wrong interval stay in the table, flagged `missing_impact` or
 /// `extra_impact`. (Needs at least 5 samples in the drop.)
 ///
 /// Assumes drag-free vertical flight and contacts much shorter than flights, unless corrected for: then eps is the

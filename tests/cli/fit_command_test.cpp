@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `restitution` and `fit` by hand and with bad samples.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+class FitCommand : public ProgramTest {
+ protected:
+  /// Samples of the paper's law with a scatter that is the same in every run. One speed where lo = hi.
+  std::string table(int n, double lo, double hi, double shift = 0.0, const std::string& sigma = "1e-4") const {
+    std::string text = "drop,impact,v_mps,eps,sigma_eps\n";
+    for (int k = 0; k < n; ++k) {
+      const double v = lo * std::pow(hi / lo, (k + 0.5) / n);
+      const double u = std::fmod(0.5 + 0.6180339887498949 * (k + 1), 1.0);
+      const double scatter = (u < 0.5 ? std::log(2.0 * u) : -std::log(2.0 * (1.0 - u))) * 4e-4 / v;
+      const double eps = 1.0 - 1.153448858 * 0.0467 * std::pow(v, 0.2) + 0.798266561 * 0.1339 * std::pow(v, 0.4) -
+                         0.2876 * 4.0 / 15.0 * std::sqrt(v);
+      text += std::to_string(k / 95) + "," + std::to_string(k % 95) + "," + number(v) + "," +
+              number(eps + scatter + shift) + "," + sigma + "\n";
+    }
+    return text;
+  }
+  static std::string number(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.12g", x);
+    return text;
+  }
+  Result fit(const std::string& samples, const std::string& more = "") {
+    write("s.csv", samples);
+    return run("fit s.csv --out f.json --force --goodness-replicates 19 " + more);
+  }
+  nlohmann::json found() const { return nlohmann::json::parse(content_of(folder_ / "f.json")); }
+};
+
+TEST_F(FitCommand, OfThreeSamplesSaysHowManyItNeedsAndWritesWhatItKnows) {
+  expect_one_line_error(fit(table(3, 0.2, 1.4), "--quiet"), 1, {"s.csv", "3 samples", "at least 10"});
+  EXPECT_EQ(found().at("status"), "too_few_samples");
+}
+
+TEST_F(FitCommand, AtOneSpeedSaysThatTheConstantsCannotBeKnown) {
+  expect_one_line_error(fit(table(500, 0.5, 0.5), "--quiet"), 1, {"s.csv", "speeds", "not identifiable"});
+}
+
+TEST_F(FitCommand, OfOneDropNamesTheConstantsAndKeepsTheCurve) {
+  expect_one_line_error(fit(table(60, 0.3, 1.2), "--quiet"), 1, {"A2, A4, A5", "not identifiable", "60 impacts"});
+  EXPECT_EQ(found().at("status"), "not_identifiable");
+  EXPECT_EQ(found().at("law").at("nodes").size(), 3u);
+}
+
+TEST_F(FitCommand, RowsThatAreNoNumberOrHaveNoSpeedAreCountedAndNamed) {
+  std::string samples = table(2000, 0.2, 1.4);
+  samples += "21,0,nan,0.98,1e-4\n21,1,0.5,,1e-4\n21,2,0,0.98,1e-4\n";
+  const Result result = fit(samples);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("2 samples left out: not finite; the first is number 2001"));
+  EXPECT_THAT(result.err, testing::HasSubstr("1 samples left out: speed not positive; the first is number 2003"));
+  EXPECT_EQ(found().at("n_left_out").at("not_finite"), 2);
+  EXPECT_EQ(found().at("n_used"), 2000);
+}
+
+TEST_F(FitCommand, SigmasOfZeroAreNeglectedAndSaidSo) {
+  const Result result = fit(table(2000, 0.2, 1.4, 0.0, "0"));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("2000 of 2000 samples state no timing error"));
+}
+
+TEST_F(FitCommand, CoefficientsAboveOneOrNegativeAreFittedAsTheyAreWithAWarning) {
+  const Result above = fit(table(2000, 0.2, 1.4, 0.1));
+  EXPECT_THAT(above.err, testing::HasSubstr("2000 of 2000 samples have eps > 1"));
+  EXPECT_GT(found().at("law").at("nodes")[0].at("eps").get<double>(), 1.05);
+  const Result below = fit(table(2000, 0.2, 1.4, -1.5));
+  EXPECT_THAT(below.err, testing::HasSubstr("2000 of 2000 samples have eps < 0"));
+  EXPECT_LT(found().at("law").at("nodes")[0].at("eps").get<double>(), -0.4);
+}
+
+TEST_F(FitCommand, SpeedsThatLookLikeOtherUnitsAreWarnedOf) {
+  EXPECT_THAT(fit(table(2000, 200.0, 1400.0)).err, testing::HasSubstr("outside 0.005 to 20 m/s"));
+}
+
+TEST_F(FitCommand, BootstrapGoodnessAndOtherLawsAreInTheResult) {
+  const Result result = fit(table(3000, 0.2, 1.4), "--bootstrap 20 --table law.csv");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto j = found();
+  EXPECT_EQ(j.at("law").at("anderson_darling").at("n_replicates"), 19);
+  EXPECT_GT(j.at("law").at("nodes")[0].at("bootstrap").at("se").get<double>(), 0.0);
+  EXPECT_GE(j.at("law_comparison").size(), 4u);
+  EXPECT_TRUE(j.at("law_least_absolute").at("A2").at("value").is_number());
+  EXPECT_EQ(content_of(folder_ / "law.csv").substr(0, 19), "v_mps,eps,lo95,hi95");
+}
+
+TEST_F(FitCommand, FitsTheLawAndByTheMethodAskedFor) {
+  EXPECT_EQ(fit(table(2000, 0.2, 1.4), "--law-kind viscoelastic --method least-squares").exit_code, 0);
+  EXPECT_EQ(found().at("law").at("law"), "viscoelastic");
+  EXPECT_EQ(found().at("law").at("method"), "least_squares");
+  expect_one_line_error(fit(table(2000, 0.2, 1.4), "--law-kind magic"), 2, {"--law-kind", "magic"});
+}
+
+/// Onsets of one drop of constant eps.
+std::string onsets(int n) {
+  std::string text = "drop,impact,t_s,sigma_t_s\n";
+  double t = 0.1, interval = 0.27;
+  for (int k = 0; k < n; ++k) {
+    char line[80];
+    std::snprintf(line, sizeof line, "0,%d,%.12f,1e-6\n", k, t);
+    text += line;
+    t += interval;
+    interval *= 0.97;
+  }
+  return text;
+}
+
+TEST_F(FitCommand, SamplesSayWhatWasTakenOutAndTheBudgetBelievesThem) {
+  write("o.csv", onsets(90));
+  EXPECT_EQ(run("restitution o.csv --out s.csv --correct-drag --ball-radius 0.004").exit_code, 0);
+  const auto meta = nlohmann::json::parse(content_of(folder_ / "s.csv.meta.json"));
+  const auto& corrections = meta.at("parameters").at("corrections");
+  EXPECT_TRUE(corrections.at("drag").get<bool>());
+  EXPECT_FALSE(corrections.at("contact_time").get<bool>());
+  run("fit s.csv --out f.json --quiet");
+  const auto effects = found().at("budget").at("effects");
+  EXPECT_EQ(effects[0].at("state"), "taken out");
+  EXPECT_EQ(effects[1].at("state"), "not taken out");
+}
+
+TEST_F(FitCommand, TravelTimeIsTakenOutWherePositionsAreKnown) {
+  write("o.csv", onsets(30));
+  std::string positions = "drop,impact,x_m,y_m\n";
+  for (int k = 0; k < 29; ++k) positions += "0," + std::to_string(k) + "," + number(0.01 * (k % 3)) + ",0.02\n";
+  write("p.csv", positions);
+  const Result result = run("restitution o.csv --out s.csv --positions p.csv --sensor-position 0.1,0 --wave-speed 340");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::HasSubstr("corrected for travel time"));
+  EXPECT_THAT(result.out, testing::HasSubstr("no_position"));
+  write("bad.csv", "drop,impact,x_m\n0,0,1\n");
+  expect_one_line_error(run("restitution o.csv --out t.csv --positions bad.csv"), 3, {"bad.csv", "line 1", "y_m"});
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

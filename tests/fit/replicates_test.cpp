@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "replicates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "synthetic_samples.hpp"
+
+namespace bouncelab {
+namespace {
+
+using testing::independent_samples;
+using testing::Scatter;
+using testing::SyntheticRun;
+
+TEST(AndersonDarling, OfEvenlySpacedTransformsIsSmallAndOfOneIsByHand) {
+  // n = 1, u = 1/2: -1 - (log 1/2 + log 1/2) = 0.386294
+  EXPECT_NEAR(anderson_darling({0.5}), 2.0 * std::log(2.0) - 1.0, 1e-12);
+  // n = 2, u = 1/4, 3/4: -2 - (2 log 1/4 + 6 log 3/4) / 2
+  EXPECT_NEAR(anderson_darling({0.75, 0.25}), -2.0 - std::log(0.25) - 3.0 * std::log(0.75), 1e-12);
+}
+
+LawFitConfig tested(std::size_t n_replicates) {
+  LawFitConfig config;
+  config.intervals = IntervalMethod::covariance;
+  config.n_goodness = n_replicates;
+  return config;
+}
+
+TEST(AndersonDarling, PValuesOfTheRightModelAreUniform) {
+  // 60 seeds against 39 replicates each: mean of uniform p 0.5 +- 0.037, share below 1/4 0.25 +- 0.056; 3.5 standard
+  // errors
+  double mean = 0.0, low = 0.0;
+  constexpr int kSeeds = 60;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    SyntheticRun run;
+    run.seed = seed;
+    const auto fit = fit_law(independent_samples(run, 400, 0.2, 1.4, 3e-4), tested(39));
+    ASSERT_TRUE(fit.anderson_darling);
+    mean += fit.anderson_darling->p_value / kSeeds;
+    low += fit.anderson_darling->p_value <= 0.25;
+  }
+  EXPECT_NEAR(mean, 0.5, 0.13);
+  EXPECT_NEAR(low / kSeeds, 0.25, 0.2);
+}
+
+TEST(AndersonDarling, RejectsAScatterOfAnotherShape) {
+  SyntheticRun run;
+  run.scatter = Scatter::normal;
+  const auto fit = fit_law(independent_samples(run, 4000, 0.2, 1.4, 0.0), tested(49));
+  EXPECT_DOUBLE_EQ(fit.anderson_darling->p_value, 1.0 / 50.0);  // none of 49 replicates lies so far off
+}
+
+TEST(Bootstrap, ByDropAgreesWithTheInformationWhereSamplesAreIndependent) {
+  LawFitConfig config;
+  config.intervals = IntervalMethod::covariance;
+  config.n_bootstrap = 200;
+  const auto fit = fit_law(independent_samples({}, 6000, 0.2, 1.4, 2e-4), config);
+  for (const auto& node : fit.nodes) {
+    ASSERT_TRUE(node.eps.bootstrap);
+    // 200 replicates know a standard error to 5 %, 63 drops to 9 %; the kink's grain adds some
+    EXPECT_NEAR(node.eps.bootstrap->se / *node.eps.se, 1.0, 0.35) << node.v_mps;
+    EXPECT_NEAR((node.eps.bootstrap->ci95.hi - node.eps.bootstrap->ci95.lo) / (3.92 * node.eps.bootstrap->se), 1.0,
+                0.25);
+  }
+  EXPECT_TRUE(fit.parameters.at(0).estimate.bootstrap);
+}
+
+TEST(Bootstrap, ByDropSeesWhatDropsHaveInCommon) {
+  // every drop with an offset of its own, three times the error of its mean: independent errors are too small by that
+  SyntheticRun run;
+  auto samples = independent_samples(run, 40 * 95, 0.2, 1.4, 0.0);
+  for (auto& s : samples) s.eps += 3e-4 * std::sin(12.9898 * static_cast<double>(s.drop + 1) * 78.233);
+  LawFitConfig config;
+  config.intervals = IntervalMethod::covariance;
+  config.kind = LawKind::constant;
+  config.n_bootstrap = 200;
+  for (auto& s : samples) s.eps += 0.98 - restitution(run.law, s.v_mps);
+  const auto fit = fit_law(samples, config);
+  EXPECT_GT(fit.nodes.at(0).eps.bootstrap->se, 2.0 * *fit.nodes.at(0).eps.se);
+}
+
+TEST(Bootstrap, OfOneDropIsNotPretended) {
+  auto samples = independent_samples({}, 300, 0.2, 1.4, 0.0);
+  for (auto& s : samples) s.drop = 0;
+  LawFitConfig config;
+  config.n_bootstrap = 50;
+  const auto fit = fit_law(samples, config);
+  EXPECT_FALSE(fit.nodes.at(0).eps.bootstrap);
+  ASSERT_EQ(fit.notes.size(), 1u);
+  EXPECT_NE(fit.notes[0].find("8 drops"), std::string::npos);
+}
+
+TEST(Bootstrap, DoesNotDependOnTheNumberOfThreadsOrTheRun) {
+  LawFitConfig config = tested(19);
+  config.n_bootstrap = 20;
+  const auto samples = independent_samples({}, 1500, 0.2, 1.4, 2e-4);
+  const auto a = fit_law(samples, config), b = fit_law(samples, config);
+  EXPECT_EQ(a.nodes[1].eps.bootstrap->se, b.nodes[1].eps.bootstrap->se);
+  EXPECT_EQ(a.anderson_darling->p_value, b.anderson_darling->p_value);
+}
+
+TEST(LawComparison, FindsTheLawThatWasPutIn) {
+  LawFitConfig config;
+  config.intervals = IntervalMethod::covariance;
+  config.compare_laws = true;
+  const auto series = fit_law(independent_samples({}, 20000, 0.2, 1.4, 0.0), config).comparison;
+  ASSERT_EQ(series.size(), 5u);
+  EXPECT_EQ(series[0].name, "A2, A4, A5");
+  for (const auto& c : series) {
+    if (c.name == "gamma" || c.name == "eps") {
+      EXPECT_GT(c.delta_aic, 100.0) << c.name;
+    }
+  }
+  // one parameter more gains chi2 of one degree: AIC of the longer series is above by 2 less that
+  EXPECT_LT(series[0].delta_aic, 8.0);
+  SyntheticRun run;
+  run.law = ViscoelasticLaw{0.02};
+  const auto one = fit_law(independent_samples(run, 20000, 0.2, 1.4, 0.0), config).comparison;
+  for (const auto& c : one) {
+    if (c.name == "gamma") {
+      EXPECT_EQ(c.delta_bic, 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab
