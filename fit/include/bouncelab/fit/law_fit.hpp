@@ -37,8 +37,8 @@ struct LawFitConfig {
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
   LawMethod method = LawMethod::asymmetric_laplace;
   IntervalMethod intervals = IntervalMethod::profile;
-  /// Terms of log b(v) on each side, 1 to 8; 0: by BIC among 1 to 3 below 1000 samples, 3 below 20,000, from there 3 or 6
-  /// by BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
+  /// Terms of log b(v) on each side, 1 to 8; 0: by BIC among 1 to 3 below 1000 samples, 3 below 20,000, from there 3 or
+  /// 6 by BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test; 0: none
   std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
