@@ -13,10 +13,14 @@
 namespace bouncelab {
 namespace {
 
-constexpr std::size_t kMostClocks = 12;
-constexpr std::size_t kLeastBins = 4;  // below, neighbours share their modes and are no clocks of their own
+constexpr std::size_t kMostClocks = 10;
+constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no clocks of their own
+constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
 // disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
 constexpr double kPriorClocks = 8.0;
+constexpr int kRounds = 4;
+constexpr double kLeastOfTypical = 0.5;  // phase variance of the steadiest clock over that of the typical one
+constexpr double kPriorImpacts = 4.0;    // impacts that the typical phase variance is worth
 constexpr int kMostSteps = 6;
 constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
 constexpr double kLargestMove = 1.0;  // samples; the clocks of the highest frequencies turn by half a cycle
@@ -79,6 +83,58 @@ double jitter_of(const std::vector<double>& squares, const std::vector<double>& 
   return 0.5 * (lo + hi);
 }
 
+/// Deviations of each clock from the mean of all, by clock and impact.
+struct Disagreement {
+  std::vector<std::vector<double>> deviation, squares, noise;
+  std::vector<std::vector<double>> share;  // of its variance that a clock's deviation from the mean keeps
+};
+
+Disagreement disagreement(const std::vector<ClockReading>& readings, const BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  const std::vector<std::vector<double>> none(n);
+  Disagreement d{none, none, none, none};
+  for (const ClockReading& r : readings) {
+    double weights = 0.0;
+    double mean = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
+      weights += weight;
+      mean += weight * r.deviation[j];
+    }
+    mean /= weights;
+    for (std::size_t j = 0; j < n; ++j) {
+      d.deviation[j].push_back(r.deviation[j] - mean);
+      d.squares[j].push_back((r.deviation[j] - mean) * (r.deviation[j] - mean));
+      d.noise[j].push_back(r.noise_variance[j]);
+      d.share[j].push_back(std::max(0.2, 1.0 - 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights)));
+    }
+  }
+  return d;
+}
+
+/// From the correlation of clocks next to each other and next but one; independent ones show -1/(n-1), because their
+/// mean was taken off.
+double dependence(const Disagreement& d, const BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  double sum = 1.0;
+  for (std::size_t lag = 1; lag <= 2 && lag < n; ++lag) {
+    double correlation = 0.0;
+    double pairs = 0.0;
+    for (std::size_t j = 0; j + lag < n; ++j)
+      for (std::size_t k = 0; k < d.noise[j].size(); ++k) {
+        const auto z = [&](std::size_t c) {
+          const double size = std::sqrt(d.share[c][k] * (d.noise[c][k] + clocks.jitter2[c]));
+          return std::clamp(d.deviation[c][k] / size, -3.0, 3.0);
+        };
+        correlation += z(j) * z(j + lag);
+        pairs += 1.0;
+      }
+    const double rho = correlation / pairs + 1.0 / static_cast<double>(n - 1);
+    sum += 2.0 * std::clamp(rho, 0.0, 1.0) * static_cast<double>(n - lag) / static_cast<double>(n);
+  }
+  return sum;
+}
+
 }  // namespace
 
 WaveTemplate::WaveTemplate(Spectrum wave, std::size_t n_window)
@@ -101,12 +157,21 @@ BandClocks equal_clocks(const WaveTemplate& wave) {
   const std::size_t n_bins = wave.wave().size() - 1;
   const std::size_t n = std::clamp<std::size_t>(n_bins / (2 * kLeastBins), 1, kMostClocks);
   const double all = wave.information(0, n_bins);
+  const std::size_t reach = std::max(kLeastBins / 2, n_bins / kLeastModes);
+  const auto density = [&](std::size_t k) { return wave.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
   BandClocks clocks;
   clocks.edge.push_back(1);
-  for (std::size_t k = 1; k < n_bins && clocks.edge.size() < n; ++k)
-    if (wave.information(0, k) > all * static_cast<double>(clocks.edge.size()) / static_cast<double>(n) &&
-        k >= clocks.edge.back() + kLeastBins && k + kLeastBins <= n_bins)
-      clocks.edge.push_back(k);
+  for (std::size_t share = 1; share < n; ++share) {
+    const double part = all * static_cast<double>(share) / static_cast<double>(n);
+    std::size_t middle = 1;
+    while (middle < n_bins && wave.information(0, middle) < part) ++middle;
+    const std::size_t lo = std::max(clocks.edge.back() + kLeastBins, middle > reach ? middle - reach : 1);
+    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kLeastBins));
+    std::size_t lowest = lo;
+    for (std::size_t k = lo; k <= hi; ++k)
+      if (density(k) < density(lowest)) lowest = k;
+    if (lo <= hi) clocks.edge.push_back(lowest);
+  }
   clocks.edge.push_back(n_bins);
   clocks.noise.assign(clocks.edge.size() - 1, 1.0);
   clocks.jitter2.assign(clocks.edge.size() - 1, 0.0);
@@ -146,7 +211,7 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
       chi2 += d * d / (r.noise_variance[j] + clocks.jitter2[j]);
     }
     const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
-    r.variance = std::max(1.0, scale) / weights;
+    r.variance = std::max(1.0, scale) * clocks.dependence / weights;
     const double move = std::clamp(mean, -kLargestMove, kLargestMove);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
@@ -155,35 +220,29 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
   return r;
 }
 
-void learn_jitter(const std::vector<ClockReading>& readings, BandClocks& clocks) {
-  if (readings.size() < 3) return;
+void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks) {
   const std::size_t n = clocks.n();
-  for (int round = 0; round < 4; ++round) {
-    std::vector<std::vector<double>> squares(n), noise(n), share(n);
-    for (const ClockReading& r : readings) {
-      double weights = 0.0;
-      double mean = 0.0;
-      for (std::size_t j = 0; j < n; ++j) {
-        const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
-        weights += weight;
-        mean += weight * r.deviation[j];
-      }
-      mean /= weights;
-      for (std::size_t j = 0; j < n; ++j) {
-        squares[j].push_back((r.deviation[j] - mean) * (r.deviation[j] - mean));
-        noise[j].push_back(r.noise_variance[j]);
-        // the mean follows each clock by its own weight
-        share[j].push_back(std::max(0.2, 1.0 - 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights)));
-      }
-    }
-    for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(squares[j], noise[j], share[j]);
+  if (readings.size() < 3 || n < 3) return;
+  for (int round = 0; round < kRounds; ++round) {
+    const Disagreement d = disagreement(readings, clocks);
+    for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], d.share[j]);
   }
-  // few impacts know a clock's jitter badly: drawn to that of the others
-  std::vector<double> sorted = clocks.jitter2;
+  // a mode's phase wanders about alike at all frequencies
+  std::vector<double> phase2(n);
+  for (std::size_t j = 0; j < n; ++j)
+    phase2[j] = clocks.jitter2[j] * wave.information(clocks.edge[j], clocks.edge[j + 1]) /
+                (wave.energy(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
+  std::vector<double> sorted = phase2;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
   const double typical = sorted[n / 2];
   const auto k = static_cast<double>(readings.size());
-  for (double& jitter2 : clocks.jitter2) jitter2 = (k * jitter2 + 4.0 * typical) / (k + 4.0);
+  for (std::size_t j = 0; j < n; ++j) {
+    const double believed =
+        (k * std::max(phase2[j], kLeastOfTypical * typical) + kPriorImpacts * typical) / (k + kPriorImpacts);
+    clocks.jitter2[j] = believed * wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
+                        (wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
+  }
+  clocks.dependence = dependence(disagreement(readings, clocks), clocks);
 }
 
 }  // namespace bouncelab

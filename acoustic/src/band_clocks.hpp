@@ -18,6 +18,7 @@ struct BandClocks {
   std::vector<std::size_t> edge;  ///< bins; band j is edge[j] ... edge[j+1] - 1
   std::vector<double> noise;      ///< variance of the noise in each real and imaginary part
   std::vector<double> jitter2;    ///< [samples^2]
+  double dependence = 1.0;        ///< variance of the clocks' mean over what it were if they were independent
   std::size_t n() const { return noise.size(); }
 };
 
@@ -48,7 +49,8 @@ class WaveTemplate {
   std::vector<double> running_information_;
 };
 
-/// About a dozen bands of equal information on the time, noise 1 and jitter 0.
+/// Up to ten bands of about equal information on the time, parted where the spectrum is low, so that no mode is told by
+/// two clocks; noise 1 and jitter 0.
 BandClocks equal_clocks(const WaveTemplate& wave);
 
 /// What the clocks say of one impact.
@@ -68,7 +70,9 @@ struct ClockReading {
 /// by Gauss and Newton; the variance is raised where the clocks disagree by more than their variances allow.
 ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start);
 
-/// Jitter of each clock from how the readings of many impacts disagree.
-void learn_jitter(const std::vector<ClockReading>& readings, BandClocks& clocks);
+/// Jitter of each clock from how the readings of many impacts disagree, and how neighbours err together. No clock is
+/// taken for much better than the others: one that the mean follows disagrees with nothing.
+/// @param wave  that of the readings
+void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks);
 
 }  // namespace bouncelab

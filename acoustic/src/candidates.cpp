@@ -97,15 +97,16 @@ class Block {
 
  private:
   void read_innovations_padded() {
-    // before the first and after the last sample there is nothing to judge by
+    // before the first samples, from which the model could predict, and after the last there is nothing to judge by
     const std::int64_t first = first_hop_ * hop_;
     const auto n = static_cast<std::int64_t>(squares_.size());
-    const std::int64_t lo = std::max<std::int64_t>(0, first);
-    const std::int64_t hi = std::min<std::int64_t>(sound_.n_samples, first + n);
+    const std::int64_t n_known = std::min<std::int64_t>(std::ssize(model_.filter) - 1, sound_.n_samples);
+    const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, first + n);
+    const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, first + n);
     if (hi > lo) read_innovations(sound_, model_, lo, std::span(squares_).subspan(lo - first, hi - lo));
     const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
     std::fill(squares_.begin(), squares_.begin() + (lo - first), level);
-    std::fill(squares_.begin() + std::max<std::int64_t>(0, hi - first), squares_.end(), level);
+    std::fill(squares_.begin() + (hi - first), squares_.end(), level);
   }
 
   const Sound& sound_;

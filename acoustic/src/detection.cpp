@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "autoregression.hpp"
 #include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 #include "candidates.hpp"
+#include "in_parallel.hpp"
 #include "low_band.hpp"
 #include "recording_timing.hpp"
 #include "trains.hpp"
@@ -18,7 +20,9 @@ namespace {
 
 // enough poles for the loudest twenty-odd modes of a plate; more buys nothing on noise
 constexpr int kOrder = 48;
-constexpr double kLowRate_hz = 4e3;   // sampling rate of the low band: soft balls end at 1.5 kHz
+constexpr double kLowRate_hz = 4e3;  // sampling rate of the low band: soft balls end at 1.5 kHz
+constexpr double kLowestRate_hz = 4e3;
+constexpr double kHighestRate_hz = 4e6;
 constexpr double kConvincing = 40.0;  // log odds of trains, about a dozen impacts
 
 /// What one channel has to say.
@@ -102,6 +106,28 @@ void conclude(Detection& d) {
   }
 }
 
+std::int64_t count_flag(const Onsets& onsets, const char* flag) {
+  return std::count_if(onsets.begin(), onsets.end(), [&](const Onset& onset) { return has_flag(onset.flags, flag); });
+}
+
+/// What the user should know of the onsets before he believes them.
+std::vector<std::string> warnings_for(const Detection& d, bool low_band) {
+  std::vector<std::string> warnings;
+  if (d.onsets.empty()) return warnings;
+  const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
+  if (const auto n = count_flag(d.onsets, "clipped"); n > 0)
+    warnings.push_back(std::to_string(n) + of_all + "are clipped: timed by what rings after; record with less gain");
+  if (const auto n = count_flag(d.onsets, "doubtful"); n > 0)
+    warnings.push_back(std::to_string(n) + of_all +
+                       "may be a cycle of their sound off (flag doubtful, sigma_t_s says how far)");
+  if (low_band)
+    warnings.push_back("the impacts were heard below 2 kHz only: times to a fraction of a millisecond at best");
+  if (!d.summary.contact_time_at_1_mps_s)
+    warnings.push_back(
+        "the sound does not tell the contact time: times are those of the sound, which lag slow impacts more");
+  return warnings;
+}
+
 template <class SoundOfChannel>
 Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::string& name,
                     const DetectionConfig& config, const ProgressCallback& progress) {
@@ -132,6 +158,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
   if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
   conclude(d);
+  d.warnings = warnings_for(d, best.sound.rate_hz < sound.rate_hz);
   return d;
 }
 
@@ -146,8 +173,24 @@ Detection detect(const std::filesystem::path& recording, const DetectionConfig& 
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
                  const ProgressCallback& progress) {
+  if (!(rate_hz >= kLowestRate_hz && rate_hz <= kHighestRate_hz))
+    throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
   const Sound sound = sound_in_memory(samples, rate_hz);
   return detect_in([&](int) { return sound; }, 1, name, config, progress);
+}
+
+std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
+                              int n_threads, const ProgressCallback& progress) {
+  if (recordings.size() == 1) return {detect(recordings.front(), config, progress)};
+  std::vector<Detection> found(recordings.size());
+  std::mutex mutex;
+  double n_done = 0.0;
+  in_parallel(recordings.size(), resolved_threads(n_threads), [&](std::size_t k) {
+    found[k] = detect(recordings[k], config);
+    const std::lock_guard lock(mutex);
+    if (progress) progress(n_done += 1.0, static_cast<double>(recordings.size()));
+  });
+  return found;
 }
 
 }  // namespace bouncelab

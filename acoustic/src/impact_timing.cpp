@@ -16,13 +16,8 @@ constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
 
 std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
 
-/// Cuts off what lies beyond n_fit, over a sixteenth of it, at least four samples.
-void cut_off(std::span<float> x, std::size_t n_fit) {
-  const std::size_t n_fade = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
-  for (std::size_t k = 0; k < n_fade && n_fit - n_fade + k < x.size(); ++k)
-    x[n_fit - n_fade + k] *= static_cast<float>(
-        std::pow(std::cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_fade)), 2));
-  if (n_fit < x.size()) std::fill(x.begin() + static_cast<std::ptrdiff_t>(n_fit), x.end(), 0.0F);
+void multiply(std::vector<float>& x, const std::vector<float>& mask) {
+  for (std::size_t k = 0; k < mask.size(); ++k) x[k] *= mask[k];
 }
 
 }  // namespace
@@ -30,7 +25,30 @@ void cut_off(std::span<float> x, std::size_t n_fit) {
 ImpactTimer::ImpactTimer(const Sound& sound, const ImpactWave& wave)
     : sound_(sound), wave_(wave), fourier_(wave.wave.n_window()) {}
 
-std::vector<float> ImpactTimer::read(std::int64_t first, std::size_t n_fit) {
+ImpactTimer::Mask ImpactTimer::mask(std::int64_t first, std::size_t n_fit) const {
+  const std::size_t n = wave_.wave.n_window();
+  Mask mask;
+  if (n_fit < wave_.n_wave) {
+    mask.assign(n, 1.0F);
+    const std::size_t n_fade = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
+    for (std::size_t k = 0; k < n_fade; ++k)
+      mask[n_fit - n_fade + k] = static_cast<float>(
+          std::pow(std::cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_fade)), 2));
+    std::fill(mask.begin() + static_cast<std::ptrdiff_t>(n_fit), mask.end(), 0.0F);
+  }
+  if (std::isinf(wave_.clip_level)) return mask;
+  const std::size_t reach = wave_.whitener.size() - 1;  // so far a sample is heard of in whitened sound
+  std::vector<float> raw(n + reach);
+  read_padded(sound_, first - static_cast<std::int64_t>(reach), raw);
+  for (std::size_t k = 0; k < raw.size(); ++k) {
+    if (std::abs(raw[k]) < wave_.clip_level) continue;
+    if (mask.empty()) mask.assign(n, 1.0F);
+    for (std::size_t j = k > reach ? k - reach : 0; j <= std::min(k, n - 1); ++j) mask[j] = 0.0F;
+  }
+  return mask;
+}
+
+std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
   const std::size_t n = wave_.wave.n_window();
   std::vector<float> x = read_white(sound_, wave_.whitener, first, n).sound;
   for (std::size_t j = heard_.size(); j-- > 0;) {
@@ -48,14 +66,14 @@ std::vector<float> ImpactTimer::read(std::int64_t first, std::size_t n_fit) {
          k < static_cast<std::int64_t>(n) - std::max<std::int64_t>(0, offset); ++k)
       x[static_cast<std::size_t>(k)] -= a * ringing.wave[static_cast<std::size_t>(k + offset)];
   }
-  if (n_fit < wave_.n_wave) cut_off(x, n_fit);
+  multiply(x, mask);
   return x;
 }
 
-WaveTemplate ImpactTimer::cut_wave(double shift, std::size_t n_fit) {
+WaveTemplate ImpactTimer::masked_wave(double shift, const Mask& mask) {
   const Spectrum& whole = wave_.wave.wave();
   std::vector<float> placed = fourier_.inverse(product(whole, phasors(whole.size(), -wave_.wave.omega() * shift)));
-  cut_off(placed, n_fit);
+  multiply(placed, mask);
   return {fourier_.forward(placed), wave_.wave.n_window()};
 }
 
@@ -68,28 +86,28 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
     return static_cast<std::size_t>(
         std::clamp<std::int64_t>(n_until, contact + 8, static_cast<std::int64_t>(w.n_wave)));
   };
-  std::vector<float> x = read(first, fit_length());
+  Mask counts = mask(first, fit_length());
+  std::vector<float> x = read(first, counts);
   Spectrum y = fourier_.forward(x);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  WavePlace place =
-      fit_length() < w.n_wave ? find_place(cut_wave(0.0, fit_length()), y, reach) : find_place(w.wave, y, reach);
+  WavePlace place = counts.empty() ? find_place(w.wave, y, reach) : find_place(masked_wave(0.0, counts), y, reach);
   if (std::abs(place.shift) > kFarOff) {
     const std::int64_t moved = std::llround(place.shift);
     first += moved;
-    x = read(first, fit_length());
+    counts = mask(first, fit_length());
+    x = read(first, counts);
     y = fourier_.forward(x);
     place.shift -= static_cast<double>(moved);
     place.runner_up -= static_cast<double>(moved);
   }
   const std::size_t n_fit = fit_length();
-  const bool whole = n_fit >= w.n_wave;
   ClockReading r;
-  if (whole) {
+  if (counts.empty()) {
     r = read_clocks(w.wave, w.clocks, y, place.shift);
   } else {
     double shift = place.shift;
     for (int step = 0; step < 2; ++step) {
-      r = read_clocks(cut_wave(shift, n_fit), w.clocks, y, 0.0);
+      r = read_clocks(masked_wave(shift, counts), w.clocks, y, 0.0);
       r.shift = shift += r.shift;
     }
   }
@@ -102,7 +120,7 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   t.amplitude = r.amplitude;
   t.gain = r.gain;
   const double total = dot(x, x);
-  t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(whole ? x.size() : n_fit);
+  t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(n_fit < w.n_wave ? n_fit : x.size());
   t.correlation = correlation(r, total);
   t.runner_up_s = time_of(place.runner_up);
   // the misfit is not quite white, hence half

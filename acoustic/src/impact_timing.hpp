@@ -39,9 +39,13 @@ class ImpactTimer {
     std::int64_t first = 0;   // sample at which the window begins
     std::vector<float> wave;  // placed in it; made when first needed
   };
-  std::vector<float> read(std::int64_t first, std::size_t n_fit);
-  /// The wave as far as it lies in the first n_fit samples.
-  WaveTemplate cut_wave(double shift, std::size_t n_fit);
+  /// What of a window counts: factors of its samples; empty = all of it.
+  using Mask = std::vector<float>;
+  /// Leaves out what lies beyond n_fit and what clipped samples have spoiled.
+  Mask mask(std::int64_t first, std::size_t n_fit) const;
+  std::vector<float> read(std::int64_t first, const Mask& mask);
+  /// The wave as far as it counts.
+  WaveTemplate masked_wave(double shift, const Mask& mask);
 
   const Sound& sound_;
   const ImpactWave& wave_;

@@ -59,6 +59,9 @@ std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts, do
     const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > wave_s;
     if (next_far && last_far) alone.push_back(k);
   }
+  std::vector<std::size_t> whole = alone;
+  std::erase_if(whole, [&](std::size_t k) { return impacts[k].clipped; });
+  if (whole.size() >= 5) alone = whole;
   std::vector<std::size_t>& chosen = alone.size() >= 5 ? alone : all;
   const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
   if (chosen.size() > kMostLearned) {
@@ -152,7 +155,7 @@ class Learner {
       std::vector<ClockReading> readings;
       for (const Row& row : rows_)
         if (row.correlation >= kLeastCorrelation) readings.push_back(row.reading);
-      learn_jitter(readings, learned_.clocks);
+      learn_jitter(readings, learned_.wave, learned_.clocks);
       average();
     }
   }

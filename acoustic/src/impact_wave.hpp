@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -16,6 +17,7 @@ struct RoughImpact {
   double t_s = 0.0;
   double amplitude = 0.0;  ///< any unit, the same for all
   double reach_s = 1e-3;   ///< how far from t_s it may lie
+  bool clipped = false;    ///< learned from only where too few others are
 };
 
 /// The sound of an impact, whitened by the noise, as learned from the recording.
@@ -23,13 +25,14 @@ struct ImpactWave {
   std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
   WaveTemplate wave;
   BandClocks clocks;
-  std::size_t n_wave = 0;      ///< samples from the window's first after which the wave is quiet
-  double contact_index = 0.0;  ///< start of contact, in samples from the window's first
-  double correlation = 0.0;    ///< median of the learned impacts with the wave
-  std::int64_t n_impacts = 0;  ///< learned from
-  std::vector<double> heard;   ///< the mean wave as recorded, not whitened
-  std::vector<double> spread;  ///< its standard deviation from impact to impact
-  double peak = 0.0;           ///< of `heard`
+  std::size_t n_wave = 0;       ///< samples from the window's first after which the wave is quiet
+  double contact_index = 0.0;   ///< start of contact, in samples from the window's first
+  double correlation = 0.0;     ///< median of the learned impacts with the wave
+  std::int64_t n_impacts = 0;   ///< learned from
+  std::vector<double> heard;    ///< the mean wave as recorded, not whitened
+  std::vector<double> spread;   ///< its standard deviation from impact to impact
+  double peak = 0.0;            ///< of `heard`
+  float clip_level = INFINITY;  ///< of the sound as recorded; samples at or beyond it are not to be believed
 };
 
 /// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again; then

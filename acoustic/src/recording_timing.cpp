@@ -23,17 +23,45 @@ struct TimedDrop {
   std::optional<ContactEvidence> contact;
 };
 
+/// Where the converter reached its limit within 5 ms of t_s: three successive samples of the same value, the largest
+/// around. Infinity where it did not.
+float clip_level(const Sound& sound, double t_s) {
+  constexpr double kAround_s = 5e-3;
+  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
+  read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
+  float largest = 0.0F;
+  for (const float value : x) largest = std::max(largest, std::abs(value));
+  for (std::size_t k = 2; k < x.size(); ++k)
+    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return largest;
+  return INFINITY;
+}
+
+/// Least level at which impacts of the train are clipped. In the low band nothing is left of where the converter
+/// stopped.
+float clip_level(const HeardRecording& heard, const std::vector<RoughImpact>& impacts) {
+  float level = INFINITY;
+  if (heard.band.rate_hz != heard.whole.rate_hz) return level;
+  for (const RoughImpact& impact : impacts) level = std::min(level, clip_level(heard.whole, impact.t_s));
+  return 0.999F * level;
+}
+
 void add_rough(const HeardRecording& heard, const Train& train, std::vector<RoughImpact>& rough) {
   for (const TrainImpact& impact : train.impacts) {
     const Candidate& c = heard.candidates[impact.candidate];
-    rough.push_back({c.t_s, c.amplitude, c.reach_s});
+    rough.push_back({c.t_s, c.amplitude, c.reach_s, !std::isinf(clip_level(heard.whole, c.t_s))});
   }
+}
+
+std::optional<ImpactWave> learn(const Sound& band, const HeardRecording& heard, const std::vector<RoughImpact>& rough) {
+  std::optional<ImpactWave> wave = learn_impact_wave(band, heard.noise, rough);
+  if (wave) wave->clip_level = clip_level(heard, rough);
+  return wave;
 }
 
 std::optional<ImpactWave> wave_of_train(const Sound& band, const HeardRecording& heard, const Train& train) {
   std::vector<RoughImpact> rough;
   add_rough(heard, train, rough);
-  return learn_impact_wave(band, heard.noise, rough);
+  return learn(band, heard, rough);
 }
 
 /// The sound around a train, read once: held in memory where it is no longer than a few minutes.
@@ -59,7 +87,7 @@ Sound held(const Sound& sound, double begin_s, double end_s) {
 std::optional<ImpactWave> wave_of_recording(const HeardRecording& heard) {
   std::vector<RoughImpact> rough;
   for (const Train& train : heard.trains) add_rough(heard, train, rough);
-  return learn_impact_wave(heard.band, heard.noise, rough);
+  return learn(heard.band, heard, rough);
 }
 
 /// Times as the rise of the sound has them, where no wave could be learned.
@@ -76,18 +104,6 @@ std::vector<TrainOnset> rough_onsets(const HeardRecording& heard, const Train& t
   return onsets;
 }
 
-/// Did the converter reach its limit: three successive samples of the same value, the largest around?
-bool is_clipped(const Sound& sound, double t_s) {
-  constexpr double kAround_s = 5e-3;
-  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
-  read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
-  float largest = 0.0F;
-  for (const float value : x) largest = std::max(largest, std::abs(value));
-  for (std::size_t k = 2; k < x.size(); ++k)
-    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
-  return false;
-}
-
 Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const ImpactWave* wave) {
   Onset onset;
   onset.impact = from.impact;
@@ -97,7 +113,7 @@ Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const Impact
     onset.amplitude = from.timed.amplitude * wave->peak;
     onset.snr_db = 20.0 * std::log10(*onset.amplitude / std::sqrt(heard.noise.quiet_variance));
   }
-  if (is_clipped(heard.whole, onset.t_s)) add_flag(onset.flags, "clipped");
+  if (!std::isinf(clip_level(heard.whole, onset.t_s))) add_flag(onset.flags, "clipped");
   if (from.overlap) add_flag(onset.flags, "overlap");
   if (from.inferred) add_flag(onset.flags, "inferred");
   if (from.doubtful) add_flag(onset.flags, "doubtful");

@@ -83,7 +83,7 @@ TEST(OnsetCases, AreFoundCompletelyAndTimedNearTheBound) {
         c.name.c_str(), recall, precision, c.score.rms_s.value_or(NAN) * 1e6, c.rms_after_contact_law_s * 1e6, ratio,
         c.score.pull_sd.value_or(NAN));
     const bool chatter = c.name.find("chatter") != std::string::npos;
-    EXPECT_GE(recall, chatter ? 0.94 : 0.99) << c.name;
+    EXPECT_GE(recall, chatter ? 0.97 : 0.99) << c.name;
     EXPECT_GE(precision, 0.99) << c.name;
     rms_s.push_back(*c.score.rms_s);
     ratios.push_back(ratio);
@@ -104,11 +104,11 @@ TEST(PingPongBall, IsFollowedThroughItsEchoes) {
   for (Onset& onset : truth) onset.recording = sound.string();
   const Detection d = detect(sound);
   const OnsetScore s = score_onsets(truth, d.onsets, 2e-3);
-  EXPECT_GE(s.n_found, 48U);
+  EXPECT_EQ(s.n_found, 50U);
   const auto before_last =
       std::count_if(d.onsets.begin(), d.onsets.end(), [&](const Onset& o) { return o.t_s < truth.back().t_s + 2e-3; });
   EXPECT_EQ(static_cast<std::size_t>(before_last), s.n_found) << "invented before the last one";
-  EXPECT_NEAR(d.summary.restitution_median, 0.946, 0.004);
+  EXPECT_NEAR(d.summary.restitution_median.value(), 0.946, 0.004);
 }
 
 }  // namespace

@@ -36,16 +36,14 @@ void add_detect_options(CLI::App& app, DetectOptions& options) {
 std::vector<Detection> detect_all(const DetectOptions& options, const Run& run) {
   DetectionConfig config;
   if (options.channel >= 0) config.channel = options.channel;
-  std::vector<Detection> found;
-  for (const std::string& recording : options.recordings)
-    found.push_back(detect(recording, config, progress_line(run, "detect", "s of sound")));
-  return found;
+  const std::vector<std::filesystem::path> recordings(options.recordings.begin(), options.recordings.end());
+  return detect(recordings, config, run.common.n_threads,
+                progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
 }
 
 std::string describe(const std::string& recording, const Detection& d) {
   std::string line = fmt::format("{}: {}", recording, d.message);
-  if (d.status == DetectionStatus::ok)
-    line += fmt::format(", eps = {:.4f} in the median", d.summary.restitution_median);
+  if (d.summary.restitution_median) line += fmt::format(", eps = {:.4f} in the median", *d.summary.restitution_median);
   if (d.summary.n_channels > 1) line += fmt::format("; channel {} ({})", d.summary.channel, d.summary.channel_reason);
   return line;
 }
@@ -64,7 +62,7 @@ Json to_json(const std::string& recording, const Detection& d) {
           {"channel_reason", s.channel_reason},
           {"duration_s", s.duration_s},
           {"noise_rms", s.noise_rms},
-          {"eps_median", s.restitution_median},
+          {"eps_median", s.restitution_median ? Json(*s.restitution_median) : Json(nullptr)},
           {"warnings", d.warnings}};
 }
 

@@ -35,9 +35,9 @@ struct RecordingSummary {
   /// tau at 1 m/s, tau = tau_1 v^(-1/5), by which the times were moved to the start of contact; absent = could not be
   /// told
   std::optional<double> contact_time_at_1_mps_s;
-  std::int64_t n_candidates = 0;     ///< sounds that rise like impacts
-  std::int64_t n_drops = 0;          ///< trains found
-  double restitution_median = 0.0;   ///< median of T_{k+1} / T_k over all trains; 0 where there is none
+  std::int64_t n_candidates = 0;             ///< sounds that rise like impacts
+  std::int64_t n_drops = 0;                  ///< trains found
+  std::optional<double> restitution_median;  ///< of T_{k+1} / T_k over all trains; absent where there is none
 };
 
 /// The sound of an impact as learned from the recording (full scale = 1), from a little before the start of contact.
@@ -72,8 +72,8 @@ struct Detection {
 /// 2. trains: the chains of such sounds most probable under T_{k+1} = eps_k T_k against chance;
 /// 3. the time of each impact, below a sample, with a standard error.
 ///
-/// Reads the recording in pieces, several times: sound is never held whole. The candidates and the train search are, and
-/// grow with the number of sounds in the recording. t_s counts from the first sample.
+/// Reads the recording in pieces, several times; holds at most 2^24 of its samples, what rises in it (about 150 bytes a
+/// sound) and the onsets. May run in several threads at once. t_s counts from the first sample.
 /// @throws FileError where the file cannot be read; InvalidArgument where the channel does not exist
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config = {},
                  const ProgressCallback& progress = {});
@@ -84,5 +84,11 @@ Detection detect(const std::filesystem::path& recording, const DetectionConfig& 
 /// @throws InvalidArgument where the rate is out of range or a sample is not finite
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name,
                  const DetectionConfig& config = {}, const ProgressCallback& progress = {});
+
+/// Several recordings side by side, each as if it were alone: the result does not depend on the threads.
+/// @param n_threads  0 = all cores
+/// @param progress   counts recordings; where there is only one, seconds of its sound
+std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
+                              int n_threads, const ProgressCallback& progress = {});
 
 }  // namespace bouncelab

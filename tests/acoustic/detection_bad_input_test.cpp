@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is no bouncing ball, or hardly a recording: no invented train, or a clear error.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/acoustic/detection.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncing_sound.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr double kRate_hz = 48e3;
+
+TEST(DetectBadInput, SaysThatAConstantIsSilent) {
+  const Detection d = detect(std::vector<float>(96000, 0.25F), kRate_hz, "constant");
+  EXPECT_EQ(d.status, DetectionStatus::silent);
+  EXPECT_TRUE(d.onsets.empty());
+  EXPECT_FALSE(d.summary.restitution_median.has_value());
+}
+
+TEST(DetectBadInput, FollowsTheBallAfterDigitalZeros) {
+  test::BouncingSound b;
+  b.n_impacts = 30;
+  std::vector<float> x(3 * 48000, 0.0F);
+  const std::vector<float> ball = render(b);
+  x.insert(x.end(), ball.begin(), ball.end());
+  const Detection d = detect(x, kRate_hz, "zeros first");
+  ASSERT_EQ(d.onsets.size(), 30U);
+  const std::vector<double> truth = test::impact_times(b);
+  for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s, 3.0 + truth[k], 2.0 / kRate_hz);
+}
+
+TEST(DetectBadInput, TakesNoMusicForABall) {
+  // plucked notes of a few pitches on a beat, some beats left out: the intervals repeat, they do not shrink
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Random random(seed, RandomStream::test, 4);
+    std::vector<float> x(15 * 48000, 0.0F);
+    for (double t_s = 0.3; t_s < 14.0; t_s += 0.25) {
+      if (random.uniform() < 0.4) continue;
+      const double f_hz = 220.0 * std::pow(2.0, std::floor(random.uniform(0.0, 24.0)) / 12.0);
+      const double start_s = t_s + 0.005 * random.normal();
+      const auto first = static_cast<std::size_t>(start_s * kRate_hz);
+      for (std::size_t n = first; n < std::min(x.size(), first + 24000); ++n) {
+        const double dt = static_cast<double>(n) / kRate_hz - start_s;
+        for (int h = 1; h <= 5; ++h)
+          x[n] += static_cast<float>(0.1 / h * std::exp(-6.0 * dt) * std::sin(2.0 * kPi * f_hz * h * dt));
+      }
+    }
+    test::add_noise(x, 1e-3, seed);
+    EXPECT_TRUE(detect(x, kRate_hz, "music").onsets.empty()) << "seed " << seed;
+  }
+}
+
+TEST(DetectBadInput, RefusesARateThatNoRecordingHas) {
+  for (const double rate_hz : {1.0, 0.0, -48e3, 1e9, static_cast<double>(NAN)})
+    EXPECT_THROW(detect(std::vector<float>(1000, 0.0F), rate_hz, "rate"), InvalidArgument) << rate_hz;
+}
+
+TEST(DetectBadInput, TakesARecordingOfNoSamplesForSilence) {
+  EXPECT_EQ(detect(std::vector<float>{}, kRate_hz, "empty").status, DetectionStatus::silent);
+  EXPECT_EQ(detect(std::vector<float>(3, 0.1F), kRate_hz, "three samples").status, DetectionStatus::silent);
+}
+
+TEST(DetectBadInput, TimesClippedImpactsByWhatRingsAfter) {
+  test::BouncingSound b;
+  b.amplitude = 2.0;
+  std::vector<float> x = render(b);
+  for (float& v : x) v = std::clamp(v, -0.6F, 0.6F);
+  const Detection d = detect(x, kRate_hz, "clipped");
+  const std::vector<double> truth = test::impact_times(b);
+  ASSERT_EQ(d.onsets.size(), truth.size());
+  EXPECT_TRUE(has_flag(d.onsets.front().flags, "clipped"));
+  EXPECT_FALSE(d.warnings.empty());
+  double offset_s = 0.0;
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    offset_s += (d.onsets[k].t_s - truth[k]) / static_cast<double>(truth.size());
+  // a fifth of a sample: what is left of the strongest is the ringing after 4 ms, a few per cent of the energy
+  for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s - offset_s, truth[k], 4e-6) << k;
+}
+
+}  // namespace
+}  // namespace bouncelab

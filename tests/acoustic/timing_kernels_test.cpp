@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The kernels of the detector's timing, one by one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "band_clocks.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/units.hpp"
+#include "cycle_choice.hpp"
+#include "fourier.hpp"
+#include "low_band.hpp"
+#include "products.hpp"
+#include "pulse_spectrum.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr std::size_t kWindow = 1024;
+
+std::vector<float> noise(std::size_t n, std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 7);
+  std::vector<float> x(n);
+  for (float& v : x) v = static_cast<float>(random.normal());
+  return x;
+}
+
+/// Eight damped modes that start softly at sample `start`; phases[m] is added to mode m.
+std::vector<float> modes(double start, const std::vector<double>& phases) {
+  std::vector<float> x(kWindow, 0.0F);
+  for (std::size_t n = 0; n < kWindow; ++n) {
+    const double t = static_cast<double>(n) - start;
+    if (t <= 0.0) continue;
+    double sum = 0.0;
+    for (std::size_t m = 0; m < 8; ++m)
+      sum += std::sin((0.2 + 0.3 * static_cast<double>(m)) * t + phases[m]) * std::exp(-t / 60.0);
+    x[n] = static_cast<float>(sum * (1.0 - std::exp(-t * t / 8.0)));
+  }
+  return x;
+}
+
+const std::vector<double> kNoPhases(8, 0.0);
+
+TEST(Products, CorrelateIsThePlainSumAtAnyLength) {
+  for (const std::size_t n : {1U, 7U, 32U, 100U}) {
+    const std::vector<float> x = noise(n + 20, n);
+    const std::vector<float> taps = noise(21, n + 1);
+    std::vector<float> out(n);
+    correlate(x, taps, out);
+    for (std::size_t k = 0; k < n; ++k) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j < taps.size(); ++j) sum += static_cast<double>(taps[j]) * x[k + j];
+      EXPECT_NEAR(out[k], sum, 1e-5);  // single precision over 21 terms of size 1
+    }
+  }
+}
+
+TEST(Fourier, KeepsSumsOfProducts) {
+  Fourier fourier(kWindow);
+  const std::vector<float> a = modes(100.0, kNoPhases);
+  const std::vector<float> b = modes(103.5, kNoPhases);
+  const Spectrum z = product_conj(fourier.forward(a), fourier.forward(b));
+  const double sum = std::accumulate(z.re.begin(), z.re.end(), 0.0);
+  EXPECT_NEAR(sum, dot(a, b), 1e-3 * dot(a, a));  // but for the mean, which the spectrum leaves out
+}
+
+TEST(Fourier, PhasorsMoveAWaveByFractionsOfASample) {
+  Fourier fourier(kWindow);
+  const Spectrum at_100 = fourier.forward(modes(100.0, kNoPhases));
+  const std::vector<float> moved =
+      fourier.inverse(product(at_100, phasors(at_100.size(), -2.0 * kPi / kWindow * 0.37)));
+  const std::vector<float> direct = modes(100.37, kNoPhases);
+  double error2 = 0.0;
+  for (std::size_t n = 0; n < kWindow; ++n) error2 += std::pow(moved[n] - direct[n], 2);
+  // the wave's beginning is not quite band-limited, and the mean is left out; half a shift would give 0.3
+  EXPECT_LT(std::sqrt(error2 / dot(direct, direct)), 0.05);
+}
+
+TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
+  Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  const BandClocks clocks = equal_clocks(wave);
+  const double level = 0.2;
+  const double bound = level / std::sqrt(wave.information(0, wave.wave().size()));
+  double squares = 0.0;
+  double stated = 0.0;
+  constexpr int kTrials = 200;
+  for (int k = 0; k < kTrials; ++k) {
+    std::vector<float> x = modes(100.0, kNoPhases);
+    const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(k) + 100);
+    for (std::size_t n = 0; n < kWindow; ++n)
+      x[n] = (x[n] + static_cast<float>(level) * w[n]) / static_cast<float>(level);
+    const ClockReading r = read_clocks(wave, clocks, fourier.forward(x), 0.3);
+    squares += r.shift * r.shift / kTrials;
+    stated += r.variance / kTrials;
+  }
+  // the rms of 200 trials scatters by 5 %; three of that
+  EXPECT_NEAR(std::sqrt(squares) / bound, 1.0, 0.15);
+  EXPECT_NEAR(std::sqrt(stated) / bound, 1.0, 0.15);
+}
+
+TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
+  // modes struck with random phases: each looks like a shift of its own, and the errors are far above the noise
+  Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  BandClocks clocks = equal_clocks(wave);
+  Random random(3, RandomStream::test, 9);
+  const auto impact = [&](std::uint64_t seed) {
+    std::vector<double> phases(8);
+    for (double& p : phases) p = 0.1 * random.normal();
+    std::vector<float> x = modes(100.0, phases);
+    const std::vector<float> w = noise(kWindow, seed);
+    for (std::size_t n = 0; n < kWindow; ++n) x[n] = (x[n] + 0.01F * w[n]) / 0.01F;
+    return read_clocks(wave, clocks, fourier.forward(x), 0.0);
+  };
+  std::vector<ClockReading> readings;
+  for (std::uint64_t k = 0; k < 60; ++k) readings.push_back(impact(k));
+  learn_jitter(readings, wave, clocks);
+  double pull2 = 0.0;
+  constexpr int kTrials = 200;
+  for (std::uint64_t k = 0; k < kTrials; ++k) {
+    const ClockReading r = impact(1000 + k);
+    pull2 += r.shift * r.shift / r.variance / kTrials;
+  }
+  EXPECT_GT(std::sqrt(pull2), 0.8);
+  // eight modes for ten clocks: neighbours share the skirts of a mode, which their correlation accounts for in part
+  // only
+  EXPECT_LT(std::sqrt(pull2), 1.6);
+}
+
+std::vector<TwoPlaces> train(double lead) {
+  std::vector<TwoPlaces> impacts;
+  double t_s = 0.0;
+  double flight_s = 0.15;
+  for (int k = 0; k < 30; ++k) {
+    impacts.push_back({k, t_s, t_s + 0.4e-3, lead});
+    t_s += flight_s;
+    flight_s *= 0.95 + 2e-4 * std::sin(7.0 * k);
+  }
+  return impacts;
+}
+
+TEST(CycleChoice, PutsASlippedImpactBackWhereTheTrainIsSmooth) {
+  std::vector<TwoPlaces> impacts = train(20.0);
+  std::swap(impacts[12].t_s, impacts[12].other_s);
+  impacts[12].lead = 1.0;
+  const std::vector<PlaceChoice> choices = choose_places(impacts);
+  for (std::size_t k = 0; k < impacts.size(); ++k) EXPECT_EQ(choices[k].other, k == 12) << k;
+  EXPECT_GT(choices[12].lead, 5.0);
+}
+
+TEST(CycleChoice, LeavesAloneWhatTheSoundHasSettled) {
+  std::vector<TwoPlaces> impacts = train(20.0);
+  for (std::size_t k = 12; k < impacts.size(); ++k) impacts[k].t_s -= 10e-3;  // a single loss
+  for (const PlaceChoice& choice : choose_places(impacts)) EXPECT_FALSE(choice.other);
+}
+
+TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
+  constexpr double kRate_hz = 48e3;
+  std::vector<float> x(48000);
+  const auto tone = [](double f_hz, double t_s) { return std::sin(2.0 * kPi * f_hz * t_s); };
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const double t_s = static_cast<double>(n) / kRate_hz;
+    x[n] = static_cast<float>(tone(700.0, t_s) + tone(6100.0, t_s));
+  }
+  const Sound low = low_band(sound_in_memory(x, kRate_hz), 12);
+  EXPECT_DOUBLE_EQ(low.rate_hz, 4000.0);
+  std::vector<float> y(static_cast<std::size_t>(low.n_samples));
+  low.read(0, y);
+  for (std::size_t n = 100; n + 100 < y.size(); ++n)
+    EXPECT_NEAR(y[n], tone(700.0, static_cast<double>(n) / low.rate_hz), 0.01);  // 40 dB stop band
+}
+
+TEST(PulseSpectrum, OfAHalfSineIsTheClosedForm) {
+  std::vector<float> value(300), slope(300);
+  PulseSpectrum::half_sine().tabulate(0.0097, value, slope);
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const double x = 0.0097 * static_cast<double>(k);
+    if (std::abs(x - 0.5) < 0.02) continue;
+    EXPECT_NEAR(value[k], std::cos(kPi * x) / (1.0 - 4.0 * x * x), 2e-5) << x;
+  }
+}
+
+TEST(PulseSpectrum, SlopeIsTheDerivativeOfTheValue) {
+  std::vector<float> value(300), slope(300);
+  PulseSpectrum::hertz().tabulate(0.01, value, slope);
+  for (std::size_t k = 1; k + 1 < value.size(); ++k)
+    EXPECT_NEAR(slope[k], (value[k + 1] - value[k - 1]) / 0.02, 2e-3);  // P''' h^2 / 6 with P''' below 30
+}
+
+TEST(PulseSpectrum, HertzIsShorterThanAHalfSineOfTheSameDuration) {
+  // a pulse that starts like s^(3/2) is the more compact one: its spectrum falls more slowly
+  std::vector<float> hertz(100), sine(100), slope(100);
+  PulseSpectrum::hertz().tabulate(0.01, hertz, slope);
+  PulseSpectrum::half_sine().tabulate(0.01, sine, slope);
+  for (std::size_t k = 5; k < 100; ++k) EXPECT_GT(hertz[k], sine[k]);
+}
+
+}  // namespace
+}  // namespace bouncelab
