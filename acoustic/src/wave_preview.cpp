@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/acoustic/audio_reader.hpp"
+#include "bouncelab/core/error.hpp"
 
 namespace bouncelab {
 namespace {
@@ -13,12 +14,13 @@ constexpr std::int64_t kColumns = 2000;  // wider than the picture on any screen
 constexpr double kBefore_s = 3e-3;
 constexpr double kAfter_s = 8e-3;
 
-void fill_envelope(const Sound& sound, WavePreview& preview) {
-  const std::int64_t n_columns = std::min(kColumns, sound.n_samples);
+/// Extremes of the samples begin ... end - 1 in columns.
+void fill_envelope(const Sound& sound, std::int64_t begin, std::int64_t end, WavePreview& preview) {
+  const std::int64_t n = end - begin, n_columns = std::min(kColumns, n);
   std::vector<float> block;
   for (std::int64_t c = 0; c < n_columns; ++c) {
-    const std::int64_t first = c * sound.n_samples / n_columns;
-    const std::int64_t last = (c + 1) * sound.n_samples / n_columns;
+    const std::int64_t first = begin + c * n / n_columns;
+    const std::int64_t last = begin + (c + 1) * n / n_columns;
     float lo = INFINITY;
     float hi = -INFINITY;
     for (std::int64_t at = first; at < last;) {  // a column of an hours-long recording is read in pieces
@@ -51,29 +53,59 @@ WaveExcerpt excerpt_around(const Sound& sound, const Onset& centre, const Onsets
   return excerpt;
 }
 
-}  // namespace
+/// Early, middle and late ones of one drop.
+void add_excerpts(const Sound& sound, const Onsets& of_drop, const Onsets& marks, WavePreview& preview) {
+  if (of_drop.empty()) return;
+  std::size_t previous = of_drop.size();
+  for (const double part : {0.0, 1.0 / 3, 2.0 / 3, 1.0}) {
+    const auto k = static_cast<std::size_t>(part * static_cast<double>(of_drop.size() - 1));
+    if (k == previous) continue;
+    preview.excerpts.push_back(excerpt_around(sound, of_drop[k], marks));
+    previous = k;
+  }
+}
 
-WavePreview wave_preview(const Sound& sound, const std::string& recording, int channel, const Onsets& onsets) {
+Onsets only(const Onsets& onsets, const std::string& recording, std::optional<std::int64_t> drop) {
+  Onsets chosen;
+  std::copy_if(onsets.begin(), onsets.end(), std::back_inserter(chosen),
+               [&](const Onset& onset) { return onset.recording == recording && (!drop || onset.drop == *drop); });
+  return chosen;
+}
+
+WavePreview preview_of(const Sound& sound, const std::string& recording, int channel) {
   WavePreview preview;
   preview.recording = recording;
   preview.rate_hz = sound.rate_hz;
   preview.channel = channel;
   preview.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
-  fill_envelope(sound, preview);
-  std::copy_if(onsets.begin(), onsets.end(), std::back_inserter(preview.marks),
-               [&](const Onset& onset) { return onset.recording == recording; });
-  // early, middle and late of the first drop: the later ones look alike
-  std::vector<std::size_t> first_drop;
-  for (std::size_t k = 0; k < preview.marks.size(); ++k)
-    if (preview.marks[k].drop == preview.marks.front().drop) first_drop.push_back(k);
-  std::size_t previous = onsets.size();
-  for (const double part : {0.0, 1.0 / 3, 2.0 / 3, 1.0}) {
-    if (first_drop.empty()) break;
-    const std::size_t k = first_drop[static_cast<std::size_t>(part * static_cast<double>(first_drop.size() - 1))];
-    if (k == previous) continue;
-    preview.excerpts.push_back(excerpt_around(sound, preview.marks[k], preview.marks));
-    previous = k;
-  }
+  return preview;
+}
+
+}  // namespace
+
+WavePreview wave_preview(const Sound& sound, const std::string& recording, int channel, const Onsets& onsets) {
+  WavePreview preview = preview_of(sound, recording, channel);
+  fill_envelope(sound, 0, sound.n_samples, preview);
+  preview.marks = only(onsets, recording, std::nullopt);
+  // excerpts of the first drop: the later ones look alike
+  if (!preview.marks.empty())
+    add_excerpts(sound, only(preview.marks, recording, preview.marks.front().drop), preview.marks, preview);
+  return preview;
+}
+
+WavePreview drop_preview(const Sound& sound, const std::string& recording, int channel, const Onsets& onsets,
+                         std::int64_t drop) {
+  WavePreview preview = preview_of(sound, recording, channel);
+  preview.marks = only(onsets, recording, drop);
+  if (preview.marks.empty())
+    throw InvalidArgument("drop " + std::to_string(drop) + ": " + recording + " has no such drop");
+  const double first_s = preview.marks.front().t_s, last_s = preview.marks.back().t_s;
+  const double margin_s = std::clamp(0.1 * (last_s - first_s), 0.01, 0.5);
+  const auto sample_at = [&](double t_s) {
+    return std::clamp<std::int64_t>(std::llround(t_s * sound.rate_hz), 0, sound.n_samples);
+  };
+  fill_envelope(sound, sample_at(first_s - margin_s), sample_at(last_s + margin_s), preview);
+  add_excerpts(sound, preview.marks, preview.marks, preview);
   return preview;
 }
 

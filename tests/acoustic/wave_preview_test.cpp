@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "bouncelab/core/error.hpp"
+
 namespace bouncelab {
 namespace {
 
@@ -44,6 +46,28 @@ TEST(WavePreview, ShowsMarksInTheirExcerptsAndCutsAtTheEnds) {
   EXPECT_EQ(p.excerpts[0].samples.size(), 900U);  // 0 to 9 ms: 8 ms after the impact at 1 ms
   EXPECT_EQ(p.excerpts[1].marks.size(), 2U);      // 2.5 ms apart
   EXPECT_EQ(p.excerpts[3].samples.size(), 400U);  // 3 ms before the impact to the end, 1 ms after it
+}
+
+TEST(WavePreview, OfOneDropShowsItsStretchAlone) {
+  std::vector<float> x(400000, 0.0F);
+  x[150000] = 0.5F;  // at 1.5 s, within drop 1
+  x[350000] = 0.9F;  // at 3.5 s, in no drop
+  Onsets onsets;
+  for (const double t_s : {0.1, 0.2, 1.0, 1.5, 2.0}) {
+    Onset onset;
+    onset.recording = "x";
+    onset.drop = t_s < 0.5 ? 0 : 1;
+    onset.t_s = t_s;
+    onsets.push_back(onset);
+  }
+  const Sound sound = sound_in_memory(x, 1e5);
+  const WavePreview p = drop_preview(sound, "x", 0, onsets, 1);
+  EXPECT_EQ(p.marks.size(), 3U);
+  EXPECT_NEAR(p.column_t_s.front(), 0.9,
+              1e-3);  // a tenth of the second that the drop lasts before it; a column is .6 ms
+  EXPECT_NEAR(p.column_t_s.back(), 2.1, 1e-3);
+  EXPECT_EQ(*std::max_element(p.hi.begin(), p.hi.end()), 0.5F);
+  EXPECT_THROW(drop_preview(sound, "x", 0, onsets, 2), InvalidArgument);
 }
 
 TEST(WavePreview, OfFewerSamplesThanColumnsHasAColumnASample) {

@@ -36,6 +36,26 @@ TEST_F(Analyze, TheReportNeedsNoNetwork) {
   EXPECT_NE(html.find("Plotly"), std::string::npos);
 }
 
+TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  ASSERT_EQ(run("analyze drop.wav --out out --diagnostics").exit_code, 0);
+  const Json recording = Json::parse(content_of(folder_ / "out" / "diagnostics.json"))["recordings"][0];
+  EXPECT_GT(recording["wave"]["mean"].size(), 10u);
+  EXPECT_EQ(recording["wave"]["mean"].size(), recording["wave"]["spread"].size());
+  EXPECT_GT(recording["noise"]["psd"].size(), 10u);
+  ASSERT_EQ(recording["drops"].size(), 1u);
+  const Json& drop = recording["drops"][0];
+  EXPECT_EQ(drop["marks"].size(), 20u);
+  EXPECT_EQ(drop["excerpts"].size(), 4u);
+  const Json& intervals = drop["intervals"];
+  ASSERT_EQ(intervals["found_s"].size(), 18u);  // 20 impacts: 18 with an interval before and after
+  // the sound's intervals shrink by 0.9 exactly, so that is what the fitted law expects of the next one
+  for (std::size_t k = 0; k < 18; ++k)
+    EXPECT_NEAR(intervals["found_s"][k].get<double>(), intervals["expected_s"][k].get<double>(),
+                1e-3 * intervals["found_s"][k].get<double>());
+  EXPECT_NE(content_of(folder_ / "out" / "report.html").find("\"diagnostics\""), std::string::npos);
+}
+
 TEST_F(Analyze, TheStagesByHandGiveTheSameNumbers) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);

@@ -8,6 +8,8 @@
 #include <memory>
 
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/core/samples.hpp"
 #include "report_command.hpp"
 #include "stages.hpp"
 #include "table_file.hpp"
@@ -18,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kOutputs[] = {"onsets.csv", "samples.csv", "fit.json", "wave.json", "summary.json", "report.html"};
+const char* const kOutputs[] = {"onsets.csv",       "samples.csv",  "fit.json",   "wave.json",
+                                "diagnostics.json", "summary.json", "report.html"};
 
 std::string title_of(const std::vector<std::string>& recordings) {
   const std::string first = fs::path(recordings.front()).filename().string();
@@ -36,6 +39,20 @@ void write_wave_of_first(const Run& run, const Json& recordings, const fs::path&
   }
 }
 
+/// The law of fit.json as a law; absent where the fit found none.
+std::optional<RestitutionLaw> fitted_law(const Json& fit) {
+  SeriesLaw law;
+  law.a.assign(11, 0.0);
+  for (const Json& name : fit["law"]["parameters"]) {
+    if (name.get<std::string>().front() != 'A') return std::nullopt;
+    const Json& value = fit["law"][name.get<std::string>()]["value"];
+    if (!value.is_number()) return std::nullopt;
+    law.a.at(std::stoul(name.get<std::string>().substr(1))) = value.get<double>();
+  }
+  if (fit["law"]["parameters"].empty()) return std::nullopt;
+  return law;
+}
+
 }  // namespace
 
 Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
@@ -47,7 +64,8 @@ Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
 
   DetectOptions detect = options.detect;
   detect.out = folder / "onsets.csv";
-  const Outcome heard = clock.time("detect", [&] { return run_detect(detect, run); });
+  std::vector<Detection> found;
+  const Outcome heard = clock.time("detect", [&] { return run_detect(detect, run, &found); });
   if (heard.exit_code != kDone) return heard;
   add_warnings(warnings, heard.warnings);
 
@@ -65,6 +83,10 @@ Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
 
   const Json& recordings = heard.summary["recordings"];
   write_wave_of_first(run, recordings, detect.out, folder / "wave.json");
+
+  if (options.diagnostics)
+    write_diagnostics(run, detect.recordings, found, samples_from_table(read_table(restitution.out, sample_columns())),
+                      fitted_law(fitted.summary), restitution.config.gravity_mps2, folder / "diagnostics.json");
 
   Json summary = intervals.summary;  // counts of onsets, drops and samples, median eps
   summary["recordings"] = recordings;
@@ -88,6 +110,8 @@ Command add_analyze_command(CLI::App& app) {
       ->required()
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--out", options->out, "Folder for onsets, samples, fit and report")->required();
+  command->add_flag("--diagnostics", options->diagnostics,
+                    "A look inside each drop in the report: sound and marks, intervals, learned wave, noise");
   add_detect_options(*command, options->detect);
   add_restitution_options(*command, options->restitution);
   add_fit_options(*command, options->fit);

@@ -15,6 +15,7 @@ struct AnalyzeOptions {
   DetectOptions detect;
   RestitutionOptions restitution;
   FitOptions fit;
+  bool diagnostics = false;  ///< a look inside each drop, in the report
 };
 
 Outcome run_analyze(const AnalyzeOptions& options, Run& run);

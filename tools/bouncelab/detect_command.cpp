@@ -66,7 +66,7 @@ Json to_json(const std::string& recording, const Detection& d) {
           {"warnings", d.warnings}};
 }
 
-Outcome run_detect(const DetectOptions& options, Run& run) {
+Outcome run_detect(const DetectOptions& options, Run& run, std::vector<Detection>* keep) {
   check_may_write(run, options.out);
   if (!options.labels.empty()) {
     if (options.recordings.size() > 1)
@@ -76,7 +76,7 @@ Outcome run_detect(const DetectOptions& options, Run& run) {
   Outcome outcome;
   Onsets all;
   Json recordings = Json::array();
-  const std::vector<Detection> found = detect_all(options, run);
+  std::vector<Detection> found = detect_all(options, run);
   for (std::size_t k = 0; k < found.size(); ++k) {
     const std::string& recording = options.recordings[k];
     all.insert(all.end(), found[k].onsets.begin(), found[k].onsets.end());
@@ -97,6 +97,7 @@ Outcome run_detect(const DetectOptions& options, Run& run) {
   const std::vector<std::filesystem::path> inputs(options.recordings.begin(), options.recordings.end());
   write_table(run, options.out, to_table(all), inputs);
   if (!options.labels.empty()) write_text(run, options.labels, audacity_labels(marks_of(all)), inputs);
+  if (keep != nullptr) *keep = std::move(found);
   return outcome;
 }
 

@@ -25,7 +25,8 @@ std::vector<Detection> detect_all(const DetectOptions& options, const Run& run);
 std::string describe(const std::string& recording, const Detection& detection);
 /// The same for --json.
 Json to_json(const std::string& recording, const Detection& detection);
-Outcome run_detect(const DetectOptions& options, Run& run);
+/// @param keep  where the detections are wanted, besides the files
+Outcome run_detect(const DetectOptions& options, Run& run, std::vector<Detection>* keep = nullptr);
 Command add_detect_command(CLI::App& app);
 
 }  // namespace bouncelab::cli

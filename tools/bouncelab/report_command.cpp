@@ -63,6 +63,7 @@ Outcome run_report(const ReportOptions& options, Run& run) {
   input.wave_json = content_if_there(folder / "wave.json", inputs);
   input.paper_json = content_if_there(folder / "paper.json", inputs);
   input.fit_simulation_json = content_if_there(folder / "fit_from_simulation.json", inputs);
+  input.diagnostics_json = content_if_there(folder / "diagnostics.json", inputs);
   input.sweep_json = content_if_there(folder / "sweep.json", inputs);
   input.samples_json = samples_json(folder / "samples.csv", inputs);
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);

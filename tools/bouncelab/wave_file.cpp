@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "wave_file.hpp"
 
+#include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/acoustic/wave_preview.hpp"
 #include "table_file.hpp"
 
@@ -20,11 +21,7 @@ Json to_json(const WaveExcerpt& excerpt) {
           {"marks", marks}};
 }
 
-}  // namespace
-
-void write_wave(const Run& run, const std::filesystem::path& recording, int channel, const Onsets& onsets,
-                const std::filesystem::path& out) {
-  const WavePreview preview = wave_preview(recording, channel, onsets);
+Json to_json(const WavePreview& preview) {
   Json wave{{"recording", preview.recording},
             {"rate_hz", preview.rate_hz},
             {"channel", preview.channel},
@@ -35,7 +32,62 @@ void write_wave(const Run& run, const std::filesystem::path& recording, int chan
     wave["marks"].push_back({{"t_s", mark.t_s}, {"drop", mark.drop}, {"impact", mark.impact}, {"flags", mark.flags}});
   wave["excerpts"] = Json::array();
   for (const WaveExcerpt& excerpt : preview.excerpts) wave["excerpts"].push_back(to_json(excerpt));
-  write_text(run, out, wave.dump() + "\n", {recording});
+  return wave;
+}
+
+constexpr std::int64_t kDropsShown = 30;
+
+Json to_json(const LearnedWave& wave) {
+  return {{"t0_s", wave.t0_s},
+          {"dt_s", wave.dt_s},
+          {"mean", wave.mean},
+          {"spread", wave.spread},
+          {"n_impacts", wave.n_impacts}};
+}
+
+/// T_{k+1} = eps T_k with T_k = 2 v / g: found with the eps of the sample, expected with that of the law.
+Json intervals_of(const RestitutionSamples& samples, const std::string& recording, std::int64_t drop,
+                  const std::optional<RestitutionLaw>& law, double gravity_mps2) {
+  Json intervals{
+      {"impact", Json::array()}, {"found_s", Json::array()}, {"expected_s", Json::array()}, {"sigma_s", Json::array()}};
+  for (const RestitutionSample& s : samples) {
+    if (s.recording != recording || s.drop != drop) continue;
+    const double before_s = 2.0 * s.v_mps / gravity_mps2;
+    intervals["impact"].push_back(s.impact);
+    intervals["found_s"].push_back(s.eps * before_s);
+    intervals["expected_s"].push_back(law ? Json(restitution(*law, s.v_mps) * before_s) : Json(nullptr));
+    intervals["sigma_s"].push_back(s.sigma_eps ? Json(*s.sigma_eps * before_s) : Json(nullptr));
+  }
+  return intervals;
+}
+
+}  // namespace
+
+void write_wave(const Run& run, const std::filesystem::path& recording, int channel, const Onsets& onsets,
+                const std::filesystem::path& out) {
+  write_text(run, out, to_json(wave_preview(recording, channel, onsets)).dump() + "\n", {recording});
+}
+
+void write_diagnostics(const Run& run, const std::vector<std::string>& recordings, const std::vector<Detection>& found,
+                       const RestitutionSamples& samples, const std::optional<RestitutionLaw>& law, double gravity_mps2,
+                       const std::filesystem::path& out) {
+  Json all = Json::array();
+  std::int64_t n_shown = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Detection& d = found[k];
+    Json one{{"recording", recordings[k]}, {"n_drops", d.summary.n_drops}, {"drops", Json::array()}};
+    if (d.wave) one["wave"] = to_json(*d.wave);
+    if (d.noise) one["noise"] = {{"frequency_hz", d.noise->frequency_hz}, {"psd", d.noise->psd}};
+    AudioReader reader(recordings[k]);
+    const Sound sound = reader.sound(d.summary.channel);
+    for (std::int64_t drop = 0; drop < d.summary.n_drops && n_shown < kDropsShown; ++drop, ++n_shown) {
+      Json shown = to_json(drop_preview(sound, recordings[k], d.summary.channel, d.onsets, drop));
+      shown["intervals"] = intervals_of(samples, recordings[k], drop, law, gravity_mps2);
+      one["drops"].push_back(std::move(shown));
+    }
+    all.push_back(std::move(one));
+  }
+  write_text(run, out, Json{{"recordings", std::move(all)}}.dump() + "\n", {recordings.begin(), recordings.end()});
 }
 
 }  // namespace bouncelab::cli

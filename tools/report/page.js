@@ -51,6 +51,7 @@ function figures() {
   }
   cornersOfLaw();
   if (wave && wave.envelope) drawSound();
+  if (data.diagnostics) diagnosticsSection(data.diagnostics);
 }
 
 function tables() {

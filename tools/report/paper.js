@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paper, whole: its figures from the simulation and from the sound, side by side, and what it concludes.
 
+const below = {orientation: 'h', y: -0.18, yanchor: 'top', x: 0, font: {size: 11}};  // a legend that leaves the buttons alone
 const windowColours = ['#0b2545', '#1f5fa8', '#3a86c8', '#5aa9a0', '#8ab06a', '#d9a22b', '#d9722b', '#c0392b'];
 
 function twoPlaces(name, title, caption) {
@@ -37,7 +38,7 @@ function drawPaperHistograms(parent, title, fitted, range) {
       traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color, width: 1.4}, hoverinfo: 'skip'});
   });
   draw(parent, '', traces, {title: {text: title, font: {size: 14}, x: 0.02, xanchor: 'left', y: 0.975, yanchor: 'top'}, margin: {l: 62, r: 8, t: 56, b: 96}, showlegend: true,
-                            legend: {orientation: 'h', y: -0.18, yanchor: 'top', x: 0, font: {size: 11}},
+                            legend: below,
                             xaxis: axis('ε', {range: range.eps}), yaxis: axis('p(ε)', {type: 'log', range: range.p, dtick: 1, exponentformat: 'power'})});
 }
 
@@ -54,7 +55,7 @@ function drawSpread(parent, spread) {
                  line: {color: grey, dash: 'dash', width: 1.4}, hoverinfo: 'skip'});
   }
   const exponent = e => e ? measured(e.value, e.se) : '–';
-  draw(parent, '', traces, {showlegend: true, margin: {l: 66, r: 10, t: 40, b: 48},
+  draw(parent, '', traces, {showlegend: true, legend: below, margin: {l: 66, r: 10, t: 40, b: 96},
                             xaxis: axis('v (m/s)', {type: 'log', tickvals: [0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.4]}), yaxis: axis('standard deviation of ε', {type: 'log', dtick: 1, exponentformat: 'power'})});
   add('p', {class: 'caption'}, `Exponent k of spread ∝ v^k: simulation ${exponent(spread.simulation.exponent)}, sound ${exponent(spread.sound.exponent)}.`);
 }
@@ -66,17 +67,17 @@ function drawShares(parent, s) {
     {x: s.impact.concat([...s.impact].reverse()), y: s.rotational_hi.concat([...s.rotational_lo].reverse()), fill: 'toself', fillcolor: 'rgba(31,95,168,.18)',
      line: {width: 0}, hoverinfo: 'skip', name: 'rotational, 16–84% of drops', type: 'scatter', mode: 'lines'},
     line('vertical', s.vertical, ink), line('horizontal', s.horizontal, orange), line('rotational', s.rotational, blue)];
-  draw(parent, '', traces, {showlegend: true, margin: {l: 62, r: 10, t: 40, b: 48}, xaxis: axis('bounce'), yaxis: axis('share of the kinetic energy', {type: 'log', exponentformat: 'power', dtick: 1})});
+  draw(parent, '', traces, {showlegend: true, legend: below, margin: {l: 62, r: 10, t: 40, b: 96}, xaxis: axis('bounce'), yaxis: axis('share of the kinetic energy', {type: 'log', exponentformat: 'power', dtick: 1})});
 }
 
 function conclusionsTable(conclusions) {
   add('h2', {}, 'What the paper concludes, put to the numbers of this run');
-  const value = c => known(c.value) ? number(c.value, 4) + (c.ci95 ? ` (${interval(c.ci95)})` : '') : '–';
+  const value = c => known(c.value) ? number(c.value, 4) + (c.ci95 ? ` (${number(c.ci95[0], 3)} to ${number(c.ci95[1], 3)})` : '') : '–';
   const scroll = add('div', {class: 'scroll'});
   scroll.append(element('table', {class: 'words'},
       element('thead', {}, element('tr', {}, ['', 'claim', 'measured', 'value (95%)', 'holds if', 'detail'].map(t => element('th', {}, t)))),
       element('tbody', {}, conclusions.map(c => element('tr', {}, [element('td', {class: c.holds ? 'yes' : 'no'}, c.holds ? 'holds' : 'does not hold'),
-          ...[c.claim, c.measure].map(t => element('td', {class: 'text'}, t)), element('td', {}, value(c)), ...[c.criterion, c.detail].map(t => element('td', {class: 'text'}, t))])))));
+          element('td', {class: 'text'}, c.claim), element('td', {class: 'text'}, c.measure), element('td', {class: 'value'}, value(c)), ...[c.criterion, c.detail].map(t => element('td', {class: 'text'}, t))])))));
 }
 
 function paperSlopes(windows) {

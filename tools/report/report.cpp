@@ -58,6 +58,7 @@ std::string render(const ReportInput& input) {
   data["paper"] = parsed(input.paper_json, "paper.json");
   data["simulation"] = parsed(input.fit_simulation_json, "fit_from_simulation.json");
   data["sweep"] = parsed(input.sweep_json, "sweep.json");
+  data["diagnostics"] = parsed(input.diagnostics_json, "diagnostics.json");
   data["samples"] = parsed(input.samples_json, "the samples");
 
   const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},

@@ -15,6 +15,7 @@ struct ReportInput {
   std::string paper_json;           ///< paper.json of `loop --preset paper`
   std::string fit_simulation_json;  ///< its fit_from_simulation.json
   std::string sweep_json;           ///< sweep.json
+  std::string diagnostics_json;     ///< diagnostics.json of `analyze --diagnostics`
   std::string samples_json;         ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
 };
 
