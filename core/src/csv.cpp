@@ -137,10 +137,14 @@ CsvReader::CsvReader(const std::filesystem::path& path, const std::vector<Column
 
 Table CsvReader::next(std::size_t max_rows) {
   Table table = empty_;
+  table.first_line = line_;
   std::string line;
   std::vector<std::string> cells;
   for (std::size_t n_rows = 0; n_rows < max_rows && next_line(in_, line); ++line_) {
-    if (line.empty()) continue;
+    if (line.empty()) {
+      table.blank_lines.push_back(line_);
+      continue;
+    }
     split(line, cells);
     const std::string place = "line " + std::to_string(line_);
     if (cells.size() != n_cells_)

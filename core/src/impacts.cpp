@@ -2,6 +2,7 @@
 #include "bouncelab/core/impacts.hpp"
 
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
@@ -42,7 +43,32 @@ const StateColumn kStateColumns[] = {
     BOUNCELAB_STATE_COLUMN("wy_after_radps", spin_after_radps, 1),
     BOUNCELAB_STATE_COLUMN("wz_after_radps", spin_after_radps, 2),
 };
+const StateColumn kEnergyColumns[] = {
+    BOUNCELAB_STATE_COLUMN("energy_vertical_j", energy_j, 0),
+    BOUNCELAB_STATE_COLUMN("energy_horizontal_j", energy_j, 1),
+    BOUNCELAB_STATE_COLUMN("energy_rotational_j", energy_j, 2),
+    BOUNCELAB_STATE_COLUMN("energy_vertical_after_j", energy_after_j, 0),
+    BOUNCELAB_STATE_COLUMN("energy_horizontal_after_j", energy_after_j, 1),
+    BOUNCELAB_STATE_COLUMN("energy_rotational_after_j", energy_after_j, 2),
+    {"dissipated_j", [](const ImpactState& s) { return s.dissipated_j; },
+     [](ImpactState& s, double x) { s.dissipated_j = x; }},
+    {"created_j", [](const ImpactState& s) { return s.created_j; }, [](ImpactState& s, double x) { s.created_j = x; }},
+};
 #undef BOUNCELAB_STATE_COLUMN
+
+void append_columns(std::span<const StateColumn> columns, const std::vector<ImpactState>& states, Table& table) {
+  for (const StateColumn& column : columns) {
+    std::vector<double> values;
+    values.reserve(states.size());
+    for (const ImpactState& state : states) values.push_back(column.get(state));
+    table.columns.push_back({column.name, std::move(values)});
+  }
+}
+
+void read_column(const Table& table, const StateColumn& column, std::vector<ImpactState>& states) {
+  const auto* values = table.reals(column.name);
+  for (std::size_t k = 0; values != nullptr && k < states.size(); ++k) column.set(states[k], (*values)[k]);
+}
 
 struct ImpactColumns {
   std::vector<std::int64_t> drop, impact, asperity;
@@ -74,12 +100,8 @@ Table to_table(const Impacts& impacts) {
                {"eps_contact", std::move(c.eps_contact)},
                {"asperity", std::move(c.asperity)}}};
   if (impacts.states.empty()) return table;
-  for (const StateColumn& column : kStateColumns) {
-    std::vector<double> values;
-    values.reserve(impacts.states.size());
-    for (const ImpactState& state : impacts.states) values.push_back(column.get(state));
-    table.columns.push_back({column.name, std::move(values)});
-  }
+  append_columns(kStateColumns, impacts.states, table);
+  append_columns(kEnergyColumns, impacts.states, table);
   return table;
 }
 
@@ -94,10 +116,11 @@ std::vector<ColumnSpec> impact_columns() {
                                   {"eps_contact", ColumnType::real, false},
                                   {"asperity", ColumnType::integer, false}};
   for (const StateColumn& column : kStateColumns) columns.push_back({column.name, ColumnType::real, false});
+  for (const StateColumn& column : kEnergyColumns) columns.push_back({column.name, ColumnType::real, false});
   return columns;
 }
 
-Impacts impacts_from_table(const Table& table, const std::string& name, std::size_t first_line, const Impact* before) {
+Impacts impacts_from_table(const Table& table, const std::string& name, const Impact* before) {
   const auto& drop = *table.integers("drop");
   const auto& impact = *table.integers("impact");
   const auto& t = *table.reals("t_s");
@@ -110,7 +133,7 @@ Impacts impacts_from_table(const Table& table, const std::string& name, std::siz
   Impacts impacts;
   impacts.rows.reserve(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
-    const std::string place = "line " + std::to_string(k + first_line);
+    const std::string place = "line " + std::to_string(table.line_of(k));
     if (!std::isfinite(t[k])) throw FileError(name, place + ", column t_s: not a finite time");
     if (!std::isfinite(v[k]) || !std::isfinite(v_after[k]))
       throw FileError(name, place + ", columns v_mps and v_after_mps: not finite speeds");
@@ -126,10 +149,8 @@ Impacts impacts_from_table(const Table& table, const std::string& name, std::siz
   for (const StateColumn& column : kStateColumns) has_state = has_state && table.has(column.name);
   if (!has_state) return impacts;
   impacts.states.resize(t.size());
-  for (const StateColumn& column : kStateColumns) {
-    const auto& values = *table.reals(column.name);
-    for (std::size_t k = 0; k < t.size(); ++k) column.set(impacts.states[k], values[k]);
-  }
+  for (const StateColumn& column : kStateColumns) read_column(table, column, impacts.states);
+  for (const StateColumn& column : kEnergyColumns) read_column(table, column, impacts.states);
   return impacts;
 }
 

@@ -64,7 +64,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name) {
   Onsets onsets;
   onsets.reserve(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
-    const std::string place = "line " + std::to_string(k + 2) + ", column t_s: ";
+    const std::string place = "line " + std::to_string(table.line_of(k)) + ", column t_s: ";
     if (!std::isfinite(t[k])) throw FileError(name, place + "not a finite time");
     Onset onset;
     if (recording) onset.recording = (*recording)[k];

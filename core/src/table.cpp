@@ -18,6 +18,12 @@ std::size_t Table::n_rows() const {
   return std::visit([](const auto& values) { return values.size(); }, columns.front().values);
 }
 
+std::size_t Table::line_of(std::size_t row) const {
+  std::size_t line = first_line + row;
+  for (const std::size_t blank : blank_lines) line += blank <= line ? 1 : 0;
+  return line;
+}
+
 bool Table::has(std::string_view name) const {
   for (const Column& column : columns)
     if (column.name == name) return true;

@@ -38,12 +38,20 @@ double energy_j(const SimulationConfig& config, const BallState& state) {
 ImpactState impact_state(const Ball& ball, const BallState& s, const Motion& after) {
   const auto array = [](Vector3 a) { return std::array<double, 3>{a.x, a.y, a.z}; };
   const Quaternion q = s.orientation;
+  const ImpactEnergy energy = impact_energy(ball, s.motion, after);
+  const auto by_kind = [](const KineticEnergy& e) {
+    return std::array<double, 3>{e.vertical_j, e.horizontal_j, e.rotational_j};
+  };
   return {{s.x_m, s.y_m, s.clearance_m + ball.radius_m},
           {q.w, q.x, q.y, q.z},
           array(s.motion.velocity_mps),
           array(s.motion.spin_radps),
           array(after.velocity_mps),
-          array(after.spin_radps)};
+          array(after.spin_radps),
+          by_kind(energy.before),
+          by_kind(energy.after),
+          energy.dissipated_j,
+          energy.created_j};
 }
 
 Impact impact_row(std::int64_t drop, std::int64_t impact, double t_s, const Motion& before, const Collision& collision,

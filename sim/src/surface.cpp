@@ -60,7 +60,7 @@ Surface surface_from_table(const Table& table, const std::string& name, const Ba
   Surface surface;
   surface.asperities.reserve(ux.size());
   for (std::size_t k = 0; k < ux.size(); ++k) {
-    const std::string place = "line " + std::to_string(k + 2);
+    const std::string place = "line " + std::to_string(table.line_of(k));
     const Vector3 direction{ux[k], uy[k], uz[k]};
     const double length = norm(direction);
     if (!(length > 1e-100 && length < 1e100))

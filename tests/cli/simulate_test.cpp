@@ -28,11 +28,23 @@ TEST_F(SimulateCommand, GivesTheSameFileForAnyNumberOfThreads) {
   }
 }
 
+TEST_F(SimulateCommand, GivesADropAloneTheRowsThatItHasInABatch) {
+  ASSERT_EQ(run("simulate --drops 7 --asperities 5000 --state --out all.csv").exit_code, 0);
+  ASSERT_EQ(run("simulate --first-drop 4 --drops 1 --asperities 5000 --state --out one.csv").exit_code, 0);
+  const std::string all = content_of(folder_ / "all.csv"), one = content_of(folder_ / "one.csv");
+  const std::string rows = one.substr(one.find('\n') + 1);
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 100);
+  EXPECT_THAT(rows, testing::StartsWith("4,0,"));
+  EXPECT_THAT(all, testing::HasSubstr("\n" + rows + "5,0,"));
+}
+
 TEST_F(SimulateCommand, NamesTheBadRowOfASurface) {
   write("s.csv", "ux,uy,uz,radius_m\n0,0,1,3e-6\n0,0,0,3e-6\n");
   expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 3", "ux"});
   write("s.csv", "ux,uy,uz,radius_m\n0,0,1,-3e-6\n");
   expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 2", "radius_m"});
+  write("s.csv", "ux,uy,uz,radius_m\n\n0,0,1,3e-6\n\n\n0,0,1,nan\n");  // blank lines count
+  expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 6", "radius_m"});
   write("s.h5", "no HDF5");
   expect_one_line_error(run("simulate --surface s.h5 --out a.csv"), 3, {"s.h5", "HDF5"});
   EXPECT_THAT(files(), testing::Not(testing::Contains("a.csv")));

@@ -78,6 +78,14 @@ TEST(Csv, ACutOffLineIsNamed) {
   EXPECT_THAT(message_of("a,b\n1,2\n3", {{"a"}}), HasSubstr("line 3: 1 cells where the header names 2"));
 }
 
+TEST(Csv, RowsKnowTheirLineWhereBlankLinesStandBetween) {
+  const Table table = read_csv(file_with("a\n\n1\n2\n\n\n3\n\n"), {{"a"}});
+  ASSERT_EQ(table.n_rows(), 3U);
+  EXPECT_EQ(table.line_of(0), 3U);
+  EXPECT_EQ(table.line_of(1), 4U);
+  EXPECT_EQ(table.line_of(2), 7U);
+}
+
 TEST(Csv, AnEmptyFileSaysSo) { EXPECT_THAT(message_of("", {{"a"}}), HasSubstr("is empty")); }
 
 TEST(Csv, AMissingFileSaysSo) { EXPECT_THROW(read_csv("/nonexistent/file.csv", {{"a"}}), FileError); }

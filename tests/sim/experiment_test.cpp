@@ -84,6 +84,23 @@ TEST(Simulate, EnergyLedgerClosesForEveryContactModel) {
   }
 }
 
+TEST(Simulate, EnergyOfEachImpactBalancesAndTheImpactsAddUpToTheRun) {
+  SimulationConfig config = small_config();
+  config.start_spin_radps = {100.0, 50.0, -80.0};  // the paper's rule then creates energy now and then
+  const SimulationResult result = simulate(config, small_surface(config));
+  double dissipated = 0.0, created = 0.0;
+  for (const ImpactState& s : result.impacts.states) {
+    const double before = s.energy_j[0] + s.energy_j[1] + s.energy_j[2];
+    const double after = s.energy_after_j[0] + s.energy_after_j[1] + s.energy_after_j[2];
+    EXPECT_NEAR((before + s.created_j - after - s.dissipated_j) / before, 0.0, 1e-12);
+    dissipated += s.dissipated_j;
+    created += s.created_j;
+  }
+  EXPECT_GT(created, 0.0);
+  EXPECT_NEAR(dissipated / result.energy.dissipated_j, 1.0, 1e-12);  // 600 roundings of 1e-16
+  EXPECT_NEAR(created / result.energy.created_j, 1.0, 1e-12);
+}
+
 TEST(Simulate, FallTimeAndSpeedFollowFromTheHeight) {
   SimulationConfig config = small_config();
   config.drop_height_min_m = config.drop_height_max_m = 0.1;

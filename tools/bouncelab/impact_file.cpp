@@ -38,11 +38,10 @@ class CsvDrops {
   }
   /// Appends a piece to what is left of the one before.
   void read_more() {
-    const std::size_t line = reader_.line();
     const Table table = reader_.next(kPiece_rows);
     at_end_ = table.n_rows() < kPiece_rows;
     const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
-    const Impacts more = impacts_from_table(table, name_, line, before);
+    const Impacts more = impacts_from_table(table, name_, before);
     rows_ = stretch(first_, rows_.rows.size());
     first_ = 0;
     rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());

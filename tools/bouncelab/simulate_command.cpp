@@ -41,6 +41,9 @@ Json summary_of(const SimulationResult& result) {
           {"energy_dissipated_j", energy.dissipated_j},
           {"energy_created_j", energy.created_j},
           {"energy_drag_j", energy.drag_j},
+          {"energy_gained_vertical_j", energy.gained_impact_j.vertical_j},
+          {"energy_gained_horizontal_j", energy.gained_impact_j.horizontal_j},
+          {"energy_gained_rotational_j", energy.gained_impact_j.rotational_j},
           {"energy_closure", energy.closure()},
           {"n_impacts_creating_energy", energy.n_creating}};
 }
@@ -167,7 +170,7 @@ Command add_simulate_command(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}));
   command->add_option("--preset", options->preset, "paper: 2,320 drops of 95 impacts")->check(CLI::IsMember({"paper"}));
   command->add_option("--write-surface", options->write_surface, "Write the asperities: FILE.csv or FILE.h5");
-  command->add_flag("--state", options->config.with_state, "Also position, orientation and velocities at each impact");
+  command->add_flag("--state", options->config.with_state, "Also position, orientation, velocities and energies at each impact");
   return {command, [options, command](Run& run) {
             if (options->preset == "paper") apply_paper_preset(*command, *options, run);
             return run_simulate(*options, run);

@@ -24,8 +24,6 @@ class CsvReader {
   CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
   /// The next rows, at most so many; none after the last. @throws FileError
   Table next(std::size_t max_rows);
-  /// Line of the file that the next row is looked for on, from 1.
-  std::size_t line() const { return line_; }
 
  private:
   struct Source {
@@ -36,7 +34,7 @@ class CsvReader {
   Table empty_;
   std::vector<Source> sources_;
   std::size_t n_cells_ = 0;
-  std::size_t line_ = 2;
+  std::size_t line_ = 2;  // that the next row is looked for on
 };
 
 /// Writes header and rows; reals with the fewest digits that read back to the same double (at most 17), NaN as an

@@ -32,6 +32,9 @@ struct ImpactState {
   std::array<double, 3> spin_radps{};             ///< angular velocity in the lab frame, before
   std::array<double, 3> velocity_after_mps{};     ///< of the centre, after
   std::array<double, 3> spin_after_radps{};       ///< angular velocity in the lab frame, after
+  std::array<double, 3> energy_j{};               ///< kinetic: vertical, horizontal, rotational; before
+  std::array<double, 3> energy_after_j{};         ///< the same, after
+  double dissipated_j = 0.0, created_j = 0.0;     ///< before + created = after + dissipated; one of the two is 0
 };
 
 /// Impacts of any number of drops, ordered by drop and time.
@@ -48,10 +51,8 @@ std::vector<ColumnSpec> impact_columns();
 
 /// Checks what the table promises: finite times that increase within each drop, positive speeds, drops in order.
 /// @param name        of the file, for messages
-/// @param first_line  of the file, that the table's first row stands on
 /// @param before      the row before the table's first one, where the table is a piece of a longer one
 /// @throws FileError naming the first offending row by its line
-Impacts impacts_from_table(const Table& table, const std::string& name, std::size_t first_line = 2,
-                           const Impact* before = nullptr);
+Impacts impacts_from_table(const Table& table, const std::string& name, const Impact* before = nullptr);
 
 }  // namespace bouncelab

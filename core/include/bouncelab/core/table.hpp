@@ -29,7 +29,12 @@ struct ColumnSpec {
 /// know tables only; neither knows the other.
 struct Table {
   std::vector<Column> columns;
+  // of the file it was read from, counted from 1
+  std::size_t first_line = 2;              ///< on which rows were first looked for
+  std::vector<std::size_t> blank_lines{};  ///< since then, ascending
 
+  /// The line on which a row stood, for messages.
+  std::size_t line_of(std::size_t row) const;
   std::size_t n_rows() const;
   bool has(std::string_view name) const;
   /// nullptr where there is no such column or it is of another type.

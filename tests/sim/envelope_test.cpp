@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/sim/envelope.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/random.hpp"
+
+namespace bouncelab {
+namespace {
+
+Vector3 random_direction(std::uint64_t k) {
+  Random random(9, RandomStream::test, k);
+  return normalized(Vector3{random.normal(), random.normal(), random.normal()});
+}
+
+/// The highest of all, one by one.
+Envelope::Support support_by_brute_force(const Ball& ball, const Surface& surface, Vector3 n) {
+  Envelope::Support support;
+  for (std::size_t j = 0; j < surface.asperities.size(); ++j) {
+    const Asperity& a = surface.asperities[j];
+    const double elevation = a.radius_m / ball.radius_m - 0.5 * norm2(n - a.direction);
+    if (elevation > support.elevation) support = {elevation, static_cast<std::int64_t>(j)};
+  }
+  return support;
+}
+
+void expect_support_by_brute_force(const Surface& surface, std::uint64_t n_directions) {
+  const Ball ball;
+  const Envelope envelope(ball, surface);
+  for (std::uint64_t k = 0; k < n_directions; ++k) {
+    const Vector3 n = random_direction(k);
+    const Envelope::Support ours = envelope.support(n), twin = support_by_brute_force(ball, surface, n);
+    ASSERT_EQ(ours.asperity, twin.asperity) << "direction " << k;
+    ASSERT_EQ(ours.elevation, twin.elevation) << "direction " << k;
+  }
+}
+
+TEST(Envelope, SupportIsThatOfBruteForceForEveryRadiusLawAndNumber) {
+  for (const RadiusLaw& law : {RadiusLaw{ConstantRadii{}}, RadiusLaw{UniformRadii{}}, RadiusLaw{NormalRadii{}},
+                               RadiusLaw{LognormalRadii{1e-3, 1.0}}, RadiusLaw{ExponentialRadii{}}})
+    for (const std::int64_t n_asperities : {1, 10, 1'000, 30'000}) {
+      SCOPED_TRACE(to_text(law) + ", N = " + std::to_string(n_asperities));
+      expect_support_by_brute_force(make_surface(Ball{}, n_asperities, law, 21), 2'000);
+    }
+}
+
+TEST(Envelope, SupportIsThatOfBruteForceOnTheEdgesAndCornersOfTheCube) {
+  const Ball ball;
+  const Surface surface = make_surface(ball, 30'000, UniformRadii{}, 21);
+  const Envelope envelope(ball, surface);
+  for (int k = 0; k < 1'000; ++k) {
+    const double a = -1.0 + 0.002 * k;
+    for (const Vector3& x : {Vector3{1, 1, a}, Vector3{a, -1, 1}, Vector3{-1, a, -1}})
+      ASSERT_EQ(envelope.support(normalized(x)).asperity,
+                support_by_brute_force(ball, surface, normalized(x)).asperity);
+  }
+}
+
+TEST(Envelope, SupportIsThatOfBruteForceWhereASurfaceHasHolesAndTwins) {
+  // a measured surface may cover a part of the ball only, or name an asperity twice (then the first counts)
+  Surface surface;
+  for (const Asperity& a : make_surface(Ball{}, 5'000, UniformRadii{}, 22).asperities)
+    if (a.direction.z > 0.3) surface.asperities.insert(surface.asperities.end(), 3, a);
+  expect_support_by_brute_force(surface, 2'000);
+}
+
+TEST(Envelope, OneTowerAmongAMillionLengthensNoListAndTakesNoRoom) {
+  // the structure that makes the search constant in time, counted: lists to look through, and the size of the index
+  const Ball ball;
+  Surface surface = make_surface(ball, 1'000'000, UniformRadii{}, 23);
+  const Envelope plain(ball, surface);
+  surface.asperities[123'456].radius_m = 0.05 * ball.radius_m;
+  const Envelope towered(ball, surface);
+  const Vector3 tower = surface.asperities[123'456].direction;
+  std::size_t longest = 0;
+  std::int64_t n_same = 0, n_away = 0;
+  for (std::uint64_t k = 0; k < 10'000; ++k) {
+    const Vector3 n = random_direction(k);
+    const Envelope::Cell cell = towered.find(n, -1.0);
+    ASSERT_TRUE(cell.is_leaf);
+    longest = std::max(longest, cell.list.size());
+    // it reaches as far as |n - u| = sqrt(2 x 0.05) = 0.32; beyond that, and a patch of 0.3, nothing changes
+    if (norm(n - tower) < 0.7) continue;
+    ++n_away;
+    n_same += plain.find(n, -1.0).list.size() == cell.list.size() ? 1 : 0;
+  }
+  EXPECT_LE(longest, 16U);
+  EXPECT_EQ(n_same, n_away);
+  EXPECT_LE(towered.n_sites(), plain.n_sites());  // it hides many
+  EXPECT_LE(towered.n_bytes(), plain.n_bytes());
+  EXPECT_EQ(towered.support(tower).asperity, 123'456);
+}
+
+TEST(Envelope, IsTheSameForAnyNumberOfThreads) {
+  const Ball ball;
+  const Surface surface = make_surface(ball, 100'000, ExponentialRadii{}, 23);
+  const Envelope one(ball, surface, 1), seven(ball, surface, 7);
+  EXPECT_EQ(one.n_bytes(), seven.n_bytes());
+  for (std::uint64_t k = 0; k < 2'000; ++k) {
+    const Envelope::Cell a = one.find(random_direction(k), -1.0), b = seven.find(random_direction(k), -1.0);
+    ASSERT_TRUE(std::equal(a.list.begin(), a.list.end(), b.list.begin(), b.list.end()));
+    ASSERT_EQ(a.max_elevation, b.max_elevation);
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab
