@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// check_impacts IMPACTS SURFACE [GRAVITY]: recomputes by brute force, from the stated state of each impact, the next
-/// one. IMPACTS is a CSV written with --state by the paper's ball, law and contact rule; SURFACE what --write-surface
-/// wrote. Exit code 1 where an asperity differs, a time by more than 1e-10 s, or a velocity by more than 1e-9 m/s.
+/// check_impacts IMPACTS.csv SURFACE.csv: recomputes by brute force, from the stated state of each impact, the next
+/// one. IMPACTS is a CSV written with --state by the `paper` contact (any beta, tilt, law, ball), SURFACE what
+/// --write-surface wrote; how the run was made is read from IMPACTS.csv.meta.json. The twin knows neither drag nor the
+/// other contact models: refused. Exit code 1 where an asperity differs, a time by more than 1e-10 s, or a velocity by
+/// more than 1e-9 m/s; 3 where the files cannot be used.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
 #include "brute_force.hpp"
 
 namespace bouncelab::reference {
@@ -22,15 +27,48 @@ struct Worst {
 double largest(Vector3 a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
 Vector3 vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
 
-Worst check(const Impacts& impacts, const Surface& surface, double gravity_mps2) {
-  const Ball ball;
+/// What the run's provenance says of its physics.
+struct Physics {
+  Ball ball;
+  RestitutionLaw law;
+  double beta = 1.0, gravity_mps2 = kDefaultGravity_mps2, tilt_rad = 0.0;
+};
+
+Physics physics_of(const std::string& impacts_file) {
+  const std::string name = impacts_file + ".meta.json";
+  std::ifstream in(name);
+  if (!in) throw FileError(name, "cannot be read; it says how the impacts were made, keep it beside them");
+  const auto meta = nlohmann::json::parse(in);
+  const auto text = [&](const char* key) { return meta.at("parameters").at(key).get<std::string>(); };
+  if (text("contact") != "paper")
+    throw FileError(name, "contact is '" + text("contact") + "'; the brute-force twin knows `paper` only");
+  if (text("drag") != "false") throw FileError(name, "drag is on; the brute-force twin knows free flight only");
+  Physics physics;
+  physics.ball.radius_m = std::stod(text("radius"));
+  physics.ball.material.density_kgpm3 = std::stod(text("density"));
+  physics.law = restitution_law_from_text(text("law"));
+  physics.beta = std::stod(text("beta"));
+  physics.gravity_mps2 = std::stod(text("gravity"));
+  physics.tilt_rad = std::stod(text("tilt"));
+  return physics;
+}
+
+/// The flight after an impact, to the next; what tilt adds along the plate does not change when it touches.
+FirstContact next_contact(const Physics& physics, const Surface& surface, const BallState& start, std::int64_t left) {
+  FirstContact contact =
+      first_contact(physics.ball, surface, start, physics.gravity_mps2 * std::cos(physics.tilt_rad), left);
+  contact.state.motion.velocity_mps.x += physics.gravity_mps2 * std::sin(physics.tilt_rad) * contact.dt_s;
+  return contact;
+}
+
+Worst check(const Impacts& impacts, const Surface& surface, const Physics& physics) {
+  const Ball& ball = physics.ball;
   Worst worst;
   for (std::size_t k = 1; k < impacts.rows.size(); ++k) {
     const Impact &before = impacts.rows[k - 1], &after = impacts.rows[k];
     if (before.drop != after.drop) continue;
-    const FirstContact twin =
-        first_contact(ball, surface, state_after(ball, impacts.states[k - 1]), gravity_mps2, before.asperity);
-    const Motion motion = collide_paper(ball, SeriesLaw{}, 1.0, twin.lever_m, twin.state.motion);
+    const FirstContact twin = next_contact(physics, surface, state_after(ball, impacts.states[k - 1]), before.asperity);
+    const Motion motion = collide_paper(ball, physics.law, physics.beta, twin.lever_m, twin.state.motion);
     const ImpactState& state = impacts.states[k];
     ++worst.n_checked;
     worst.n_other_asperity += twin.asperity != after.asperity ? 1 : 0;
@@ -44,8 +82,8 @@ Worst check(const Impacts& impacts, const Surface& surface, double gravity_mps2)
 }
 
 int run(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: check_impacts IMPACTS.csv SURFACE.csv [GRAVITY]\n");
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: check_impacts IMPACTS.csv SURFACE.csv\n");
     return 2;
   }
   const Impacts impacts = impacts_from_table(read_csv(argv[1], impact_columns()), argv[1]);
@@ -53,8 +91,9 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "%s: no state columns; write it with --state\n", argv[1]);
     return 3;
   }
-  const Surface surface = surface_from_table(read_csv(argv[2], surface_columns()), argv[2], Ball{});
-  const Worst worst = check(impacts, surface, argc > 3 ? std::atof(argv[3]) : kDefaultGravity_mps2);
+  const Physics physics = physics_of(argv[1]);
+  const Surface surface = surface_from_table(read_csv(argv[2], surface_columns()), argv[2], physics.ball);
+  const Worst worst = check(impacts, surface, physics);
   std::printf(
       "%ld impacts recomputed over %zu asperities: %ld with another asperity, times within %.1e s, velocities within "
       "%.1e m/s\n",
