@@ -61,7 +61,7 @@ std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts, do
   }
   std::vector<std::size_t> whole = alone;
   std::erase_if(whole, [&](std::size_t k) { return impacts[k].clipped; });
-  if (whole.size() >= 5) alone = whole;
+  if (std::ssize(whole) >= kFewestWhole) alone = whole;
   std::vector<std::size_t>& chosen = alone.size() >= 5 ? alone : all;
   const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
   if (chosen.size() > kMostLearned) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "bouncelab/acoustic/sound.hpp"
 
 namespace bouncelab {
+
+/// A wave is learned from impacts that are not clipped where there are so many of them.
+inline constexpr std::ptrdiff_t kFewestWhole = 5;
 
 /// An impact whose time is known to a millisecond or better.
 struct RoughImpact {

@@ -54,7 +54,9 @@ void add_rough(const HeardRecording& heard, const Train& train, std::vector<Roug
 
 std::optional<ImpactWave> learn(const Sound& band, const HeardRecording& heard, const std::vector<RoughImpact>& rough) {
   std::optional<ImpactWave> wave = learn_impact_wave(band, heard.noise, rough);
-  if (wave) wave->clip_level = clip_level(heard, rough);
+  // a wave learned from clipped impacts is clipped alike: then what is beyond the limit fits, and left out it would not
+  const auto n_whole = std::count_if(rough.begin(), rough.end(), [](const RoughImpact& r) { return !r.clipped; });
+  if (wave && n_whole >= kFewestWhole) wave->clip_level = clip_level(heard, rough);
   return wave;
 }
 

@@ -81,5 +81,21 @@ TEST(DetectBadInput, TimesClippedImpactsByWhatRingsAfter) {
   for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s - offset_s, truth[k], 4e-6) << k;
 }
 
+TEST(DetectBadInput, TimesARecordingInWhichEveryImpactIsClipped) {
+  test::BouncingSound b;
+  b.amplitude = 8.0;  // the last, 60th impact is still clipped: 8 * 0.975^59 = 1.8
+  std::vector<float> x = render(b);
+  for (float& v : x) v = std::clamp(v, -0.6F, 0.6F);
+  const Detection d = detect(x, kRate_hz, "all clipped");
+  const std::vector<double> truth = test::impact_times(b);
+  ASSERT_EQ(d.onsets.size(), truth.size());
+  double offset_s = 0.0, square_s2 = 0.0;
+  const auto n = static_cast<double>(truth.size());
+  for (std::size_t k = 0; k < truth.size(); ++k) offset_s += (d.onsets[k].t_s - truth[k]) / n;
+  for (std::size_t k = 0; k < truth.size(); ++k) square_s2 += std::pow(d.onsets[k].t_s - offset_s - truth[k], 2) / n;
+  // the edges that clipping cuts are the same in every impact but for its strength: within a sample, 21 us
+  EXPECT_LT(std::sqrt(square_s2), 1.0 / kRate_hz);
+}
+
 }  // namespace
 }  // namespace bouncelab
