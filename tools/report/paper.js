@@ -72,7 +72,7 @@ function drawShares(parent, s) {
 
 function conclusionsTable(conclusions) {
   add('h2', {}, 'What the paper concludes, put to the numbers of this run');
-  const value = c => known(c.value) ? number(c.value, 4) + (c.ci95 ? ` (${number(c.ci95[0], 3)} to ${number(c.ci95[1], 3)})` : '') : '–';
+  const value = c => known(c.value) ? number(c.value, 4) + (c.ci95 ? ` (${number(c.ci95[0], 4)} to ${number(c.ci95[1], 4)})` : '') : '–';
   const scroll = add('div', {class: 'scroll'});
   scroll.append(element('table', {class: 'words'},
       element('thead', {}, element('tr', {}, ['', 'claim', 'measured', 'value (95%)', 'holds if', 'detail'].map(t => element('th', {}, t)))),
