@@ -53,7 +53,13 @@ TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
   for (std::size_t k = 0; k < 18; ++k)
     EXPECT_NEAR(intervals["found_s"][k].get<double>(), intervals["expected_s"][k].get<double>(),
                 1e-3 * intervals["found_s"][k].get<double>());
-  EXPECT_NE(content_of(folder_ / "out" / "report.html").find("\"diagnostics\""), std::string::npos);
+  const std::string report = content_of(folder_ / "out" / "report.html");
+  EXPECT_EQ(report.find("\"diagnostics\":null"), std::string::npos);
+
+  // run again without: the old look inside is not taken for one of this run
+  ASSERT_EQ(run("analyze drop.wav --out out --force").exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "diagnostics.json"));
+  EXPECT_NE(content_of(folder_ / "out" / "report.html").find("\"diagnostics\":null"), std::string::npos);
 }
 
 TEST_F(Analyze, TheStagesByHandGiveTheSameNumbers) {

@@ -84,6 +84,8 @@ Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
   const Json& recordings = heard.summary["recordings"];
   write_wave_of_first(run, recordings, detect.out, folder / "wave.json");
 
+  // the report shows what lies in the folder: a look inside an earlier run must not stay in it
+  for (const char* old : {"diagnostics.json", "diagnostics.json.meta.json"}) fs::remove(folder / old);
   if (options.diagnostics)
     write_diagnostics(run, detect.recordings, found, samples_from_table(read_table(restitution.out, sample_columns())),
                       fitted_law(fitted.summary), restitution.config.gravity_mps2, folder / "diagnostics.json");

@@ -42,7 +42,7 @@ Impacts rows_of(const Impacts& impacts, std::size_t first, std::size_t last) {
   return {{at(first), at(last)}, {}};
 }
 
-double processor_time_s() {
+double thread_processor_time_s() {
   std::timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
@@ -170,7 +170,7 @@ HeardDrop heard_drop_from_json(const Json& json) {
 HeardDrop hear_drop(const Impacts& impacts, const std::string& ball, const SoundStage& stage) {
   HeardDrop heard;
   heard.drop = impacts.rows.front().drop;
-  const double start_s = processor_time_s();
+  const double start_s = thread_processor_time_s();
   const SynthesisConfig config = config_of_drop(stage.config, stage.levels, heard.drop);
   const SyntheticRecording recording(impacts, config, stage.instrument);
   const std::vector<double> samples = recording.samples();
@@ -179,10 +179,10 @@ HeardDrop hear_drop(const Impacts& impacts, const std::string& ball, const Sound
   const std::string name = recording_name(ball, heard.drop);
   if (stage.keep_sound) keep(samples, config, stage.folder / name);
   const std::vector<float> read_back = as_read_back(samples, config.encoding);
-  const double sounded_s = processor_time_s();
+  const double sounded_s = thread_processor_time_s();
   heard.onsets = detect(read_back, config.rate_hz, name).onsets;
   heard.synthesize_s = sounded_s - start_s;
-  heard.detect_s = processor_time_s() - sounded_s;
+  heard.detect_s = thread_processor_time_s() - sounded_s;
   return heard;
 }
 
