@@ -44,6 +44,17 @@ LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod metho
   return config;
 }
 
+RestitutionSamples without(const RestitutionSamples& samples, const std::vector<std::size_t>& outliers) {
+  RestitutionSamples kept;
+  auto next = outliers.begin();
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    if (next != outliers.end() && *next == k)
+      ++next;
+    else
+      kept.push_back(samples[k]);
+  return kept;
+}
+
 }  // namespace
 
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress) {
@@ -59,25 +70,27 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
   main.compare_laws = true;
   result.law = fit_law(used, main);
   step(1.0);
+  // what the law cannot explain would widen every other fit
+  const RestitutionSamples believed = without(used, result.law.outliers);
   result.law_least_squares =
-      fit_law(used, alternative(config.law, config.law.kind, LawMethod::least_squares, result.law));
+      fit_law(believed, alternative(config.law, config.law.kind, LawMethod::least_squares, result.law));
   step(2.0);
   result.law_least_absolute =
-      fit_law(used, alternative(config.law, config.law.kind, LawMethod::least_absolute, result.law));
+      fit_law(believed, alternative(config.law, config.law.kind, LawMethod::least_absolute, result.law));
   step(3.0);
   result.law_viscoelastic =
-      fit_law(used, alternative(config.law, LawKind::viscoelastic, config.law.method, result.law));
+      fit_law(believed, alternative(config.law, LawKind::viscoelastic, config.law.method, result.law));
   step(4.0);
-  result.histograms = fit_histograms(used, config.histograms, result.law);
+  result.histograms = fit_histograms(believed, config.histograms, result.law);
   result.density = density_picture(used);
-  result.budget = error_budget(used, result.law, config.budget);
+  result.budget = error_budget(believed, result.law, config.budget);
   step(kSteps);
   if (!result.law.nodes.empty())
     result.hand_off =
         hand_off(result.law, config.hand_off_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps));
   result.status = result.law.status;
   result.n_used = result.law.n;
-  if (result.law.n_outliers > 0) result.n_left_out["outlier"] = result.law.n_outliers;
+  if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
   result.warnings = warnings_of(result, used);
   result.answers = answers_of(result);
   return result;

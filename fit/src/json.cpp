@@ -110,7 +110,7 @@ Json json_of(const LawFit& fit) {
          {"law", to_string(fit.kind)},
          {"method", to_string(fit.method)},
          {"n", fit.n},
-         {"n_outliers", fit.n_outliers},
+         {"n_outliers", fit.outliers.size()},
          {"n_parameters", fit.n_parameters}};
   for (const NamedEstimate& p : fit.parameters) j[p.name] = json_of(p.estimate);
   Json names = Json::array();

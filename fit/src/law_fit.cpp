@@ -24,11 +24,15 @@ constexpr double kSpeedRatioMin = 1.2;
 constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyond a parabola
 constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
 
-LawData law_data(const RestitutionSamples& samples) {
+std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
   std::vector<std::size_t> order(samples.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  return order;
+}
+
+LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
   std::map<std::pair<std::string, std::int64_t>, std::size_t> drops;
   LawData data;
   for (const std::size_t k : order) {
@@ -100,24 +104,22 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
   return best;
 }
 
-/// Removes samples that no exponential tail can have put among n: chance below 1e-6 for the whole set.
-std::size_t remove_outliers(LawData& data, const LawModel& model, const Candidate& fit) {
+/// Moves samples that no exponential tail can have put among n from `rows` to `outliers`: chance below 1e-6 for the
+/// whole set.
+bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
+                     std::vector<std::size_t>& outliers) {
   const LawLikelihood likelihood(data, model, fit.family);
   const ScatterModel scatter = likelihood.scatter_model(fit.maximum.x);
   const double in_scales = std::log(static_cast<double>(data.size()) / 1e-6);
-  LawData kept;
+  std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double d = data.eps[k] - likelihood.eps_of(fit.maximum.x, k);
     const double b = d > 0.0 ? scatter.above(data.v_mps[k]) : scatter.below(data.v_mps[k]);
-    if (std::abs(d) > in_scales * b + 6.0 * data.tau[k]) continue;
-    kept.v_mps.push_back(data.v_mps[k]);
-    kept.eps.push_back(data.eps[k]);
-    kept.tau.push_back(data.tau[k]);
-    kept.drop.push_back(data.drop[k]);
+    (std::abs(d) > in_scales * b + 6.0 * data.tau[k] ? outliers : kept).push_back(rows[k]);
   }
-  const std::size_t n_removed = data.size() - kept.size();
-  data = std::move(kept);
-  return n_removed;
+  const bool any = kept.size() < rows.size();
+  rows = std::move(kept);
+  return any;
 }
 
 std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, FitStatus& status) {
@@ -233,7 +235,8 @@ LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   fit.method = config.method;
   if (config.n_scatter_terms > 8)
     throw InvalidArgument("terms of the scatter " + std::to_string(config.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
-  LawData data = law_data(samples);
+  std::vector<std::size_t> rows = by_speed(samples);
+  LawData data = law_data(samples, rows);
   fit.n = data.size();
   fit.message = reason_not_to_fit(data, config, fit.status);
   if (!fit.message.empty()) return fit;
@@ -241,11 +244,11 @@ LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
   auto candidate = best_candidate(data, model, config);
   // outliers widen the scatter they are judged by: again until none is left
-  for (std::size_t n_removed = 1; candidate && n_removed > 0 && data.size() > kFewest;) {
-    n_removed = remove_outliers(data, model, *candidate);
-    fit.n_outliers += n_removed;
-    if (n_removed > 0) candidate = best_candidate(data, model, config);
+  while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
+    data = law_data(samples, rows);
+    candidate = best_candidate(data, model, config);
   }
+  std::sort(fit.outliers.begin(), fit.outliers.end());
   fit.n = data.size();
   if (!candidate) {
     fit.status = FitStatus::not_applicable;

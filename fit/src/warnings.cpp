@@ -39,10 +39,11 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
                                             ratio)
                                     : "standard errors may be too small; se_robust does not depend on it"));
   }
-  if (law.n_outliers > 0)
-    warnings.push_back(std::to_string(law.n_outliers) +
-                       " samples lie further from eps(v) than the scatter can put "
-                       "them and were left out: missed or invented impacts?");
+  if (!law.outliers.empty())
+    warnings.push_back(
+        words("%zu of the samples lie further from eps(v) than the scatter can put them and were left out, of the "
+              "histograms too: missed or invented impacts?",
+              law.outliers.size()));
 }
 
 /// Where the noise that neighbouring samples share is not what the detector states.
@@ -86,7 +87,7 @@ void warn_of_rows_left_out(const FitResult& result, std::vector<std::string>& wa
     if (reason != "not_finite" && reason != "speed_not_positive") continue;
     std::string in_words = reason;
     std::replace(in_words.begin(), in_words.end(), '_', ' ');
-    warnings.push_back(words("%zu samples left out: %s; the first is number %zu", result.n_left_out.at(reason),
+    warnings.push_back(words("%zu of the samples left out: %s; the first is number %zu", result.n_left_out.at(reason),
                              in_words.c_str(), first));
   }
 }
@@ -96,7 +97,7 @@ void warn_of_shift(const ErrorBudget& budget, double BudgetRow::*shift, const st
                    const std::string& remedy, std::vector<std::string>& warnings) {
   const BudgetRow* worst = nullptr;
   for (const BudgetRow& row : budget.rows)
-    if (row.se_curve && *row.se_curve > 0.0 &&
+    if (row.se_curve && *row.se_curve > 0.0 && std::isfinite(row.*shift) &&
         (!worst || std::abs(row.*shift) / *row.se_curve > std::abs(worst->*shift) / *worst->se_curve))
       worst = &row;
   if (!worst || std::abs(worst->*shift) <= *worst->se_curve) return;

@@ -41,6 +41,26 @@ TEST(FitAll, LeavesOutAndCountsWhatIsFlaggedOrNotANumber) {
   EXPECT_EQ(result.n_left_out.at("missing_impact"), 2u);
 }
 
+TEST(FitAll, OutliersOfTheLawTouchNoOtherFit) {
+  auto samples = testing::independent_samples({}, 3000, 0.2, 1.4, 0.0);
+  const auto clean = fit_all(samples, {});
+  for (std::size_t k = 0; k < 6; ++k) {
+    RestitutionSample wrong = samples[500 * k];
+    wrong.eps = k % 2 == 0 ? -0.2 : 1.3;
+    samples.insert(samples.begin() + static_cast<std::ptrdiff_t>(501 * k), wrong);
+  }
+  const auto result = fit_all(samples, {});
+  EXPECT_EQ(result.n_left_out.at("outlier"), 6u);
+  // the same 3,000 samples, searched from the same start
+  EXPECT_EQ(result.law.nodes.at(1).eps.value, clean.law.nodes.at(1).eps.value);
+  EXPECT_EQ(result.law_least_squares.nodes.at(1).eps.value, clean.law_least_squares.nodes.at(1).eps.value);
+  ASSERT_EQ(result.histograms.size(), clean.histograms.size());
+  for (std::size_t k = 0; k < clean.histograms.size(); ++k) {
+    EXPECT_EQ(result.histograms[k].n, clean.histograms[k].n);
+    EXPECT_EQ(result.histograms[k].slope_rising->value, clean.histograms[k].slope_rising->value);
+  }
+}
+
 TEST(FitAll, OfNothingSaysSo) {
   for (const std::size_t n : {0u, 3u}) {
     const auto result = fit_all(testing::independent_samples({}, n, 0.2, 1.4, 0.0), {});

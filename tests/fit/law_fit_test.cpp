@@ -235,7 +235,7 @@ TEST(LawFit, LeavesGrossOutliersOutAndCountsThem) {
   auto samples = independent_samples({}, 3000, 0.2, 1.4, 0.0);
   for (std::size_t k = 0; k < samples.size(); k += 300) samples[k].eps *= 0.5;
   const auto fit = fit_law(samples, {});
-  EXPECT_EQ(fit.n_outliers, 10u);
+  EXPECT_EQ(fit.outliers.size(), 10u);
   EXPECT_EQ(fit.n, 2990u);
   EXPECT_LT(std::abs(fit.nodes[1].eps.value - restitution(SeriesLaw{}, fit.nodes[1].v_mps)),
             4.0 * *fit.nodes[1].eps.se);

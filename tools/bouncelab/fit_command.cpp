@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "bouncelab/fit/json.hpp"
+#include "measured.hpp"
 #include "progress_line.hpp"
 #include "stages.hpp"
 #include "table_file.hpp"
@@ -17,9 +18,7 @@ namespace bouncelab::cli {
 namespace {
 
 std::string with_error(const Estimate& e) {
-  std::string text = fmt::format("{:.6g}", e.value);
-  if (e.se) text += fmt::format(" +- {:.2g}", *e.se);
-  return text + (e.identified ? "" : " (not identifiable)");
+  return measured(e.value, e.se) + (e.identified ? "" : " (not identifiable)");
 }
 
 /// What the samples' provenance says of corrections; samples from elsewhere say nothing and count as not corrected.

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "measured.hpp"
+
 namespace bouncelab::cli {
 namespace {
 
@@ -57,14 +59,10 @@ std::vector<double> node_speeds(const Json& fit) {
   return speeds;
 }
 
-/// "0.98169 ± 0.00004": as many digits as the standard error warrants.
-std::string measured(const Json& estimate, const char* value_name = "value") {
+std::string cell(const Json& estimate, const char* value_name = "value") {
   if (!estimate.is_object() || !estimate.contains(value_name)) return "-";
-  const double value = estimate[value_name].get<double>();
-  if (!estimate.contains("se")) return fmt::format("{:.6g}", value);
-  const double se = estimate["se"].get<double>();
-  const int decimals = se > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(se))), 0, 12) : 6;
-  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, se, decimals);
+  return measured(estimate[value_name].get<double>(),
+                  estimate.contains("se") ? std::optional(estimate["se"].get<double>()) : std::nullopt);
 }
 
 /// Pads to a width counted in characters, not bytes ("±" has two).
@@ -141,16 +139,16 @@ std::string loop_table(const Json& s) {
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const Json& n : s["eps_nodes"])
     text += row(fmt::format("eps at {:g} m/s", n["v_mps"].get<double>()),
-                {fmt::format("{:.6f}", n["truth"].get<double>()), measured(n["from_true_times"], "eps"),
-                 measured(n["from_sound"], "eps")});
+                {fmt::format("{:.6f}", n["truth"].get<double>()), cell(n["from_true_times"], "eps"),
+                 cell(n["from_sound"], "eps")});
   for (const Json& c : s["constants"])
     text +=
         row(c["name"].get<std::string>(), {c.contains("truth") ? fmt::format("{:g}", c["truth"].get<double>()) : "-",
-                                           measured(c["from_true_times"]), measured(c["from_sound"])});
+                                           cell(c["from_true_times"]), cell(c["from_sound"])});
   for (const Json& slope : s["slopes"])
     for (const char* side : {"rising", "falling"})
       text += row(fmt::format("{} slope at {:g} m/s", side, slope["v_mps"].get<double>()),
-                  {"", measured(slope["from_true_times"][side]), measured(slope["from_sound"][side])});
+                  {"", cell(slope["from_true_times"][side]), cell(slope["from_sound"][side])});
   text += "\nSeconds:";
   for (const auto& [stage, seconds] : s["seconds"].items())
     text += fmt::format(" {} {:.1f}", stage, seconds.get<double>());

@@ -170,7 +170,8 @@ Command add_simulate_command(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}));
   command->add_option("--preset", options->preset, "paper: 2,320 drops of 95 impacts")->check(CLI::IsMember({"paper"}));
   command->add_option("--write-surface", options->write_surface, "Write the asperities: FILE.csv or FILE.h5");
-  command->add_flag("--state", options->config.with_state, "Also position, orientation, velocities and energies at each impact");
+  command->add_flag("--state", options->config.with_state,
+                    "Also position, orientation, velocities and energies at each impact");
   return {command, [options, command](Run& run) {
             if (options->preset == "paper") apply_paper_preset(*command, *options, run);
             return run_simulate(*options, run);

@@ -94,8 +94,9 @@ struct LawFit {
   std::string message;  ///< in words, empty where all is well
   LawKind kind = LawKind::series;
   LawMethod method = LawMethod::asymmetric_laplace;
-  std::size_t n = 0;           ///< samples used
-  std::size_t n_outliers = 0;  ///< left out: further from the curve than any exponential tail can put one of n samples
+  std::size_t n = 0;  ///< samples used
+  /// Indices of samples left out: further from the curve than any exponential tail can put one of n.
+  std::vector<std::size_t> outliers;
   std::size_t n_parameters = 0;            ///< of law and scatter together
   std::vector<NamedEstimate> parameters;   ///< A2, A4, A5 ... | gamma | eps
   Matrix correlation;                      ///< of `parameters`
