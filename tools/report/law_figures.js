@@ -53,7 +53,9 @@ function drawResiduals(parent, residuals) {
   draw(parent, 'low', [trace('pull', {error_y: {type: 'constant', value: 1, thickness: 1, width: 0, color: grey},
                                       hovertemplate: 'v = %{x:.3f} m/s<br>pull %{y:.2f}<br>%{text} samples<extra></extra>'})],
        {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('pull of ε(v)', {zeroline: true, zerolinecolor: red, zerolinewidth: 1.4})});
-  draw(parent, 'low', [trace('scatter_ratio', {hovertemplate: 'v = %{x:.3f} m/s<br>%{y:.3f} of the scatter expected<br>%{text} samples<extra></extra>'})],
+  // mean distances of n exponentially distributed samples are known to 1/sqrt(n)
+  draw(parent, 'low', [trace('scatter_ratio', {error_y: {type: 'data', array: used.map(r => r.scatter_ratio / Math.sqrt(r.n)), thickness: 1, width: 0, color: grey},
+                                               hovertemplate: 'v = %{x:.3f} m/s<br>%{y:.3f} of the scatter expected<br>%{text} samples<extra></extra>'})],
        {showlegend: false, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('scatter found / fitted'),
         shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 1, y1: 1, line: {color: red, width: 1.4}}]});
 }

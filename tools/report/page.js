@@ -30,7 +30,7 @@ function figures() {
   drawLaw(figure('law', 'Coefficient of restitution against impact speed',
                  (few ? 'Points: samples, with the error that timing alone gives them.' : 'Colour: number of samples in each cell, on a logarithmic scale.') + ' Line and band: the fitted law with its 95% interval. Zoom with the mouse.'));
   if (law && (law.residuals || []).length > 1)
-    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does. Below: mean distance from ε(v) over the one that the fit expects.'), law.residuals);
+    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does. Below: mean distance from ε(v) over the one that the fit expects, with its standard error.'), law.residuals);
   const histograms = (fit && fit.histograms) || [];
   const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
   if (shown.length) {
@@ -47,7 +47,9 @@ function figures() {
   const budget = fit && fit.budget;
   if (budget && (budget.rows || []).length > 1) {
     drawEnergy(figure('energy', 'Scatter against speed', 'Standard deviation of ε − ε(v), all of it and by cause. An energy given at random to rotation makes it go as 1/v.'), budget);
-    drawBudget(figure('budget', 'What limits the result', 'Above: where the variance of ε comes from. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.'), budget);
+    // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
+    const chance = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
+    drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * chance, 1)}% not explained may be chance. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
   }
   cornersOfLaw();
   if (wave && wave.envelope) drawSound();

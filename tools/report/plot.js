@@ -18,10 +18,17 @@ function axis(title, extra) {
   return Object.assign({title: {text: title, standoff: 6}, showline: true, linecolor: '#8b949e', mirror: true, ticks: 'outside',
                         tickcolor: '#8b949e', gridcolor: '#eef1f4', zeroline: false, automargin: true}, extra);
 }
-/// Logarithmic axis with plain numbers at 1, 2, 3, 5, 7 of each decade, or at decades only.
-const ticks125 = [...Array(12).keys()].flatMap(d => [1, 2, 3, 5, 7].map(m => +(m * 10 ** (d - 4)).toPrecision(1)));
-const logAxis = (title, extra) => axis(title, Object.assign({type: 'log', tickmode: 'array', tickvals: ticks125, ticktext: ticks125.map(t => String(t))}, extra));
+/// Logarithmic axis with plain numbers at 1, 2, 3, 5, 7 of each decade, powers of ten below a thousandth.
+const ticks125 = [...Array(18).keys()].flatMap(d => [1, 2, 3, 5, 7].map(m => ({mantissa: m, exponent: d - 10})));
+const tickText = t => t.exponent < -3 ? `${t.mantissa}·10<sup>${t.exponent}</sup>` : String(+(t.mantissa * 10 ** t.exponent).toPrecision(1));
+const logAxis = (title, extra) => axis(title, Object.assign({type: 'log', tickmode: 'array', tickvals: ticks125.map(t => t.mantissa * 10 ** t.exponent),
+                                                             ticktext: ticks125.map(tickText)}, extra));
+/// What replaces the numbers where the values span so much that they would crowd.
 const decades = {tickmode: 'linear', tick0: 0, dtick: 1, exponentformat: 'power'};
+function decadesIfMany(traces) {
+  const values = traces.flatMap(t => t.y).filter(y => y > 0);
+  return Math.max(...values) > 100 * Math.min(...values) ? decades : {};
+}
 const speedAxis = extra => logAxis('normal impact speed v (m/s)', extra);
 
 // Drawn once the whole page stands: a plot takes the size that its place has by then.

@@ -52,7 +52,7 @@ function drawEnergy(parent, budget) {
   if (budget.width_exponent)
     traces.push({x: budget.width_law.v_mps, y: budget.width_law.spread, mode: 'lines', type: 'scatter', line: {color: red, width: 1.6}, hoverinfo: 'skip',
                  name: `v^(${measured(budget.width_exponent.value, budget.width_exponent.se)})`});
-  draw(parent, '', traces, {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('standard deviation of ε', decades)});
+  draw(parent, '', traces, {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('standard deviation of ε', decadesIfMany(traces))});
 }
 
 const causes = [['share_asperities', 'ball (asperities)', blue], ['share_timing', 'timing', orange], ['share_travel_time', 'travel time', green], ['share_unexplained', 'not explained', grey]];
@@ -64,8 +64,8 @@ function drawBudget(parent, budget) {
   draw(parent, 'low', causes.filter(([key]) => rows.some(r => known(r[key]) && r[key] > 0)).map(([key, name, color]) => (
          {type: 'bar', x: names, y: rows.map(r => 100 * (r[key] || 0)), name, marker: {color}, hovertemplate: `%{x} m/s<br>${name} %{y:.2f}%<extra></extra>`})),
        {barmode: 'stack', showlegend: true, xaxis: axis('normal impact speed v (m/s)', {type: 'category'}), yaxis: axis('share of variance (%)')});
-  draw(parent, 'low', shifts.filter(([key]) => rows.some(r => known(r[key]) && r[key] !== 0)).map(([key, name, color]) => (
-         {x: rows.map(r => r.v_mps), y: rows.map(r => known(r[key]) && r[key] !== 0 ? Math.abs(r[key]) : null), mode: 'lines+markers', type: 'scatter', name, line: {color, width: 1.5},
-          marker: {size: 6}, text: rows.map(r => number(r[key], 3)), hovertemplate: `%{x:.3f} m/s<br>${name} %{text}<extra></extra>`})),
-       {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('shift of ε(v)', decades)});
+  const traces = shifts.filter(([key]) => rows.some(r => known(r[key]) && r[key] !== 0)).map(([key, name, color]) => (
+      {x: rows.map(r => r.v_mps), y: rows.map(r => known(r[key]) && r[key] !== 0 ? Math.abs(r[key]) : null), mode: 'lines+markers', type: 'scatter', name, line: {color, width: 1.5},
+       marker: {size: 6}, text: rows.map(r => number(r[key], 3)), hovertemplate: `%{x:.3f} m/s<br>${name} %{text}<extra></extra>`}));
+  draw(parent, 'low', traces, {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('shift of ε(v)', decadesIfMany(traces))});
 }
