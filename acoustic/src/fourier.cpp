@@ -4,33 +4,78 @@
 #include <fftw3.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <map>
 #include <mutex>
 
+#include "bouncelab/core/units.hpp"
 #include "products.hpp"
 #include "vector_clones.hpp"
 
 namespace bouncelab {
 namespace {
 
-struct Plans {
+/// A real signal of length n is transformed as a complex one of length n/2, for which FFTW has the faster code.
+struct Half {
   fftwf_plan forward = nullptr;
   fftwf_plan inverse = nullptr;
+  std::vector<float> cosine, sine;  // of 2 pi k / n, k = 0 ... n/2 - 1
 };
 
 /// FFTW plans one at a time and only by estimate, since what it measures differs from run to run.
-Plans plans_for(std::size_t n, float* samples, fftwf_complex* bins) {
+const Half& half_of(std::size_t n, fftwf_complex* in, fftwf_complex* out) {
   static std::mutex mutex;
-  static std::map<std::size_t, Plans> known;
+  static std::map<std::size_t, Half> known;
   const std::lock_guard lock(mutex);
-  Plans& plans = known[n];
-  if (plans.forward == nullptr) {
-    plans.forward = fftwf_plan_dft_r2c_1d(static_cast<int>(n), samples, bins, FFTW_ESTIMATE);
-    plans.inverse = fftwf_plan_dft_c2r_1d(static_cast<int>(n), bins, samples, FFTW_ESTIMATE);
+  Half& half = known[n];
+  if (half.forward == nullptr) {
+    const auto size = static_cast<int>(n / 2);
+    half.forward = fftwf_plan_dft_1d(size, in, out, FFTW_FORWARD, FFTW_ESTIMATE);
+    half.inverse = fftwf_plan_dft_1d(size, in, out, FFTW_BACKWARD, FFTW_ESTIMATE);
+    for (int k = 0; k < size; ++k) {
+      const double phase = 2.0 * kPi * k / static_cast<double>(n);
+      half.cosine.push_back(static_cast<float>(std::cos(phase)));
+      half.sine.push_back(static_cast<float>(std::sin(phase)));
+    }
   }
-  return plans;
+  return half;
+}
+
+BOUNCELAB_VECTOR_CLONES void part(const float* z, float* re, float* im, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) {
+    re[k] = z[2 * k];
+    im[k] = z[2 * k + 1];
+  }
+}
+
+/// X[k] = E[k] + exp(-2 pi i k / n) O[k], E and O the transforms of the even and odd samples, which Z = E + i O holds.
+/// @param h  n / 2; z_re and z_im hold h + 1, the last as the first
+BOUNCELAB_VECTOR_CLONES void untangle(const float* z_re, const float* z_im, const float* cosine, const float* sine,
+                                      float scale, float* __restrict re, float* __restrict im, std::size_t h) {
+  for (std::size_t k = 0; k < h; ++k) {
+    const float even_re = z_re[k] + z_re[h - k];
+    const float even_im = z_im[k] - z_im[h - k];
+    const float odd_re = z_im[k] + z_im[h - k];
+    const float odd_im = z_re[h - k] - z_re[k];
+    re[k] = scale * (even_re + (cosine[k] * odd_re + sine[k] * odd_im));
+    im[k] = scale * (even_im + (cosine[k] * odd_im - sine[k] * odd_re));
+  }
+}
+
+/// The other way, Z = E + i O.
+/// @param re, im  h + 1 bins, the first and the last 0
+BOUNCELAB_VECTOR_CLONES void tangle(const float* re, const float* im, const float* cosine, const float* sine,
+                                    float scale, float* z, std::size_t h) {
+  for (std::size_t k = 0; k < h; ++k) {
+    const float even_re = re[k] + re[h - k];
+    const float even_im = im[k] - im[h - k];
+    const float turned_re = re[k] - re[h - k];
+    const float turned_im = im[k] + im[h - k];
+    z[2 * k] = scale * (even_re - (sine[k] * turned_re + cosine[k] * turned_im));
+    z[2 * k + 1] = scale * (even_im + (cosine[k] * turned_re - sine[k] * turned_im));
+  }
 }
 
 BOUNCELAB_VECTOR_CLONES void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi,
@@ -39,6 +84,14 @@ BOUNCELAB_VECTOR_CLONES void multiply(const float* ar, const float* ai, float si
     const float a_im = sign * ai[k];
     re[k] = ar[k] * br[k] - a_im * bi[k];
     im[k] = ar[k] * bi[k] + a_im * br[k];
+  }
+}
+
+BOUNCELAB_VECTOR_CLONES void turn(const float* step_re, const float* step_im, float c, float s, float* re, float* im,
+                                  std::size_t n) {
+  for (std::size_t j = 0; j < n; ++j) {
+    re[j] = c * step_re[j] - s * step_im[j];
+    im[j] = c * step_im[j] + s * step_re[j];
   }
 }
 
@@ -58,39 +111,48 @@ Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
 void Fourier::Free::operator()(void* p) const { fftwf_free(p); }
 
 Fourier::Fourier(std::size_t n)
-    : n_(n), samples_(fftwf_malloc(n * sizeof(float))), bins_(fftwf_malloc((n / 2 + 1) * sizeof(fftwf_complex))) {
+    : n_(n),
+      in_(fftwf_malloc(n * sizeof(float))),
+      out_(fftwf_malloc(n * sizeof(float))),
+      re_(n / 2 + 1, 0.0F),
+      im_(n / 2 + 1, 0.0F),
+      half_(&half_of(n, static_cast<fftwf_complex*>(in_.get()), static_cast<fftwf_complex*>(out_.get()))) {
   assert(n >= 4 && n % 2 == 0);
-  const Plans plans = plans_for(n, static_cast<float*>(samples_.get()), static_cast<fftwf_complex*>(bins_.get()));
-  forward_ = plans.forward;
-  inverse_ = plans.inverse;
 }
 
 Spectrum Fourier::forward(std::span<const float> x) {
   assert(x.size() <= n_);
-  auto* samples = static_cast<float*>(samples_.get());
-  auto* bins = static_cast<fftwf_complex*>(bins_.get());
-  std::fill(std::copy(x.begin(), x.end(), samples), samples + n_, 0.0F);
-  fftwf_execute_dft_r2c(static_cast<fftwf_plan>(forward_), samples, bins);
-  Spectrum out{std::vector<float>(n_ / 2 + 1, 0.0F), std::vector<float>(n_ / 2 + 1, 0.0F)};
-  const auto scale = static_cast<float>(std::sqrt(2.0 / static_cast<double>(n_)));
-  for (std::size_t k = 1; k < n_ / 2; ++k) {
-    out.re[k] = scale * bins[k][0];
-    out.im[k] = scale * bins[k][1];
-  }
-  return out;
+  const std::size_t h = n_ / 2;
+  const Half& half = *static_cast<const Half*>(half_);
+  auto* in = static_cast<float*>(in_.get());
+  auto* out = static_cast<float*>(out_.get());
+  std::fill(std::copy(x.begin(), x.end(), in), in + n_, 0.0F);
+  fftwf_execute_dft(half.forward, static_cast<fftwf_complex*>(in_.get()), static_cast<fftwf_complex*>(out_.get()));
+  part(out, re_.data(), im_.data(), h);
+  re_[h] = re_[0];
+  im_[h] = im_[0];
+  Spectrum spectrum{std::vector<float>(h + 1, 0.0F), std::vector<float>(h + 1, 0.0F)};
+  untangle(re_.data(), im_.data(), half.cosine.data(), half.sine.data(),
+           static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), spectrum.re.data(), spectrum.im.data(), h);
+  spectrum.re[0] = spectrum.im[0] = 0.0F;
+  return spectrum;
 }
 
 std::vector<float> Fourier::inverse(const Spectrum& spectrum) {
-  auto* samples = static_cast<float*>(samples_.get());
-  auto* bins = static_cast<fftwf_complex*>(bins_.get());
-  const auto scale = static_cast<float>(1.0 / std::sqrt(2.0 * static_cast<double>(n_)));
-  for (std::size_t k = 0; k <= n_ / 2; ++k) {
-    const bool known = k < spectrum.size() && k > 0 && k < n_ / 2;
-    bins[k][0] = known ? scale * spectrum.re[k] : 0.0F;
-    bins[k][1] = known ? scale * spectrum.im[k] : 0.0F;
-  }
-  fftwf_execute_dft_c2r(static_cast<fftwf_plan>(inverse_), bins, samples);
-  return {samples, samples + n_};
+  const std::size_t h = n_ / 2;
+  const Half& half = *static_cast<const Half*>(half_);
+  const auto known = static_cast<std::ptrdiff_t>(std::min(spectrum.size(), h));
+  const auto fill = [&](const std::vector<float>& from, std::vector<float>& to) {
+    std::fill(std::copy_n(from.begin(), known, to.begin()), to.end(), 0.0F);
+    to[0] = 0.0F;
+  };
+  fill(spectrum.re, re_);
+  fill(spectrum.im, im_);
+  tangle(re_.data(), im_.data(), half.cosine.data(), half.sine.data(),
+         static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), static_cast<float*>(in_.get()), h);
+  fftwf_execute_dft(half.inverse, static_cast<fftwf_complex*>(in_.get()), static_cast<fftwf_complex*>(out_.get()));
+  const auto* out = static_cast<const float*>(out_.get());
+  return {out, out + n_};
 }
 
 std::size_t power_of_two(std::size_t n) {
@@ -101,20 +163,36 @@ std::size_t power_of_two(std::size_t n) {
 
 Spectrum phasors(std::size_t n, double angle) {
   constexpr std::size_t kBlock = 32;
-  std::vector<float> step_re(kBlock), step_im(kBlock);
-  for (std::size_t j = 0; j < kBlock; ++j) {
-    step_re[j] = static_cast<float>(std::cos(angle * static_cast<double>(j)));
-    step_im[j] = static_cast<float>(std::sin(angle * static_cast<double>(j)));
+  std::array<double, kBlock> c, s;  // of j angle, by doubling: errors grow with log j
+  c[0] = 1.0;
+  s[0] = 0.0;
+  c[1] = std::cos(angle);
+  s[1] = std::sin(angle);
+  const auto times = [](double& c, double& s, double by_c, double by_s) {
+    const double re = c * by_c - s * by_s;
+    s = c * by_s + s * by_c;
+    c = re;
+  };
+  for (std::size_t j = 2; j < kBlock; ++j) {
+    c[j] = c[j / 2];
+    s[j] = s[j / 2];
+    times(c[j], s[j], c[j - j / 2], s[j - j / 2]);
   }
+  std::array<float, kBlock> step_re, step_im;
+  for (std::size_t j = 0; j < kBlock; ++j) {
+    step_re[j] = static_cast<float>(c[j]);
+    step_im[j] = static_cast<float>(s[j]);
+  }
+  double block_c = c[kBlock / 2];
+  double block_s = s[kBlock / 2];
+  times(block_c, block_s, block_c, block_s);
   Spectrum out{std::vector<float>(n), std::vector<float>(n)};
+  double here_c = 1.0;
+  double here_s = 0.0;
   for (std::size_t k = 0; k < n; k += kBlock) {
-    const auto c = static_cast<float>(std::cos(angle * static_cast<double>(k)));
-    const auto s = static_cast<float>(std::sin(angle * static_cast<double>(k)));
-    const std::size_t n_here = std::min(kBlock, n - k);
-    for (std::size_t j = 0; j < n_here; ++j) {
-      out.re[k + j] = c * step_re[j] - s * step_im[j];
-      out.im[k + j] = c * step_im[j] + s * step_re[j];
-    }
+    turn(step_re.data(), step_im.data(), static_cast<float>(here_c), static_cast<float>(here_s), &out.re[k], &out.im[k],
+         std::min(kBlock, n - k));
+    times(here_c, here_s, block_c, block_s);  // n / 32 roundings of doubles: nothing to a float
   }
   return out;
 }

@@ -36,10 +36,11 @@ class Fourier {
     void operator()(void* p) const;
   };
   std::size_t n_;
-  std::unique_ptr<void, Free> samples_;
-  std::unique_ptr<void, Free> bins_;
-  void* forward_ = nullptr;  // plans, shared and kept
-  void* inverse_ = nullptr;
+  std::unique_ptr<void, Free> in_;
+  std::unique_ptr<void, Free> out_;
+  std::vector<float> re_;
+  std::vector<float> im_;
+  const void* half_ = nullptr;  // plans and tables, shared and kept
 };
 
 /// Smallest power of two that is >= n.
