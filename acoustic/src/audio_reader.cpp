@@ -2,13 +2,19 @@
 #include "bouncelab/acoustic/audio_reader.hpp"
 
 #include <sndfile.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <new>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -74,6 +80,40 @@ std::string describe_format(int format) {
   return std::string(major.name ? major.name : "?") + ", " + (sub.name ? sub.name : "?");
 }
 
+/// Room for samples, in large pages where the system has them: an hour of sound is a hundred thousand small ones, and
+/// handing them out costs more than decoding.
+class Samples {
+ public:
+  void resize(std::size_t n) {
+    if (n > n_held_) {
+      constexpr std::size_t kPage = 1 << 21;
+      const std::size_t n_bytes = n * sizeof(float);
+      const bool large = n_bytes > kPage;
+      const std::size_t page = large ? kPage : alignof(std::max_align_t);
+      held_.reset(static_cast<float*>(std::aligned_alloc(page, (n_bytes + page - 1) / page * page)));
+      if (held_ == nullptr) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+      if (large) madvise(held_.get(), n_bytes, MADV_HUGEPAGE);
+#endif
+      n_held_ = n;
+    }
+    n_ = n;
+  }
+  void clear() { n_ = 0; }
+  std::size_t size() const { return n_; }
+  float* begin() { return held_.get(); }
+  const float* begin() const { return held_.get(); }
+  const float* end() const { return held_.get() + n_; }
+
+ private:
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::unique_ptr<float, Free> held_;
+  std::size_t n_held_ = 0;
+  std::size_t n_ = 0;
+};
+
 }  // namespace
 
 struct AudioReader::State {
@@ -82,7 +122,7 @@ struct AudioReader::State {
   AudioFormat format;
   std::int64_t next_frame = 0;      // where libsndfile stands
   std::int64_t buffered_first = 0;  // interleaved frames kept from the last read, so that channels share them
-  std::vector<float> buffered;
+  Samples buffered;
 
   ~State() {
     if (file != nullptr) sf_close(file);
@@ -95,7 +135,7 @@ struct AudioReader::State {
     if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
       throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
     buffered.resize(static_cast<std::size_t>(n * format.n_channels));
-    const std::int64_t got = sf_readf_float(file, buffered.data(), n);
+    const std::int64_t got = sf_readf_float(file, buffered.begin(), n);
     next_frame = first + got;
     if (got < n) {
       buffered.clear();
@@ -165,7 +205,7 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
       continue;
     }
     const std::int64_t n_here = std::min(n - done, s.buffered_first + n_buffered - at);
-    const float* from = s.buffered.data() + (at - s.buffered_first) * s.format.n_channels + channel;
+    const float* from = s.buffered.begin() + (at - s.buffered_first) * s.format.n_channels + channel;
     if (s.format.n_channels == 1) std::copy_n(from, n_here, out.begin() + done);
     for (std::int64_t k = 0; k < n_here && s.format.n_channels > 1; ++k) out[done + k] = from[k * s.format.n_channels];
     done += n_here;
