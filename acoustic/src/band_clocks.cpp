@@ -32,34 +32,20 @@ double clock_amplitude(double own, double common, double energy, double noise) {
   return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
 }
 
-double sum(std::span<const float> x) {
-  static const std::vector<float> ones(1 << 12, 1.0F);
-  double total = 0.0;
-  for (std::size_t at = 0; at < x.size(); at += ones.size())
-    total += dot(x.subspan(at, std::min(ones.size(), x.size() - at)), ones);
-  return total;
-}
-
-std::vector<float> bin_numbers(std::size_t n) {
-  std::vector<float> k(n);
-  std::iota(k.begin(), k.end(), 0.0F);
-  return k;
-}
-
 /// Each clock's amplitude and what its time lies beyond `shift`.
 struct Sums {
   std::vector<double> in_phase;
   std::vector<double> quadrature;  // omega times
 };
 
-Sums sums_at(const Spectrum& z, const BandClocks& clocks, const std::vector<float>& bins, double omega, double shift) {
-  const Spectrum turned = product(z, phasors(z.size(), omega * shift));
+Sums sums_at(const Spectrum& z, const BandClocks& clocks, double omega, double shift) {
+  const Spectrum moved = turned(z, omega * shift);
   Sums sums;
   for (std::size_t j = 0; j < clocks.n(); ++j) {
     const std::size_t from = clocks.edge[j];
     const std::size_t n = clocks.edge[j + 1] - from;
-    sums.in_phase.push_back(sum(std::span(turned.re).subspan(from, n)));
-    sums.quadrature.push_back(-omega * dot(std::span(turned.im).subspan(from, n), std::span(bins).subspan(from, n)));
+    sums.in_phase.push_back(sum(std::span(moved.re).subspan(from, n)));
+    sums.quadrature.push_back(-omega * moment(std::span(moved.im).subspan(from, n), from));
   }
   return sums;
 }
@@ -180,14 +166,13 @@ BandClocks equal_clocks(const WaveTemplate& wave) {
 
 ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start) {
   const Spectrum z = product_conj(wave.wave(), sound);
-  const std::vector<float> bins = bin_numbers(z.size());
   const std::size_t n = clocks.n();
   ClockReading r;
   r.shift = start;
   r.deviation.resize(n);
   r.noise_variance.resize(n);
   for (int step = 0; step < kMostSteps; ++step) {
-    const Sums sums = sums_at(z, clocks, bins, wave.omega(), r.shift);
+    const Sums sums = sums_at(z, clocks, wave.omega(), r.shift);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.end(), 0.0);
     r.amplitude = in_phase / wave.energy();
     r.gain = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;

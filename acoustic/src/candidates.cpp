@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "vector_clones.hpp"
-
 namespace bouncelab {
 namespace {
 
@@ -17,7 +15,7 @@ constexpr std::int64_t kBeforeFactor = 3;  // three times as long before: the ba
 constexpr std::int64_t kApartHops = 4;
 // P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one in 3 s
 constexpr double kThreshold = 8.0;
-constexpr std::int64_t kBlockHops = 1 << 12;
+constexpr std::int64_t kBlockHops = 1 << 13;
 // so far over a block's ends candidates are looked for, so that they rule each other out alike in whatever block
 constexpr std::int64_t kOverlapHops = 128;
 constexpr std::int64_t kMarginHops = kOverlapHops + kBeforeFactor * kAfterHops.back() + 2 * kApartHops;
@@ -44,17 +42,7 @@ double least_rise(double n_after) {
   return hi;
 }
 
-BOUNCELAB_VECTOR_CLONES void rises_over(const double* before, const double* here, const double* after, std::size_t n,
-                                        double* rise) {
-  for (std::size_t k = 0; k < n; ++k)
-    rise[k] = static_cast<double>(kBeforeFactor) * (after[k] - here[k]) / (here[k] - before[k]);
-}
-
-BOUNCELAB_VECTOR_CLONES void square(float* x, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) x[k] *= x[k];
-}
-
-/// Squared innovations of one block of hops with margins, and their running energy from hop to hop.
+/// Innovations of one block of hops with margins, and their running energy from hop to hop.
 class Block {
  public:
   Block(const Sound& sound, const Autoregression& model, std::int64_t hop)
@@ -64,49 +52,59 @@ class Block {
         // background never below a hundredth of the quiet level: digital silence is no background
         floor_(0.01 * model.quiet_variance) {}
 
+  /// Blocks come in order: what the last one holds of this one stays.
   void load(std::int64_t first_hop, std::int64_t n_hops) {
-    first_hop_ = first_hop - kMarginHops;
-    squares_.resize(static_cast<std::size_t>((n_hops + 2 * kMarginHops) * hop_));
-    running_.resize(static_cast<std::size_t>(n_hops + 2 * kMarginHops) + 1);
-    read_innovations_padded();
-    square(squares_.data(), squares_.size());
-    const float* x = squares_.data();
+    const std::int64_t first = first_hop - kMarginHops;
+    const std::int64_t n = n_hops + 2 * kMarginHops;
+    const std::int64_t n_before = std::ssize(innovations_) / hop_;
+    const std::int64_t n_held = std::clamp<std::int64_t>(first_hop_ + n_before - first, 0, std::min(n, n_before));
+    std::copy(innovations_.end() - n_held * hop_, innovations_.end(), innovations_.begin());
+    innovations_.resize(static_cast<std::size_t>(n * hop_));
+    first_hop_ = first;
+    read_innovations_padded(n_held * hop_);
+    running_.resize(static_cast<std::size_t>(n) + 1);
+    const float* x = innovations_.data();
     for (std::size_t k = 0; k + 1 < running_.size(); ++k) {
       float sum = 0.0F;
-      for (const float* end = x + hop_; x != end; ++x) sum += *x;
+      for (const float* end = x + hop_; x != end; ++x) sum += *x * *x;
       running_[k + 1] = running_[k] + static_cast<double>(sum) + floor_ * static_cast<double>(hop_);
     }
   }
 
-  /// Mean square after over mean square before the start of each hop from `first` on, in windows of one scale.
-  std::vector<double> rise(std::int64_t first, std::size_t n, std::int64_t after_hops) const {
-    std::vector<double> rise(n);
-    const double* here = running_.data() + (first - first_hop_);
-    rises_over(here - kBeforeFactor * after_hops, here, here + after_hops, n, rise.data());
-    return rise;
+  double energy_of_hops(std::int64_t from, std::int64_t to) const {
+    return running_[static_cast<std::size_t>(to - first_hop_)] - running_[static_cast<std::size_t>(from - first_hop_)];
+  }
+
+  double energy(std::int64_t first, std::int64_t last) const {
+    const float* x = innovations_.data() + (first - first_hop_ * hop_);
+    std::array<double, 4> sums{};  // side by side, or each addition waits for the one before
+    for (std::int64_t k = 0; k < last - first; ++k) sums[k % 4] += static_cast<double>(x[k] * x[k]);
+    return sums[0] + sums[1] + sums[2] + sums[3] + floor_ * static_cast<double>(last - first);
   }
 
   /// Energies from sample to sample: out[k] = that of samples first ... first + k - 1.
   std::vector<double> energies(std::int64_t first, std::int64_t last) const {
-    std::vector<double> sums{0.0};
-    sums.reserve(static_cast<std::size_t>(last - first) + 1);
-    for (const float* x = squares_.data() + (first - first_hop_ * hop_); first < last; ++first, ++x)
-      sums.push_back(sums.back() + static_cast<double>(*x) + floor_);
+    std::vector<double> sums(static_cast<std::size_t>(last - first) + 1);
+    const float* x = innovations_.data() + (first - first_hop_ * hop_);
+    double sum = 0.0;
+    for (std::size_t k = 1; k < sums.size(); ++k, ++x) sums[k] = sum = sum + (static_cast<double>(*x * *x) + floor_);
     return sums;
   }
 
  private:
-  void read_innovations_padded() {
+  /// @param n_held  so many are there
+  void read_innovations_padded(std::int64_t n_held) {
     // before the first samples, from which the model could predict, and after the last there is nothing to judge by
-    const std::int64_t first = first_hop_ * hop_;
-    const auto n = static_cast<std::int64_t>(squares_.size());
+    const std::int64_t begin = first_hop_ * hop_;
+    const std::int64_t first = begin + n_held;
+    const std::int64_t last = begin + std::ssize(innovations_);
     const std::int64_t n_known = std::min<std::int64_t>(std::ssize(model_.filter) - 1, sound_.n_samples);
-    const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, first + n);
-    const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, first + n);
-    if (hi > lo) read_innovations(sound_, model_, lo, std::span(squares_).subspan(lo - first, hi - lo));
+    const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, last);
+    const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, last);
+    if (hi > lo) read_innovations(sound_, model_, lo, std::span(innovations_).subspan(lo - begin, hi - lo));
     const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
-    std::fill(squares_.begin(), squares_.begin() + (lo - first), level);
-    std::fill(squares_.begin() + (hi - first), squares_.end(), level);
+    std::fill(innovations_.begin() + n_held, innovations_.begin() + (lo - begin), level);
+    std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);
   }
 
   const Sound& sound_;
@@ -114,7 +112,7 @@ class Block {
   std::int64_t hop_;
   double floor_;
   std::int64_t first_hop_ = 0;  // of the margin
-  std::vector<float> squares_;
+  std::vector<float> innovations_;
   std::vector<double> running_;
 };
 
@@ -141,13 +139,10 @@ std::int64_t refine(const Block& block, std::int64_t hop, std::int64_t hop_index
 }
 
 double added_amplitude(const Block& block, std::int64_t at, std::int64_t hop, double quiet_variance) {
-  const std::int64_t longest = kAfterHops.back() * hop;
-  const std::vector<double> sums = block.energies(at - kBeforeFactor * longest, at + longest);
-  const auto here = sums.begin() + kBeforeFactor * longest;
   double best = 0.0;
   for (const std::int64_t after_hops : kAfterHops) {
     const std::int64_t after = after_hops * hop;
-    const double added = *(here + after) - *here - (*here - *(here - kBeforeFactor * after)) / kBeforeFactor;
+    const double added = block.energy(at, at + after) - block.energy(at - kBeforeFactor * after, at) / kBeforeFactor;
     best = std::max(best, added);
   }
   return std::sqrt(best / quiet_variance);
@@ -162,17 +157,17 @@ struct Rise {
 std::vector<Rise> rises(const Block& block, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
                         std::int64_t after_hops) {
   const auto n_after = static_cast<double>(after_hops * hop);
+  const double n_before = kBeforeFactor * n_after;
   const double least = least_rise(n_after);
-  const std::vector<double> rise =
-      block.rise(first - kApartHops, static_cast<std::size_t>(n_hops + 2 * kApartHops), after_hops);
+  const auto after = [&](std::int64_t k) { return kBeforeFactor * block.energy_of_hops(k, k + after_hops); };
+  const auto before = [&](std::int64_t k) { return block.energy_of_hops(k - kBeforeFactor * after_hops, k); };
   std::vector<Rise> found;
-  for (std::int64_t k = kApartHops; k < n_hops + kApartHops; ++k) {
-    const double here = rise[static_cast<std::size_t>(k)];
-    if (here < least) continue;
-    const auto around = rise.begin() + (k - kApartHops);
-    if (*std::max_element(around, around + 2 * kApartHops + 1) > here) continue;
-    const double n_before = kBeforeFactor * n_after;
-    found.push_back({first + k - kApartHops, rise_ratio(n_before, n_before, here * n_after, n_after)});
+  for (std::int64_t k = first; k < first + n_hops; ++k) {
+    if (after(k) < least * before(k)) continue;
+    const double here = after(k) / before(k);
+    bool is_highest = true;
+    for (std::int64_t j = k - kApartHops; j <= k + kApartHops; ++j) is_highest &= after(j) / before(j) <= here;
+    if (is_highest) found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
   }
   return found;
 }

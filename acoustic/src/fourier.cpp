@@ -87,11 +87,39 @@ BOUNCELAB_VECTOR_CLONES void multiply(const float* ar, const float* ai, float si
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void turn(const float* step_re, const float* step_im, float c, float s, float* re, float* im,
-                                  std::size_t n) {
+struct Phasor {
+  double c = 1.0;
+  double s = 0.0;
+};
+
+Phasor times(Phasor a, Phasor b) { return {a.c * b.c - a.s * b.s, a.c * b.s + a.s * b.c}; }
+
+/// exp(i j angle) for one block of j, and for the block's length: one sine and cosine in all.
+struct Steps {
+  static constexpr std::size_t kBlock = 32;
+  std::array<float, kBlock> c, s;
+  Phasor block;
+
+  explicit Steps(double angle) {
+    std::array<Phasor, kBlock + 1> p;
+    p[1] = {std::cos(angle), std::sin(angle)};
+    for (std::size_t j = 2; j <= kBlock; ++j) p[j] = times(p[j / 2], p[j - j / 2]);  // errors grow with log j
+    for (std::size_t j = 0; j < kBlock; ++j) {
+      c[j] = static_cast<float>(p[j].c);
+      s[j] = static_cast<float>(p[j].s);
+    }
+    block = p[kBlock];
+  }
+};
+
+/// Of one block: (a_re + i a_im) exp(i j angle) times the block's own phasor.
+BOUNCELAB_VECTOR_CLONES void turn(const float* a_re, const float* a_im, const Steps& steps, float c, float s,
+                                  float* __restrict re, float* __restrict im, std::size_t n) {
   for (std::size_t j = 0; j < n; ++j) {
-    re[j] = c * step_re[j] - s * step_im[j];
-    im[j] = c * step_im[j] + s * step_re[j];
+    const float here_c = c * steps.c[j] - s * steps.s[j];
+    const float here_s = c * steps.s[j] + s * steps.c[j];
+    re[j] = a_re[j] * here_c - a_im[j] * here_s;
+    im[j] = a_re[j] * here_s + a_im[j] * here_c;
   }
 }
 
@@ -161,40 +189,20 @@ std::size_t power_of_two(std::size_t n) {
   return power;
 }
 
-Spectrum phasors(std::size_t n, double angle) {
-  constexpr std::size_t kBlock = 32;
-  std::array<double, kBlock> c, s;  // of j angle, by doubling: errors grow with log j
-  c[0] = 1.0;
-  s[0] = 0.0;
-  c[1] = std::cos(angle);
-  s[1] = std::sin(angle);
-  const auto times = [](double& c, double& s, double by_c, double by_s) {
-    const double re = c * by_c - s * by_s;
-    s = c * by_s + s * by_c;
-    c = re;
-  };
-  for (std::size_t j = 2; j < kBlock; ++j) {
-    c[j] = c[j / 2];
-    s[j] = s[j / 2];
-    times(c[j], s[j], c[j - j / 2], s[j - j / 2]);
-  }
-  std::array<float, kBlock> step_re, step_im;
-  for (std::size_t j = 0; j < kBlock; ++j) {
-    step_re[j] = static_cast<float>(c[j]);
-    step_im[j] = static_cast<float>(s[j]);
-  }
-  double block_c = c[kBlock / 2];
-  double block_s = s[kBlock / 2];
-  times(block_c, block_s, block_c, block_s);
-  Spectrum out{std::vector<float>(n), std::vector<float>(n)};
-  double here_c = 1.0;
-  double here_s = 0.0;
-  for (std::size_t k = 0; k < n; k += kBlock) {
-    turn(step_re.data(), step_im.data(), static_cast<float>(here_c), static_cast<float>(here_s), &out.re[k], &out.im[k],
-         std::min(kBlock, n - k));
-    times(here_c, here_s, block_c, block_s);  // n / 32 roundings of doubles: nothing to a float
+Spectrum turned(const Spectrum& a, double angle) {
+  Spectrum out{std::vector<float>(a.size()), std::vector<float>(a.size())};
+  const Steps steps(angle);
+  Phasor here;
+  for (std::size_t k = 0; k < a.size(); k += Steps::kBlock) {
+    turn(&a.re[k], &a.im[k], steps, static_cast<float>(here.c), static_cast<float>(here.s), &out.re[k], &out.im[k],
+         std::min(Steps::kBlock, a.size() - k));
+    here = times(here, steps.block);  // n / 32 roundings of doubles: nothing to a float
   }
   return out;
+}
+
+Spectrum phasors(std::size_t n, double angle) {
+  return turned({std::vector<float>(n, 1.0F), std::vector<float>(n, 0.0F)}, angle);
 }
 
 Spectrum product_conj(const Spectrum& a, const Spectrum& b) { return multiplied(a, -1.0F, b); }

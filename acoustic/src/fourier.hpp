@@ -46,6 +46,9 @@ class Fourier {
 /// Smallest power of two that is >= n.
 std::size_t power_of_two(std::size_t n);
 
+/// a[k] exp(i k angle), the phasor to 1e-6: the signal earlier by angle n / (2 pi) samples, n those of its transform.
+Spectrum turned(const Spectrum& a, double angle);
+
 /// exp(i k angle) for k = 0 ... n-1, to 1e-6.
 Spectrum phasors(std::size_t n, double angle);
 

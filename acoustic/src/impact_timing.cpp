@@ -58,8 +58,7 @@ std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
     if (ringing.wave.empty()) {
       const double shift =
           ringing.impact.t_s * sound_.rate_hz - wave_.contact_index - static_cast<double>(ringing.first);
-      ringing.wave =
-          fourier_.inverse(product(wave_.wave.wave(), phasors(wave_.wave.wave().size(), -wave_.wave.omega() * shift)));
+      ringing.wave = fourier_.inverse(turned(wave_.wave.wave(), -wave_.wave.omega() * shift));
     }
     const auto a = static_cast<float>(ringing.impact.amplitude);
     for (std::int64_t k = std::max<std::int64_t>(0, -offset);
@@ -72,7 +71,7 @@ std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
 
 WaveTemplate ImpactTimer::masked_wave(double shift, const Mask& mask) {
   const Spectrum& whole = wave_.wave.wave();
-  std::vector<float> placed = fourier_.inverse(product(whole, phasors(whole.size(), -wave_.wave.omega() * shift)));
+  std::vector<float> placed = fourier_.inverse(turned(whole, -wave_.wave.omega() * shift));
   multiply(placed, mask);
   return {fourier_.forward(placed), wave_.wave.n_window()};
 }

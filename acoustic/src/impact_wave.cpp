@@ -111,8 +111,8 @@ class Learner {
   void whiten_residuals() {
     std::vector<double> r(kResidualOrder + 1, 0.0);
     for (const Row& row : rows_) {
-      const std::vector<float> placed = fourier_->inverse(
-          product(learned_.wave.wave(), phasors(row.spectrum.size(), -learned_.wave.omega() * row.position)));
+      const std::vector<float> placed =
+          fourier_->inverse(turned(learned_.wave.wave(), -learned_.wave.omega() * row.position));
       std::vector<float> x = row.window.sound;
       for (std::size_t n = 0; n < n_window_; ++n) x[n] -= static_cast<float>(row.reading.amplitude) * placed[n];
       const double energy = dot(x, x) + 1e-30;
@@ -181,8 +181,7 @@ class Learner {
     for (const Row& row : rows_) {
       if (row.correlation < kLeastCorrelation || n >= kMostHeard) continue;
       read_padded(sound_, row.window.first, x);
-      const Spectrum moved =
-          product(fourier_->forward(x), phasors(n_window_ / 2 + 1, learned_.wave.omega() * row.position));
+      const Spectrum moved = turned(fourier_->forward(x), learned_.wave.omega() * row.position);
       const std::vector<float> y = fourier_->inverse(moved);
       for (std::size_t k = 0; k < n_window_; ++k) {
         const double value = y[k] / row.reading.amplitude;
@@ -215,7 +214,7 @@ class Learner {
     for (const Row& row : rows_) {
       if (row.correlation < kLeastCorrelation) continue;
       const double a = average_is_first_ ? 1.0 : row.reading.amplitude;
-      add_scaled(sum, product(row.spectrum, phasors(sum.size(), omega * row.position)), a);
+      add_scaled(sum, turned(row.spectrum, omega * row.position), a);
       weight += a * a;
       if (average_is_first_) break;
     }

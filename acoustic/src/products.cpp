@@ -29,6 +29,29 @@ BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size
   std::memcpy(lanes, sum.data(), sizeof sum);
 }
 
+/// @param n  a multiple of kLanes
+BOUNCELAB_VECTOR_CLONES void moment_lanes(const float* x, float first, std::size_t n, float* lanes) {
+  Lanes sum{};
+  Lanes number = Lanes{0, 1, 2, 3, 4, 5, 6, 7} + first;
+  for (std::size_t k = 0; k < n; k += kLanes) {
+    Lanes here;
+    std::memcpy(&here, x + k, sizeof here);
+    sum += number * here;
+    number += static_cast<float>(kLanes);
+  }
+  std::memcpy(lanes, &sum, sizeof sum);
+}
+
+BOUNCELAB_VECTOR_CLONES void sum_lanes(const float* x, std::size_t n, float* lanes) {
+  Lanes sum{};
+  for (std::size_t k = 0; k < n; k += kLanes) {
+    Lanes here;
+    std::memcpy(&here, x + k, sizeof here);
+    sum += here;
+  }
+  std::memcpy(lanes, &sum, sizeof sum);
+}
+
 /// @param n  a multiple of kAtOnce
 BOUNCELAB_VECTOR_CLONES void correlate_blocks(const float* x, const float* taps, std::size_t n_taps, float* out,
                                               std::size_t n) {
@@ -55,6 +78,26 @@ double dot(std::span<const float> a, std::span<const float> b) {
   for (const float x : lanes) sum += x;
   for (std::size_t k = n_whole; k < n; ++k) sum += static_cast<double>(a[k]) * b[k];
   return sum;
+}
+
+double sum(std::span<const float> x) {
+  const std::size_t n_whole = x.size() - x.size() % kLanes;
+  std::array<float, kLanes> lanes;
+  sum_lanes(x.data(), n_whole, lanes.data());
+  double total = 0.0;
+  for (const float lane : lanes) total += lane;
+  for (std::size_t k = n_whole; k < x.size(); ++k) total += x[k];
+  return total;
+}
+
+double moment(std::span<const float> x, std::size_t first) {
+  const std::size_t n_whole = x.size() - x.size() % kLanes;
+  std::array<float, kLanes> lanes;
+  moment_lanes(x.data(), static_cast<float>(first), n_whole, lanes.data());
+  double total = 0.0;
+  for (const float lane : lanes) total += lane;
+  for (std::size_t k = n_whole; k < x.size(); ++k) total += static_cast<double>(first + k) * x[k];
+  return total;
 }
 
 void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
