@@ -170,6 +170,12 @@ class Learner {
     std::nth_element(correlations.begin(), middle, correlations.end());
     learned_.correlation = *middle;
     learned_.contact_index = begin_of_wave();
+    for (const Row& row : rows_) {
+      if (row.correlation < kLeastCorrelation) continue;
+      const double begin = static_cast<double>(row.window.first) + row.position + learned_.contact_index;
+      learned_.learned_t_s.push_back(begin / sound_.rate_hz);
+      learned_.learned_weight += row.reading.amplitude * row.reading.amplitude;
+    }
   }
 
   /// The mean of the rows as recorded, and how much they differ from it.

@@ -8,6 +8,7 @@
 
 #include "bouncelab/core/units.hpp"
 #include "contact_law.hpp"
+#include "impact_timing.hpp"
 #include "impact_wave.hpp"
 #include "train_timing.hpp"
 
@@ -19,8 +20,9 @@ constexpr std::size_t kOwnWave = 12;  // impacts from which a train has a wave o
 /// One train, timed.
 struct TimedDrop {
   Onsets onsets;
-  std::vector<double> v_mps;  // from the flight before each onset (of the first: after it); 0 = not known
+  std::vector<double> v_mps;  // from the flight before each onset (of the first: after it, over eps); 0 = not known
   std::optional<ContactEvidence> contact;
+  double reference_u = 0.0;  // v^(-1/5) of its strongest impacts
 };
 
 /// Where the converter reached its limit within 5 ms of t_s: three successive samples of the same value, the largest
@@ -129,8 +131,24 @@ std::vector<double> speeds_of(const Onsets& onsets) {
   };
   for (std::size_t k = 1; k < onsets.size(); ++k) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k);
   for (std::size_t k = 0; k + 1 < onsets.size(); ++k)
-    if (v_mps[k] == 0.0) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k + 1);
+    if (v_mps[k] == 0.0 && flight_s(k + 1) > 0.0) {
+      const double next_s =
+          k + 2 < onsets.size() ? flight_s(k + 2) : 0.0;  // eps, which takes the speed after to that before
+      const double eps = next_s > 0.0 ? std::clamp(next_s / flight_s(k + 1), 0.3, 1.0) : 1.0;
+      v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k + 1) / eps;
+    }
   return v_mps;
+}
+
+/// v^(-1/5) of the impacts that the wave is mostly learned from.
+double reference_u(const std::vector<SpeedAndTime>& impacts) {
+  double sum = 0.0;
+  double weight = 1e-300;
+  for (const SpeedAndTime& impact : impacts) {
+    sum += impact.amplitude * impact.amplitude * std::pow(impact.v_mps, -0.2);
+    weight += impact.amplitude * impact.amplitude;
+  }
+  return sum / weight;
 }
 
 TimedDrop time_drop(const Sound& band, const HeardRecording& heard, const Train& train, const ImpactWave* wave,
@@ -145,8 +163,42 @@ TimedDrop time_drop(const Sound& band, const HeardRecording& heard, const Train&
   for (std::size_t k = 0; k < drop.onsets.size(); ++k)
     if (drop.v_mps[k] > 0.0 && drop.onsets[k].flags.empty())
       clear.push_back({drop.onsets[k].t_s, *drop.onsets[k].amplitude, drop.v_mps[k]});
-  drop.contact = learn_contact(band, *wave, clear);
+  drop.contact = fit_contact(read_levels(band, *wave, clear));
+  drop.reference_u = reference_u(clear);
   return drop;
+}
+
+/// The wave that the clocks of all drops are set to.
+struct Reference {
+  ImpactWave wave;
+  double u = 0.0;
+};
+
+/// Each drop's wave was learned by itself and has its own idea of where contact begins, by a sample or two: moves a
+/// drop whose impacts sound like it to what the reference wave says of its strongest impacts.
+void set_to(const Reference& reference, const ImpactWave& own, const Sound& band, TimedDrop& drop) {
+  constexpr std::size_t kHeard = 5;
+  constexpr double kReach_s = 0.2e-3;
+  constexpr double kAlike = 0.9;  // of the correlation with its own wave: the same modes were struck
+  std::vector<std::size_t> clear;
+  for (std::size_t k = 0; k + 1 < drop.onsets.size(); ++k)
+    if (drop.onsets[k].flags.empty()) clear.push_back(k);
+  const auto stronger = [&](std::size_t a, std::size_t b) {
+    return *drop.onsets[a].amplitude > *drop.onsets[b].amplitude;
+  };
+  std::sort(clear.begin(), clear.end(), stronger);
+  if (clear.size() < kHeard) return;
+  ImpactTimer timer(band, reference.wave);
+  std::vector<double> later_s;
+  for (std::size_t k = 0; k < kHeard; ++k) {
+    const Onset& onset = drop.onsets[clear[k]];
+    const TimedImpact timed = timer.time(onset.t_s, kReach_s, drop.onsets[clear[k] + 1].t_s);
+    if (timed.correlation > kAlike * own.correlation) later_s.push_back(timed.t_s - onset.t_s);
+  }
+  if (later_s.size() < kHeard) return;
+  std::nth_element(later_s.begin(), later_s.begin() + kHeard / 2, later_s.end());
+  for (Onset& onset : drop.onsets) onset.t_s += later_s[kHeard / 2];
+  drop.reference_u = reference.u;
 }
 
 std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
@@ -158,10 +210,9 @@ std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
 
 /// Moves the times to the start of contact.
 void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
-  if (!drop.contact) return;
   for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
     if (!(drop.v_mps[k] > 0.0)) continue;
-    const double delay = contact_delay(drop.v_mps[k], drop.contact->reference_u);
+    const double delay = contact_delay(drop.v_mps[k], drop.reference_u);
     drop.onsets[k].t_s -= delay * law.tau_1_s;
     drop.onsets[k].sigma_t_s = std::hypot(*drop.onsets[k].sigma_t_s, delay * law.sigma_s);
   }
@@ -180,6 +231,7 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
   const bool share = std::any_of(heard.trains.begin(), heard.trains.end(),
                                  [](const Train& train) { return train.impacts.size() < kOwnWave; });
   if (share) shared = wave_of_recording(heard);
+  std::optional<Reference> reference;
   std::size_t longest = 0;
   for (std::size_t k = 0; k < heard.trains.size(); ++k) {
     const Train& train = heard.trains[k];
@@ -193,13 +245,15 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
         train.impacts.size() >= kOwnWave ? wave_of_train(band, heard, train) : std::nullopt;
     const ImpactWave* wave = own ? &*own : shared ? &*shared : nullptr;
     drops.push_back(time_drop(band, heard, train, wave, end_s));
+    if (wave != nullptr && reference) set_to(*reference, *wave, band, drops.back());
+    if (wave != nullptr && !reference) reference = Reference{*wave, drops.back().reference_u};
     if (wave != nullptr && train.impacts.size() > longest) {
       longest = train.impacts.size();
       timed.wave = to_learned_wave(*wave, heard.band.rate_hz);
     }
   }
   const std::optional<ContactLaw> law = contact_law_of(drops);
-  if (law) timed.contact_time_at_1_mps_s = law->tau_1_s;
+  if (law && law->is_heard) timed.contact_time_at_1_mps_s = law->tau_1_s;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     if (law) correct_for_contact(*law, drops[k]);
     for (Onset& onset : drops[k].onsets) {
