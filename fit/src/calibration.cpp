@@ -6,6 +6,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/fit/histogram_fit.hpp"
 #include "law_likelihood.hpp"
 #include "maximise.hpp"
 
@@ -13,6 +14,8 @@ namespace bouncelab {
 namespace {
 
 const std::vector<double> kNodeSpeeds_mps{0.25, 0.6, 1.2};
+const std::vector<double> kWindows_mps{0.3, 0.6, 1.0};
+constexpr double kWindowWidth_mps = 0.1;
 
 void check(const CalibrationConfig& c) {
   const auto require = [](bool good, const std::string& what) {
@@ -64,6 +67,35 @@ std::vector<double> bounds(const CalibrationConfig& config) {
   return result;
 }
 
+/// Windows of p(eps) that lie among the speeds.
+std::vector<double> windows_of(const CalibrationConfig& config) {
+  std::vector<double> windows;
+  for (const double v : kWindows_mps)
+    if (v - 0.5 * kWindowWidth_mps >= config.v_lo_mps && v + 0.5 * kWindowWidth_mps <= config.v_hi_mps)
+      windows.push_back(v);
+  return windows;
+}
+
+/// Cramer-Rao bounds of rising and falling slope in a window, peak and both slopes unknown, the drift inside it known.
+std::pair<double, double> slope_bounds(const CalibrationConfig& config, double v_mps) {
+  // as many as make the prior on the sides' ratio negligible
+  constexpr std::size_t kCopies = 4000;
+  const double tau = std::max(config.sigma_eps_at_1mps / v_mps, 1e-12);
+  const LawData data{std::vector(kCopies, v_mps), std::vector(kCopies, restitution(config.law, v_mps)),
+                     std::vector(kCopies, tau), std::vector<std::size_t>(kCopies, 0)};
+  const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
+  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, v_mps});
+  Eigen::VectorXd theta(3);
+  theta << data.eps[0], std::log(config.below_at_1mps / v_mps), std::log(config.above_at_1mps / v_mps);
+  const double n = static_cast<double>(config.n_samples) *
+                   std::log((v_mps + 0.5 * kWindowWidth_mps) / (v_mps - 0.5 * kWindowWidth_mps)) /
+                   std::log(config.v_hi_mps / config.v_lo_mps);
+  const Eigen::MatrixXd white = whitening(likelihood.information(theta) * (n / kCopies), 1e-12);
+  const Eigen::VectorXd variances = (white * white.transpose()).diagonal();
+  return {std::sqrt(variances[1]) * v_mps / config.below_at_1mps,
+          std::sqrt(variances[2]) * v_mps / config.above_at_1mps};
+}
+
 struct Sums {
   double n = 0.0, x = 0.0, xx = 0.0, se = 0.0, pull = 0.0, pull2 = 0.0, in68 = 0.0, in95 = 0.0;
   void add(const Estimate& e, double truth) {
@@ -95,7 +127,31 @@ std::vector<CalibrationRow> rows_of(const CalibrationConfig& config) {
   }
   for (const int order : orders_of(config.law))
     rows.push_back({"A" + std::to_string(order), config.law.a[static_cast<std::size_t>(order)]});
+  const std::vector<double> cramer_rao = bounds(config);
+  for (std::size_t j = 0; j < rows.size(); ++j) rows[j].cramer_rao = cramer_rao[j];
+  for (const double v : windows_of(config)) {
+    const auto [rising, falling] = slope_bounds(config, v);
+    const std::string speed = "(" + std::to_string(v).substr(0, 3) + ")";
+    rows.push_back({"rising" + speed, v / config.below_at_1mps, rising});
+    rows.push_back({"falling" + speed, v / config.above_at_1mps, falling});
+  }
   return rows;
+}
+
+/// What a seed's samples say, in the order of the rows; empty where the search did not converge.
+std::vector<Estimate> estimates_of(const RestitutionSamples& samples, const LawFitConfig& law,
+                                   const HistogramConfig& windows) {
+  const LawFit fit = fit_law(samples, law);
+  if (fit.status == FitStatus::not_converged || fit.nodes.empty()) return {};
+  std::vector<Estimate> estimates;
+  for (const NodeEstimate& node : fit.nodes) estimates.push_back(node.eps);
+  for (const NamedEstimate& parameter : fit.parameters) estimates.push_back(parameter.estimate);
+  for (const HistogramFit& window : fit_histograms(samples, windows, fit)) {
+    if (!window.slope_rising || window.status == FitStatus::not_converged) return {};
+    estimates.push_back(*window.slope_rising);
+    estimates.push_back(*window.slope_falling);
+  }
+  return estimates;
 }
 
 }  // namespace
@@ -124,27 +180,23 @@ CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallb
   validate(config.law);
   CalibrationResult result;
   result.rows = rows_of(config);
-  const std::vector<double> cramer_rao = bounds(config);
   std::vector<Sums> sums(result.rows.size());
   LawFitConfig fit_config;
   fit_config.orders = orders_of(config.law);
   fit_config.node_speeds_mps = kNodeSpeeds_mps;
   fit_config.intervals = config.intervals;
+  const HistogramConfig windows{windows_of(config), kWindowWidth_mps};
   for (std::size_t i = 0; i < config.n_seeds; ++i) {
     if (progress) progress(static_cast<double>(i), static_cast<double>(config.n_seeds));
-    const LawFit fit = fit_law(calibration_samples(config, i), fit_config);
-    if (fit.status == FitStatus::not_converged || fit.nodes.empty()) {
+    const std::vector<Estimate> found = estimates_of(calibration_samples(config, i), fit_config, windows);
+    if (found.size() != sums.size()) {
       ++result.n_failed;
       continue;
     }
-    for (std::size_t j = 0; j < sums.size(); ++j)
-      sums[j].add(j < fit.nodes.size() ? fit.nodes[j].eps : fit.parameters[j - fit.nodes.size()].estimate,
-                  result.rows[j].truth);
+    for (std::size_t j = 0; j < sums.size(); ++j) sums[j].add(found[j], result.rows[j].truth);
   }
-  for (std::size_t j = 0; j < sums.size(); ++j) {
-    result.rows[j].cramer_rao = cramer_rao[j];
+  for (std::size_t j = 0; j < sums.size(); ++j)
     if (sums[j].n > 1.0) sums[j].put(result.rows[j]);
-  }
   return result;
 }
 

@@ -36,7 +36,7 @@ RestitutionSamples rough(double scale = 1.0) {
       1);
 }
 
-const Conclusion& about(const std::vector<Conclusion>& all, const std::string& word) {
+Conclusion about(const std::vector<Conclusion>& all, const std::string& word) {
   for (const Conclusion& c : all)
     if (c.claim.find(word) != std::string::npos) return c;
   throw std::runtime_error("no conclusion about " + word);
@@ -45,7 +45,7 @@ const Conclusion& about(const std::vector<Conclusion>& all, const std::string& w
 TEST(Conclusions, AllHoldForTwoExponentialsThatNarrowAsTheSpeedGrows) {
   const FitResult fit = fit_all(rough(), {}), smooth = fit_all(rough(1e-3), {});
   for (const Conclusion& c : paper_conclusions(fit, &smooth, SeriesLaw{})) EXPECT_TRUE(c.holds) << c.claim;
-  const Conclusion& growth = about(paper_conclusions(fit, &smooth, SeriesLaw{}), "grows");
+  const Conclusion growth = about(paper_conclusions(fit, &smooth, SeriesLaw{}), "grows");
   ASSERT_TRUE(growth.value && growth.ci95);
   EXPECT_NEAR(*growth.value, -1.0, 0.05);  // 1/v went in; 30,000 samples in 12 bins give about 0.01
 }
@@ -56,7 +56,7 @@ TEST(Conclusions, ForNormalScatterOfOneWidthTheShapeTheSlopesAndTheGrowthDoNotHo
   EXPECT_EQ(all.size(), 4u);  // nothing is said of a smooth ball that was not there
   EXPECT_FALSE(about(all, "not normal").holds);
   EXPECT_FALSE(about(all, "slopes differ").holds);
-  const Conclusion& growth = about(all, "grows");
+  const Conclusion growth = about(all, "grows");
   ASSERT_TRUE(growth.value);
   EXPECT_NEAR(*growth.value, 0.0, 0.05);
 }

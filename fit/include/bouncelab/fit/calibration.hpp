@@ -11,7 +11,7 @@
 
 namespace bouncelab {
 
-/// A study of the law's fit on samples drawn from a known law: speeds log-uniform, two-exponential scatter whose mean
+/// A study of the law's fit and of the slopes of p(eps) on samples drawn from a known law: speeds log-uniform, two-exponential scatter whose mean
 /// distances go as 1/v, normal timing errors that go as 1/v and are stated.
 struct CalibrationConfig {
   std::size_t n_samples = 20000;  ///< per seed, >= 100
@@ -24,7 +24,7 @@ struct CalibrationConfig {
   std::uint64_t seed = 1;
 };
 
-/// Of one quantity (eps at a node, a constant A_i) over all seeds.
+/// Of one quantity (eps at a node, a constant A_i, a slope of p(eps)) over all seeds.
 struct CalibrationRow {
   std::string name;
   double truth = 0.0;
@@ -36,7 +36,8 @@ struct CalibrationRow {
 };
 
 struct CalibrationResult {
-  std::vector<CalibrationRow> rows;  ///< eps at 0.25, 0.6, 1.2 m/s, then the constants
+  /// eps at 0.25, 0.6, 1.2 m/s, the constants, rising and falling slope in windows of 0.1 m/s about 0.3, 0.6, 1 m/s.
+  std::vector<CalibrationRow> rows;
   std::size_t n_failed = 0;          ///< seeds whose fit did not converge: not in the rows
 };
 
