@@ -99,7 +99,7 @@ void conclude(Detection& d) {
     d.status = DetectionStatus::too_few_impacts;
     d.message =
         std::to_string(d.summary.n_candidates) +
-        " sounds that rise like impacts, but no five of them in intervals that shrink like those of a bouncing ball";
+        " sounds that rise like impacts, but no four of them in intervals that shrink like those of a bouncing ball";
   } else {
     d.status = DetectionStatus::silent;
     d.message = "nothing rises above the noise";

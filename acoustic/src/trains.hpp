@@ -23,11 +23,13 @@ struct Train {
 /// The set of trains, one after the other in time, that is most probable against chance.
 ///
 /// Dynamic programming over (last impact, last flight time T, running mean of log eps). An impact at t after a flight T
-/// scores log[ p_heard p(log eps) |d log eps / dt| / lambda ], eps = (t - t_last)/T, where p is a Student core about
-/// the running mean of the train (so that eps(v) may drift, whatever the material) plus a flat part for single losses
-/// and gains, and lambda the rate, in the neighbourhood, of candidates at least as strong: what chance would offer. Up
-/// to two successive impacts may be missing. A train has at least five impacts and loses energy on the whole.
-/// @param timing_s  error of the candidates' times, standard deviation [s]
+/// scores log[ p_heard p(log eps) |d log eps / dt| / c ], eps = (t - t_last)/T, where p is a Student core about the
+/// running mean of the train (so that eps(v) may drift, whatever the material) plus a flat part for single losses and
+/// gains, and c what chance or a rhythm would offer (chance.hpp); and the odds that its loudness goes with its speed.
+/// Up to two successive impacts may be missing. A train has at least four impacts, loses energy on the whole, and more
+/// than it scatters (train_model.hpp).
+/// @param timing_s  error of the candidates' times, standard deviation [s]; where only a longer window noticed, 0.15 of
+/// it
 std::vector<Train> find_trains(const std::vector<Candidate>& candidates, double timing_s);
 
 }  // namespace bouncelab

@@ -20,7 +20,7 @@ struct DetectionConfig {
 
 enum class DetectionStatus {
   ok,               ///< at least one train of impacts
-  too_few_impacts,  ///< sounds, but no train of at least five impacts among them
+  too_few_impacts,  ///< sounds, but no train of at least four impacts among them
   silent,           ///< nothing rises above the noise
 };
 

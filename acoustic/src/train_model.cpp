@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "train_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bouncelab {
+namespace {
+
+constexpr double kShortestFlight_s = 1e-3;
+constexpr double kShortestTrain_s = 0.4;  // a voice's pulses shrink for less
+constexpr double kLeastOfMean = 0.7;      // single losses of 20 % are real, of 30 % not
+constexpr double kMostOfMean = 1.4;
+constexpr double kMostUnheard = 0.15;      // of the impacts, and one more
+constexpr double kMostOutliers = 0.1;      // of the impacts, and one more
+constexpr double kScatter = 0.015;         // of log eps from impact to impact, before the train itself is heard
+constexpr double kScatterWeight = 3.0;     // impacts that this prior is worth: 0.003 and 0.06 are both plausible
+constexpr double kAmplitudeScatter = 0.4;  // of log amplitude from impact to impact: the place struck varies
+constexpr double kChanceAmplitude = 1.2;   // of log amplitude from one sound to any other
+constexpr double kOutlier = 0.05;          // share of single losses and gains
+constexpr double kHeard = 0.93;
+constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
+constexpr std::int64_t kLeastImpacts = 4;  // two coefficients of restitution
+constexpr double kLargestMeanEps = 0.997;  // a clock is no ball,
+constexpr double kLeastLogLoss = 0.045;    // nor is one that jumped once,
+constexpr double kLeastLosing = 0.6;       // nor one that jumped twice: most impacts lose energy
+constexpr double kLossOverScatter = 0.6;   // a rhythm drifts by less than it scatters, a ball loses more
+constexpr double kStartCost = 4.0;         // prior log odds against a train within some seconds
+constexpr double kAcceptance = 8.0;        // log odds a train must reach: 1 in 3000 by chance
+
+/// eps such that the time since the last impact is flight (eps + eps^2 + ...), n_missing + 1 terms.
+double eps_of_gap(double gap_over_flight, int n_missing) {
+  double eps = gap_over_flight / (n_missing + 1);
+  for (int iteration = 0; iteration < 5 && n_missing > 0; ++iteration) {
+    double sum = 0.0;
+    double slope = 0.0;
+    double power = 1.0;
+    for (int k = 0; k <= n_missing; ++k) {
+      slope += (k + 1) * power;
+      power *= eps;
+      sum += power;
+    }
+    eps -= (sum - gap_over_flight) / slope;
+  }
+  return eps;
+}
+
+/// What errors of the times add to log eps, standard deviation.
+double jitter(const TrainState& train, const HeardSound& next) {
+  return std::hypot(next.sigma_s, 2.0 * train.last[0].sigma_s, train.last[1].sigma_s) / train.flight_s;
+}
+
+/// Standard deviation of the next log eps about the running mean of the train.
+double spread(const TrainState& train, int n_missing, double jitter) {
+  const double n = std::clamp(train.n_eps, 1, kMemory);
+  const double variance = (kScatterWeight * kScatter * kScatter + train.sum_squares) / (kScatterWeight + train.n_eps);
+  return std::sqrt(variance * (1.0 + 1.0 / n) * (1.0 + n_missing) + jitter * jitter);
+}
+
+/// Density of log eps given the train so far.
+double density(double log_eps, const TrainState& train, double width) {
+  constexpr double kFlat = kLargestEps - kLeastEps;
+  const double flat = std::exp(log_eps) / kFlat;  // eps uniform
+  if (train.n_eps == 0) return flat;
+  return (1.0 - kOutlier) * student3(log_eps - train.mean_log_eps, width) + kOutlier * flat;
+}
+
+/// Odds that the amplitude goes with the train rather than with any sound: the sound of an impact is about as its
+/// speed.
+double log_odds_of_amplitude(double log_ratio, double log_eps) {
+  const double deviation = log_ratio - log_eps;
+  return std::log(student3(deviation, kAmplitudeScatter) / student3(deviation, kChanceAmplitude));
+}
+
+TrainState::Heard to_heard(const HeardSound& s) { return {s.candidate.t_s, s.candidate.amplitude, s.sigma_s}; }
+
+/// Impacts of the train that are among the stronger rivals of the next one.
+int n_own_rivals(const TrainState& train, const Candidate& next, double flight_s) {
+  const double window_s = rival_window_s(flight_s);
+  return static_cast<int>(std::count_if(train.last.begin(), train.last.end(), [&](const TrainState::Heard& h) {
+    return h.amplitude >= next.amplitude && next.t_s - h.t_s <= window_s;
+  }));
+}
+
+/// Takes the ratio of intervals into what is known of the train.
+void learn_eps(TrainState& s, double log_eps, double width, double jitter) {
+  const bool is_first = s.n_eps == 0;
+  const double deviation = is_first ? 0.0 : log_eps - s.mean_log_eps;
+  // one loss or gain must not carry the mean away
+  const double step = is_first ? log_eps : std::clamp(deviation, -3.0 * width, 3.0 * width);
+  s.n_eps += 1;
+  if (!is_first) {
+    s.sum_squares += step * step * (s.n_eps - 1) / s.n_eps;
+    s.sum_jitter_squares += jitter * jitter;
+  }
+  s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
+  s.n_losing += log_eps < std::log(kLargestMeanEps) ? 1 : 0;
+  s.log_loss -= s.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
+  s.mean_log_eps += step / std::min(s.n_eps, kMemory);
+  s.mean_eps = std::exp(s.mean_log_eps);
+}
+
+}  // namespace
+
+TrainState begin_train(const HeardSound& first, const HeardSound& second) {
+  static const double kLogRange = std::log(kLongestFlight_s / kShortestFirstFlight_s);
+  TrainState s;
+  s.first_s = first.candidate.t_s;
+  s.flight_s = second.candidate.t_s - s.first_s;
+  s.last = {to_heard(second), to_heard(first)};
+  const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
+  s.log_odds = -kStartCost - std::log(chance_of_first(first.rivals)) -
+               std::log(kLogRange * s.flight_s * chance_rate(second.rivals, s.flight_s, n_own));
+  return s;
+}
+
+std::optional<TrainState> extend_train(const TrainState& from, int n_missing, const HeardSound& next) {
+  const double gap = (next.candidate.t_s - from.last[0].t_s) / from.flight_s;
+  const double eps = eps_of_gap(gap, n_missing);
+  if (eps < kLeastEps || eps > kLargestEps) return {};
+  if (from.n_eps > 0 && (eps < kLeastOfMean * from.mean_eps || eps > kMostOfMean * from.mean_eps)) return {};
+  double slope = 0.0;  // d(gap) / d(eps)
+  double last_flight = 1.0;
+  for (int m = 0; m <= n_missing; ++m) {
+    slope += (m + 1) * last_flight;
+    last_flight *= eps;
+  }
+  TrainState s = from;
+  s.flight_s = from.flight_s * last_flight;
+  if (s.flight_s < kShortestFlight_s) return {};
+  const double log_eps = std::log(eps);
+  const double timing = jitter(from, next);
+  const double width = spread(from, n_missing, timing);
+  const double per_flight = density(log_eps, from, width) / (eps * slope);
+  const double chance =
+      from.flight_s * chance_rate(next.rivals, s.flight_s, n_own_rivals(from, next.candidate, s.flight_s));
+  s.log_odds += std::log(kHeard * std::pow(1.0 - kHeard, n_missing) * per_flight / (chance + rhythm_density(gap)));
+  s.log_odds +=
+      log_odds_of_amplitude(std::log(next.candidate.amplitude / from.last[0].amplitude), (n_missing + 1) * log_eps);
+  learn_eps(s, log_eps, width, timing);
+  s.impact += n_missing + 1;
+  s.n_heard += 1;
+  s.last = {to_heard(next), from.last[0], from.last[1]};
+  return s;
+}
+
+bool is_complete(const TrainState& s) {
+  if (s.n_heard < kLeastImpacts || s.log_odds < kAcceptance || s.last[0].t_s - s.first_s < kShortestTrain_s)
+    return false;
+  const double n = s.n_eps;
+  const double scatter = std::sqrt(std::max(0.0, s.sum_squares - s.sum_jitter_squares) / n);
+  return static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
+         s.n_outliers <= 1 + kMostOutliers * n && s.n_losing >= kLeastLosing * n &&
+         s.log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), n * kLossOverScatter * scatter});
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "candidates.hpp"
+#include "chance.hpp"
+
+namespace bouncelab {
+
+// limits of what is followed
+constexpr double kShortestFirstFlight_s = 40e-3;  // a train begins with 0.2 m/s or more, a drop from 2 mm
+constexpr double kLongestFlight_s = 2.5;          // a fall from 7.6 m
+constexpr double kLeastEps = 0.4;                 // a basketball on carpet has 0.5
+constexpr double kLargestEps = 1.2;               // single gains of a spinning ball
+constexpr int kMostMissing = 2;                   // impacts in a row that were not heard
+constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight
+
+/// A candidate as the model of trains sees it.
+struct HeardSound {
+  const Candidate& candidate;
+  const Rivals& rivals;
+  double sigma_s = 0.0;  ///< error of its time
+};
+
+/// What a train is up to an impact.
+struct TrainState {
+  double log_odds = 0.0;  ///< against chance
+  double flight_s = 0.0;  ///< last interval, or what it would have been
+  double mean_log_eps = 0.0;
+  double mean_eps = 1.0;
+  double sum_squares = 0.0;         ///< of the deviations of log eps from its running mean, large ones cut
+  double sum_jitter_squares = 0.0;  ///< of these, what errors of the times explain
+  double log_loss = 0.0;            ///< -sum of log eps, large deviations cut
+  int n_outliers = 0;               ///< ratios that only the flat part explains
+  int n_losing = 0;                 ///< ratios below that of a clock
+  int n_eps = 0;                    ///< ratios of intervals seen
+  std::int64_t impact = 1;
+  std::int64_t n_heard = 2;
+  double first_s = 0.0;
+  struct Heard {
+    double t_s = 0.0;
+    double amplitude = 0.0;
+    double sigma_s = 0.0;
+  };
+  std::array<Heard, 3> last{};  ///< the last first; amplitude 0 = there was none
+};
+
+TrainState begin_train(const HeardSound& first, const HeardSound& second);
+
+/// The train with one more impact, n_missing unheard ones before it; nothing where no ball does that.
+std::optional<TrainState> extend_train(const TrainState& train, int n_missing, const HeardSound& next);
+
+/// Whether it is a ball and no rhythm, voice or chance.
+bool is_complete(const TrainState& train);
+
+}  // namespace bouncelab
