@@ -70,6 +70,13 @@ void check_promised_length(SNDFILE* file, const std::string& name) {
   }
 }
 
+/// Integers are finite; floats, and what a lossy codec makes, need not be.
+bool may_be_infinite(int format) {
+  const int sub = format & SF_FORMAT_SUBMASK;
+  return sub != SF_FORMAT_PCM_S8 && sub != SF_FORMAT_PCM_U8 && sub != SF_FORMAT_PCM_16 && sub != SF_FORMAT_PCM_24 &&
+         sub != SF_FORMAT_PCM_32;
+}
+
 std::string describe_format(int format) {
   SF_FORMAT_INFO major{};
   SF_FORMAT_INFO sub{};
@@ -120,6 +127,7 @@ struct AudioReader::State {
   std::filesystem::path path;
   SNDFILE* file = nullptr;
   AudioFormat format;
+  bool may_be_infinite = true;
   std::int64_t next_frame = 0;      // where libsndfile stands
   std::int64_t buffered_first = 0;  // interleaved frames kept from the last read, so that channels share them
   Samples buffered;
@@ -128,8 +136,10 @@ struct AudioReader::State {
     if (file != nullptr) sf_close(file);
   }
 
+  bool is_held_whole() const { return format.n_frames * format.n_channels <= kMostHeldWhole; }
+
   void fill_buffer(std::int64_t first) {
-    const bool whole = format.n_frames * format.n_channels <= kMostHeldWhole;
+    const bool whole = is_held_whole();
     if (whole) first = 0;
     const std::int64_t n = whole ? format.n_frames : std::min(kFramesAtOnce, format.n_frames - first);
     if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
@@ -144,7 +154,7 @@ struct AudioReader::State {
                           " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
     }
     buffered_first = first;
-    check_finite();
+    if (may_be_infinite) check_finite();
   }
 
   void check_finite() const {
@@ -177,6 +187,7 @@ AudioReader::AudioReader(std::filesystem::path path) : state_(std::make_unique<S
     throw FileError(s.path.string(), "not readable as audio (" + reason + "); convert it: ffmpeg -i IN OUT.wav");
   }
   s.format = {static_cast<double>(info.samplerate), info.channels, info.frames, describe_format(info.format)};
+  s.may_be_infinite = may_be_infinite(info.format);
   check_promised_length(s.file, s.path.string());
   if (info.frames <= 0 || info.channels <= 0) throw FileError(s.path.string(), "holds no samples; record again");
   if (s.format.rate_hz < kLowestRate_hz || s.format.rate_hz > kHighestRate_hz)
@@ -213,8 +224,17 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
 }
 
 Sound AudioReader::sound(int channel) {
-  return {state_->format.rate_hz, state_->format.n_frames,
-          [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); }};
+  State& s = *state_;
+  Sound sound{s.format.rate_hz,
+              s.format.n_frames,
+              [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); },
+              {},
+              0};
+  if (s.format.n_channels == 1 && s.is_held_whole()) {
+    if (s.buffered.size() == 0) s.fill_buffer(0);
+    sound.held = {s.buffered.begin(), s.buffered.end()};
+  }
+  return sound;
 }
 
 }  // namespace bouncelab

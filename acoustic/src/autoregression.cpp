@@ -137,8 +137,12 @@ void read_innovations(const Sound& sound, const Autoregression& model, std::int6
   std::vector<float> x(std::min(kAtOnce, out.size()) + order);
   for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, out.size() - at);
-    const auto here = std::span(x).first(n + order);
-    read_padded(sound, first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order), here);
+    const std::int64_t begin = first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order);
+    std::span<const float> here = held_stretch(sound, begin, n + order);
+    if (here.empty()) {
+      read_padded(sound, begin, std::span(x).first(n + order));
+      here = std::span(x).first(n + order);
+    }
     correlate(here, taps, out.subspan(at, n));
   }
 }

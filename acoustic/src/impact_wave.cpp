@@ -315,7 +315,7 @@ WavePlace find_place(const WaveTemplate& wave, const Spectrum& sound, double rea
   const std::vector<float> products = twice.inverse(product_conj(wave.wave(), sound));
   const auto n = static_cast<std::int64_t>(products.size());
   const std::int64_t last = std::min<std::int64_t>(n / 2 - 2, std::llround(2.0 * reach));
-  const auto at = [&](std::int64_t k) { return products[static_cast<std::size_t>((k + n) % n)]; };
+  const auto at = [&](std::int64_t k) { return products[static_cast<std::size_t>(k < 0 ? k + n : k)]; };
   std::int64_t best = -last;
   for (std::int64_t k = -last; k <= last; ++k)
     if (at(k) > at(best)) best = k;

@@ -35,7 +35,7 @@ Sound low_band(const Sound& sound, int factor) {
     for (std::size_t n = 0; n < out.size(); ++n)
       out[n] = static_cast<float>(dot(taps, std::span(x).subspan(n * static_cast<std::size_t>(factor), taps.size())));
   };
-  return {sound.rate_hz / factor, sound.n_samples / factor, read};
+  return {sound.rate_hz / factor, sound.n_samples / factor, read, {}, 0};
 }
 
 }  // namespace bouncelab

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
@@ -68,24 +67,27 @@ std::optional<ImpactWave> wave_of_train(const Sound& band, const HeardRecording&
   return learn(band, heard, rough);
 }
 
-/// The sound around a train, read once: held in memory where it is no longer than a few minutes.
-Sound held(const Sound& sound, double begin_s, double end_s) {
+/// The sound around a train, read once into memory where it is no longer than a few minutes.
+Sound held(const Sound& sound, double begin_s, double end_s, std::vector<float>& room) {
   constexpr double kAround_s = 0.2;
   constexpr std::int64_t kMost = 1 << 24;  // samples, 64 MB
   const std::int64_t first =
       std::clamp<std::int64_t>(std::llround((begin_s - kAround_s) * sound.rate_hz), 0, sound.n_samples);
   const std::int64_t last =
       std::clamp<std::int64_t>(std::llround((end_s + kAround_s) * sound.rate_hz), first, sound.n_samples);
-  if (last - first > kMost || last == first) return sound;
-  const auto samples = std::make_shared<std::vector<float>>(static_cast<std::size_t>(last - first));
-  sound.read(first, *samples);
-  return {sound.rate_hz, sound.n_samples, [sound, samples, first, last](std::int64_t from, std::span<float> out) {
+  const auto n = static_cast<std::size_t>(last - first);
+  if (last - first > kMost || last == first || !held_stretch(sound, first, n).empty()) return sound;
+  room.resize(n);
+  sound.read(first, room);
+  return {sound.rate_hz, sound.n_samples,
+          [sound, &room, first, last](std::int64_t from, std::span<float> out) {
             const std::int64_t to = from + static_cast<std::int64_t>(out.size());
             if (from >= first && to <= last)
-              std::copy_n(samples->begin() + (from - first), out.size(), out.begin());
+              std::copy_n(room.begin() + (from - first), out.size(), out.begin());
             else
               sound.read(from, out);
-          }};
+          },
+          room, first};
 }
 
 std::optional<ImpactWave> wave_of_recording(const HeardRecording& heard) {
@@ -233,6 +235,7 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
   if (share) shared = wave_of_recording(heard);
   std::optional<Reference> reference;
   std::size_t longest = 0;
+  std::vector<float> room;
   for (std::size_t k = 0; k < heard.trains.size(); ++k) {
     const Train& train = heard.trains[k];
     const double end_s = k + 1 < heard.trains.size()
@@ -240,11 +243,13 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
                              : static_cast<double>(heard.band.n_samples) / heard.band.rate_hz;
     const double begin_s = heard.candidates[train.impacts.front().candidate].t_s;
     const double last_s = heard.candidates[train.impacts.back().candidate].t_s;
-    const Sound band = held(heard.band, begin_s, last_s);
+    const Sound band = held(heard.band, begin_s, last_s, room);
+    const HeardRecording here{band, heard.band.rate_hz == heard.whole.rate_hz ? band : heard.whole, heard.noise,
+                              heard.candidates, heard.trains};
     const std::optional<ImpactWave> own =
-        train.impacts.size() >= kOwnWave ? wave_of_train(band, heard, train) : std::nullopt;
+        train.impacts.size() >= kOwnWave ? wave_of_train(band, here, train) : std::nullopt;
     const ImpactWave* wave = own ? &*own : shared ? &*shared : nullptr;
-    drops.push_back(time_drop(band, heard, train, wave, end_s));
+    drops.push_back(time_drop(band, here, train, wave, end_s));
     if (wave != nullptr && reference) set_to(*reference, *wave, band, drops.back());
     if (wave != nullptr && !reference) reference = Reference{*wave, drops.back().reference_u};
     if (wave != nullptr && train.impacts.size() > longest) {

@@ -16,9 +16,17 @@ Sound sound_in_memory(std::span<const float> samples, double rate_hz) {
   if (bad != samples.end())
     throw InvalidArgument("sample " + std::to_string(bad - samples.begin()) +
                           " is not a finite number; remove or repair it");
-  return {rate_hz, static_cast<std::int64_t>(samples.size()), [samples](std::int64_t first, std::span<float> out) {
+  return {rate_hz, static_cast<std::int64_t>(samples.size()),
+          [samples](std::int64_t first, std::span<float> out) {
             std::copy_n(samples.begin() + first, out.size(), out.begin());
-          }};
+          },
+          samples, 0};
+}
+
+std::span<const float> held_stretch(const Sound& sound, std::int64_t first, std::size_t n) {
+  const std::int64_t offset = first - sound.held_first;
+  const bool all = offset >= 0 && offset + static_cast<std::int64_t>(n) <= std::ssize(sound.held);
+  return all ? sound.held.subspan(static_cast<std::size_t>(offset), n) : std::span<const float>{};
 }
 
 void read_padded(const Sound& sound, std::int64_t first, std::span<float> out) {
