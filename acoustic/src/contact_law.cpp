@@ -63,7 +63,7 @@ ContactFit with_usual(ContactFit fit) {
 /// The root, where it is real.
 ContactLaw law_of(const ContactFit& fit) {
   const double square = std::max(fit.tau2_s2, 0.0);
-  return {std::sqrt(square), std::sqrt(square + fit.sigma2_s2) - std::sqrt(square), false};
+  return {std::sqrt(square), std::sqrt(square + fit.sigma2_s2) - std::sqrt(square)};
 }
 
 }  // namespace
@@ -80,6 +80,7 @@ std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drop
   law.tau_1_s = share * a.tau_1_s + (1.0 - share) * b.tau_1_s;
   law.sigma_s = std::sqrt(share * a.sigma_s * a.sigma_s + (1.0 - share) * b.sigma_s * b.sigma_s +
                           share * (1.0 - share) * std::pow(a.tau_1_s - b.tau_1_s, 2));
+  law.hertz_tau_1_s = a.tau_1_s;
   law.is_heard = heard[0].tau2_s2 > kCertain * heard[0].sigma2_s2;
   return law;
 }

@@ -25,9 +25,10 @@ struct ContactEvidence {
 
 /// Duration of contact tau = tau_1 v^(-1/5) (Hertz), as the recording itself shows it.
 struct ContactLaw {
-  double tau_1_s = 0.0;   ///< at 1 m/s
-  double sigma_s = 0.0;   ///< its standard error
-  bool is_heard = false;  ///< the sound alone tells it, to four standard errors
+  double tau_1_s = 0.0;        ///< at 1 m/s
+  double sigma_s = 0.0;        ///< its standard error
+  double hertz_tau_1_s = 0.0;  ///< under Hertz's pulse alone
+  bool is_heard = false;       ///< the sound alone tells it, to four standard errors
 };
 
 /// How much later than the start of contact, against a wave of v^(-1/5) = reference_u, a wave places an impact, per

@@ -9,6 +9,7 @@
 #include "contact_law.hpp"
 #include "impact_timing.hpp"
 #include "impact_wave.hpp"
+#include "overlaps.hpp"
 #include "train_timing.hpp"
 
 namespace bouncelab {
@@ -114,7 +115,7 @@ Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const Impact
   Onset onset;
   onset.impact = from.impact;
   onset.t_s = from.timed.t_s;
-  onset.sigma_t_s = from.timed.sigma_s;
+  onset.sigma_t_s = std::hypot(from.timed.sigma_s, from.doubt_s);
   if (wave != nullptr) {
     onset.amplitude = from.timed.amplitude * wave->peak;
     onset.snr_db = 20.0 * std::log10(*onset.amplitude / std::sqrt(heard.noise.quiet_variance));
@@ -126,16 +127,20 @@ Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const Impact
   return onset;
 }
 
-std::vector<double> speeds_of(const Onsets& onsets) {
+bool is_clear(const TrainOnset& onset, const HeardRecording& heard) {
+  return !onset.overlap && !onset.inferred && !onset.doubtful && std::isinf(clip_level(heard.whole, onset.timed.t_s));
+}
+
+std::vector<double> speeds_of(const std::vector<TrainOnset>& onsets) {
   std::vector<double> v_mps(onsets.size(), 0.0);
   const auto flight_s = [&](std::size_t k) {  // between onset k - 1 and k; 0 where one between them was not heard
-    return onsets[k].impact == onsets[k - 1].impact + 1 ? onsets[k].t_s - onsets[k - 1].t_s : 0.0;
+    return onsets[k].impact == onsets[k - 1].impact + 1 ? onsets[k].timed.t_s - onsets[k - 1].timed.t_s : 0.0;
   };
   for (std::size_t k = 1; k < onsets.size(); ++k) v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k);
   for (std::size_t k = 0; k + 1 < onsets.size(); ++k)
     if (v_mps[k] == 0.0 && flight_s(k + 1) > 0.0) {
-      const double next_s =
-          k + 2 < onsets.size() ? flight_s(k + 2) : 0.0;  // eps, which takes the speed after to that before
+      const double next_s = k + 2 < onsets.size() ? flight_s(k + 2) : 0.0;
+      // which takes the speed after the impact to that before
       const double eps = next_s > 0.0 ? std::clamp(next_s / flight_s(k + 1), 0.3, 1.0) : 1.0;
       v_mps[k] = 0.5 * kDefaultGravity_mps2 * flight_s(k + 1) / eps;
     }
@@ -156,17 +161,22 @@ double reference_u(const std::vector<SpeedAndTime>& impacts) {
 TimedDrop time_drop(const Sound& band, const HeardRecording& heard, const Train& train, const ImpactWave* wave,
                     double end_s) {
   TimedDrop drop;
-  const std::vector<TrainOnset> onsets =
+  std::vector<TrainOnset> onsets =
       wave != nullptr ? time_train(band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
+  drop.v_mps = speeds_of(onsets);
+  if (wave != nullptr) {
+    std::vector<SpeedAndTime> clear;
+    for (std::size_t k = 0; k < onsets.size(); ++k)
+      if (drop.v_mps[k] > 0.0 && is_clear(onsets[k], heard))
+        clear.push_back({onsets[k].timed.t_s, onsets[k].timed.amplitude, drop.v_mps[k]});
+    drop.contact = fit_contact(read_levels(band, *wave, clear));
+    drop.reference_u = reference_u(clear);
+    std::vector<double> u;
+    for (const double v_mps : drop.v_mps) u.push_back(v_mps > 0.0 ? std::pow(v_mps, -0.2) : 0.0);
+    const std::optional<ContactLaw> law = drop.contact ? pool_contacts({*drop.contact}) : std::nullopt;
+    part_overlapping(band, *wave, law, u, drop.reference_u, onsets);
+  }
   for (const TrainOnset& onset : onsets) drop.onsets.push_back(to_onset(onset, heard, wave));
-  drop.v_mps = speeds_of(drop.onsets);
-  if (wave == nullptr) return drop;
-  std::vector<SpeedAndTime> clear;
-  for (std::size_t k = 0; k < drop.onsets.size(); ++k)
-    if (drop.v_mps[k] > 0.0 && drop.onsets[k].flags.empty())
-      clear.push_back({drop.onsets[k].t_s, *drop.onsets[k].amplitude, drop.v_mps[k]});
-  drop.contact = fit_contact(read_levels(band, *wave, clear));
-  drop.reference_u = reference_u(clear);
   return drop;
 }
 

@@ -94,9 +94,13 @@ class TrainTimer {
     ImpactTimer again(sound_, wave_);
     for (std::size_t k = 0; k < onsets_.size(); ++k) {
       TrainOnset& onset = onsets_[k];
-      if (choices[k].other) {
-        onset.timed = again.time(places[k].other_s, 0.0, onset.until_s);
-        onset.timed.runner_up_s = places[k].t_s;
+      const double next_s = k + 1 < onsets_.size() ? onsets_[k + 1].timed.t_s : INFINITY;
+      const bool next_was_unknown = next_s - onset.timed.t_s < wave_s_ && onset.until_s > next_s + kShortestInterval_s;
+      if (choices[k].other || next_was_unknown) {
+        onset.until_s = std::min(onset.until_s, next_s);
+        onset.timed = again.time(choices[k].other ? places[k].other_s : onset.timed.t_s, 0.0, onset.until_s);
+        onset.timed.runner_up_s = choices[k].other ? places[k].t_s : places[k].other_s;
+        onset.overlap = onset.overlap || next_was_unknown;
       }
       doubt(onset, choices[k].lead);
       again.remember(onset.timed);
@@ -110,7 +114,7 @@ class TrainTimer {
     TimedImpact& t = onset.timed;
     const double odds = std::exp(-lead);
     onset.doubtful = odds > kAmbiguous;
-    t.sigma_s = std::hypot(t.sigma_s, std::sqrt(odds) / (1.0 + odds) * (t.runner_up_s - t.t_s));
+    onset.doubt_s = std::sqrt(odds) / (1.0 + odds) * (t.runner_up_s - t.t_s);
   }
 
   void keep(const TrainOnset& onset) {

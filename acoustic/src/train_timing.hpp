@@ -17,7 +17,8 @@ struct TrainOnset {
   double until_s = 0.0;   ///< from here on the sound belongs to the next impact
   bool inferred = false;  ///< found only because the train expected it
   bool overlap = false;   ///< its sound reaches into that of the next
-  bool doubtful = false;  ///< may be a cycle off; sigma_s says how far
+  bool doubtful = false;  ///< may be a cycle off
+  double doubt_s = 0.0;   ///< what that adds to the standard error, in quadrature
 };
 
 /// Times a train by the learned wave. Where an impact is missing it is searched for at the time that its neighbours
