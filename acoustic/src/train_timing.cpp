@@ -10,24 +10,30 @@
 namespace bouncelab {
 namespace {
 
-constexpr double kEpsReach = 0.06;  // four times the scatter of log eps that trains.cpp starts from
+// of the interval: four times the scatter of the train's own ratios, within these
+constexpr double kLeastEpsReach = 0.015;
+constexpr double kMostEpsReach = 0.06;  // four times the scatter that train_model.cpp starts from
+// where nothing is found so near, a single loss or gain may be the reason: 0.73 to 1.07 of what is expected
+constexpr double kOutlierCentre = 0.9;
+constexpr double kOutlierReach = 0.17;
+constexpr double kStepOfWave = 0.25;
 constexpr double kShortestInterval_s = 1.2e-3;
 constexpr double kLargestAmplitudeRatio = 3.5;  // between neighbours; eps and the place struck explain up to two
-constexpr double kClearRise = 20.0;             // log likelihood ratio that no noise reaches in hours
 constexpr double kReliable = 0.7;               // half of an impact's energy is the wave's
 constexpr double kAmbiguous = 1e-3;             // odds of another place that are worth a flag
-constexpr int kMostFailures = 2;                // impacts not heard in a row, then the train is over
+constexpr int kMostFailures = 3;                // impacts not heard in a row, then the train is over
 
 // Gain over misfit from which an impact is believed. Under what still rings of others the misfit is that of few modes
 // and not that of noise, so that `threshold` says nothing: a rise where the train expects it needs least, a place
 // between two impacts more, one beyond the train's end most.
 constexpr double kRiseOverMisfit = 1.3;
 constexpr double kBetweenOverMisfit = 2.0;
-constexpr double kBeyondOverMisfit = 4.0;
+constexpr double kBeyondOverMisfit = 3.0;
+constexpr double kOutlierOverMisfit = 6.0;
 
-/// Log likelihood ratio that noise alone exceeds once in a thousand searches over n lags: the maximum of
-/// n squared normals.
-double threshold(double n_lags) { return std::log(n_lags) + 6.9; }
+/// Log likelihood ratio that noise alone exceeds once in a hundred searches over n lags: the maximum of n squared
+/// normals. A train goes on more often than not, so that a hundredth is enough.
+double threshold(double n_lags) { return std::log(n_lags) + 4.6; }
 
 class TrainTimer {
  public:
@@ -43,7 +49,7 @@ class TrainTimer {
   void add(const Candidate& c, std::int64_t impact, double next_s) {
     const double last_s = onsets_.empty() ? -1.0 : onsets_.back().timed.t_s;
     const double reach_s = std::min({c.reach_s, 0.25 * (next_s - c.t_s), 0.25 * (c.t_s - last_s)});
-    keep({impact, timer_.time(c.t_s, reach_s, next_s), next_s, false, next_s - c.t_s < wave_s_});
+    keep({impact, search(c.t_s, reach_s, next_s), next_s, false, next_s - c.t_s < wave_s_});
   }
 
   /// Searches for impacts between the last one and the next heard one.
@@ -62,24 +68,24 @@ class TrainTimer {
   /// Follows the train beyond its last impact.
   void follow() {
     for (int failures = 0; failures < kMostFailures && onsets_.size() >= 3;) {
-      const double flight_s = onsets_.back().timed.t_s - onsets_[onsets_.size() - 2].timed.t_s;
-      if (onsets_.back().impact - onsets_[onsets_.size() - 2].impact != 1) break;
-      double expected_s = flight_s;
+      const double eps = last_eps();
+      double expected_s = last_flight();
       double sum_s = 0.0;
-      for (int k = 0; k <= failures; ++k) sum_s += expected_s *= last_eps();
+      for (int k = 0; k <= failures; ++k) sum_s += expected_s *= eps;
       if (expected_s < kShortestInterval_s || onsets_.back().timed.t_s + sum_s + 0.5 * expected_s > end_s_) break;
-      if (infer(onsets_.back().impact + 1 + failures, sum_s, onsets_.back().timed.t_s + sum_s + 0.9 * expected_s,
-                kBeyondOverMisfit)) {
-        if (failures > 0) break;  // the interval before it is not known any more
-      } else {
-        ++failures;
-      }
+      const std::int64_t next = onsets_.back().impact + 1 + failures;
+      const double until_s = onsets_.back().timed.t_s + sum_s + 0.9 * expected_s;
+      const bool found =
+          infer(next, sum_s, until_s, kBeyondOverMisfit) ||
+          (failures == 0 && infer(next, kOutlierCentre * sum_s, kOutlierReach * sum_s, until_s, kOutlierOverMisfit));
+      failures = found ? 0 : failures + 1;
     }
   }
 
-  /// Gives up the last impact where the wave does not support it, nor a clear rise where impacts do not sound alike.
-  bool give_up_last(const Candidate& c) {
-    if (onsets_.size() <= 3 || (!wave_is_reliable_ && c.log_likelihood_ratio > kClearRise)) return false;
+  /// Gives up the last impact where the wave does not support it; where impacts do not sound alike, the wave has no
+  /// say.
+  bool give_up_last() {
+    if (onsets_.size() <= 3 || !wave_is_reliable_) return false;
     if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0, kRiseOverMisfit)) return false;
     onsets_.pop_back();
     return true;
@@ -122,17 +128,52 @@ class TrainTimer {
     onsets_.push_back(onset);
   }
 
-  /// Median ratio of the last intervals; 1 - 1e-3 at most, so that the geometric series stays one.
-  double last_eps() const {
+  /// The most likely impact within reach_s. A window that begins after an impact misses its loudest part, so that a
+  /// wide search takes several.
+  TimedImpact search(double t_s, double reach_s, double until_s) {
+    const double step_s = kStepOfWave * wave_s_;
+    TimedImpact best = timer_.time(t_s, reach_s, until_s);
+    if (reach_s < step_s) return best;
+    for (double from_s = t_s - reach_s; from_s < t_s + reach_s; from_s += step_s) {
+      const TimedImpact here = timer_.time(from_s, step_s, until_s);
+      if (here.gain > best.gain && std::abs(here.t_s - t_s) <= reach_s) best = here;
+    }
+    return best;
+  }
+
+  /// The last flight, or what it was where impacts before the last are missing.
+  double last_flight() const {
+    const TrainOnset& last = onsets_.back();
+    const TrainOnset& before = onsets_[onsets_.size() - 2];
+    const auto n = static_cast<double>(last.impact - before.impact);
+    const double eps = last_eps();
+    return (last.timed.t_s - before.timed.t_s) * std::pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - std::pow(eps, n));
+  }
+
+  /// Ratios of the last intervals, at most nine, sorted.
+  std::vector<double> last_ratios() const {
     std::vector<double> ratios;
     for (std::size_t k = onsets_.size(); k-- > 2 && ratios.size() < 9;)
       if (onsets_[k].impact - onsets_[k - 2].impact == 2)
         ratios.push_back((onsets_[k].timed.t_s - onsets_[k - 1].timed.t_s) /
                          (onsets_[k - 1].timed.t_s - onsets_[k - 2].timed.t_s));
-    if (ratios.empty()) return 0.97;
-    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    return std::clamp(*middle, 0.3, 0.999);
+    std::sort(ratios.begin(), ratios.end());
+    return ratios;
+  }
+
+  /// Their median; 1 - 1e-3 at most, so that the geometric series stays one.
+  double last_eps() const {
+    const std::vector<double> ratios = last_ratios();
+    return ratios.empty() ? 0.97 : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
+  }
+
+  /// How far the next interval may be off, as a share of it.
+  double eps_reach() const {
+    constexpr double kHalfToSigma = 0.74;  // half of a normal lies within 1.35 sigma
+    const std::vector<double> ratios = last_ratios();
+    if (ratios.size() < 7) return kMostEpsReach;
+    const double half = ratios[3 * ratios.size() / 4] - ratios[ratios.size() / 4];
+    return std::clamp(4.0 * kHalfToSigma * half, kLeastEpsReach, kMostEpsReach);
   }
 
   /// @param over_misfit  least gain in units of what is left of other sounds
@@ -143,9 +184,13 @@ class TrainTimer {
   }
 
   bool infer(std::int64_t impact, double after_s, double until_s, double over_misfit) {
+    return infer(impact, after_s, eps_reach() * after_s, until_s, over_misfit);
+  }
+
+  bool infer(std::int64_t impact, double after_s, double eps_reach_s, double until_s, double over_misfit) {
     const double t_s = onsets_.back().timed.t_s + after_s;
-    const double reach_s = kEpsReach * after_s + 2.0 / sound_.rate_hz;
-    const TrainOnset onset{impact, timer_.time(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
+    const double reach_s = eps_reach_s + 2.0 / sound_.rate_hz;
+    const TrainOnset onset{impact, search(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
     if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz, over_misfit)) return false;
     keep(onset);
     return true;
@@ -178,7 +223,7 @@ std::vector<TrainOnset> time_train(const Sound& sound, const ImpactWave& wave, c
     timer.add(c, here.impact, next_s);
     last_impact = here.impact;
   }
-  for (std::size_t k = train.impacts.size(); k-- > 0 && timer.give_up_last(candidates[train.impacts[k].candidate]);) {
+  for (std::size_t k = train.impacts.size(); k-- > 0 && timer.give_up_last();) {
   }
   timer.follow();
   return timer.take();
