@@ -77,7 +77,7 @@ class Fitter {
         weigh();
       }
       const auto [shift, sigma] = opinion();
-      if (!std::isfinite(shift) || !(sigma > 0.0)) return std::nullopt;
+      if (!std::isfinite(shift) || !std::isfinite(sigma) || !(sigma > 0.0)) return std::nullopt;
       fit = {tau_1_s * tau_1_s + shift, sigma, log_likelihood()};
       const double next_s = std::sqrt(std::max(fit.tau2_s2, kShortest_s * kShortest_s));
       if (std::abs(next_s * next_s - tau_1_s * tau_1_s) < 0.02 * sigma) break;
