@@ -12,6 +12,10 @@
 namespace bouncelab {
 namespace {
 
+// Amplitudes at which a clipped impact is tried: clipping hides up to thirty times.
+constexpr double kCoarse = 1.5;
+constexpr int kCoarseSteps = 8;
+constexpr double kFine = 1.12;
 constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
 
 std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
@@ -25,7 +29,7 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 ImpactTimer::ImpactTimer(const Sound& sound, const ImpactWave& wave)
     : sound_(sound), wave_(wave), fourier_(wave.wave.n_window()) {}
 
-ImpactTimer::Mask ImpactTimer::mask(std::int64_t first, std::size_t n_fit) const {
+ImpactTimer::Mask ImpactTimer::beginning(std::size_t n_fit) const {
   const std::size_t n = wave_.wave.n_window();
   Mask mask;
   if (n_fit < wave_.n_wave) {
@@ -36,16 +40,52 @@ ImpactTimer::Mask ImpactTimer::mask(std::int64_t first, std::size_t n_fit) const
           std::pow(std::cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_fade)), 2));
     std::fill(mask.begin() + static_cast<std::ptrdiff_t>(n_fit), mask.end(), 0.0F);
   }
-  if (std::isinf(wave_.clip_level)) return mask;
-  const std::size_t reach = wave_.whitener.size() - 1;  // so far a sample is heard of in whitened sound
-  std::vector<float> raw(n + reach);
-  read_padded(sound_, first - static_cast<std::int64_t>(reach), raw);
-  for (std::size_t k = 0; k < raw.size(); ++k) {
-    if (std::abs(raw[k]) < wave_.clip_level) continue;
-    if (mask.empty()) mask.assign(n, 1.0F);
-    for (std::size_t j = k > reach ? k - reach : 0; j <= std::min(k, n - 1); ++j) mask[j] = 0.0F;
-  }
   return mask;
+}
+
+bool ImpactTimer::is_clipped(std::int64_t first) const {
+  if (std::isinf(wave_.clip_level)) return false;
+  std::vector<float> raw(wave_.n_wave);
+  read_padded(sound_, first, raw);
+  return std::any_of(raw.begin(), raw.end(), [&](float x) { return std::abs(x) >= wave_.clip_level; });
+}
+
+WaveTemplate ImpactTimer::clipped_wave(double amplitude, double shift, const Mask& mask) {
+  const std::size_t n = wave_.wave.n_window();
+  const std::size_t reach = wave_.whitener.size() - 1;  // so far a sample is heard of in whitened sound
+  const Spectrum heard = fourier_.forward(std::vector<float>(wave_.heard.begin(), wave_.heard.end()));
+  const std::vector<float> placed = fourier_.inverse(turned(heard, -wave_.wave.omega() * shift));
+  std::vector<float> raw(n + reach, 0.0F);
+  const float level = wave_.clip_level;
+  for (std::size_t k = 0; k < n; ++k)
+    raw[k + reach] = std::clamp(static_cast<float>(amplitude) * placed[k], -level, level);
+  const Sound sound = sound_in_memory(raw, sound_.rate_hz);
+  std::vector<float> white = read_white(sound, wave_.whitener, static_cast<std::int64_t>(reach), n).sound;
+  std::fill(white.begin() + static_cast<std::ptrdiff_t>(wave_.n_wave), white.end(), 0.0F);
+  multiply(white, mask);
+  return {fourier_.forward(white), n};
+}
+
+ClockReading ImpactTimer::read_clipped(const Spectrum& y, double total, double shift, const Mask& mask) {
+  const ClockReading as_whole = read_clocks(wave_.wave, wave_.clocks, y, shift);
+  ClockReading best = as_whole;
+  double least = INFINITY;
+  const auto scan = [&](double centre, double step, int from, int to) {
+    const double start = best.shift;
+    for (int k = from; k <= to; ++k) {
+      const double amplitude = centre * std::pow(step, k);
+      ClockReading r = read_clocks(clipped_wave(amplitude, start, mask), wave_.clocks, y, 0.0);
+      const double rest = total - 2.0 * r.gain;
+      if (!(r.amplitude > 0.0) || rest >= least) continue;
+      least = rest;
+      best = r;
+      best.shift += start;
+      best.amplitude = amplitude;
+    }
+  };
+  scan(std::max(as_whole.amplitude, 1e-6), kCoarse, 0, kCoarseSteps);  // clipping only takes away
+  scan(best.amplitude, kFine, -3, 3);
+  return best;
 }
 
 std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
@@ -85,7 +125,7 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
     return static_cast<std::size_t>(
         std::clamp<std::int64_t>(n_until, contact + 8, static_cast<std::int64_t>(w.n_wave)));
   };
-  Mask counts = mask(first, fit_length());
+  Mask counts = beginning(fit_length());
   std::vector<float> x = read(first, counts);
   Spectrum y = fourier_.forward(x);
   const double reach = reach_s * sound_.rate_hz + 2.0;
@@ -93,15 +133,18 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   if (std::abs(place.shift) > kFarOff) {
     const std::int64_t moved = std::llround(place.shift);
     first += moved;
-    counts = mask(first, fit_length());
+    counts = beginning(fit_length());
     x = read(first, counts);
     y = fourier_.forward(x);
     place.shift -= static_cast<double>(moved);
     place.runner_up -= static_cast<double>(moved);
   }
   const std::size_t n_fit = fit_length();
+  const double total = dot(x, x);
   ClockReading r;
-  if (counts.empty()) {
+  if (is_clipped(first)) {
+    r = read_clipped(y, total, place.shift, counts);
+  } else if (counts.empty()) {
     r = read_clocks(w.wave, w.clocks, y, place.shift);
   } else {
     double shift = place.shift;
@@ -118,7 +161,6 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   t.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
   t.amplitude = r.amplitude;
   t.gain = r.gain;
-  const double total = dot(x, x);
   t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(n_fit < w.n_wave ? n_fit : x.size());
   t.correlation = correlation(r, total);
   t.runner_up_s = time_of(place.runner_up);

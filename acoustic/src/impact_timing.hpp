@@ -41,8 +41,15 @@ class ImpactTimer {
   };
   /// What of a window counts: factors of its samples; empty = all of it.
   using Mask = std::vector<float>;
-  /// Leaves out what lies beyond n_fit and what clipped samples have spoiled.
-  Mask mask(std::int64_t first, std::size_t n_fit) const;
+  /// The first n_fit samples.
+  Mask beginning(std::size_t n_fit) const;
+  bool is_clipped(std::int64_t first) const;
+  /// What the converter makes of a wave so loud: limited as recorded, then whitened.
+  WaveTemplate clipped_wave(double amplitude, double shift, const Mask& mask);
+  /// Time of a clipped impact by the zeros of its sound and by what is below the limit, its amplitude by how long it is
+  /// beyond it.
+  /// @param total  sum of squares of the window
+  ClockReading read_clipped(const Spectrum& y, double total, double shift, const Mask& mask);
   std::vector<float> read(std::int64_t first, const Mask& mask);
   /// The wave as far as it counts.
   WaveTemplate masked_wave(double shift, const Mask& mask);
