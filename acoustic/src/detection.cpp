@@ -186,7 +186,12 @@ std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordin
   std::mutex mutex;
   double n_done = 0.0;
   in_parallel(recordings.size(), resolved_threads(n_threads), [&](std::size_t k) {
-    found[k] = detect(recordings[k], config);
+    try {
+      found[k] = detect(recordings[k], config);
+    } catch (const FileError& trouble) {
+      found[k].status = DetectionStatus::unreadable;
+      found[k].message = trouble.what();
+    }
     const std::lock_guard lock(mutex);
     if (progress) progress(n_done += 1.0, static_cast<double>(recordings.size()));
   });

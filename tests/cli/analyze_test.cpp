@@ -62,6 +62,23 @@ TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
   EXPECT_NE(content_of(folder_ / "out" / "report.html").find("\"diagnostics\":null"), std::string::npos);
 }
 
+TEST_F(Analyze, OneBrokenFileOfManyLosesNothing) {
+  write("a.wav", float_wav(bouncing(20), 44100));
+  write("b.wav", float_wav(bouncing(20), 44100).substr(0, 1000));
+  write("c.wav", float_wav(bouncing(20), 44100));
+  const Result result = run("analyze a.wav b.wav c.wav missing.wav --out out --diagnostics");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, testing::HasSubstr("b.wav: the header promises"));
+  EXPECT_THAT(result.err, testing::HasSubstr("the results are those of the 2 recordings that could be read"));
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_EQ(summary["n_onsets"], 40);
+  EXPECT_EQ(summary["recordings"][1]["status"], "unreadable");
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "report.html"));
+
+  EXPECT_EQ(run("detect b.wav missing.wav --out none.csv").exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder_ / "none.csv"));
+}
+
 TEST_F(Analyze, TheStagesByHandGiveTheSameNumbers) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);

@@ -66,7 +66,7 @@ Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
   detect.out = folder / "onsets.csv";
   std::vector<Detection> found;
   const Outcome heard = clock.time("detect", [&] { return run_detect(detect, run, &found); });
-  if (heard.exit_code != kDone) return heard;
+  if (found.empty()) return heard;
   add_warnings(warnings, heard.warnings);
 
   RestitutionOptions restitution = options.restitution;
@@ -99,9 +99,8 @@ Outcome run_analyze(const AnalyzeOptions& options, Run& run) {
 
   ReportOptions report{folder, folder / "report.html", title_of(detect.recordings)};
   const Outcome shown = run_report(report, run);
-  Outcome outcome{fitted.exit_code, summary, heard.text + intervals.text + fitted.text + shown.text, warnings,
-                  fitted.trouble};
-  return outcome;
+  const Outcome& worst = fitted.exit_code != kDone ? fitted : heard;
+  return {worst.exit_code, summary, heard.text + intervals.text + fitted.text + shown.text, warnings, worst.trouble};
 }
 
 Command add_analyze_command(CLI::App& app) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "bouncelab/acoustic/marks.hpp"
@@ -22,8 +23,75 @@ const char* word(DetectionStatus status) {
       return "too_few_impacts";
     case DetectionStatus::silent:
       return "silent";
+    case DetectionStatus::unreadable:
+      return "unreadable";
   }
   return "?";
+}
+
+constexpr std::size_t kMostLines = 20;  // for people: of thousands of recordings those with trouble, and a sum
+
+/// At most kMostLines of the lines and how many more there are.
+std::vector<std::string> first_of(std::vector<std::string> lines, const char* where_all_are) {
+  if (lines.size() <= kMostLines) return lines;
+  const std::size_t n_more = lines.size() - kMostLines;
+  lines.resize(kMostLines);
+  lines.push_back(fmt::format("... and {} more; {}", n_more, where_all_are));
+  return lines;
+}
+
+std::vector<std::string> warnings_of(const std::vector<std::string>& recordings, const std::vector<Detection>& found) {
+  std::vector<std::string> warnings;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k].status == DetectionStatus::unreadable) warnings.push_back(found[k].message + "; left out");
+    for (const std::string& warning : found[k].warnings) warnings.push_back(recordings[k] + ": " + warning);
+  }
+  return first_of(std::move(warnings), "with --json all of them are listed");
+}
+
+/// A line a recording; of very many a sum, and a line for each in which nothing was found.
+std::string describe_all(const std::vector<std::string>& recordings, const std::vector<Detection>& found) {
+  std::vector<std::string> lines;
+  std::size_t n_onsets = 0;
+  std::int64_t n_drops = 0;
+  const bool many = found.size() > kMostLines;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    n_onsets += found[k].onsets.size();
+    n_drops += found[k].summary.n_drops;
+    if (found[k].status != DetectionStatus::unreadable && !(many && found[k].status == DetectionStatus::ok))
+      lines.push_back(describe(recordings[k], found[k]));
+  }
+  std::string text;
+  for (const std::string& line : first_of(std::move(lines), "with --json all of them are listed")) text += line + "\n";
+  if (many) text += fmt::format("{} impacts in {} drops in {} recordings\n", n_onsets, n_drops, found.size());
+  return text;
+}
+
+/// What went wrong with the recordings as a whole; exit code and trouble of the outcome.
+void conclude(const std::vector<std::string>& recordings, const std::vector<Detection>& found, Outcome& outcome) {
+  const auto is_unreadable = [](const Detection& d) { return d.status == DetectionStatus::unreadable; };
+  const auto n_unreadable = std::count_if(found.begin(), found.end(), is_unreadable);
+  const std::size_t n_others = found.size() - 1;
+  const std::string others = n_others > 0 ? fmt::format(" (nor in the {} others)", n_others) : "";
+  if (n_unreadable > 0) {
+    const Detection& first = *std::find_if(found.begin(), found.end(), is_unreadable);
+    outcome.exit_code = kFileTrouble;
+    outcome.trouble =
+        n_unreadable == 1 ? first.message : fmt::format("{} (and {} more)", first.message, n_unreadable - 1);
+  }
+  if (outcome.summary["n_onsets"] == 0) {
+    if (n_unreadable < std::ssize(found)) {
+      const auto heard = std::find_if_not(found.begin(), found.end(), is_unreadable);
+      outcome.exit_code = kNotUsable;
+      outcome.trouble =
+          fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
+                      recordings[static_cast<std::size_t>(heard - found.begin())], heard->message, others);
+    }
+    outcome.text.clear();
+  } else if (n_unreadable > 0) {
+    outcome.trouble += fmt::format("; the results are those of the {} recordings that could be read",
+                                   std::ssize(found) - n_unreadable);
+  }
 }
 
 }  // namespace
@@ -76,25 +144,18 @@ Outcome run_detect(const DetectOptions& options, Run& run, std::vector<Detection
   Outcome outcome;
   Onsets all;
   Json recordings = Json::array();
+  std::vector<std::filesystem::path> inputs;
   std::vector<Detection> found = detect_all(options, run);
   for (std::size_t k = 0; k < found.size(); ++k) {
-    const std::string& recording = options.recordings[k];
     all.insert(all.end(), found[k].onsets.begin(), found[k].onsets.end());
-    outcome.text += describe(recording, found[k]) + "\n";
-    for (const std::string& warning : found[k].warnings) outcome.warnings.push_back(recording + ": " + warning);
-    recordings.push_back(to_json(recording, found[k]));
+    recordings.push_back(to_json(options.recordings[k], found[k]));
+    if (found[k].status != DetectionStatus::unreadable) inputs.emplace_back(options.recordings[k]);
   }
+  outcome.text = describe_all(options.recordings, found);
+  outcome.warnings = warnings_of(options.recordings, found);
   outcome.summary = {{"n_onsets", all.size()}, {"recordings", recordings}};
-  if (all.empty()) {
-    outcome.exit_code = kNotUsable;
-    outcome.trouble =
-        fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
-                    options.recordings.front(), found.front().message,
-                    found.size() > 1 ? fmt::format(" (nor in the {} others)", found.size() - 1) : "");
-    outcome.text.clear();
-    return outcome;
-  }
-  const std::vector<std::filesystem::path> inputs(options.recordings.begin(), options.recordings.end());
+  conclude(options.recordings, found, outcome);
+  if (all.empty()) return outcome;
   write_table(run, options.out, to_table(all), inputs);
   if (!options.labels.empty()) write_text(run, options.labels, audacity_labels(marks_of(all)), inputs);
   if (keep != nullptr) *keep = std::move(found);

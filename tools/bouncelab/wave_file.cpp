@@ -73,8 +73,11 @@ void write_diagnostics(const Run& run, const std::vector<std::string>& recording
                        const std::filesystem::path& out) {
   Json all = Json::array();
   std::int64_t n_shown = 0;
+  std::vector<std::filesystem::path> shown_recordings;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Detection& d = found[k];
+    if (d.onsets.empty() || n_shown >= kDropsShown) continue;
+    shown_recordings.emplace_back(recordings[k]);
     Json one{{"recording", recordings[k]}, {"n_drops", d.summary.n_drops}, {"drops", Json::array()}};
     if (d.wave) one["wave"] = to_json(*d.wave);
     if (d.noise) one["noise"] = {{"frequency_hz", d.noise->frequency_hz}, {"psd", d.noise->psd}};
@@ -87,7 +90,7 @@ void write_diagnostics(const Run& run, const std::vector<std::string>& recording
     }
     all.push_back(std::move(one));
   }
-  write_text(run, out, Json{{"recordings", std::move(all)}}.dump() + "\n", {recordings.begin(), recordings.end()});
+  write_text(run, out, Json{{"recordings", std::move(all)}}.dump() + "\n", shown_recordings);
 }
 
 }  // namespace bouncelab::cli

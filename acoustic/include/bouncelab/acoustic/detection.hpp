@@ -22,6 +22,7 @@ enum class DetectionStatus {
   ok,               ///< at least one train of impacts
   too_few_impacts,  ///< sounds, but no train of at least four impacts among them
   silent,           ///< nothing rises above the noise
+  unreadable,       ///< one of several files that could not be read; the message says why
 };
 
 /// What was learned about one recording.
@@ -85,7 +86,8 @@ Detection detect(const std::filesystem::path& recording, const DetectionConfig& 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name,
                  const DetectionConfig& config = {}, const ProgressCallback& progress = {});
 
-/// Several recordings side by side, each as if it were alone: the result does not depend on the threads.
+/// Several recordings side by side, each as if it were alone: the result does not depend on the threads. One that
+/// cannot be read does not keep the others from being heard: its status is `unreadable`. A single one throws.
 /// @param n_threads  0 = all cores
 /// @param progress   counts recordings; where there is only one, seconds of its sound
 std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
