@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMostClocks = 10;
 constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no clocks of their own
+constexpr double kLeastShare = 0.15;     // of what a band knows on average
 constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
 // disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
 constexpr double kPriorClocks = 8.0;
@@ -121,6 +122,20 @@ double dependence(const Disagreement& d, const BandClocks& clocks) {
   return sum;
 }
 
+/// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
+void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
+  const auto knows = [&](std::size_t j) { return wave.information(edge[j], edge[j + 1]); };
+  while (edge.size() > 2) {
+    const auto n = edge.size() - 1;
+    std::size_t least = 0;
+    for (std::size_t j = 1; j < n; ++j)
+      if (knows(j) < knows(least)) least = j;
+    if (knows(least) > kLeastShare * wave.information(edge.front(), edge.back()) / static_cast<double>(n)) return;
+    const bool is_above = least + 1 == n || (least > 0 && knows(least - 1) > knows(least + 1));
+    edge.erase(edge.begin() + static_cast<std::ptrdiff_t>(is_above ? least : least + 1));
+  }
+}
+
 }  // namespace
 
 WaveTemplate::WaveTemplate(Spectrum wave, std::size_t n_window)
@@ -159,6 +174,7 @@ BandClocks equal_clocks(const WaveTemplate& wave) {
     if (lo <= hi) clocks.edge.push_back(lowest);
   }
   clocks.edge.push_back(n_bins);
+  join_skirts(wave, clocks.edge);
   clocks.noise.assign(clocks.edge.size() - 1, 1.0);
   clocks.jitter2.assign(clocks.edge.size() - 1, 0.0);
   return clocks;
