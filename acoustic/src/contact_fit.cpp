@@ -2,11 +2,13 @@
 #include "contact_law.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "pulse_spectrum.hpp"
+#include "vector_clones.hpp"
 
 namespace bouncelab {
 namespace {
@@ -21,27 +23,79 @@ constexpr double kLeastPulse = 0.25;  // of P, down to which a pulse is what its
 constexpr double kLeastTimbre = 0.03;  // spread of a level that no ball is below
 constexpr double kFar = 2.5;           // standard deviations from which a level counts less
 
-using Table = std::vector<std::vector<double>>;  // by impact and band
+/// Values by impact and band.
+class Table {
+ public:
+  Table() = default;
+  Table(std::size_t n_impacts, std::size_t n_bands, double value = 0.0)
+      : n_bands_(n_bands), values_(n_impacts * n_bands, value) {}
+  bool empty() const { return values_.empty(); }
+  std::size_t n_impacts() const { return values_.size() / n_bands_; }
+  std::size_t n_bands() const { return n_bands_; }
+  double* operator[](std::size_t k) { return values_.data() + k * n_bands_; }
+  const double* operator[](std::size_t k) const { return values_.data() + k * n_bands_; }
 
-Table table(std::size_t n_impacts, std::size_t n_bands, double value) {
-  return Table(n_impacts, std::vector<double>(n_bands, value));
+ private:
+  std::size_t n_bands_ = 1;
+  std::vector<double> values_;
+};
+
+using Values = std::vector<double>;
+
+BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
+  constexpr std::size_t kLanes = 8;
+  std::array<double, kLanes> sums{};
+  std::size_t m = 0;
+  for (; m + kLanes <= n; m += kLanes)
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[m + lane] * b[m + lane];
+  for (; m < n; ++m) sums[0] += a[m] * b[m];
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
+BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) to[m] += factor * x[m];
+}
+
+BOUNCELAB_VECTOR_CLONES void add_product(double* __restrict to, const double* a, const double* b, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) to[m] += a[m] * b[m];
+}
+
+BOUNCELAB_VECTOR_CLONES void lower(double* __restrict x, double by, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) x[m] -= by;
+}
+
+BOUNCELAB_VECTOR_CLONES void lower(double* __restrict x, const double* by, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) x[m] -= by[m];
+}
+
+Values sums_of_rows(const Table& x) {
+  const Values ones(x.n_bands(), 1.0);
+  Values sums(x.n_impacts());
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = dot(x[k], ones.data(), x.n_bands());
+  return sums;
+}
+
+Values sums_of_columns(const Table& x) {
+  Values sums(x.n_bands(), 0.0);
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) add_scaled(sums.data(), 1.0, x[k], x.n_bands());
+  return sums;
 }
 
 /// Takes off weighted means of rows and columns until none is left.
 void sweep(Table& x, const Table& weight) {
   constexpr int kSweeps = 12;
-  const std::size_t n_bands = x.front().size();
+  const std::size_t n_bands = x.n_bands();
+  const Values of_row = sums_of_rows(weight);
+  const Values of_column = sums_of_columns(weight);
+  Values means(n_bands);
   for (int round = 0; round < kSweeps; ++round) {
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      double sum = 0.0, weights = 1e-300;
-      for (std::size_t m = 0; m < n_bands; ++m) sum += weight[k][m] * x[k][m], weights += weight[k][m];
-      for (double& value : x[k]) value -= sum / weights;
+    std::fill(means.begin(), means.end(), 0.0);
+    for (std::size_t k = 0; k < x.n_impacts(); ++k) {
+      lower(x[k], dot(weight[k], x[k], n_bands) / (of_row[k] + 1e-300), n_bands);
+      add_product(means.data(), weight[k], x[k], n_bands);
     }
-    for (std::size_t m = 0; m < n_bands; ++m) {
-      double sum = 0.0, weights = 1e-300;
-      for (std::size_t k = 0; k < x.size(); ++k) sum += weight[k][m] * x[k][m], weights += weight[k][m];
-      for (auto& row : x) row[m] -= sum / weights;
-    }
+    for (std::size_t m = 0; m < n_bands; ++m) means[m] /= of_column[m] + 1e-300;
+    for (std::size_t k = 0; k < x.n_impacts(); ++k) lower(x[k], means.data(), n_bands);
   }
 }
 
@@ -53,6 +107,13 @@ class Fitter {
         pulse_(pulse),
         n_(levels.u.size()),
         m_(levels.f_hz.size()),
+        level_over_pulse_(n_, m_),
+        one_over_pulse_(n_, m_),
+        duller_(n_, m_),
+        weight_(n_, m_, 1.0),
+        weighed_(n_, m_),
+        relative_(n_, m_),
+        noise2_(n_, m_),
         gain_(n_, 1.0),
         response_(m_, 1.0),
         timbre2_(m_, 0.1),
@@ -78,113 +139,141 @@ class Fitter {
       }
       const auto [shift, sigma] = opinion();
       if (!std::isfinite(shift) || !std::isfinite(sigma) || !(sigma > 0.0)) return std::nullopt;
-      fit = {tau_1_s * tau_1_s + shift, sigma, log_likelihood()};
+      fit = {tau_1_s * tau_1_s + shift, sigma, {}};
       const double next_s = std::sqrt(std::max(fit.tau2_s2, kShortest_s * kShortest_s));
       if (std::abs(next_s * next_s - tau_1_s * tau_1_s) < 0.02 * sigma) break;
       tau_1_s = std::clamp(next_s, 0.6 * tau_1_s, 1.7 * tau_1_s);
     }
+    fit.log_likelihood = log_likelihood();
     return fit;
   }
 
  private:
   /// P and the change of ln P with tau_1^2, for each level; bands beyond the law's reach weigh nothing.
   void expect(double tau_1_s) {
-    pulse_value_ = table(n_, m_, 0.0);
-    duller_ = pulse_value_;
     within_.resize(m_);
+    counts_.assign(m_, 0.0);
     std::vector<float> value(2), slope(2);
     for (std::size_t m = 0; m < m_; ++m) {
       pulse_.tabulate(l_.f_hz[m] * tau_1_s * slowest_u_, value, slope);
       if (!is_given_) within_[m] = value[1] > kLeastPulse && l_.f_hz[m] * tau_1_s * slowest_u_ < 1.5;
+      counts_[m] = within_[m] ? 1.0 : 0.0;
       for (std::size_t k = 0; k < n_; ++k) {
         const double x = l_.f_hz[m] * l_.u[k];
         pulse_.tabulate(x * tau_1_s, value, slope);
-        pulse_value_[k][m] = std::max(static_cast<double>(value[1]), 0.02);
-        duller_[k][m] = 0.5 * x / tau_1_s * static_cast<double>(slope[1]) / pulse_value_[k][m];
+        one_over_pulse_[k][m] = 1.0 / std::max(static_cast<double>(value[1]), 0.02);
+        level_over_pulse_[k][m] = l_.level[k][m] * one_over_pulse_[k][m];
+        duller_[k][m] = 0.5 * x / tau_1_s * static_cast<double>(slope[1]) * one_over_pulse_[k][m];
+        weight_[k][m] = within_[m] ? std::max(weight_[k][m], 1e-12) : 0.0;
       }
     }
-    if (weight_.empty()) weight_ = table(n_, m_, 1.0);
-    for (std::size_t m = 0; m < m_; ++m)
-      for (auto& row : weight_) row[m] = within_[m] ? std::max(row[m], 1e-12) : 0.0;
   }
 
-  double expected(std::size_t k, std::size_t m) const { return gain_[k] * response_[m] * pulse_value_[k][m]; }
-
-  /// Gains and responses that fit the levels best as they are weighed.
+  /// Gains and responses that fit the levels best as they are weighed: of gains alone, sum w level / (h P) / sum w.
   void adjust() {
+    for (std::size_t k = 0; k < n_; ++k)
+      for (std::size_t m = 0; m < m_; ++m) weighed_[k][m] = weight_[k][m] * level_over_pulse_[k][m];
+    const Values of_row = sums_of_rows(weight_);
+    const Values of_column = sums_of_columns(weight_);
     for (int round = 0; round < 3; ++round) {
+      const Values one_over_response = inverse(response_);
+      Values sums(m_, 0.0);
       for (std::size_t k = 0; k < n_; ++k) {
-        double xy = 0.0, xx = 1e-300;
-        for (std::size_t m = 0; m < m_; ++m) add(k, m, expected(k, m) / gain_[k], xy, xx);
-        gain_[k] = std::max(xy / xx, 0.1 * gain_[k]);
+        gain_[k] = std::max(dot(weighed_[k], one_over_response.data(), m_) / (of_row[k] + 1e-300), 0.1 * gain_[k]);
+        add_scaled(sums.data(), 1.0 / gain_[k], weighed_[k], m_);
       }
-      for (std::size_t m = 0; m < m_; ++m) {
-        if (!within_[m]) continue;
-        double xy = 0.0, xx = 1e-300;
-        for (std::size_t k = 0; k < n_; ++k) add(k, m, expected(k, m) / response_[m], xy, xx);
-        response_[m] = std::max(xy / xx, 0.1 * response_[m]);
-      }
+      for (std::size_t m = 0; m < m_; ++m)
+        if (within_[m]) response_[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * response_[m]);
     }
   }
 
-  void add(std::size_t k, std::size_t m, double per_unit, double& xy, double& xx) const {
-    const double e = expected(k, m);
-    const double w = weight_[k][m] / (e * e);
-    xy += w * l_.level[k][m] * per_unit;
-    xx += w * per_unit * per_unit;
+  static Values inverse(Values x) {
+    for (double& value : x) value = 1.0 / value;
+    return x;
   }
 
-  double relative(std::size_t k, std::size_t m) const { return l_.level[k][m] / expected(k, m) - 1.0; }
-  double noise2(std::size_t k, std::size_t m) const { return l_.noise2[m] / std::pow(expected(k, m), 2); }
+  /// Deviations from what is expected, and the variance of the noise in them, both relative.
+  void compare() {
+    const Values one_over_response = inverse(response_);
+    for (std::size_t k = 0; k < n_; ++k) {
+      const double one_over_gain = 1.0 / gain_[k];
+      for (std::size_t m = 0; m < m_; ++m) {
+        const double scale = one_over_gain * one_over_response[m];
+        const double unit = scale * one_over_pulse_[k][m];
+        relative_[k][m] = scale * level_over_pulse_[k][m] - 1.0;
+        noise2_[k][m] = l_.noise2[m] * unit * unit;
+      }
+    }
+  }
 
   /// Spread of timbre in each band, half its own and half the typical one: by its own alone a band in which little
   /// happened to happen would be believed too much.
   void learn_timbre() {
-    std::vector<double> own(m_, 0.0);
+    Values sum(m_, 0.0), weights(m_, 1e-300);
+    for (std::size_t k = 0; k < n_; ++k)
+      add_excess(relative_[k], noise2_[k], timbre2_.data(), disturbed_[k], sum.data(), weights.data(), m_);
     std::vector<double> sorted;
     for (std::size_t m = 0; m < m_; ++m) {
-      if (!within_[m]) continue;
-      double sum = 0.0, weights = 1e-300;
-      for (std::size_t k = 0; k < n_; ++k) {
-        const double noise = noise2(k, m);
-        const double size2 = timbre2_[m] + noise;
-        const double excess = std::min(std::pow(relative(k, m), 2) / disturbed_[k], 2.0 * kFar * kFar * size2) - noise;
-        sum += excess / (size2 * size2);
-        weights += 1.0 / (size2 * size2);
-      }
-      own[m] = std::max(sum / weights, kLeastTimbre * kLeastTimbre);
-      sorted.push_back(own[m]);
+      sum[m] = within_[m] ? std::max(sum[m] / weights[m], kLeastTimbre * kLeastTimbre) : 0.0;
+      if (within_[m]) sorted.push_back(sum[m]);
     }
     if (sorted.empty()) return;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    for (std::size_t m = 0; m < m_; ++m) timbre2_[m] = 0.5 * (own[m] + sorted[sorted.size() / 2]);
+    for (std::size_t m = 0; m < m_; ++m) timbre2_[m] = 0.5 * (sum[m] + sorted[sorted.size() / 2]);
+  }
+
+  BOUNCELAB_VECTOR_CLONES static void add_excess(const double* relative, const double* noise2, const double* timbre2,
+                                                 double disturbed, double* __restrict sum, double* __restrict weights,
+                                                 std::size_t n) {
+    for (std::size_t m = 0; m < n; ++m) {
+      const double size2 = timbre2[m] + noise2[m];
+      const double weight = 1.0 / (size2 * size2);
+      const double largest = 2.0 * kFar * kFar * size2;
+      const double square = relative[m] * relative[m] / disturbed;
+      sum[m] += ((square < largest ? square : largest) - noise2[m]) * weight;
+      weights[m] += weight;
+    }
   }
 
   /// Impacts at which something else was heard too.
   void learn_disturbances() {
     constexpr double kTypical = 1.3;  // mean of squares that noise alone hardly exceeds
     constexpr double kPrior = 4.0;    // bands that a typical impact is worth
+    const double n = std::accumulate(counts_.begin(), counts_.end(), 0.0);
+    Values squares(m_);
     for (std::size_t k = 0; k < n_; ++k) {
-      double sum = 0.0, n = 0.0;
-      for (std::size_t m = 0; m < m_; ++m) {
-        if (!within_[m]) continue;
-        sum += std::min(std::pow(relative(k, m), 2) / (timbre2_[m] + noise2(k, m)), 100.0);
-        n += 1.0;
-      }
-      disturbed_[k] = std::max(1.0, (sum + kPrior) / (n + kPrior) / kTypical);
+      square(relative_[k], noise2_[k], timbre2_.data(), squares.data(), m_);
+      disturbed_[k] = std::max(1.0, (dot(squares.data(), counts_.data(), m_) + kPrior) / (n + kPrior) / kTypical);
     }
   }
 
-  double size2(std::size_t k, std::size_t m) const { return (timbre2_[m] + noise2(k, m)) * disturbed_[k]; }
+  BOUNCELAB_VECTOR_CLONES static void square(const double* relative, const double* noise2, const double* timbre2,
+                                             double* __restrict squares, std::size_t n) {
+    constexpr double kLargest = 100.0;
+    for (std::size_t m = 0; m < n; ++m) {
+      const double square = relative[m] * relative[m] / (timbre2[m] + noise2[m]);
+      squares[m] = square < kLargest ? square : kLargest;
+    }
+  }
+
+  double size2(std::size_t k, std::size_t m) const { return (timbre2_[m] + noise2_[k][m]) * disturbed_[k]; }
 
   void weigh() {
+    compare();
     learn_timbre();
     learn_disturbances();
-    for (std::size_t m = 0; m < m_; ++m)
-      for (std::size_t k = 0; k < n_ && within_[m]; ++k) {
-        const double far = std::abs(relative(k, m)) / std::sqrt(size2(k, m));
-        weight_[k][m] = std::min(1.0, kFar / (far + 1e-300)) / size2(k, m);
-      }
+    for (std::size_t k = 0; k < n_; ++k)
+      weigh(relative_[k], noise2_[k], timbre2_.data(), counts_.data(), disturbed_[k], weight_[k], m_);
+  }
+
+  BOUNCELAB_VECTOR_CLONES static void weigh(const double* relative, const double* noise2, const double* timbre2,
+                                            const double* counts, double disturbed, double* __restrict weight,
+                                            std::size_t n) {
+    for (std::size_t m = 0; m < n; ++m) {
+      const double size2 = (timbre2[m] + noise2[m]) * disturbed;
+      const double near = kFar * std::sqrt(size2) / (std::abs(relative[m]) + 1e-300);
+      weight[m] = counts[m] * (near < 1.0 ? near : 1.0) / size2;
+    }
   }
 
   /// Of normal levels, by band.
@@ -194,7 +283,7 @@ class Fitter {
       if (!within_[m]) continue;
       double sum = 0.0;
       for (std::size_t k = 0; k < n_; ++k)
-        sum -= 0.5 * (std::log(size2(k, m)) + std::min(std::pow(relative(k, m), 2) / size2(k, m), 9.0));
+        sum -= 0.5 * (std::log(size2(k, m)) + std::min(std::pow(relative_[k][m], 2) / size2(k, m), 9.0));
       by_band.push_back(sum);
     }
     return by_band;
@@ -209,9 +298,7 @@ class Fitter {
   /// far they disagree.
   Opinion opinion() const {
     Table regressor = duller_;
-    Table rest = table(n_, m_, 0.0);
-    for (std::size_t k = 0; k < n_; ++k)
-      for (std::size_t m = 0; m < m_; ++m) rest[k][m] = relative(k, m);
+    Table rest = relative_;
     sweep(regressor, weight_);
     sweep(rest, weight_);
     std::vector<double> says, variance;
@@ -257,11 +344,13 @@ class Fitter {
   std::size_t n_;
   std::size_t m_;
   double slowest_u_ = 0.0;
-  std::vector<double> gain_, response_, timbre2_, disturbed_;
+  Table level_over_pulse_, one_over_pulse_, duller_, weight_;
+  Table weighed_, relative_, noise2_;
+  Values gain_, response_, timbre2_, disturbed_;
   double first_s_;
   std::vector<bool> within_;
   bool is_given_;
-  Table pulse_value_, duller_, weight_;
+  Values counts_;  // 1 for bands within, else 0
 };
 
 }  // namespace
