@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "bouncelab/core/units.hpp"
 
@@ -14,13 +15,23 @@ constexpr double kSmallestReach_s = 2e-3;
 constexpr double kRhythmShare = 0.5;
 constexpr double kRhythmScatter = 0.1;  // of log interval from one to the next, hands and feet: 3 to 8 %
 
+/// The nearest octave: that below sqrt(2) times as much.
 int window_octave(double flight_s) {
-  return std::clamp(static_cast<int>(std::lround(std::log2(2.0 * flight_s / kSmallestReach_s))), 0, kChanceOctaves - 1);
+  return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kChanceOctaves - 1);
 }
 
 double reach_s(int octave) { return kSmallestReach_s * std::ldexp(1.0, octave); }
 
-double harmonic(int n) { return std::log(n) + 0.5772 + 0.5 / n; }
+double harmonic(int n) {
+  const auto approximately = [](int m) { return std::log(m) + 0.5772 + 0.5 / m; };
+  constexpr int kTabulated = 1024;
+  static const std::vector<double> table = [&] {
+    std::vector<double> values;
+    for (int m = 0; m < kTabulated; ++m) values.push_back(approximately(m));
+    return values;
+  }();
+  return n < kTabulated ? table[static_cast<std::size_t>(n)] : approximately(n);
+}
 
 }  // namespace
 

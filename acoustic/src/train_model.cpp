@@ -2,6 +2,7 @@
 #include "train_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace bouncelab {
@@ -58,18 +59,24 @@ double spread(const TrainState& train, int n_missing, double jitter) {
 }
 
 /// Density of log eps given the train so far.
-double density(double log_eps, const TrainState& train, double width) {
+double density(double eps, double log_eps, const TrainState& train, double width) {
   constexpr double kFlat = kLargestEps - kLeastEps;
-  const double flat = std::exp(log_eps) / kFlat;  // eps uniform
+  const double flat = eps / kFlat;  // eps uniform
   if (train.n_eps == 0) return flat;
   return (1.0 - kOutlier) * student3(log_eps - train.mean_log_eps, width) + kOutlier * flat;
 }
 
 /// Odds that the amplitude goes with the train rather than with any sound: the sound of an impact is about as its
 /// speed.
-double log_odds_of_amplitude(double log_ratio, double log_eps) {
+double odds_of_amplitude(double log_ratio, double log_eps) {
   const double deviation = log_ratio - log_eps;
-  return std::log(student3(deviation, kAmplitudeScatter) / student3(deviation, kChanceAmplitude));
+  return student3(deviation, kAmplitudeScatter) / student3(deviation, kChanceAmplitude);
+}
+
+double probability_missing(int n_missing) {
+  constexpr std::array<double, kMostMissing + 1> kProbability{kHeard, kHeard * (1.0 - kHeard),
+                                                              kHeard * (1.0 - kHeard) * (1.0 - kHeard)};
+  return kProbability[static_cast<std::size_t>(n_missing)];
 }
 
 TrainState::Heard to_heard(const HeardSound& s) { return {s.candidate.t_s, s.candidate.amplitude, s.sigma_s}; }
@@ -109,12 +116,13 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
   s.flight_s = second.candidate.t_s - s.first_s;
   s.last = {to_heard(second), to_heard(first)};
   const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
-  s.log_odds = -kStartCost - std::log(chance_of_first(first.rivals)) -
-               std::log(kLogRange * s.flight_s * chance_rate(second.rivals, s.flight_s, n_own));
+  s.log_odds = -kStartCost - std::log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
+                                      chance_rate(second.rivals, s.flight_s, n_own));
   return s;
 }
 
-std::optional<TrainState> extend_train(const TrainState& from, int n_missing, const HeardSound& next) {
+std::optional<TrainState> extend_train(const TrainState& from, int n_missing, const HeardSound& next,
+                                       double least_log_odds) {
   const double gap = (next.candidate.t_s - from.last[0].t_s) / from.flight_s;
   const double eps = eps_of_gap(gap, n_missing);
   if (eps < kLeastEps || eps > kLargestEps) return {};
@@ -125,18 +133,22 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
     slope += (m + 1) * last_flight;
     last_flight *= eps;
   }
-  TrainState s = from;
-  s.flight_s = from.flight_s * last_flight;
-  if (s.flight_s < kShortestFlight_s) return {};
+  const double flight_s = from.flight_s * last_flight;
+  if (flight_s < kShortestFlight_s) return {};
   const double log_eps = std::log(eps);
   const double timing = jitter(from, next);
   const double width = spread(from, n_missing, timing);
-  const double per_flight = density(log_eps, from, width) / (eps * slope);
+  const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
   const double chance =
-      from.flight_s * chance_rate(next.rivals, s.flight_s, n_own_rivals(from, next.candidate, s.flight_s));
-  s.log_odds += std::log(kHeard * std::pow(1.0 - kHeard, n_missing) * per_flight / (chance + rhythm_density(gap)));
-  s.log_odds +=
-      log_odds_of_amplitude(std::log(next.candidate.amplitude / from.last[0].amplitude), (n_missing + 1) * log_eps);
+      from.flight_s * chance_rate(next.rivals, flight_s, n_own_rivals(from, next.candidate, flight_s));
+  const double log_odds =
+      from.log_odds + std::log(probability_missing(n_missing) * per_flight / (chance + rhythm_density(gap)) *
+                               odds_of_amplitude(std::log(next.candidate.amplitude / from.last[0].amplitude),
+                                                 (n_missing + 1) * log_eps));
+  if (log_odds < least_log_odds) return {};
+  TrainState s = from;
+  s.flight_s = flight_s;
+  s.log_odds = log_odds;
   learn_eps(s, log_eps, width, timing);
   s.impact += n_missing + 1;
   s.n_heard += 1;

@@ -50,8 +50,10 @@ struct TrainState {
 
 TrainState begin_train(const HeardSound& first, const HeardSound& second);
 
-/// The train with one more impact, n_missing unheard ones before it; nothing where no ball does that.
-std::optional<TrainState> extend_train(const TrainState& train, int n_missing, const HeardSound& next);
+/// The train with one more impact, n_missing unheard ones before it; nothing where no ball does that, or with log odds
+/// below the least that are of interest.
+std::optional<TrainState> extend_train(const TrainState& train, int n_missing, const HeardSound& next,
+                                       double least_log_odds);
 
 /// Whether it is a ball and no rhythm, voice or chance.
 bool is_complete(const TrainState& train);

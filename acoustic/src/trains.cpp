@@ -58,9 +58,12 @@ class Search {
     for (std::size_t j = k; j-- > 0;) {
       const double gap_s = c_[k].t_s - c_[j].t_s;
       if (gap_s > kMostGap * kLongestFlight_s) break;
-      // states are ordered by falling flight: those that can reach from j to k are the first
-      for (std::size_t s = begin_[j]; s < begin_[j + 1] && states_[s].flight_s * kMostGap >= gap_s; ++s)
-        extend(static_cast<std::int64_t>(s), k, here);
+      // states are ordered by falling flight: those that reach from j to k lie side by side
+      const auto begin = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j]);
+      const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
+      const auto first =
+          std::partition_point(begin, end, [&](const State& s) { return s.flight_s * kLeastEps > gap_s; });
+      for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, here);
       start(j, k, here);
     }
     if (here.size() > kBeam) {
@@ -124,6 +127,11 @@ class Search {
     keep(s, here);
   }
 
+  /// Log odds below which a train, longer by one impact, would not be kept.
+  static double least(const State& from, const std::vector<State>& here) {
+    return here.empty() ? kHopeless : std::max(kHopeless, here.front().total() - kBeamDepth - from.start_score);
+  }
+
   void keep(const State& s, std::vector<State>& here) const {
     if (s.log_odds < kHopeless) return;
     if (here.empty() || s.total() > here.front().total()) {
@@ -136,11 +144,9 @@ class Search {
 
   void extend(std::int64_t from_index, std::size_t k, std::vector<State>& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
-    const double gap = (c_[k].t_s - c_[from.candidate].t_s) / from.flight_s;
-    if (gap < kLeastEps || gap > kMostGap) return;
     if (!here.empty() && from.total() + kMostGain < here.front().total() - kBeamDepth) return;
     for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
-      const std::optional<TrainState> longer = extend_train(from, n_missing, heard(k));
+      const std::optional<TrainState> longer = extend_train(from, n_missing, heard(k), least(from, here));
       if (!longer) continue;
       State s = from;
       static_cast<TrainState&>(s) = *longer;
