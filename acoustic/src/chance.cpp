@@ -69,8 +69,9 @@ double chance_of_first(const Rivals& rivals) { return rivals.stronger.back() * h
 double rhythm_density(double gap) { return kRhythmShare * student3(std::log(gap), kRhythmScatter) / gap; }
 
 double student3(double x, double width) {
-  const double z = x / width;
-  return 2.0 / (kPi * std::sqrt(3.0) * width) / ((1.0 + z * z / 3.0) * (1.0 + z * z / 3.0));
+  const double width2 = width * width;
+  const double core = width2 + x * x * (1.0 / 3.0);  // (1 + z^2 / 3) width^2
+  return 2.0 / (kPi * std::numbers::sqrt3) * width2 * width / (core * core);
 }
 
 }  // namespace bouncelab

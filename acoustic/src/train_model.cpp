@@ -29,10 +29,19 @@ constexpr double kLossOverScatter = 0.6;   // a rhythm drifts by less than it sc
 constexpr double kStartCost = 4.0;         // prior log odds against a train within some seconds
 constexpr double kAcceptance = 8.0;        // log odds a train must reach: 1 in 3000 by chance
 
-/// eps such that the time since the last impact is flight (eps + eps^2 + ...), n_missing + 1 terms.
-double eps_of_gap(double gap_over_flight, int n_missing) {
-  double eps = gap_over_flight / (n_missing + 1);
-  for (int iteration = 0; iteration < 5 && n_missing > 0; ++iteration) {
+/// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
+double gap_of_eps(double eps, int n_missing) {
+  double gap = eps;
+  for (int k = 0; k < n_missing; ++k) gap = eps * (1.0 + gap);
+  return gap;
+}
+
+/// The other way.
+double eps_of_gap(double gap, int n_missing) {
+  if (n_missing == 0) return gap;
+  if (n_missing == 1) return std::sqrt(0.25 + gap) - 0.5;
+  double eps = gap / (n_missing + 1);
+  for (int iteration = 0; iteration < 5; ++iteration) {
     double sum = 0.0;
     double slope = 0.0;
     double power = 1.0;
@@ -41,21 +50,34 @@ double eps_of_gap(double gap_over_flight, int n_missing) {
       power *= eps;
       sum += power;
     }
-    eps -= (sum - gap_over_flight) / slope;
+    eps -= (sum - gap) / slope;
   }
   return eps;
 }
 
-/// What errors of the times add to log eps, standard deviation.
-double jitter(const TrainState& train, const HeardSound& next) {
-  return std::hypot(next.sigma_s, 2.0 * train.last[0].sigma_s, train.last[1].sigma_s) / train.flight_s;
+/// Whether a gap may be that of n_missing + 1 flights.
+bool is_plausible(const TrainState& train, double gap, int n_missing) {
+  double least = kLeastEps;
+  double largest = kLargestEps;
+  if (train.n_eps > 0) {
+    least = std::max(least, kLeastOfMean * train.mean_eps);
+    largest = std::min(largest, kMostOfMean * train.mean_eps);
+  }
+  return gap >= gap_of_eps(least, n_missing) && gap <= gap_of_eps(largest, n_missing);
+}
+
+/// What errors of the times add to log eps, variance.
+double jitter2(const TrainState& train, const HeardSound& next) {
+  const double twice_s = 2.0 * train.last[0].sigma_s;
+  const double before_s = train.last[1].sigma_s;
+  return (next.sigma_s * next.sigma_s + twice_s * twice_s + before_s * before_s) / (train.flight_s * train.flight_s);
 }
 
 /// Standard deviation of the next log eps about the running mean of the train.
-double spread(const TrainState& train, int n_missing, double jitter) {
+double spread(const TrainState& train, int n_missing, double jitter2) {
   const double n = std::clamp(train.n_eps, 1, kMemory);
   const double variance = (kScatterWeight * kScatter * kScatter + train.sum_squares) / (kScatterWeight + train.n_eps);
-  return std::sqrt(variance * (1.0 + 1.0 / n) * (1.0 + n_missing) + jitter * jitter);
+  return std::sqrt(variance * (1.0 + 1.0 / n) * (1.0 + n_missing) + jitter2);
 }
 
 /// Density of log eps given the train so far.
@@ -90,7 +112,7 @@ int n_own_rivals(const TrainState& train, const Candidate& next, double flight_s
 }
 
 /// Takes the ratio of intervals into what is known of the train.
-void learn_eps(TrainState& s, double log_eps, double width, double jitter) {
+void learn_eps(TrainState& s, double log_eps, double width, double jitter2) {
   const bool is_first = s.n_eps == 0;
   const double deviation = is_first ? 0.0 : log_eps - s.mean_log_eps;
   // one loss or gain must not carry the mean away
@@ -98,7 +120,7 @@ void learn_eps(TrainState& s, double log_eps, double width, double jitter) {
   s.n_eps += 1;
   if (!is_first) {
     s.sum_squares += step * step * (s.n_eps - 1) / s.n_eps;
-    s.sum_jitter_squares += jitter * jitter;
+    s.sum_jitter_squares += jitter2;
   }
   s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
   s.n_losing += log_eps < std::log(kLargestMeanEps) ? 1 : 0;
@@ -115,6 +137,7 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
   s.first_s = first.candidate.t_s;
   s.flight_s = second.candidate.t_s - s.first_s;
   s.last = {to_heard(second), to_heard(first)};
+  s.log_amplitude = second.log_amplitude;
   const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
   s.log_odds = -kStartCost - std::log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
                                       chance_rate(second.rivals, s.flight_s, n_own));
@@ -124,9 +147,8 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
 std::optional<TrainState> extend_train(const TrainState& from, int n_missing, const HeardSound& next,
                                        double least_log_odds) {
   const double gap = (next.candidate.t_s - from.last[0].t_s) / from.flight_s;
+  if (!is_plausible(from, gap, n_missing)) return {};
   const double eps = eps_of_gap(gap, n_missing);
-  if (eps < kLeastEps || eps > kLargestEps) return {};
-  if (from.n_eps > 0 && (eps < kLeastOfMean * from.mean_eps || eps > kMostOfMean * from.mean_eps)) return {};
   double slope = 0.0;  // d(gap) / d(eps)
   double last_flight = 1.0;
   for (int m = 0; m <= n_missing; ++m) {
@@ -136,23 +158,23 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   const double flight_s = from.flight_s * last_flight;
   if (flight_s < kShortestFlight_s) return {};
   const double log_eps = std::log(eps);
-  const double timing = jitter(from, next);
-  const double width = spread(from, n_missing, timing);
+  const double timing2 = jitter2(from, next);
+  const double width = spread(from, n_missing, timing2);
   const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
   const double chance =
       from.flight_s * chance_rate(next.rivals, flight_s, n_own_rivals(from, next.candidate, flight_s));
   const double log_odds =
       from.log_odds + std::log(probability_missing(n_missing) * per_flight / (chance + rhythm_density(gap)) *
-                               odds_of_amplitude(std::log(next.candidate.amplitude / from.last[0].amplitude),
-                                                 (n_missing + 1) * log_eps));
+                               odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps));
   if (log_odds < least_log_odds) return {};
   TrainState s = from;
   s.flight_s = flight_s;
   s.log_odds = log_odds;
-  learn_eps(s, log_eps, width, timing);
+  learn_eps(s, log_eps, width, timing2);
   s.impact += n_missing + 1;
   s.n_heard += 1;
   s.last = {to_heard(next), from.last[0], from.last[1]};
+  s.log_amplitude = next.log_amplitude;
   return s;
 }
 

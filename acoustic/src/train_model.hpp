@@ -23,6 +23,7 @@ struct HeardSound {
   const Candidate& candidate;
   const Rivals& rivals;
   double sigma_s = 0.0;  ///< error of its time
+  double log_amplitude = 0.0;
 };
 
 /// What a train is up to an impact.
@@ -46,6 +47,7 @@ struct TrainState {
     double sigma_s = 0.0;
   };
   std::array<Heard, 3> last{};  ///< the last first; amplitude 0 = there was none
+  double log_amplitude = 0.0;   ///< of the last
 };
 
 TrainState begin_train(const HeardSound& first, const HeardSound& second);

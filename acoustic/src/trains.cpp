@@ -34,7 +34,9 @@ class Search {
         timing_s_(timing_s),
         rivals_(count_rivals(candidates)),
         begin_(c_.size() + 1, 0),
-        best_(c_.size() + 1) {}
+        best_(c_.size() + 1) {
+    for (const Candidate& c : c_) log_amplitude_.push_back(std::log(c.amplitude));
+  }
 
   std::vector<Train> run() {
     for (std::size_t k = 0; k < c_.size(); ++k) visit(k);
@@ -50,11 +52,12 @@ class Search {
   HeardSound heard(std::size_t k) const {
     // what the shortest window has noticed is timed by a sample, what the longer ones have, by a part of themselves
     const double sigma_s = c_[k].reach_s < kSharp_s ? timing_s_ : std::max(timing_s_, kTimingOfReach * c_[k].reach_s);
-    return {c_[k], rivals_[k], sigma_s};
+    return {c_[k], rivals_[k], sigma_s, log_amplitude_[k]};
   }
 
   void visit(std::size_t k) {
     std::vector<State> here;
+    const HeardSound next = heard(k);
     for (std::size_t j = k; j-- > 0;) {
       const double gap_s = c_[k].t_s - c_[j].t_s;
       if (gap_s > kMostGap * kLongestFlight_s) break;
@@ -63,8 +66,8 @@ class Search {
       const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
       const auto first =
           std::partition_point(begin, end, [&](const State& s) { return s.flight_s * kLeastEps > gap_s; });
-      for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, here);
-      start(j, k, here);
+      for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, next, here);
+      start(j, k, next, here);
     }
     if (here.size() > kBeam) {
       std::nth_element(here.begin(), here.begin() + kBeam, here.end(),
@@ -116,11 +119,11 @@ class Search {
     most_states_ = 2 * n_kept + kStatesAtOnce;
   }
 
-  void start(std::size_t j, std::size_t k, std::vector<State>& here) const {
+  void start(std::size_t j, std::size_t k, const HeardSound& second, std::vector<State>& here) const {
     const double flight_s = c_[k].t_s - c_[j].t_s;
     if (flight_s < kShortestFirstFlight_s || flight_s > kLongestFlight_s) return;
     State s;
-    static_cast<TrainState&>(s) = begin_train(heard(j), heard(k));
+    static_cast<TrainState&>(s) = begin_train(heard(j), second);
     s.start_score = best_[j].score;
     s.candidate = k;
     s.first_candidate = j;
@@ -142,11 +145,11 @@ class Search {
     }
   }
 
-  void extend(std::int64_t from_index, std::size_t k, std::vector<State>& here) const {
+  void extend(std::int64_t from_index, std::size_t k, const HeardSound& next, std::vector<State>& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
     if (!here.empty() && from.total() + kMostGain < here.front().total() - kBeamDepth) return;
     for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
-      const std::optional<TrainState> longer = extend_train(from, n_missing, heard(k), least(from, here));
+      const std::optional<TrainState> longer = extend_train(from, n_missing, next, least(from, here));
       if (!longer) continue;
       State s = from;
       static_cast<TrainState&>(s) = *longer;
@@ -178,6 +181,7 @@ class Search {
   const std::vector<Candidate>& c_;
   double timing_s_;
   std::vector<Rivals> rivals_;
+  std::vector<double> log_amplitude_;
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
