@@ -40,18 +40,10 @@ double gap_of_eps(double eps, int n_missing) {
 double eps_of_gap(double gap, int n_missing) {
   if (n_missing == 0) return gap;
   if (n_missing == 1) return std::sqrt(0.25 + gap) - 0.5;
-  double eps = gap / (n_missing + 1);
-  for (int iteration = 0; iteration < 5; ++iteration) {
-    double sum = 0.0;
-    double slope = 0.0;
-    double power = 1.0;
-    for (int k = 0; k <= n_missing; ++k) {
-      slope += (k + 1) * power;
-      power *= eps;
-      sum += power;
-    }
-    eps -= (sum - gap) / slope;
-  }
+  static_assert(kMostMissing == 2);
+  double eps = gap / 3.0;
+  for (int iteration = 0; iteration < 4; ++iteration)  // Newton's, from within 0.3: to 1e-13
+    eps -= (eps * (1.0 + eps * (1.0 + eps)) - gap) / (1.0 + eps * (2.0 + 3.0 * eps));
   return eps;
 }
 

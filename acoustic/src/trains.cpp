@@ -69,23 +69,30 @@ class Search {
       for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, next, here);
       start(j, k, next, here);
     }
-    if (here.size() > kBeam) {
-      std::nth_element(here.begin(), here.begin() + kBeam, here.end(),
-                       [](const State& a, const State& b) { return a.total() > b.total(); });
-      here.resize(kBeam);
-    }
-    double top = best_[k].score;
-    for (const State& s : here) top = std::max(top, s.total());
-    std::erase_if(here, [&](const State& s) { return s.total() < top - kBeamDepth; });
-    std::sort(here.begin(), here.end(), [](const State& a, const State& b) { return a.flight_s > b.flight_s; });
     best_[k + 1] = best_[k];
-    for (const State& s : here) {
-      if (is_complete(s) && s.total() > best_[k + 1].score)
-        best_[k + 1] = {s.total(), static_cast<std::int64_t>(states_.size())};
-      states_.push_back(s);
+    for (const State* s : most_probable(k, here)) {
+      if (is_complete(*s) && s->total() > best_[k + 1].score)
+        best_[k + 1] = {s->total(), static_cast<std::int64_t>(states_.size())};
+      states_.push_back(*s);
     }
     begin_[k + 1] = states_.size();
     if (states_.size() > most_states_) forget(k + 1);
+  }
+
+  /// By falling flight.
+  std::vector<const State*> most_probable(std::size_t k, const std::vector<State>& here) const {
+    double top = best_[k].score;
+    for (const State& s : here) top = std::max(top, s.total());
+    std::vector<const State*> kept;
+    for (const State& s : here)
+      if (s.total() >= top - kBeamDepth) kept.push_back(&s);
+    if (kept.size() > kBeam) {
+      std::nth_element(kept.begin(), kept.begin() + kBeam, kept.end(),
+                       [](const State* a, const State* b) { return a->total() > b->total(); });
+      kept.resize(kBeam);
+    }
+    std::sort(kept.begin(), kept.end(), [](const State* a, const State* b) { return a->flight_s > b->flight_s; });
+    return kept;
   }
 
   /// Keeps the states from which trains may yet be followed, and those on the way to them.
@@ -137,9 +144,11 @@ class Search {
 
   void keep(const State& s, std::vector<State>& here) const {
     if (s.log_odds < kHopeless) return;
-    if (here.empty() || s.total() > here.front().total()) {
+    if (!here.empty() && s.total() > here.front().total()) {
+      here.push_back(here.front());
+      here.front() = s;
+    } else if (here.empty()) {
       here.push_back(s);
-      std::swap(here.front(), here.back());
     } else if (s.total() > here.front().total() - kBeamDepth) {
       here.push_back(s);
     }
