@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "vector_clones.hpp"
+
 namespace bouncelab {
 namespace {
 
@@ -42,6 +44,14 @@ double least_rise(double n_after) {
   return hi;
 }
 
+BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, const double* after, double least,
+                                      std::int64_t n) {
+  std::int64_t n_over = 0;
+  for (std::int64_t k = 0; k < n; ++k)
+    n_over += static_cast<double>(kBeforeFactor) * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0;
+  return n_over > 0;
+}
+
 /// Innovations of one block of hops with margins, and their running energy from hop to hop.
 class Block {
  public:
@@ -64,15 +74,23 @@ class Block {
     read_innovations_padded(n_held * hop_);
     running_.resize(static_cast<std::size_t>(n) + 1);
     const float* x = innovations_.data();
-    for (std::size_t k = 0; k + 1 < running_.size(); ++k) {
+    const double floor = floor_ * static_cast<double>(hop_);
+    double running = 0.0;
+    for (std::size_t k = 1; k < running_.size(); ++k) {
       float sum = 0.0F;
       for (const float* end = x + hop_; x != end; ++x) sum += *x * *x;
-      running_[k + 1] = running_[k] + static_cast<double>(sum) + floor_ * static_cast<double>(hop_);
+      running_[k] = running = running + (static_cast<double>(sum) + floor);
     }
   }
 
   double energy_of_hops(std::int64_t from, std::int64_t to) const {
     return running_[static_cast<std::size_t>(to - first_hop_)] - running_[static_cast<std::size_t>(from - first_hop_)];
+  }
+
+  /// Whether the energy after any of n hops is so many times that before it, hop for hop.
+  bool any_rise(std::int64_t first, std::int64_t n, std::int64_t after_hops, double least) const {
+    const double* here = running_.data() + (first - first_hop_);
+    return any_over(here - kBeforeFactor * after_hops, here, here + after_hops, least, n);
   }
 
   double energy(std::int64_t first, std::int64_t last) const {
@@ -162,12 +180,18 @@ std::vector<Rise> rises(const Block& block, std::int64_t hop, std::int64_t first
   const auto after = [&](std::int64_t k) { return kBeforeFactor * block.energy_of_hops(k, k + after_hops); };
   const auto before = [&](std::int64_t k) { return block.energy_of_hops(k - kBeforeFactor * after_hops, k); };
   std::vector<Rise> found;
-  for (std::int64_t k = first; k < first + n_hops; ++k) {
-    if (after(k) < least * before(k)) continue;
+  const auto judge = [&](std::int64_t k) {
+    if (after(k) < least * before(k)) return;
     const double here = after(k) / before(k);
     bool is_highest = true;
     for (std::int64_t j = k - kApartHops; j <= k + kApartHops; ++j) is_highest &= after(j) / before(j) <= here;
     if (is_highest) found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
+  };
+  constexpr std::int64_t kAtOnce = 64;  // most hold nothing
+  for (std::int64_t at = first; at < first + n_hops; at += kAtOnce) {
+    const std::int64_t n = std::min(kAtOnce, first + n_hops - at);
+    if (!block.any_rise(at, n, after_hops, least)) continue;
+    for (std::int64_t k = at; k < at + n; ++k) judge(k);
   }
   return found;
 }
