@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostClocks = 10;
 constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no clocks of their own
-constexpr double kLeastShare = 0.15;     // of what a band knows on average
+constexpr double kLeastShare = 0.25;     // of what a band knows on average
 constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
 // disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
 constexpr double kPriorClocks = 8.0;
@@ -125,12 +125,14 @@ double dependence(const Disagreement& d, const BandClocks& clocks) {
 /// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
 void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
   const auto knows = [&](std::size_t j) { return wave.information(edge[j], edge[j + 1]); };
+  const double enough =
+      kLeastShare * wave.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
   while (edge.size() > 2) {
     const auto n = edge.size() - 1;
     std::size_t least = 0;
     for (std::size_t j = 1; j < n; ++j)
       if (knows(j) < knows(least)) least = j;
-    if (knows(least) > kLeastShare * wave.information(edge.front(), edge.back()) / static_cast<double>(n)) return;
+    if (knows(least) > enough) return;
     const bool is_above = least + 1 == n || (least > 0 && knows(least - 1) > knows(least + 1));
     edge.erase(edge.begin() + static_cast<std::ptrdiff_t>(is_above ? least : least + 1));
   }
@@ -156,16 +158,20 @@ WaveTemplate::WaveTemplate(Spectrum wave, std::size_t n_window)
 
 BandClocks equal_clocks(const WaveTemplate& wave) {
   const std::size_t n_bins = wave.wave().size() - 1;
-  const std::size_t n = std::clamp<std::size_t>(n_bins / (2 * kLeastBins), 1, kMostClocks);
   const double all = wave.information(0, n_bins);
-  const std::size_t reach = std::max(kLeastBins / 2, n_bins / kLeastModes);
+  const auto bin_at = [&](double part) {
+    std::size_t k = 1;
+    while (k < n_bins && wave.information(0, k) < part * all) ++k;
+    return k;
+  };
+  const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
+  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kLeastBins), 1, kMostClocks);
+  const std::size_t reach = std::max(kLeastBins / 2, n_occupied / kLeastModes);
   const auto density = [&](std::size_t k) { return wave.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
   BandClocks clocks;
   clocks.edge.push_back(1);
   for (std::size_t share = 1; share < n; ++share) {
-    const double part = all * static_cast<double>(share) / static_cast<double>(n);
-    std::size_t middle = 1;
-    while (middle < n_bins && wave.information(0, middle) < part) ++middle;
+    const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
     const std::size_t lo = std::max(clocks.edge.back() + kLeastBins, middle > reach ? middle - reach : 1);
     const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kLeastBins));
     std::size_t lowest = lo;
@@ -223,7 +229,7 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
 
 void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks) {
   const std::size_t n = clocks.n();
-  if (readings.size() < 3 || n < 3) return;
+  if (readings.size() < 3 || n < 2) return;
   for (int round = 0; round < kRounds; ++round) {
     const Disagreement d = disagreement(readings, clocks);
     for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], d.share[j]);

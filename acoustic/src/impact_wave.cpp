@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
+#include "coherent_share.hpp"
 #include "products.hpp"
 
 namespace bouncelab {
@@ -23,6 +24,8 @@ constexpr std::size_t kMostLearned = 32;
 constexpr std::size_t kMostHeard = 12;  // of those whose sound is shown
 constexpr int kRounds = 2;
 constexpr std::size_t kResidualOrder = 32;
+constexpr std::size_t kFewestClocks = 3;
+constexpr std::size_t kFewestHalved = 4;  // below, halves say nothing
 constexpr double kLeastCorrelation = 0.5;
 constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
 
@@ -156,6 +159,7 @@ class Learner {
       for (const Row& row : rows_)
         if (row.correlation >= kLeastCorrelation) readings.push_back(row.reading);
       learn_jitter(readings, learned_.wave, learned_.clocks);
+      if (learned_.clocks.n() < kFewestClocks) doubt_few_clocks();
       average();
     }
   }
@@ -206,6 +210,23 @@ class Learner {
   }
 
  private:
+  /// One or two clocks cannot disagree: what of the impacts the wave leaves unexplained is taken for phases that
+  /// differ, half of it, in each clock.
+  void doubt_few_clocks() {
+    std::vector<double> squares;
+    for (const Row& row : rows_)
+      if (row.correlation >= kLeastCorrelation) squares.push_back(row.correlation * row.correlation);
+    if (squares.empty()) return;
+    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+    std::nth_element(squares.begin(), middle, squares.end());
+    const double phase2 = 0.5 * (1.0 - *middle) / *middle;
+    BandClocks& clocks = learned_.clocks;
+    for (std::size_t j = 0; j < clocks.n(); ++j)
+      clocks.jitter2[j] =
+          std::max(clocks.jitter2[j], phase2 * learned_.wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
+                                          (learned_.wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30));
+  }
+
   void cut(Row& row, std::int64_t first) {
     row.window = read_white(sound_, learned_.whitener, first, n_window_);
     row.spectrum = fourier_->forward(row.window.sound);
@@ -214,17 +235,23 @@ class Learner {
 
   /// Average of the rows that sound alike, each as heavy as its amplitude; at first the strongest.
   void average() {
-    Spectrum sum{std::vector<float>(n_window_ / 2 + 1, 0.0F), std::vector<float>(n_window_ / 2 + 1, 0.0F)};
-    double weight = 0.0;
+    const std::vector<float> none(n_window_ / 2 + 1, 0.0F);
+    Spectrum sums[2] = {{none, none}, {none, none}};  // of every other row
+    double weights[2] = {0.0, 0.0};
+    std::size_t n_rows = 0;
     const double omega = 2.0 * kPi / static_cast<double>(n_window_);
     for (const Row& row : rows_) {
       if (row.correlation < kLeastCorrelation) continue;
       const double a = average_is_first_ ? 1.0 : row.reading.amplitude;
-      add_scaled(sum, turned(row.spectrum, omega * row.position), a);
-      weight += a * a;
+      const std::size_t half = n_rows++ % 2;
+      add_scaled(sums[half], turned(row.spectrum, omega * row.position), a);
+      weights[half] += a * a;
       if (average_is_first_) break;
     }
     average_is_first_ = false;
+    Spectrum sum = sums[0];
+    add_scaled(sum, sums[1], 1.0);
+    const double weight = weights[0] + weights[1];
     std::vector<float> mean = fourier_->inverse(sum);
     const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
     const auto fade = static_cast<std::size_t>(samples(kFade_s, sound_));
@@ -237,7 +264,12 @@ class Learner {
       mean[n] *= static_cast<float>(w);
     }
     mean_ = mean;
-    learned_.wave = WaveTemplate(fourier_->forward(mean), n_window_);
+    Spectrum wave = fourier_->forward(mean);
+    if (n_rows >= kFewestHalved) {
+      const std::vector<float> share = coherent_share(sums[0], weights[0], sums[1], weights[1]);
+      for (std::size_t k = 0; k < wave.size(); ++k) wave.re[k] *= share[k], wave.im[k] *= share[k];
+    }
+    learned_.wave = WaveTemplate(std::move(wave), n_window_);
     if (learned_.clocks.n() == 0) learned_.clocks = equal_clocks(learned_.wave);
   }
 

@@ -10,6 +10,7 @@
 #include "band_clocks.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
+#include "coherent_share.hpp"
 #include "cycle_choice.hpp"
 #include "fourier.hpp"
 #include "low_band.hpp"
@@ -85,6 +86,24 @@ TEST(Fourier, PhasorsMoveAWaveByFractionsOfASample) {
   double error2 = 0.0;
   for (std::size_t n = 0; n < kWindow; ++n) error2 += std::pow(moved[n] - direct[n], 2);
   EXPECT_LT(std::sqrt(error2 / dot(direct, direct)), 1e-5);  // phasors to 1e-6
+}
+
+TEST(CoherentShare, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
+  // a wave of 30 dB a bin below bin 200, noise above, in the sums of 16 impacts each
+  constexpr std::size_t kBins = 513;
+  Random random(1, RandomStream::test, 13);
+  Spectrum sums[2];
+  for (Spectrum& sum : sums)
+    for (std::size_t k = 0; k < kBins; ++k) {
+      const double wave = k < 200 ? 30.0 : 0.0;
+      sum.re.push_back(static_cast<float>(16.0 * wave + 4.0 * random.normal()));
+      sum.im.push_back(static_cast<float>(4.0 * random.normal()));
+    }
+  const std::vector<float> share = coherent_share(sums[0], 16.0, sums[1], 16.0);
+  for (std::size_t k = 0; k < 190; ++k) EXPECT_GT(share[k], 0.99F) << k;
+  double of_noise = 0.0;
+  for (std::size_t k = 210; k < kBins; ++k) of_noise += share[k] / static_cast<double>(kBins - 210);
+  EXPECT_LT(of_noise, 0.03);
 }
 
 TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
