@@ -153,17 +153,16 @@ class Fitter {
   void expect(double tau_1_s) {
     within_.resize(m_);
     counts_.assign(m_, 0.0);
-    std::vector<float> value(2), slope(2);
     for (std::size_t m = 0; m < m_; ++m) {
-      pulse_.tabulate(l_.f_hz[m] * tau_1_s * slowest_u_, value, slope);
-      if (!is_given_) within_[m] = value[1] > kLeastPulse && l_.f_hz[m] * tau_1_s * slowest_u_ < 1.5;
+      const double largest = l_.f_hz[m] * tau_1_s * slowest_u_;
+      if (!is_given_) within_[m] = pulse_.at(largest).value > kLeastPulse && largest < 1.5;
       counts_[m] = within_[m] ? 1.0 : 0.0;
       for (std::size_t k = 0; k < n_; ++k) {
         const double x = l_.f_hz[m] * l_.u[k];
-        pulse_.tabulate(x * tau_1_s, value, slope);
-        one_over_pulse_[k][m] = 1.0 / std::max(static_cast<double>(value[1]), 0.02);
+        const auto [value, slope] = pulse_.at(x * tau_1_s);
+        one_over_pulse_[k][m] = 1.0 / std::max(value, 0.02);
         level_over_pulse_[k][m] = l_.level[k][m] * one_over_pulse_[k][m];
-        duller_[k][m] = 0.5 * x / tau_1_s * static_cast<double>(slope[1]) * one_over_pulse_[k][m];
+        duller_[k][m] = 0.5 * x / tau_1_s * slope * one_over_pulse_[k][m];
         weight_[k][m] = within_[m] ? std::max(weight_[k][m], 1e-12) : 0.0;
       }
     }

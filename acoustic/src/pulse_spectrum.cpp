@@ -9,8 +9,6 @@
 namespace bouncelab {
 namespace {
 
-constexpr double kPerUnit = 512.0;
-
 double half_sine_force(double s) { return 0.5 * kPi * std::sin(kPi * s); }
 
 }  // namespace
@@ -26,7 +24,7 @@ PulseSpectrum::PulseSpectrum(double (*force)(double)) {
     weight[q] = std::sin(theta) * force(0.5 + middle_out[q]);
     total += weight[q];
   }
-  // each node's phasor turns on by its own angle from x to x: 2048 roundings of doubles are nothing to a float
+  // each node's phasor turns on by its own angle from x to x: 2048 roundings
   std::vector<double> slope_weight(kNodes), c(kNodes, 1.0), s(kNodes, 0.0), turn_c(kNodes), turn_s(kNodes);
   for (int q = 0; q < kNodes; ++q) {
     const double phase = 2.0 * kPi * middle_out[q];
@@ -46,8 +44,7 @@ PulseSpectrum::PulseSpectrum(double (*force)(double)) {
       s[q] = c[q] * turn_s[q] + s[q] * turn_c[q];
       c[q] = next_c;
     }
-    value_.push_back(static_cast<float>(value));
-    slope_.push_back(static_cast<float>(slope));
+    table_.push_back({value, slope});
   }
 }
 
@@ -63,15 +60,9 @@ const PulseSpectrum& PulseSpectrum::half_sine() {
 
 void PulseSpectrum::tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const {
   for (std::size_t k = 0; k < value.size(); ++k) {
-    const double place = static_cast<double>(k) * step * kPerUnit;
-    const auto index = static_cast<std::size_t>(place);
-    if (index + 1 >= value_.size()) {
-      value[k] = slope[k] = 0.0F;
-      continue;
-    }
-    const auto part = static_cast<float>(place - static_cast<double>(index));
-    value[k] = value_[index] + part * (value_[index + 1] - value_[index]);
-    slope[k] = slope_[index] + part * (slope_[index + 1] - slope_[index]);
+    const Value here = at(static_cast<double>(k) * step);
+    value[k] = static_cast<float>(here.value);
+    slope[k] = static_cast<float>(here.slope);
   }
 }
 

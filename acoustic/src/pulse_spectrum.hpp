@@ -18,13 +18,28 @@ class PulseSpectrum {
   /// 2241 (1985), doi:10.1088/0022-3727/18/11/011.
   static const PulseSpectrum& half_sine();
 
-  /// out[k] = P(k step), slope[k] = P'(k step), by linear interpolation in steps of 1/512: to 1e-5.
+  struct Value {
+    double value = 0.0;
+    double slope = 0.0;
+  };
+  /// P(x) and P'(x) for x >= 0, by linear interpolation in steps of 1/512: to 1e-5.
+  Value at(double x) const {
+    const double place = x * kPerUnit;
+    const auto index = static_cast<std::size_t>(place);
+    if (index + 1 >= table_.size()) return {};
+    const double part = place - static_cast<double>(index);
+    const Value& a = table_[index];
+    const Value& b = table_[index + 1];
+    return {a.value + part * (b.value - a.value), a.slope + part * (b.slope - a.slope)};
+  }
+
+  /// out[k] = P(k step), slope[k] = P'(k step).
   void tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const;
 
  private:
   explicit PulseSpectrum(double (*force)(double));
-  std::vector<float> value_;
-  std::vector<float> slope_;
+  static constexpr double kPerUnit = 512.0;
+  std::vector<Value> table_;
 };
 
 }  // namespace bouncelab
