@@ -12,6 +12,7 @@ namespace {
 constexpr double kUsual_s = 35e-6;
 constexpr double kUsualSpread_s = 20e-6;
 constexpr double kContradiction = 3.0;
+constexpr double kSoft_hz = 3e3;  // a tenth of a cycle in the usual duration: steel would ring higher modes too
 constexpr double kCertain = 2.0;  // standard errors of tau^2: four of tau
 // of the pulses' difference in standard errors: neighbouring bands share what neither pulse explains, and two of them
 // are worth a hint
@@ -69,6 +70,11 @@ ContactLaw law_of(const ContactFit& fit) {
 }  // namespace
 
 double contact_delay(double v_mps, double reference_u) { return 0.5 * (std::pow(v_mps, -0.2) - reference_u); }
+
+ContactLaw unheard_contact(double rms_hz) {
+  if (rms_hz < kSoft_hz) return {0.0, 0.5 / rms_hz};
+  return {kUsual_s, kUsualSpread_s, kUsual_s};
+}
 
 std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops) {
   if (drops.empty()) return std::nullopt;

@@ -47,6 +47,11 @@ double contact_delay(double v_mps, double reference_u);
 /// often as it was struck. Absent where fewer than six bands tell anything.
 std::optional<ContactEvidence> fit_contact(const BandLevels& levels);
 
+/// Where the sound tells nothing of the duration: what is known of steel balls; of a ball that sounds below 3 kHz only
+/// that its contact is of the order of half a period, 0 +- 1 / (2 rms_hz).
+/// @param rms_hz  root mean square frequency of the wave; positive
+ContactLaw unheard_contact(double rms_hz);
+
 /// One ball, one law: the mean over drops under each pulse, and with what is known of steel balls on glass, 35 +- 20
 /// us, unless the sound contradicts it; the pulse that is more likely counts, or the mean of both where the sound
 /// cannot tell. Absent where there is no evidence.

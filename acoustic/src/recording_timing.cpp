@@ -165,12 +165,15 @@ TimedDrop time_drop(const Sound& band, const HeardRecording& heard, const Train&
       wave != nullptr ? time_train(band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
   drop.v_mps = speeds_of(onsets);
   if (wave != nullptr) {
+    std::vector<SpeedAndTime> all;
     std::vector<SpeedAndTime> clear;
-    for (std::size_t k = 0; k < onsets.size(); ++k)
-      if (drop.v_mps[k] > 0.0 && is_clear(onsets[k], heard))
-        clear.push_back({onsets[k].timed.t_s, onsets[k].timed.amplitude, drop.v_mps[k]});
+    for (std::size_t k = 0; k < onsets.size(); ++k) {
+      if (!(drop.v_mps[k] > 0.0)) continue;
+      all.push_back({onsets[k].timed.t_s, onsets[k].timed.amplitude, drop.v_mps[k]});
+      if (is_clear(onsets[k], heard)) clear.push_back(all.back());
+    }
     drop.contact = fit_contact(read_levels(band, *wave, clear));
-    drop.reference_u = reference_u(clear);
+    drop.reference_u = reference_u(clear.empty() ? all : clear);
     std::vector<double> u;
     for (const double v_mps : drop.v_mps) u.push_back(v_mps > 0.0 ? std::pow(v_mps, -0.2) : 0.0);
     const std::optional<ContactLaw> law = drop.contact ? pool_contacts({*drop.contact}) : std::nullopt;
@@ -220,6 +223,11 @@ std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
   return pool_contacts(evidence);
 }
 
+double rms_hz(const WaveTemplate& wave, double rate_hz) {
+  const double omega2 = wave.information(0, wave.wave().size()) / (wave.energy() + 1e-30);
+  return std::max(1.0, std::sqrt(omega2) * rate_hz / (2.0 * kPi));
+}
+
 /// Moves the times to the start of contact.
 void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
   for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
@@ -267,7 +275,8 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
       timed.wave = to_learned_wave(*wave, heard.band.rate_hz);
     }
   }
-  const std::optional<ContactLaw> law = contact_law_of(drops);
+  std::optional<ContactLaw> law = contact_law_of(drops);
+  if (!law && reference) law = unheard_contact(rms_hz(reference->wave.wave, heard.band.rate_hz));
   if (law && law->is_heard) timed.contact_time_at_1_mps_s = law->tau_1_s;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     if (law) correct_for_contact(*law, drops[k]);

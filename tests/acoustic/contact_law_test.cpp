@@ -127,6 +127,14 @@ TEST(ContactLaw, ManyDropsThatEachSayLittleSayItTogether) {
   EXPECT_NEAR(all->tau_1_s, 30e-6, 3.0 * all->sigma_s);
 }
 
+TEST(ContactLaw, UnheardIsThatOfSteelOrForASoftSoundUnknownToHalfAPeriod) {
+  const ContactLaw steel = unheard_contact(8e3);
+  EXPECT_NEAR(steel.tau_1_s, 29e-6, steel.sigma_s);  // 3 mm of radius on glass, Hertz
+  const ContactLaw rubber = unheard_contact(300.0);
+  EXPECT_EQ(rubber.tau_1_s, 0.0);
+  EXPECT_NEAR(rubber.sigma_s, 0.5 / 300.0, 1e-12);
+}
+
 TEST(ContactLaw, IsAbsentWithoutImpactsOrBands) {
   BandLevels few = levels_of({}, 1);
   few.u.resize(7);
