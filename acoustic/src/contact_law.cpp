@@ -14,9 +14,8 @@ constexpr double kUsualSpread_s = 20e-6;
 constexpr double kContradiction = 3.0;
 constexpr double kSoft_hz = 3e3;  // a tenth of a cycle in the usual duration: steel would ring higher modes too
 constexpr double kCertain = 2.0;  // standard errors of tau^2: four of tau
-// of the pulses' difference in standard errors: neighbouring bands share what neither pulse explains, and two of them
-// are worth a hint
-constexpr double kBelief = 0.35;
+// standard errors by which two pulses must differ before it counts: neighbouring bands share what neither explains
+constexpr double kDoubt = 2.0;
 
 ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvidence::*pulse) {
   ContactFit pooled;
@@ -46,7 +45,8 @@ double share_of_hertz(const std::vector<ContactEvidence>& drops) {
       n += 1.0, sum += more, squares += more * more;
     }
   const double error = std::sqrt(std::max(squares - sum * sum / n, 1e-30) / (n - 1.0) * n);
-  return 0.5 * std::erfc(-kBelief * sum / error / std::sqrt(2.0));
+  const double z = sum / error;
+  return 0.5 * std::erfc(-std::copysign(std::max(0.0, std::abs(z) - kDoubt), z) / std::sqrt(2.0));
 }
 
 /// With what is known beforehand, where the two do not contradict each other.
