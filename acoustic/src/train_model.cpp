@@ -22,12 +22,16 @@ constexpr double kOutlier = 0.05;          // share of single losses and gains
 constexpr double kHeard = 0.93;
 constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
 constexpr std::int64_t kLeastImpacts = 4;  // two coefficients of restitution
-constexpr double kLargestMeanEps = 0.997;  // a clock is no ball,
-constexpr double kLeastLogLoss = 0.045;    // nor is one that jumped once,
-constexpr double kLeastLosing = 0.6;       // nor one that jumped twice: most impacts lose energy
-constexpr double kLossOverScatter = 0.6;   // a rhythm drifts by less than it scatters, a ball loses more
-constexpr double kStartCost = 4.0;         // prior log odds against a train within some seconds
-constexpr double kAcceptance = 8.0;        // log odds a train must reach: 1 in 3000 by chance
+constexpr double kLargestMeanEps = 0.992;  // a clock is no ball; steel on glass has 0.989 at 2 cm/s
+constexpr double kLargestLosingEps = 0.997;
+constexpr double kLeastLogLoss = 0.045;  // nor is one that jumped once,
+constexpr double kLeastLosing = 0.6;     // nor one that jumped twice: most impacts lose energy
+// a rhythm drifts by less than it scatters; a ball that scatters more than it loses has in the end lost much
+constexpr double kLossOverScatter = 1.0;
+constexpr double kMuchLogLoss = 0.7;
+constexpr double kLeastOverScatter = 0.2;
+constexpr double kStartCost = 2.0;   // prior log odds against a train within some seconds
+constexpr double kAcceptance = 3.5;  // log odds a train must reach: 1 in 30 by chance
 
 /// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
 double gap_of_eps(double eps, int n_missing) {
@@ -115,7 +119,7 @@ void learn_eps(TrainState& s, double log_eps, double width, double jitter2) {
     s.sum_jitter_squares += jitter2;
   }
   s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
-  s.n_losing += log_eps < std::log(kLargestMeanEps) ? 1 : 0;
+  s.n_losing += log_eps < std::log(kLargestLosingEps) ? 1 : 0;
   s.log_loss -= s.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
   s.mean_log_eps += step / std::min(s.n_eps, kMemory);
   s.mean_eps = std::exp(s.mean_log_eps);
@@ -155,9 +159,11 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
   const double chance =
       from.flight_s * chance_rate(next.rivals, flight_s, n_own_rivals(from, next.candidate, flight_s));
+  const double beats = n_missing + 1.0;
   const double log_odds =
-      from.log_odds + std::log(probability_missing(n_missing) * per_flight / (chance + rhythm_density(gap)) *
-                               odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps));
+      from.log_odds +
+      std::log(probability_missing(n_missing) * per_flight / (chance + rhythm_density(gap / beats) / beats) *
+               odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps));
   if (log_odds < least_log_odds) return {};
   TrainState s = from;
   s.flight_s = flight_s;
@@ -175,9 +181,11 @@ bool is_complete(const TrainState& s) {
     return false;
   const double n = s.n_eps;
   const double scatter = std::sqrt(std::max(0.0, s.sum_squares - s.sum_jitter_squares) / n);
+  const double least_over_scatter =
+      std::min(n * kLossOverScatter * scatter, std::max(kMuchLogLoss, n * kLeastOverScatter * scatter));
   return static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
          s.n_outliers <= 1 + kMostOutliers * n && s.n_losing >= kLeastLosing * n &&
-         s.log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), n * kLossOverScatter * scatter});
+         s.log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), least_over_scatter});
 }
 
 }  // namespace bouncelab

@@ -15,7 +15,7 @@ constexpr double kTimingOfReach = 0.15;
 constexpr std::size_t kBeam = 32;
 constexpr double kBeamDepth = 18.0;
 constexpr std::size_t kStatesAtOnce = 1 << 14;  // 4 MB; then those no train needs are forgotten
-constexpr double kHopeless = -13.0;             // log odds below which a young train is not followed
+constexpr double kHopeless = -9.0;             // log odds below which a young train is not followed
 constexpr double kMostGain = 9.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
 
 struct State : TrainState {
