@@ -116,7 +116,8 @@ std::vector<std::string> warnings_for(const Detection& d, bool low_band) {
   if (d.onsets.empty()) return warnings;
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
   if (const auto n = count_flag(d.onsets, "clipped"); n > 0)
-    warnings.push_back(std::to_string(n) + of_all + "are clipped: timed by what rings after; record with less gain");
+    warnings.push_back(std::to_string(n) + of_all +
+                       "are clipped: timed by the wave clipped alike; record with less gain");
   if (const auto n = count_flag(d.onsets, "doubtful"); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "may be a cycle of their sound off (flag doubtful, sigma_t_s says how far)");
@@ -124,7 +125,9 @@ std::vector<std::string> warnings_for(const Detection& d, bool low_band) {
     warnings.push_back("the impacts were heard below 2 kHz only: times to a fraction of a millisecond at best");
   if (!d.summary.contact_time_at_1_mps_s)
     warnings.push_back(
-        "the sound does not tell the contact time: times are those of the sound, which lag slow impacts more");
+        "the sound does not tell the contact time: steel's is assumed where the ball sounds as hard, none where it "
+        "does "
+        "not; sigma_t_s says what that leaves open");
   return warnings;
 }
 
