@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Balls that bounce a few times: basketball, tennis, rubber, coefficients of restitution 0.55 to 0.85.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/acoustic/detection.hpp"
+#include "bouncing_sound.hpp"
+
+namespace bouncelab {
+namespace {
+
+using test::BouncingSound;
+
+BouncingSound lively_ball(double eps, int n_impacts) {
+  BouncingSound b;
+  b.rate_hz = 44100.0;
+  b.first_s = 0.8;
+  b.first_flight_s = 0.7;
+  b.eps = eps;
+  b.eps_scatter = 0.01;
+  b.n_impacts = n_impacts;
+  b.seed = static_cast<std::uint64_t>(100.0 * eps) + static_cast<std::uint64_t>(n_impacts);
+  return b;
+}
+
+void expect_found(const BouncingSound& b, const std::vector<float>& x) {
+  const std::vector<double> truth = test::impact_times(b);
+  const Detection d = detect(x, b.rate_hz, "few");
+  ASSERT_EQ(d.onsets.size(), truth.size()) << "eps " << b.eps << ", n " << b.n_impacts << ": " << d.message;
+  // where no wave can be learned, the rise tells the time: to a millisecond
+  for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s, truth[k], 1e-3) << "impact " << k;
+}
+
+TEST(DetectFewImpacts, FollowsFiveToTwelveOfAnyBall) {
+  for (const double eps : {0.55, 0.65, 0.75, 0.85})
+    for (const int n : {5, 6, 8, 12}) {
+      if (0.7 * std::pow(eps, n - 2) < 5e-3) continue;  // the last flight shorter than the sound
+      const BouncingSound b = lively_ball(eps, n);
+      expect_found(b, render(b));
+    }
+}
+
+TEST(DetectFewImpacts, FollowsThemBehindKnocks) {
+  for (const double eps : {0.65, 0.75, 0.85}) {
+    const BouncingSound b = lively_ball(eps, 8);
+    std::vector<float> x = render(b);
+    test::add_impact(x, b.rate_hz, 0.21, 0.1);
+    test::add_impact(x, b.rate_hz, 0.43, 0.05);
+    expect_found(b, x);
+  }
+}
+
+TEST(DetectFewImpacts, FollowsASingleLossWhereTheIntervalsAreShort) {
+  // a ball that chatters loses 20 % at once at its 60th impact, when all its impacts ring into each other
+  BouncingSound b;
+  b.rate_hz = 44100.0;
+  b.eps = 0.96;
+  b.eps_scatter = 0.003;
+  b.n_impacts = 90;
+  std::vector<double> t{b.first_s};
+  double flight_s = b.first_flight_s;
+  Random random(5, RandomStream::test, 0);
+  std::vector<double> flights_s;
+  for (int k = 1; k < b.n_impacts; ++k) {
+    t.push_back(t.back() + flight_s);
+    flights_s.push_back(flight_s);
+    flight_s *= (k == 60 ? 0.8 : b.eps) + b.eps_scatter * random.normal();
+  }
+  std::vector<float> x(static_cast<std::size_t>((t.back() + 0.5) * b.rate_hz));
+  for (std::size_t k = 0; k < t.size(); ++k)
+    test::add_impact(x, b.rate_hz, t[k], 0.5 * flights_s[k > 0 ? k - 1 : 0] / b.first_flight_s);
+  test::add_noise(x, 1e-4, 3);
+  const Detection d = detect(x, b.rate_hz, "loss");
+  ASSERT_EQ(d.onsets.size(), t.size());
+  for (std::size_t k = 0; k < t.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s, t[k], 1e-4) << "impact " << k;
+}
+
+}  // namespace
+}  // namespace bouncelab
