@@ -31,6 +31,9 @@ float clip_level(const Sound& sound, double t_s) {
   constexpr double kAround_s = 5e-3;
   std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
   read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
+  int n_flat = 0;  // most sounds have none, which is seen by vectors
+  for (std::size_t k = 2; k < x.size(); ++k) n_flat += (x[k] == x[k - 1]) & (x[k] == x[k - 2]) & (x[k] != 0.0F) ? 1 : 0;
+  if (n_flat == 0) return INFINITY;
   float largest = 0.0F;
   for (const float value : x) largest = std::max(largest, std::abs(value));
   for (std::size_t k = 2; k < x.size(); ++k)

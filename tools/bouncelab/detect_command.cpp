@@ -142,15 +142,16 @@ Outcome run_detect(const DetectOptions& options, Run& run, std::vector<Detection
     check_may_write(run, options.labels);
   }
   Outcome outcome;
-  Onsets all;
   Json recordings = Json::array();
   std::vector<std::filesystem::path> inputs;
   std::vector<Detection> found = detect_all(options, run);
+  Onsets joined;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    all.insert(all.end(), found[k].onsets.begin(), found[k].onsets.end());
+    if (found.size() > 1) joined.insert(joined.end(), found[k].onsets.begin(), found[k].onsets.end());
     recordings.push_back(to_json(options.recordings[k], found[k]));
     if (found[k].status != DetectionStatus::unreadable) inputs.emplace_back(options.recordings[k]);
   }
+  const Onsets& all = found.size() == 1 ? found.front().onsets : joined;  // ten hours are 60 MB
   outcome.text = describe_all(options.recordings, found);
   outcome.warnings = warnings_of(options.recordings, found);
   outcome.summary = {{"n_onsets", all.size()}, {"recordings", recordings}};
