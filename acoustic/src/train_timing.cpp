@@ -19,6 +19,7 @@ constexpr double kOutlierReach = 0.17;
 constexpr double kStepOfWave = 0.25;
 constexpr double kShortestInterval_s = 1.2e-3;
 constexpr double kLargestAmplitudeRatio = 3.5;  // between neighbours; eps and the place struck explain up to two
+constexpr double kClearRise = 20.0;             // log likelihood ratio that no noise reaches in hours
 constexpr double kReliable = 0.7;               // half of an impact's energy is the wave's
 constexpr double kAmbiguous = 1e-3;             // odds of another place that are worth a flag
 constexpr int kMostFailures = 3;                // impacts not heard in a row, then the train is over
@@ -84,8 +85,11 @@ class TrainTimer {
 
   /// Gives up the last impact where the wave does not support it; where impacts do not sound alike, the wave has no
   /// say.
-  bool give_up_last() {
-    if (onsets_.size() <= 3 || !wave_is_reliable_) return false;
+  bool give_up_last(const Candidate& c) {
+    if (onsets_.size() <= 3) return false;
+    const double interval_s = onsets_.back().timed.t_s - onsets_[onsets_.size() - 2].timed.t_s;
+    // what rises out of quiet is an impact though it sound unlike the others; within their sound it may be an echo
+    if (!wave_is_reliable_ && (c.log_likelihood_ratio > kClearRise || interval_s > wave_s_)) return false;
     if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0, kRiseOverMisfit)) return false;
     onsets_.pop_back();
     return true;
@@ -223,7 +227,7 @@ std::vector<TrainOnset> time_train(const Sound& sound, const ImpactWave& wave, c
     timer.add(c, here.impact, next_s);
     last_impact = here.impact;
   }
-  for (std::size_t k = train.impacts.size(); k-- > 0 && timer.give_up_last();) {
+  for (std::size_t k = train.impacts.size(); k-- > 0 && timer.give_up_last(candidates[train.impacts[k].candidate]);) {
   }
   timer.follow();
   return timer.take();

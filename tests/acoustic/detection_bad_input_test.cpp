@@ -2,7 +2,11 @@
 // What is no bouncing ball, or hardly a recording: no invented train, or a clear error.
 #include <gtest/gtest.h>
 
+#include <sndfile.h>
+
 #include <cmath>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "bouncelab/acoustic/detection.hpp"
@@ -51,6 +55,36 @@ TEST(DetectBadInput, TakesNoMusicForABall) {
     }
     test::add_noise(x, 1e-3, seed);
     EXPECT_TRUE(detect(x, kRate_hz, "music").onsets.empty()) << "seed " << seed;
+  }
+}
+
+TEST(DetectBadInput, FindsTheLiveOneAmongDeadAndNoisyChannels) {
+  test::BouncingSound b;
+  b.n_impacts = 30;
+  const std::vector<float> ball = render(b);
+  std::vector<float> noise(ball.size(), 0.0F);
+  test::add_noise(noise, 0.3, 2);
+  for (const int n_channels : {3, 5, 6}) {
+    const int live = n_channels - 2;
+    std::vector<float> x;
+    for (std::size_t k = 0; k < ball.size(); ++k)
+      for (int channel = 0; channel < n_channels; ++channel)
+        x.push_back(channel == live ? ball[k] : channel == 0 ? 0.0F : channel == n_channels - 1 ? 0.4F : noise[k]);
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / ("bouncelab_channels_" + std::to_string(n_channels) + ".wav");
+    SF_INFO info{};
+    info.samplerate = static_cast<int>(b.rate_hz);
+    info.channels = n_channels;
+    info.format = SF_FORMAT_WAV | SF_FORMAT_FLOAT;
+    SNDFILE* out = sf_open(file.c_str(), SFM_WRITE, &info);
+    ASSERT_NE(out, nullptr);
+    sf_writef_float(out, x.data(), static_cast<sf_count_t>(ball.size()));
+    sf_close(out);
+    const Detection d = detect(file);
+    EXPECT_EQ(d.summary.n_channels, n_channels);
+    EXPECT_EQ(d.summary.channel, live);
+    EXPECT_EQ(d.onsets.size(), 30U) << n_channels << " channels";
+    std::filesystem::remove(file);
   }
 }
 
