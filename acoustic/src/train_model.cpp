@@ -176,6 +176,19 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   return s;
 }
 
+double log_odds_before(const HeardSound& before, const HeardSound& first, double flight_s, double mean_log_eps,
+                       double scatter) {
+  const double interval_s = first.candidate.t_s - before.candidate.t_s;
+  const double log_eps = std::log(flight_s / interval_s);
+  const double jitter = std::hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
+  const double core = student3(log_eps - mean_log_eps, std::hypot(std::max(scatter, kScatter), jitter));
+  const int n_own = first.candidate.amplitude >= before.candidate.amplitude ? 1 : 0;
+  const double chance =
+      chance_rate(before.rivals, interval_s, n_own) + rhythm_density(interval_s / flight_s) / flight_s;
+  return std::log(kHeard * (1.0 - kOutlier) * core / interval_s / chance *
+                  odds_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
+}
+
 bool is_complete(const TrainState& s) {
   if (s.n_heard < kLeastImpacts || s.log_odds < kAcceptance || s.last[0].t_s - s.first_s < kShortestTrain_s)
     return false;

@@ -57,6 +57,12 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second);
 std::optional<TrainState> extend_train(const TrainState& train, int n_missing, const HeardSound& next,
                                        double least_log_odds);
 
+/// Log odds against chance and rhythm that `before` is the impact before a train's first one.
+/// @param flight_s      the train's first interval
+/// @param mean_log_eps  of the train's first impacts, and how much they scatter
+double log_odds_before(const HeardSound& before, const HeardSound& first, double flight_s, double mean_log_eps,
+                       double scatter);
+
 /// Whether it is a ball and no rhythm, voice or chance.
 bool is_complete(const TrainState& train);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "train_model.hpp"
@@ -15,7 +16,7 @@ constexpr double kTimingOfReach = 0.15;
 constexpr std::size_t kBeam = 32;
 constexpr double kBeamDepth = 18.0;
 constexpr std::size_t kStatesAtOnce = 1 << 14;  // 4 MB; then those no train needs are forgotten
-constexpr double kHopeless = -9.0;             // log odds below which a young train is not followed
+constexpr double kHopeless = -9.0;              // log odds below which a young train is not followed
 constexpr double kMostGain = 9.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
 
 struct State : TrainState {
@@ -168,6 +169,43 @@ class Search {
     }
   }
 
+  /// Finds the impacts before a train's first: the search begins a train where odds begin to rise, and the first
+  /// impacts, judged before the ball was known, may have cost odds. Now it is known.
+  /// @param first_free  candidates before this one belong to the train before
+  void begin_earlier(Train& train, std::size_t first_free) const {
+    constexpr std::size_t kFirst = 9;
+    constexpr double kBelieved = 1.6;  // odds of five: what comes before a drop is seldom silence
+    std::vector<double> log_eps;
+    for (std::size_t k = 2; k < std::min(kFirst, train.impacts.size()); ++k) {
+      if (train.impacts[k].impact - train.impacts[k - 2].impact != 2) continue;
+      const double t1_s = c_[train.impacts[k - 1].candidate].t_s;
+      log_eps.push_back(
+          std::log((c_[train.impacts[k].candidate].t_s - t1_s) / (t1_s - c_[train.impacts[k - 2].candidate].t_s)));
+    }
+    if (log_eps.size() < 2) return;
+    const auto n = static_cast<double>(log_eps.size());
+    const double mean = std::accumulate(log_eps.begin(), log_eps.end(), 0.0) / n;
+    double squares = 0.0;
+    for (const double x : log_eps) squares += (x - mean) * (x - mean);
+    const double scatter = std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n));
+    while (train.impacts[1].impact == train.impacts[0].impact + 1) {
+      const std::size_t first = train.impacts[0].candidate;
+      const double flight_s = c_[train.impacts[1].candidate].t_s - c_[first].t_s;
+      double best = kBelieved;
+      std::size_t before = first;
+      for (std::size_t k = first; k-- > first_free && c_[first].t_s - c_[k].t_s < flight_s / kLeastEps;) {
+        if (c_[first].t_s - c_[k].t_s > kLongestFlight_s) break;
+        const double odds = log_odds_before(heard(k), heard(first), flight_s, mean, scatter);
+        if (odds > best) best = odds, before = k;
+      }
+      if (before == first) break;
+      train.impacts.insert(train.impacts.begin(), {before, train.impacts[0].impact - 1});
+      train.log_odds += best;
+    }
+    const std::int64_t shift = train.impacts.front().impact;
+    for (TrainImpact& impact : train.impacts) impact.impact -= shift;
+  }
+
   std::vector<Train> trace() const {
     std::vector<Train> trains;
     for (std::int64_t at = best_[c_.size()].state; at >= 0;) {
@@ -184,6 +222,11 @@ class Search {
       trains.push_back(std::move(train));
     }
     std::reverse(trains.begin(), trains.end());
+    std::size_t first_free = 0;
+    for (Train& train : trains) {
+      begin_earlier(train, first_free);
+      first_free = train.impacts.back().candidate + 1;
+    }
     return trains;
   }
 

@@ -26,7 +26,8 @@ struct Train {
 /// scores log[ p_heard p(log eps) |d log eps / dt| / c ], eps = (t - t_last)/T, where p is a Student core about the
 /// running mean of the train (so that eps(v) may drift, whatever the material) plus a flat part for single losses and
 /// gains, and c what chance or a rhythm would offer (chance.hpp); and the odds that its loudness goes with its speed.
-/// Up to two successive impacts may be missing. A train has at least four impacts, loses energy on the whole, and more
+/// Once the ball is known, impacts before a train's first are looked for.
+/// A train may miss up to two successive impacts. A train has at least four impacts, loses energy on the whole, and more
 /// than it scatters (train_model.hpp).
 /// @param timing_s  error of the candidates' times, standard deviation [s]; where only a longer window noticed, 0.15 of
 /// it

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/random.hpp"
+
+namespace bouncelab {
+namespace {
+
+/// A ping-pong ball as a phone with gain control hears it: the first two impacts are turned down to a quarter, and other
+/// sounds, some as loud, come before.
+std::vector<Candidate> turned_down_at_first(std::uint64_t seed, std::vector<double>& impacts_s) {
+  Random random(seed, RandomStream::test, 0);
+  std::vector<Candidate> candidates;
+  const auto add = [&](double t_s, double amplitude) { candidates.push_back({t_s, amplitude, 0.4e-3, 50.0}); };
+  for (int k = 0; k < 5; ++k) add(1.8 * random.uniform(), 60.0 * random.uniform());
+  double flight_s = 0.19;
+  double t_s = 2.1;
+  for (int k = 0; k < 30; ++k) {
+    impacts_s.push_back(t_s);
+    add(t_s, 1000.0 * flight_s * std::exp(0.2 * random.normal()) * (k < 2 ? 0.25 : 1.0));
+    t_s += flight_s *= 0.945 * std::exp(0.004 * random.normal());
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.t_s < b.t_s; });
+  return candidates;
+}
+
+TEST(Trains, BeginWithTheFirstImpactThoughItIsFaint) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<double> impacts_s;
+    const std::vector<Candidate> candidates = turned_down_at_first(seed, impacts_s);
+    const std::vector<Train> trains = find_trains(candidates, 5e-5);
+    ASSERT_EQ(trains.size(), 1u) << seed;
+    EXPECT_EQ(candidates[trains[0].impacts.front().candidate].t_s, impacts_s.front()) << seed;
+    EXPECT_EQ(trains[0].impacts.size(), impacts_s.size()) << seed;
+    for (std::size_t k = 0; k < trains[0].impacts.size(); ++k)
+      EXPECT_EQ(trains[0].impacts[k].impact, static_cast<std::int64_t>(k)) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab
