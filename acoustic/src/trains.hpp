@@ -27,8 +27,8 @@ struct Train {
 /// running mean of the train (so that eps(v) may drift, whatever the material) plus a flat part for single losses and
 /// gains, and c what chance or a rhythm would offer (chance.hpp); and the odds that its loudness goes with its speed.
 /// Once the ball is known, impacts before a train's first are looked for.
-/// A train may miss up to two successive impacts. A train has at least four impacts, loses energy on the whole, and more
-/// than it scatters (train_model.hpp).
+/// A train may miss up to two successive impacts. A train has at least four impacts, loses energy on the whole, and
+/// more than it scatters (train_model.hpp).
 /// @param timing_s  error of the candidates' times, standard deviation [s]; where only a longer window noticed, 0.15 of
 /// it
 std::vector<Train> find_trains(const std::vector<Candidate>& candidates, double timing_s);

@@ -11,8 +11,8 @@
 namespace bouncelab {
 namespace {
 
-/// A ping-pong ball as a phone with gain control hears it: the first two impacts are turned down to a quarter, and other
-/// sounds, some as loud, come before.
+/// A ping-pong ball as a phone with gain control hears it: the first two impacts are turned down to a quarter, and
+/// other sounds, some as loud, come before.
 std::vector<Candidate> turned_down_at_first(std::uint64_t seed, std::vector<double>& impacts_s) {
   Random random(seed, RandomStream::test, 0);
   std::vector<Candidate> candidates;
