@@ -99,14 +99,28 @@ class Learner {
     }
   }
 
-  /// Rounds of aligning and averaging, from the strongest row or from the rows as they lie.
-  void align_and_average(bool afresh) {
-    average_is_first_ = afresh;
-    average();
-    for (int round = 0; round < kRounds; ++round) {
-      align(afresh || round == 0);  // a new whitener may have cleared up what was ambiguous
-      average();
+  /// Finds the wave from one row: the strongest whose sound at least half of the others share. The very strongest may
+  /// have a knock in it, or be another thing altogether.
+  void find_wave() {
+    constexpr std::size_t kMostStarts = 5;
+    std::size_t best_start = 0;
+    std::ptrdiff_t most_alike = -1;
+    for (std::size_t start = 0; start < std::min(kMostStarts, rows_.size()); ++start) {
+      begin_from(rows_[start]);
+      align_and_average(kRounds);
+      const std::ptrdiff_t n_alike = std::count_if(rows_.begin(), rows_.end(),
+                                                   [](const Row& row) { return row.correlation >= kLeastCorrelation; });
+      if (2 * n_alike >= std::ssize(rows_)) return;
+      if (n_alike > most_alike) most_alike = n_alike, best_start = start;
     }
+    begin_from(rows_[best_start]);
+    align_and_average(kRounds);
+  }
+
+  /// Again from the rows as they lie, after a new whitener.
+  void refine_wave() {
+    average();
+    align_and_average(1);  // the new whitener may have cleared up what was ambiguous
   }
 
   /// A filter that also makes white what the wave does not explain: noise where that is all, the ringing of modes that
@@ -233,7 +247,21 @@ class Learner {
     row.total = dot(row.window.sound, row.window.sound);
   }
 
-  /// Average of the rows that sound alike, each as heavy as its amplitude; at first the strongest.
+  /// @param n_searched  rounds in which the rows' places are looked for, then their old ones are refined
+  void align_and_average(int n_searched) {
+    for (int round = 0; round < kRounds; ++round) {
+      align(round < n_searched);
+      average();
+    }
+  }
+
+  void begin_from(const Row& row) {
+    const double omega = 2.0 * kPi / static_cast<double>(n_window_);
+    learned_.clocks = {};
+    hold(faded(turned(row.spectrum, omega * row.position), 1.0));
+  }
+
+  /// Average of the rows that sound alike, each as heavy as its amplitude.
   void average() {
     const std::vector<float> none(n_window_ / 2 + 1, 0.0F);
     Spectrum sums[2] = {{none, none}, {none, none}};  // of every other row
@@ -242,16 +270,23 @@ class Learner {
     const double omega = 2.0 * kPi / static_cast<double>(n_window_);
     for (const Row& row : rows_) {
       if (row.correlation < kLeastCorrelation) continue;
-      const double a = average_is_first_ ? 1.0 : row.reading.amplitude;
+      const double a = row.reading.amplitude;
       const std::size_t half = n_rows++ % 2;
       add_scaled(sums[half], turned(row.spectrum, omega * row.position), a);
       weights[half] += a * a;
-      if (average_is_first_) break;
     }
-    average_is_first_ = false;
     Spectrum sum = sums[0];
     add_scaled(sum, sums[1], 1.0);
-    const double weight = weights[0] + weights[1];
+    Spectrum wave = faded(sum, weights[0] + weights[1]);
+    if (n_rows >= kFewestHalved) {
+      const std::vector<float> share = coherent_share(sums[0], weights[0], sums[1], weights[1]);
+      for (std::size_t k = 0; k < wave.size(); ++k) wave.re[k] *= share[k], wave.im[k] *= share[k];
+    }
+    hold(std::move(wave));
+  }
+
+  /// A sum of rows over its weight, nothing in front of the wave and behind it.
+  Spectrum faded(const Spectrum& sum, double weight) {
     std::vector<float> mean = fourier_->inverse(sum);
     const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
     const auto fade = static_cast<std::size_t>(samples(kFade_s, sound_));
@@ -264,11 +299,10 @@ class Learner {
       mean[n] *= static_cast<float>(w);
     }
     mean_ = mean;
-    Spectrum wave = fourier_->forward(mean);
-    if (n_rows >= kFewestHalved) {
-      const std::vector<float> share = coherent_share(sums[0], weights[0], sums[1], weights[1]);
-      for (std::size_t k = 0; k < wave.size(); ++k) wave.re[k] *= share[k], wave.im[k] *= share[k];
-    }
+    return fourier_->forward(mean);
+  }
+
+  void hold(Spectrum wave) {
     learned_.wave = WaveTemplate(std::move(wave), n_window_);
     if (learned_.clocks.n() == 0) learned_.clocks = equal_clocks(learned_.wave);
   }
@@ -305,7 +339,6 @@ class Learner {
   std::optional<Fourier> fourier_;
   std::vector<Row> rows_;
   std::vector<float> mean_;
-  bool average_is_first_ = false;
 };
 
 std::vector<float> white(const Autoregression& noise) {
@@ -324,10 +357,10 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
   learned.whitener = white(noise);
   Learner learner(sound, impacts, learned);
   learner.read_rows();
-  learner.align_and_average(true);
+  learner.find_wave();
   learner.whiten_residuals();
   learner.read_rows();
-  learner.align_and_average(false);
+  learner.refine_wave();
   learner.learn_clocks();
   learner.describe();
   if (learned.n_impacts < 3) return std::nullopt;
