@@ -54,23 +54,45 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+/// Sum of squared errors over their sigmas, about the mean that their sigmas make the best one, and how many are free.
+struct ChiSquared {
+  double chi2 = 0.0;
+  double ndf = 0.0;
+
+  void add(const std::vector<double>& errors_s, const std::vector<double>& sigmas_s) {
+    double weights = 0.0, mean = 0.0;
+    for (std::size_t k = 0; k < errors_s.size(); ++k) {
+      const double weight = 1.0 / (sigmas_s[k] * sigmas_s[k]);
+      weights += weight;
+      mean += weight * errors_s[k];
+    }
+    mean /= weights;
+    for (std::size_t k = 0; k < errors_s.size(); ++k) chi2 += std::pow((errors_s[k] - mean) / sigmas_s[k], 2);
+    ndf += static_cast<double>(errors_s.size()) - 1.0;
+  }
+};
+
 void score_within_drops(const Onsets& truth, const Onsets& detected, OnsetScore& score) {
   using Drop = std::pair<std::string, std::int64_t>;
   std::map<Drop, std::vector<std::size_t>> found;  // by drop of the truth
   for (std::size_t k = 0; k < truth.size(); ++k)
     if (score.match[k]) found[{truth[k].recording, truth[k].drop}].push_back(k);
-  std::vector<double> errors, pulls;
+  std::vector<double> errors;
+  ChiSquared chi2;
   for (const auto& [drop, impacts] : found) {
-    std::vector<double> of_drop;
-    for (const std::size_t k : impacts) of_drop.push_back(detected[*score.match[k]].t_s - truth[k].t_s);
-    const double offset_s = median(of_drop);
-    for (std::size_t n = 0; n < impacts.size(); ++n) {
-      errors.push_back(of_drop[n] - offset_s);
-      if (const auto sigma_s = detected[*score.match[impacts[n]]].sigma_t_s) pulls.push_back(errors.back() / *sigma_s);
+    std::vector<double> of_drop, known, sigmas;
+    for (const std::size_t k : impacts) {
+      const Onset& onset = detected[*score.match[k]];
+      of_drop.push_back(onset.t_s - truth[k].t_s);
+      if (onset.sigma_t_s && *onset.sigma_t_s > 0.0)
+        known.push_back(of_drop.back()), sigmas.push_back(*onset.sigma_t_s);
     }
+    const double offset_s = median(of_drop);
+    for (const double error : of_drop) errors.push_back(error - offset_s);
+    if (known.size() > 1) chi2.add(known, sigmas);
   }
   score.rms_within_drops_s = root_mean_square(errors);
-  if (!pulls.empty()) score.pull_sd = root_mean_square(pulls);
+  if (chi2.ndf > 0.0) score.pull_sd = std::sqrt(chi2.chi2 / chi2.ndf);
 }
 
 }  // namespace

@@ -48,8 +48,17 @@ TEST(Score, RecordingsDoNotMix) {
 TEST(Score, PullsComeFromStatedSigmasOnly) {
   Onsets detected = at({1.00000, 2.00002, 2.99998});
   EXPECT_FALSE(score_onsets(at({1, 2, 3}), detected).pull_sd.has_value());
-  detected[1].sigma_t_s = 1e-5;
-  EXPECT_NEAR(*score_onsets(at({1, 2, 3}), detected).pull_sd, 2.0, 1e-9);  // error 2e-5 over sigma 1e-5
+  for (Onset& onset : detected) onset.sigma_t_s = 1e-5;
+  // 0, 2 and -2 sigma about their mean: chi2 = 8 of two that are free
+  EXPECT_NEAR(*score_onsets(at({1, 2, 3}), detected).pull_sd, 2.0, 1e-9);
+}
+
+TEST(Score, AnImpactKnownBetterIsNotChargedWithTheOthersErrors) {
+  Onsets detected = at({1.0, 2.00003, 3.00003});
+  detected[0].sigma_t_s = 1e-7;
+  detected[1].sigma_t_s = detected[2].sigma_t_s = 3e-5;
+  // the mean is the first's: 0, 1 and 1 sigma
+  EXPECT_NEAR(*score_onsets(at({1, 2, 3}), detected).pull_sd, 1.0, 1e-4);
 }
 
 TEST(Score, NothingFoundIsNoNumber) {

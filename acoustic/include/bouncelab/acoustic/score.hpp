@@ -20,8 +20,9 @@ struct OnsetScore {
   std::optional<double> rms_s;  ///< root mean square of the errors about the offset [s]
   /// The same with each drop's own median error taken out: what the intervals of a drop see [s].
   std::optional<double> rms_within_drops_s;
-  /// Root mean square of (error within its drop) / sigma_t over matches that state a sigma; 1 for honest standard
-  /// errors.
+  /// Root of chi2 / ndf of the errors over their sigma_t, each drop's weighted mean error taken out, over matches that
+  /// state a sigma; 1 for honest standard errors. (About the median instead, an impact whose sigma is much smaller than
+  /// the others' would be charged with their error.)
   std::optional<double> pull_sd;
   std::vector<std::optional<std::size_t>> match;  ///< for each true impact, the index of its detected one
 };
