@@ -8,7 +8,9 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <type_traits>
 
 #include "bouncelab/core/units.hpp"
 #include "products.hpp"
@@ -17,10 +19,14 @@
 namespace bouncelab {
 namespace {
 
+struct DestroyPlan {
+  void operator()(fftwf_plan plan) const { fftwf_destroy_plan(plan); }
+};
+using Plan = std::unique_ptr<std::remove_pointer_t<fftwf_plan>, DestroyPlan>;
+
 /// A real signal of length n is transformed as a complex one of length n/2, for which FFTW has the faster code.
 struct Half {
-  fftwf_plan forward = nullptr;
-  fftwf_plan inverse = nullptr;
+  Plan forward, inverse;
   std::vector<float> cosine, sine;  // of 2 pi k / n, k = 0 ... n/2 - 1
 };
 
@@ -32,8 +38,8 @@ const Half& half_of(std::size_t n, fftwf_complex* in, fftwf_complex* out) {
   Half& half = known[n];
   if (half.forward == nullptr) {
     const auto size = static_cast<int>(n / 2);
-    half.forward = fftwf_plan_dft_1d(size, in, out, FFTW_FORWARD, FFTW_ESTIMATE);
-    half.inverse = fftwf_plan_dft_1d(size, in, out, FFTW_BACKWARD, FFTW_ESTIMATE);
+    half.forward.reset(fftwf_plan_dft_1d(size, in, out, FFTW_FORWARD, FFTW_ESTIMATE));
+    half.inverse.reset(fftwf_plan_dft_1d(size, in, out, FFTW_BACKWARD, FFTW_ESTIMATE));
     for (int k = 0; k < size; ++k) {
       const double phase = 2.0 * kPi * k / static_cast<double>(n);
       half.cosine.push_back(static_cast<float>(std::cos(phase)));
@@ -155,7 +161,8 @@ Spectrum Fourier::forward(std::span<const float> x) {
   auto* in = static_cast<float*>(in_.get());
   auto* out = static_cast<float*>(out_.get());
   std::fill(std::copy(x.begin(), x.end(), in), in + n_, 0.0F);
-  fftwf_execute_dft(half.forward, static_cast<fftwf_complex*>(in_.get()), static_cast<fftwf_complex*>(out_.get()));
+  fftwf_execute_dft(half.forward.get(), static_cast<fftwf_complex*>(in_.get()),
+                    static_cast<fftwf_complex*>(out_.get()));
   part(out, re_.data(), im_.data(), h);
   re_[h] = re_[0];
   im_[h] = im_[0];
@@ -178,7 +185,8 @@ std::vector<float> Fourier::inverse(const Spectrum& spectrum) {
   fill(spectrum.im, im_);
   tangle(re_.data(), im_.data(), half.cosine.data(), half.sine.data(),
          static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), static_cast<float*>(in_.get()), h);
-  fftwf_execute_dft(half.inverse, static_cast<fftwf_complex*>(in_.get()), static_cast<fftwf_complex*>(out_.get()));
+  fftwf_execute_dft(half.inverse.get(), static_cast<fftwf_complex*>(in_.get()),
+                    static_cast<fftwf_complex*>(out_.get()));
   const auto* out = static_cast<const float*>(out_.get());
   return {out, out + n_};
 }

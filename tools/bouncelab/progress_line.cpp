@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 
 #include "bouncelab/core/error.hpp"
@@ -16,9 +17,18 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
+/// The first asks to stop, which leaves nothing half-written; one that comes seconds later ends the program at once.
+/// Until then others are the same request: `timeout` and some terminals send it to the program and to its group.
 extern "C" void on_interrupt(int signal) {
-  interrupted = 1;
-  std::signal(signal, SIG_DFL);
+  constexpr std::time_t kPatience_s = 2;
+  static volatile std::time_t first_s = 0;
+  if (interrupted == 0) {
+    interrupted = 1;
+    first_s = std::time(nullptr);
+  } else if (std::time(nullptr) - first_s > kPatience_s) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
 }
 
 std::string clock_text(double seconds) {
