@@ -8,6 +8,7 @@
 
 #include "bouncelab/core/units.hpp"
 #include "products.hpp"
+#include "wave_place.hpp"
 
 namespace bouncelab {
 namespace {

@@ -53,17 +53,6 @@ struct WhiteWindow {
 };
 WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n);
 
-/// Where a wave may lie.
-struct WavePlace {
-  double shift = 0.0;
-  double runner_up = 0.0;  ///< the next best local maximum
-  double lead = 0.0;       ///< log likelihood ratio of the best to the runner-up, noise variance 1
-};
-
-/// Shift in [-reach, reach], in steps of a half, at which the likelihood, maximised over a positive amplitude, is
-/// greatest.
-WavePlace find_place(const WaveTemplate& wave, const Spectrum& sound, double reach);
-
 /// Share of an impact's sound that the wave explains, as a correlation 0 ... 1.
 /// @param total  sum of squares of the window
 double correlation(const ClockReading& reading, double total);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -34,7 +35,7 @@ nlohmann::json run_iminuit(const std::string& samples) {
 void compare(std::size_t n, double noise_at_1mps) {
   testing::SyntheticRun run;
   const auto samples = testing::independent_samples(run, n, 0.2, 1.4, noise_at_1mps);
-  const std::string path = "fit_bench_samples.csv";
+  const std::string path = (std::filesystem::temp_directory_path() / "bouncelab_fit_bench_samples.csv").string();
   {
     std::ofstream out(path);
     write_csv(out, to_table(samples));
