@@ -35,6 +35,9 @@ std::vector<float> hann(std::size_t n) {
   return window;
 }
 
+/// To what is correlated fastest.
+std::size_t rounded_up(std::size_t n) { return (n + 63) / 64 * 64; }
+
 /// One frame's autocorrelation over its energy.
 struct Frame {
   double energy = 0.0;
@@ -45,6 +48,19 @@ std::size_t frame_length(const Sound& sound, std::size_t order) {
   return std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
 }
 
+/// sum_k x[k] x[k + lag] for lag = 0 ... n_lags - 1, in single precision over stretches of 128.
+/// @param x  n samples and rounded_up(n_lags) zeros
+std::vector<double> autocorrelation(std::span<const float> x, std::size_t n, std::size_t n_lags) {
+  constexpr std::size_t kStretch = 128;
+  std::vector<double> r(n_lags, 0.0);
+  std::vector<float> here(rounded_up(n_lags));
+  for (std::size_t at = 0; at < n; at += kStretch) {
+    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), here);
+    for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += here[lag];
+  }
+  return r;
+}
+
 std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
   const std::size_t n_frame = frame_length(sound, order);
   const std::vector<float> window = hann(n_frame);
@@ -52,17 +68,16 @@ std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
   // at least four frames a block, however high the rate
   const std::int64_t length = std::max(kBlock, 4 * static_cast<std::int64_t>(n_frame));
   std::vector<float> block(static_cast<std::size_t>(length) + 1);
-  std::vector<float> x(n_frame);
+  std::vector<float> x(n_frame + rounded_up(order + 1), 0.0F);
   for (const std::int64_t start : block_starts(sound, length)) {
     read_padded(sound, start - 1, block);
     const auto n_here = static_cast<std::size_t>(std::min(length, sound.n_samples - start));
     for (std::size_t at = 1; at + n_frame <= n_here; at += n_frame) {
       for (std::size_t k = 0; k < n_frame; ++k) x[k] = window[k] * (block[at + k] - block[at + k - 1]);
-      Frame frame;
-      frame.energy = dot(x, x);
+      Frame frame{0.0, autocorrelation(x, n_frame, order + 1)};
+      frame.energy = frame.r.front();
       if (frame.energy <= 0.0) continue;
-      for (std::size_t lag = 0; lag <= order; ++lag)
-        frame.r.push_back(dot(x, std::span(x).subspan(lag)) / frame.energy);
+      for (double& r : frame.r) r /= frame.energy;
       frames.push_back(std::move(frame));
     }
   }

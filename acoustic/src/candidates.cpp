@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include "vector_clones.hpp"
 
@@ -21,6 +22,8 @@ constexpr std::int64_t kBlockHops = 1 << 13;
 // so far over a block's ends candidates are looked for, so that they rule each other out alike in whatever block
 constexpr std::int64_t kOverlapHops = 128;
 constexpr std::int64_t kMarginHops = kOverlapHops + kBeforeFactor * kAfterHops.back() + 2 * kApartHops;
+
+float square(float x) { return x * x; }
 
 /// Log of the likelihood ratio of two variances against one; 0 where there is no rise.
 double rise_ratio(double sum_before, double n_before, double sum_after, double n_after) {
@@ -73,14 +76,7 @@ class Block {
     first_hop_ = first;
     read_innovations_padded(n_held * hop_);
     running_.resize(static_cast<std::size_t>(n) + 1);
-    const float* x = innovations_.data();
-    const double floor = floor_ * static_cast<double>(hop_);
-    double running = 0.0;
-    for (std::size_t k = 1; k < running_.size(); ++k) {
-      float sum = 0.0F;
-      for (const float* end = x + hop_; x != end; ++x) sum += *x * *x;
-      running_[k] = running = running + (static_cast<double>(sum) + floor);
-    }
+    sum_hops(innovations_.data(), floor_ * static_cast<double>(hop_));
   }
 
   double energy_of_hops(std::int64_t from, std::int64_t to) const {
@@ -93,12 +89,8 @@ class Block {
     return any_over(here - kBeforeFactor * after_hops, here, here + after_hops, least, n);
   }
 
-  double energy(std::int64_t first, std::int64_t last) const {
-    const float* x = innovations_.data() + (first - first_hop_ * hop_);
-    std::array<double, 4> sums{};  // side by side, or each addition waits for the one before
-    for (std::int64_t k = 0; k < last - first; ++k) sums[k % 4] += static_cast<double>(x[k] * x[k]);
-    return sums[0] + sums[1] + sums[2] + sums[3] + floor_ * static_cast<double>(last - first);
-  }
+  /// Of samples first ... last - 1, between whole hops by what is summed already.
+  double energy(std::int64_t first, std::int64_t last) const { return energy_before(last) - energy_before(first); }
 
   /// Energies from sample to sample: out[k] = that of samples first ... first + k - 1.
   std::vector<double> energies(std::int64_t first, std::int64_t last) const {
@@ -110,6 +102,32 @@ class Block {
   }
 
  private:
+  void sum_hops(const float* x, double floor) {
+    constexpr std::size_t kSideBySide = 4;  // or each addition waits for the one before
+    double running = running_[0] = 0.0;
+    std::size_t k = 1;
+    for (; k + kSideBySide <= running_.size(); k += kSideBySide, x += kSideBySide * hop_) {
+      std::array<float, kSideBySide> sum{};
+      for (std::int64_t i = 0; i < hop_; ++i)
+        for (std::size_t j = 0; j < kSideBySide; ++j) sum[j] += square(x[i + static_cast<std::int64_t>(j) * hop_]);
+      for (std::size_t j = 0; j < kSideBySide; ++j) running_[k + j] = running += static_cast<double>(sum[j]) + floor;
+    }
+    for (; k < running_.size(); ++k, x += hop_)
+      running_[k] = running +=
+          static_cast<double>(std::accumulate(x, x + hop_, 0.0F, [](float sum, float y) { return sum + square(y); })) +
+          floor;
+  }
+
+  /// Of the samples from the margin's first to this one.
+  double energy_before(std::int64_t sample) const {
+    const std::int64_t offset = sample - first_hop_ * hop_;
+    const std::int64_t n_hops = offset / hop_;
+    double sum = running_[static_cast<std::size_t>(n_hops)];
+    const float* x = innovations_.data();
+    for (std::int64_t k = n_hops * hop_; k < offset; ++k) sum += static_cast<double>(square(x[k])) + floor_;
+    return sum;
+  }
+
   /// @param n_held  so many are there
   void read_innovations_padded(std::int64_t n_held) {
     // before the first samples, from which the model could predict, and after the last there is nothing to judge by

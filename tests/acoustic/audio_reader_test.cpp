@@ -84,6 +84,32 @@ TEST_F(AudioReaderTest, ReadsEachChannelAnywhereAcrossItsBuffers) {
   }
 }
 
+TEST_F(AudioReaderTest, DecodesIntegersToTheBitAsLibsndfileDoes) {
+  // either end of the scale, and more frames than are read at once, by a number that no vector divides
+  constexpr int kChannels = 3;
+  std::vector<float> x(kChannels * 40001);
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] = static_cast<float>(std::sin(0.37 * static_cast<double>(k)));
+  x[5] = -1.0F;
+  x[6] = 0.99999994F;
+  for (const int container : {SF_FORMAT_WAV, SF_FORMAT_RF64, SF_FORMAT_W64, SF_FORMAT_AIFF, SF_FORMAT_CAF})
+    for (const int encoding : {SF_FORMAT_PCM_16, SF_FORMAT_PCM_24, SF_FORMAT_PCM_32}) {
+      const auto path = write("x", container | encoding, 48000, kChannels, x);
+      SF_INFO info{};
+      SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
+      std::vector<float> expected(x.size());
+      ASSERT_EQ(sf_readf_float(file, expected.data(), info.frames), 40001);
+      sf_close(file);
+      AudioReader reader(path);
+      for (int channel = 0; channel < kChannels; ++channel) {
+        std::vector<float> got(40001);
+        reader.read(0, channel, got);
+        for (std::size_t k = 0; k < got.size(); ++k)
+          ASSERT_EQ(got[k], expected[k * kChannels + static_cast<std::size_t>(channel)])
+              << reader.format().description << ", sample " << k;
+      }
+    }
+}
+
 TEST_F(AudioReaderTest, ReadsFlacToItsResolution) {
   const auto x = ramp(30000);
   AudioReader reader(write("mono.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_24, 44100, 1, x));
