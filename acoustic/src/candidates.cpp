@@ -184,6 +184,25 @@ double added_amplitude(const Block& block, std::int64_t at, std::int64_t hop, do
   return std::sqrt(best / quiet_variance);
 }
 
+/// The candidate's amplitude or, where it only runs before a much louder one, as a codec's noise does before an attack,
+/// that of what sounds until then.
+double own_amplitude(const Block& block, const Candidate& candidate, double next_s, double rate_hz, std::int64_t hop,
+                     double quiet_variance) {
+  constexpr double kFaint = 0.03;  // of the power; codecs' noise has about 0.01, the first of two arrivals 0.2
+  constexpr std::int64_t kLoudHops = 8;
+  const auto at = static_cast<std::int64_t>(std::llround(candidate.t_s * rate_hz));
+  const auto next = static_cast<std::int64_t>(std::llround(next_s * rate_hz));
+  const std::int64_t last = at + kAfterHops.back() * hop;
+  const std::int64_t n_loud = kLoudHops * hop;
+  double loudest = 0.0;
+  for (std::int64_t from = next; from < last; from += n_loud)
+    loudest = std::max(loudest, block.energy(from, from + n_loud));
+  const double own = block.energy(at, next);
+  if (next > last || own * static_cast<double>(n_loud) > kFaint * loudest * static_cast<double>(next - at))
+    return candidate.amplitude;
+  return std::sqrt(own / quiet_variance);
+}
+
 struct Rise {
   std::int64_t hop_index = 0;
   double log_likelihood_ratio = 0.0;
@@ -219,6 +238,7 @@ std::vector<Rise> rises(const Block& block, std::int64_t hop, std::int64_t first
 void find_in_block(const Block& block, double rate_hz, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
                    double quiet_variance, std::vector<Candidate>& candidates) {
   std::vector<double> spoken_s;
+  const std::size_t n_before = candidates.size();
   for (const std::int64_t after_hops : kAfterHops) {
     const double reach_s = static_cast<double>(after_hops * hop) / rate_hz;
     const double apart_s = static_cast<double>(kApartHops * hop) / rate_hz;
@@ -241,6 +261,11 @@ void find_in_block(const Block& block, double rate_hz, std::int64_t hop, std::in
     }
     spoken_s.insert(spoken_s.end(), new_s.begin(), new_s.end());
     std::sort(spoken_s.begin(), spoken_s.end());
+  }
+  for (std::size_t k = n_before; k < candidates.size(); ++k) {
+    const auto next = std::upper_bound(spoken_s.begin(), spoken_s.end(), candidates[k].t_s);
+    if (next != spoken_s.end())
+      candidates[k].amplitude = own_amplitude(block, candidates[k], *next, rate_hz, hop, quiet_variance);
   }
 }
 

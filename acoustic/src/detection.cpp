@@ -10,6 +10,7 @@
 #include "bouncelab/acoustic/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 #include "candidates.hpp"
+#include "first_arrivals.hpp"
 #include "in_parallel.hpp"
 #include "low_band.hpp"
 #include "recording_timing.hpp"
@@ -47,6 +48,7 @@ Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) 
   h.models = learn_sound_models(sound, kOrder);
   h.candidates = find_candidates(sound, h.models.all, progress);
   h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz);
+  begin_at_first_arrivals(h.candidates, h.trains);
   return h;
 }
 
