@@ -161,13 +161,16 @@ std::int64_t refine(const Block& block, std::int64_t hop, std::int64_t hop_index
   const std::int64_t end = last + after_hops * hop;
   const std::vector<double> sums = block.energies(begin, end);
   std::int64_t best_sample = hop_index * hop;
-  double best = 0.0;
+  double best = INFINITY;
   for (std::int64_t n = first; n <= last; ++n) {
-    const double before = sums[static_cast<std::size_t>(n - begin)];
-    const double ratio =
-        rise_ratio(before, static_cast<double>(n - begin), sums.back() - before, static_cast<double>(end - n));
-    if (ratio > best) {
-      best = ratio;
+    const auto n_before = static_cast<double>(n - begin);
+    const auto n_after = static_cast<double>(end - n);
+    const double before = sums[static_cast<std::size_t>(n - begin)] / n_before;
+    const double after = (sums.back() - sums[static_cast<std::size_t>(n - begin)]) / n_after;
+    if (after <= before) continue;
+    const double unlikely = n_before * std::log(before) + n_after * std::log(after);  // what rise_ratio has of n
+    if (unlikely < best) {
+      best = unlikely;
       best_sample = n;
     }
   }

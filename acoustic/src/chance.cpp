@@ -20,7 +20,7 @@ int window_octave(double flight_s) {
   return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kChanceOctaves - 1);
 }
 
-double reach_s(int octave) { return kSmallestReach_s * std::ldexp(1.0, octave); }
+double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
 
 double harmonic(int n) {
   const auto approximately = [](int m) { return std::log(m) + 0.5772 + 0.5 / m; };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace bouncelab {
 namespace {
@@ -50,6 +51,9 @@ double eps_of_gap(double gap, int n_missing) {
     eps -= (eps * (1.0 + eps * (1.0 + eps)) - gap) / (1.0 + eps * (2.0 + 3.0 * eps));
   return eps;
 }
+
+/// No less than log(x), without taking it.
+double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
 
 /// Whether a gap may be that of n_missing + 1 flights.
 bool is_plausible(const TrainState& train, double gap, int n_missing) {
@@ -159,11 +163,11 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
   const double chance =
       from.flight_s * chance_rate(next.rivals, flight_s, n_own_rivals(from, next.candidate, flight_s));
+  const double odds = probability_missing(n_missing) * per_flight *
+                      odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps);
+  if (from.log_odds + largest_log(odds / chance) < least_log_odds) return {};  // most are far from it
   const double beats = n_missing + 1.0;
-  const double log_odds =
-      from.log_odds +
-      std::log(probability_missing(n_missing) * per_flight / (chance + rhythm_density(gap / beats) / beats) *
-               odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps));
+  const double log_odds = from.log_odds + std::log(odds / (chance + rhythm_density(gap / beats) / beats));
   if (log_odds < least_log_odds) return {};
   TrainState s = from;
   s.flight_s = flight_s;

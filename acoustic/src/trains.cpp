@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSharp_s = 1.8e-3;  // reach of the shortest window, in the low band too
 constexpr double kTimingOfReach = 0.15;
-constexpr std::size_t kBeam = 32;
-constexpr double kBeamDepth = 18.0;
+constexpr std::size_t kBeam = 16;
+constexpr double kBeamDepth = 14.0;
 constexpr std::size_t kStatesAtOnce = 1 << 14;  // 4 MB; then those no train needs are forgotten
 constexpr double kHopeless = -9.0;              // log odds below which a young train is not followed
 constexpr double kMostGain = 9.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
