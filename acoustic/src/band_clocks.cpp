@@ -156,6 +156,10 @@ WaveTemplate::WaveTemplate(Spectrum wave, std::size_t n_window)
   energy_ = running_.back();
 }
 
+double WaveTemplate::rms_frequency() const {
+  return std::max(1e-6, std::sqrt(running_information_.back() / (energy_ + 1e-30)) / (2.0 * kPi));
+}
+
 BandClocks equal_clocks(const WaveTemplate& wave) {
   const std::size_t n_bins = wave.wave().size() - 1;
   const double all = wave.information(0, n_bins);

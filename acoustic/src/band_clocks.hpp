@@ -34,6 +34,8 @@ class WaveTemplate {
   double energy() const { return energy_; }
   /// 2 pi / n_window
   double omega() const { return omega_; }
+  /// Root mean square frequency [cycles per sample]; at least 1e-6.
+  double rms_frequency() const;
   /// sum |wave|^2 and sum omega^2 |wave|^2 over bins from ... to - 1
   double energy(std::size_t from, std::size_t to) const { return running_[to] - running_[from]; }
   double information(std::size_t from, std::size_t to) const {

@@ -21,6 +21,15 @@ constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
 
 std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
 
+/// Variance of what the noise adds to the product with the wave, per unit of the wave's energy: 1 were the whitener
+/// perfect, more where it also makes white what the wave leaves unexplained.
+double noise_in_product(const ImpactWave& w) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < w.clocks.n(); ++j)
+    sum += w.clocks.noise[j] * w.wave.energy(w.clocks.edge[j], w.clocks.edge[j + 1]);
+  return sum / (w.wave.energy() + 1e-30);
+}
+
 void multiply(std::vector<float>& x, const std::vector<float>& mask) {
   for (std::size_t k = 0; k < mask.size(); ++k) x[k] *= mask[k];
 }
@@ -28,7 +37,7 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 }  // namespace
 
 ImpactTimer::ImpactTimer(const Sound& sound, const ImpactWave& wave)
-    : sound_(sound), wave_(wave), fourier_(wave.wave.n_window()) {}
+    : sound_(sound), wave_(wave), fourier_(wave.wave.n_window()), noise_(noise_in_product(wave)) {}
 
 ImpactTimer::Mask ImpactTimer::beginning(std::size_t n_fit) const {
   const std::size_t n = wave_.wave.n_window();
@@ -163,6 +172,7 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   t.amplitude = r.amplitude;
   t.gain = r.gain;
   t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(n_fit < w.n_wave ? n_fit : x.size());
+  t.noise = std::max(1.0, std::min(noise_, t.misfit));  // learned where louder impacts still rang
   t.correlation = correlation(r, total);
   t.runner_up_s = time_of(place.runner_up);
   // the misfit is not quite white, hence half

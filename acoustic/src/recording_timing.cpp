@@ -226,11 +226,6 @@ std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
   return pool_contacts(evidence);
 }
 
-double rms_hz(const WaveTemplate& wave, double rate_hz) {
-  const double omega2 = wave.information(0, wave.wave().size()) / (wave.energy() + 1e-30);
-  return std::max(1.0, std::sqrt(omega2) * rate_hz / (2.0 * kPi));
-}
-
 /// Moves the times to the start of contact.
 void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
   for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
@@ -279,7 +274,7 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
     }
   }
   std::optional<ContactLaw> law = contact_law_of(drops);
-  if (!law && reference) law = unheard_contact(rms_hz(reference->wave.wave, heard.band.rate_hz));
+  if (!law && reference) law = unheard_contact(reference->wave.wave.rms_frequency() * heard.band.rate_hz);
   if (law && law->is_heard) timed.contact_time_at_1_mps_s = law->tau_1_s;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     if (law) correct_for_contact(*law, drops[k]);

@@ -19,6 +19,7 @@ constexpr double kOutlierReach = 0.17;
 constexpr double kStepOfWave = 0.25;
 constexpr double kShortestInterval_s = 1.2e-3;
 constexpr double kLargestAmplitudeRatio = 3.5;  // between neighbours; eps and the place struck explain up to two
+constexpr double kCyclesApart = 3.0;            // of the wave, nearer impacts cannot be told from its ringing
 constexpr double kClearRise = 20.0;             // log likelihood ratio that no noise reaches in hours
 constexpr double kReliable = 0.7;               // half of an impact's energy is the wave's
 constexpr double kAmbiguous = 1e-3;             // odds of another place that are worth a flag
@@ -44,6 +45,7 @@ class TrainTimer {
         sound_(sound),
         wave_s_(static_cast<double>(wave.n_wave) / sound.rate_hz),
         end_s_(end_s),
+        shortest_interval_s_(std::max(kShortestInterval_s, kCyclesApart / (wave.wave.rms_frequency() * sound.rate_hz))),
         wave_is_reliable_(wave.correlation > kReliable) {}
 
   /// A heard impact. @param next_s  the next one, as far as known
@@ -73,7 +75,7 @@ class TrainTimer {
       double expected_s = last_flight();
       double sum_s = 0.0;
       for (int k = 0; k <= failures; ++k) sum_s += expected_s *= eps;
-      if (expected_s < kShortestInterval_s || onsets_.back().timed.t_s + sum_s + 0.5 * expected_s > end_s_) break;
+      if (expected_s < shortest_interval_s_ || onsets_.back().timed.t_s + sum_s + 0.5 * expected_s > end_s_) break;
       const std::int64_t next = onsets_.back().impact + 1 + failures;
       const double until_s = onsets_.back().timed.t_s + sum_s + 0.9 * expected_s;
       const bool found =
@@ -180,11 +182,35 @@ class TrainTimer {
     return std::clamp(4.0 * kHalfToSigma * half, kLeastEpsReach, kMostEpsReach);
   }
 
+  /// Amplitude over interval before of what was heard, not inferred; the median, where there are a few.
+  std::optional<double> heard_amplitude_per_s() const {
+    constexpr std::size_t kFewest = 4;
+    std::vector<double> ratios;
+    for (std::size_t k = onsets_.size(); k-- > 1 && ratios.size() < 15;)
+      if (!onsets_[k].inferred && onsets_[k].impact == onsets_[k - 1].impact + 1)
+        ratios.push_back(onsets_[k].timed.amplitude / (onsets_[k].timed.t_s - onsets_[k - 1].timed.t_s));
+    if (ratios.size() < kFewest) return std::nullopt;
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    return *middle;
+  }
+
+  /// Whether an impact so loud goes with its speed as those that were heard did.
+  bool is_as_loud_as_others(double amplitude, double interval_s) const {
+    const std::optional<double> per_s = heard_amplitude_per_s();
+    if (!per_s) return true;
+    const double ratio = amplitude / (*per_s * interval_s);
+    return ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio;
+  }
+
   /// @param over_misfit  least gain in units of what is left of other sounds
   bool is_supported(const TrainOnset& onset, const TrainOnset& neighbour, double n_lags, double over_misfit) const {
     const double ratio = onset.timed.amplitude / neighbour.timed.amplitude;
+    // within the neighbour's sound what is learned as noise is what rings, for which there is the misfit
+    const bool rings_alone = onset.timed.t_s - neighbour.timed.t_s > wave_s_;
+    const double noise = rings_alone ? onset.timed.noise : 1.0;
     return ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio &&
-           onset.timed.gain > threshold(n_lags) && onset.timed.gain > over_misfit * onset.timed.misfit;
+           onset.timed.gain > threshold(n_lags) * noise && onset.timed.gain > over_misfit * onset.timed.misfit;
   }
 
   bool infer(std::int64_t impact, double after_s, double until_s, double over_misfit) {
@@ -196,6 +222,9 @@ class TrainTimer {
     const double reach_s = eps_reach_s + 2.0 / sound_.rate_hz;
     const TrainOnset onset{impact, search(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
     if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz, over_misfit)) return false;
+    if (impact == onsets_.back().impact + 1 &&
+        !is_as_loud_as_others(onset.timed.amplitude, onset.timed.t_s - onsets_.back().timed.t_s))
+      return false;
     keep(onset);
     return true;
   }
@@ -205,6 +234,7 @@ class TrainTimer {
   const Sound& sound_;
   double wave_s_;
   double end_s_;
+  double shortest_interval_s_;
   bool wave_is_reliable_;
   std::vector<TrainOnset> onsets_;
 };
