@@ -39,8 +39,9 @@ struct Sums {
   std::vector<double> quadrature;  // omega times
 };
 
-Sums sums_at(const Spectrum& z, const BandClocks& clocks, double omega, double shift) {
-  const Spectrum moved = turned(z, omega * shift);
+/// @param moved  room of the size of z
+Sums sums_at(const Spectrum& z, const BandClocks& clocks, double omega, double shift, Spectrum& moved) {
+  turn(z, omega * shift, moved);
   Sums sums;
   for (std::size_t j = 0; j < clocks.n(); ++j) {
     const std::size_t from = clocks.edge[j];
@@ -192,13 +193,14 @@ BandClocks equal_clocks(const WaveTemplate& wave) {
 
 ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start) {
   const Spectrum z = product_conj(wave.wave(), sound);
+  Spectrum moved = z;
   const std::size_t n = clocks.n();
   ClockReading r;
   r.shift = start;
   r.deviation.resize(n);
   r.noise_variance.resize(n);
   for (int step = 0; step < kMostSteps; ++step) {
-    const Sums sums = sums_at(z, clocks, wave.omega(), r.shift);
+    const Sums sums = sums_at(z, clocks, wave.omega(), r.shift, moved);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.end(), 0.0);
     r.amplitude = in_phase / wave.energy();
     r.gain = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <type_traits>
 
 #include "bouncelab/core/units.hpp"
@@ -30,16 +31,50 @@ struct Half {
   std::vector<float> cosine, sine;  // of 2 pi k / n, k = 0 ... n/2 - 1
 };
 
+/// Where transforms of up to n samples are made; one for each thread, so that none has to be allotted for each.
+struct Room {
+  float* in = nullptr;  // n
+  float* out = nullptr;
+  float* re = nullptr;  // n / 2 + 1
+  float* im = nullptr;
+};
+
+Room& room_for(std::size_t n) {
+  struct Free {
+    void operator()(void* p) const { fftwf_free(p); }
+  };
+  thread_local std::unique_ptr<float, Free> held;
+  thread_local std::size_t n_held = 0;
+  thread_local Room room;
+  if (n > n_held) {
+    constexpr std::size_t kAligned = 32;  // floats
+    const std::size_t n_part = (n / 2 + 1 + kAligned) / kAligned * kAligned;
+    const std::size_t n_whole = (n + kAligned) / kAligned * kAligned;
+    held.reset(static_cast<float*>(fftwf_malloc(2 * (n_whole + n_part) * sizeof(float))));
+    if (held == nullptr) throw std::bad_alloc();
+    n_held = n;
+    room.in = held.get();
+    room.out = room.in + n_whole;
+    room.re = room.out + n_whole;
+    room.im = room.re + n_part;
+  }
+  return room;
+}
+
+fftwf_complex* as_complex(float* x) { return reinterpret_cast<fftwf_complex*>(x); }
+
 /// FFTW plans one at a time and only by estimate, since what it measures differs from run to run.
-const Half& half_of(std::size_t n, fftwf_complex* in, fftwf_complex* out) {
+const Half& half_of(std::size_t n) {
   static std::mutex mutex;
   static std::map<std::size_t, Half> known;
   const std::lock_guard lock(mutex);
   Half& half = known[n];
   if (half.forward == nullptr) {
     const auto size = static_cast<int>(n / 2);
-    half.forward.reset(fftwf_plan_dft_1d(size, in, out, FFTW_FORWARD, FFTW_ESTIMATE));
-    half.inverse.reset(fftwf_plan_dft_1d(size, in, out, FFTW_BACKWARD, FFTW_ESTIMATE));
+    const Room& room = room_for(n);
+    half.forward.reset(fftwf_plan_dft_1d(size, as_complex(room.in), as_complex(room.out), FFTW_FORWARD, FFTW_ESTIMATE));
+    half.inverse.reset(
+        fftwf_plan_dft_1d(size, as_complex(room.in), as_complex(room.out), FFTW_BACKWARD, FFTW_ESTIMATE));
     for (int k = 0; k < size; ++k) {
       const double phase = 2.0 * kPi * k / static_cast<double>(n);
       half.cosine.push_back(static_cast<float>(std::cos(phase)));
@@ -70,11 +105,11 @@ BOUNCELAB_VECTOR_CLONES void untangle(const float* z_re, const float* z_im, cons
   }
 }
 
-/// The other way, Z = E + i O.
-/// @param re, im  h + 1 bins, the first and the last 0
+/// The other way, Z = E + i O, but for its first value.
+/// @param re, im  h bins, the first of no account
 BOUNCELAB_VECTOR_CLONES void tangle(const float* re, const float* im, const float* cosine, const float* sine,
                                     float scale, float* z, std::size_t h) {
-  for (std::size_t k = 0; k < h; ++k) {
+  for (std::size_t k = 1; k < h; ++k) {
     const float even_re = re[k] + re[h - k];
     const float even_im = im[k] - im[h - k];
     const float turned_re = re[k] - re[h - k];
@@ -118,14 +153,24 @@ struct Steps {
   }
 };
 
-/// Of one block: (a_re + i a_im) exp(i j angle) times the block's own phasor.
-BOUNCELAB_VECTOR_CLONES void turn(const float* a_re, const float* a_im, const Steps& steps, float c, float s,
-                                  float* __restrict re, float* __restrict im, std::size_t n) {
-  for (std::size_t j = 0; j < n; ++j) {
-    const float here_c = c * steps.c[j] - s * steps.s[j];
-    const float here_s = c * steps.s[j] + s * steps.c[j];
-    re[j] = a_re[j] * here_c - a_im[j] * here_s;
-    im[j] = a_re[j] * here_s + a_im[j] * here_c;
+/// a[k] exp(i k angle), block by block.
+BOUNCELAB_VECTOR_CLONES void turn(const float* a_re, const float* a_im, const Steps& steps, float* __restrict re,
+                                  float* __restrict im, std::size_t n) {
+  double block_c = 1.0;  // n / 32 roundings of doubles: nothing to a float
+  double block_s = 0.0;
+  for (std::size_t k = 0; k < n; k += Steps::kBlock) {
+    const auto c = static_cast<float>(block_c);
+    const auto s = static_cast<float>(block_s);
+    const std::size_t n_here = std::min(Steps::kBlock, n - k);
+    for (std::size_t j = 0; j < n_here; ++j) {
+      const float here_c = c * steps.c[j] - s * steps.s[j];
+      const float here_s = c * steps.s[j] + s * steps.c[j];
+      re[k + j] = a_re[k + j] * here_c - a_im[k + j] * here_s;
+      im[k + j] = a_re[k + j] * here_s + a_im[k + j] * here_c;
+    }
+    const double next_c = block_c * steps.block.c - block_s * steps.block.s;
+    block_s = block_c * steps.block.s + block_s * steps.block.c;
+    block_c = next_c;
   }
 }
 
@@ -142,32 +187,20 @@ Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
 
 }  // namespace
 
-void Fourier::Free::operator()(void* p) const { fftwf_free(p); }
-
-Fourier::Fourier(std::size_t n)
-    : n_(n),
-      in_(fftwf_malloc(n * sizeof(float))),
-      out_(fftwf_malloc(n * sizeof(float))),
-      re_(n / 2 + 1, 0.0F),
-      im_(n / 2 + 1, 0.0F),
-      half_(&half_of(n, static_cast<fftwf_complex*>(in_.get()), static_cast<fftwf_complex*>(out_.get()))) {
-  assert(n >= 4 && n % 2 == 0);
-}
+Fourier::Fourier(std::size_t n) : n_(n), half_(&half_of(n)) { assert(n >= 4 && n % 2 == 0); }
 
 Spectrum Fourier::forward(std::span<const float> x) {
   assert(x.size() <= n_);
   const std::size_t h = n_ / 2;
   const Half& half = *static_cast<const Half*>(half_);
-  auto* in = static_cast<float*>(in_.get());
-  auto* out = static_cast<float*>(out_.get());
-  std::fill(std::copy(x.begin(), x.end(), in), in + n_, 0.0F);
-  fftwf_execute_dft(half.forward.get(), static_cast<fftwf_complex*>(in_.get()),
-                    static_cast<fftwf_complex*>(out_.get()));
-  part(out, re_.data(), im_.data(), h);
-  re_[h] = re_[0];
-  im_[h] = im_[0];
-  Spectrum spectrum{std::vector<float>(h + 1, 0.0F), std::vector<float>(h + 1, 0.0F)};
-  untangle(re_.data(), im_.data(), half.cosine.data(), half.sine.data(),
+  Room& room = room_for(n_);
+  std::fill(std::copy(x.begin(), x.end(), room.in), room.in + n_, 0.0F);
+  fftwf_execute_dft(half.forward.get(), as_complex(room.in), as_complex(room.out));
+  part(room.out, room.re, room.im, h);
+  room.re[h] = room.re[0];
+  room.im[h] = room.im[0];
+  Spectrum spectrum{std::vector<float>(h + 1), std::vector<float>(h + 1)};
+  untangle(room.re, room.im, half.cosine.data(), half.sine.data(),
            static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), spectrum.re.data(), spectrum.im.data(), h);
   spectrum.re[0] = spectrum.im[0] = 0.0F;
   return spectrum;
@@ -176,19 +209,20 @@ Spectrum Fourier::forward(std::span<const float> x) {
 std::vector<float> Fourier::inverse(const Spectrum& spectrum) {
   const std::size_t h = n_ / 2;
   const Half& half = *static_cast<const Half*>(half_);
-  const auto known = static_cast<std::ptrdiff_t>(std::min(spectrum.size(), h));
-  const auto fill = [&](const std::vector<float>& from, std::vector<float>& to) {
-    std::fill(std::copy_n(from.begin(), known, to.begin()), to.end(), 0.0F);
-    to[0] = 0.0F;
-  };
-  fill(spectrum.re, re_);
-  fill(spectrum.im, im_);
-  tangle(re_.data(), im_.data(), half.cosine.data(), half.sine.data(),
-         static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), static_cast<float*>(in_.get()), h);
-  fftwf_execute_dft(half.inverse.get(), static_cast<fftwf_complex*>(in_.get()),
-                    static_cast<fftwf_complex*>(out_.get()));
-  const auto* out = static_cast<const float*>(out_.get());
-  return {out, out + n_};
+  Room& room = room_for(n_);
+  const float* re = spectrum.re.data();
+  const float* im = spectrum.im.data();
+  if (spectrum.size() < h) {
+    std::fill(std::copy(spectrum.re.begin(), spectrum.re.end(), room.re), room.re + h, 0.0F);
+    std::fill(std::copy(spectrum.im.begin(), spectrum.im.end(), room.im), room.im + h, 0.0F);
+    re = room.re;
+    im = room.im;
+  }
+  room.in[0] = room.in[1] = 0.0F;
+  tangle(re, im, half.cosine.data(), half.sine.data(), static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))),
+         room.in, h);
+  fftwf_execute_dft(half.inverse.get(), as_complex(room.in), as_complex(room.out));
+  return {room.out, room.out + n_};
 }
 
 std::size_t power_of_two(std::size_t n) {
@@ -199,14 +233,12 @@ std::size_t power_of_two(std::size_t n) {
 
 Spectrum turned(const Spectrum& a, double angle) {
   Spectrum out{std::vector<float>(a.size()), std::vector<float>(a.size())};
-  const Steps steps(angle);
-  Phasor here;
-  for (std::size_t k = 0; k < a.size(); k += Steps::kBlock) {
-    turn(&a.re[k], &a.im[k], steps, static_cast<float>(here.c), static_cast<float>(here.s), &out.re[k], &out.im[k],
-         std::min(Steps::kBlock, a.size() - k));
-    here = times(here, steps.block);  // n / 32 roundings of doubles: nothing to a float
-  }
+  turn(a, angle, out);
   return out;
+}
+
+void turn(const Spectrum& a, double angle, Spectrum& out) {
+  turn(a.re.data(), a.im.data(), Steps(angle), out.re.data(), out.im.data(), a.size());
 }
 
 Spectrum phasors(std::size_t n, double angle) {

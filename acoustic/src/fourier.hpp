@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,7 +14,7 @@ struct Spectrum {
   std::size_t size() const { return re.size(); }
 };
 
-/// Real Fourier transform of one length. Not to be shared between threads; as many as one likes may exist.
+/// Real Fourier transform of one length. Costs nothing to make.
 ///
 ///   X[k] = sqrt(2/n) sum_j x[j] exp(-2 pi i j k / n)
 ///
@@ -32,14 +31,7 @@ class Fourier {
   std::vector<float> inverse(const Spectrum& spectrum);
 
  private:
-  struct Free {
-    void operator()(void* p) const;
-  };
   std::size_t n_;
-  std::unique_ptr<void, Free> in_;
-  std::unique_ptr<void, Free> out_;
-  std::vector<float> re_;
-  std::vector<float> im_;
   const void* half_ = nullptr;  // plans and tables, shared and kept
 };
 
@@ -48,6 +40,8 @@ std::size_t power_of_two(std::size_t n);
 
 /// a[k] exp(i k angle), the phasor to 1e-6: the signal earlier by angle n / (2 pi) samples, n those of its transform.
 Spectrum turned(const Spectrum& a, double angle);
+/// The same into a spectrum of the same size.
+void turn(const Spectrum& a, double angle, Spectrum& out);
 
 /// exp(i k angle) for k = 0 ... n-1, to 1e-6.
 Spectrum phasors(std::size_t n, double angle);

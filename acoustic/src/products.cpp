@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -17,7 +15,6 @@ using Lanes = float __attribute__((vector_size(32)));  // one wide register, or 
 constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
 constexpr std::size_t kAtOnce = kLanes * kChains;
-constexpr std::size_t kOutputs = 64;
 
 BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
   std::array<Lanes, kChains> sum{};
@@ -54,17 +51,6 @@ BOUNCELAB_VECTOR_CLONES void sum_lanes(const float* x, std::size_t n, float* lan
   std::memcpy(lanes, &sum, sizeof sum);
 }
 
-/// @param n  a multiple of kOutputs
-BOUNCELAB_FMA_CLONES void correlate_blocks(const float* x, const float* taps, std::size_t n_taps, float* out,
-                                           std::size_t n) {
-  for (std::size_t at = 0; at < n; at += kOutputs) {
-    std::array<float, kOutputs> sum{};  // eight wide registers: what an addition's latency takes
-    for (std::size_t k = 0; k < n_taps; ++k)
-      for (std::size_t c = 0; c < kOutputs; ++c) sum[c] = std::fma(taps[k], x[at + k + c], sum[c]);
-    std::memcpy(out + at, sum.data(), sizeof sum);
-  }
-}
-
 }  // namespace
 
 double dot(std::span<const float> a, std::span<const float> b) {
@@ -96,17 +82,6 @@ double moment(std::span<const float> x, std::size_t first) {
   for (const float lane : lanes) total += lane;
   for (std::size_t k = n_whole; k < x.size(); ++k) total += static_cast<double>(first + k) * x[k];
   return total;
-}
-
-void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
-  assert(x.size() + 1 >= out.size() + taps.size());
-  const std::size_t n_whole = out.size() - out.size() % kOutputs;
-  correlate_blocks(x.data(), taps.data(), taps.size(), out.data(), n_whole);
-  for (std::size_t n = n_whole; n < out.size(); ++n) {
-    float sum = 0.0F;
-    for (std::size_t k = 0; k < taps.size(); ++k) sum = std::fma(taps[k], x[n + k], sum);
-    out[n] = sum;
-  }
 }
 
 }  // namespace bouncelab

@@ -5,10 +5,6 @@
 /// compiled with -ffp-contract=off: no fused multiply-add, so that every machine gives the same bytes.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 #define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-/// The same for what calls std::fma: exactly defined, so that every machine gives the same bytes, but slow where the
-/// processor (before 2013) has none. Not wider: registers of 64 bytes read from where nothing is aligned are slower.
-#define BOUNCELAB_FMA_CLONES __attribute__((target_clones("fma", "default")))
 #else
 #define BOUNCELAB_VECTOR_CLONES
-#define BOUNCELAB_FMA_CLONES
 #endif

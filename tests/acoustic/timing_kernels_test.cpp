@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "band_clocks.hpp"
@@ -55,6 +56,21 @@ TEST(Products, CorrelateIsThePlainSumAtAnyLength) {
       double sum = 0.0;
       for (std::size_t j = 0; j < taps.size(); ++j) sum += static_cast<double>(taps[j]) * x[k + j];
       EXPECT_NEAR(out[k], sum, 1e-5);  // single precision over 21 terms of size 1
+    }
+  }
+}
+
+TEST(Products, CorrelateGivesTheSameBytesWhereverAnOutputStands) {
+  // with and without wide registers: the last of 100 outputs are computed one by one, as are those of a span of one
+  for (std::size_t n_taps = 1; n_taps <= 100; ++n_taps) {
+    const std::vector<float> x = noise(100 + n_taps, n_taps);
+    const std::vector<float> taps = noise(n_taps, n_taps + 1);
+    std::vector<float> out(100);
+    correlate(x, taps, out);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      float alone = 0.0F;
+      correlate(std::span(x).subspan(k), taps, std::span(&alone, 1));
+      ASSERT_EQ(out[k], alone) << n_taps << " taps, output " << k;
     }
   }
 }
