@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kSmallestReach_s = 2e-3;
 constexpr double kRhythmShare = 0.5;
-constexpr double kRhythmScatter = 0.1;  // of log interval from one to the next, hands and feet: 3 to 8 %
+// of log interval from one to the next: hands and feet 3 to 8 %, drummers 2 %
+constexpr double kRhythmScatter = 0.1;
+constexpr double kDrummerScatter = 0.02;
 
 /// The nearest octave: that below sqrt(2) times as much.
 int window_octave(double flight_s) {
@@ -22,51 +24,89 @@ int window_octave(double flight_s) {
 
 double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
 
-double harmonic(int n) {
-  const auto approximately = [](int m) { return std::log(m) + 0.5772 + 0.5 / m; };
+/// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
+double harmonic(double n) {
+  const auto approximately = [](double m) { return std::log(m) + 0.5772 + 0.5 / m; };
   constexpr int kTabulated = 1024;
   static const std::vector<double> table = [&] {
     std::vector<double> values;
-    for (int m = 0; m < kTabulated; ++m) values.push_back(approximately(m));
+    for (int m = 0; m <= kTabulated; ++m) values.push_back(approximately(std::max(1, m)));
     return values;
   }();
-  return n < kTabulated ? table[static_cast<std::size_t>(n)] : approximately(n);
+  if (!(n < kTabulated)) return approximately(n);
+  const auto below = static_cast<std::size_t>(n);
+  return table[below] + (n - static_cast<double>(below)) * (table[below + 1] - table[below]);
+}
+
+/// The least that reaches so far.
+int octave_of(double distance_s) {
+  const double distance = distance_s / kSmallestReach_s;
+  return distance <= 1.0 ? 0 : static_cast<int>(std::ceil(std::log2(distance)));
+}
+
+void count(const Candidate& one, const Candidate& other, int octave, float alike, Rivals& rivals) {
+  rivals.all[octave] += alike;
+  if (other.amplitude >= one.amplitude) rivals.stronger[octave] += alike;
+}
+
+void accumulate(Rivals& rivals) {
+  for (int octave = 1; octave < kChanceOctaves; ++octave) {
+    rivals.all[octave] += rivals.all[octave - 1];
+    rivals.stronger[octave] += rivals.stronger[octave - 1];
+  }
 }
 
 }  // namespace
 
-std::vector<Rivals> count_rivals(const std::vector<Candidate>& c) {
+std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vector<Timbre>& timbres) {
   std::vector<Rivals> rivals(c.size());
-  const double widest_s = reach_s(kChanceOctaves - 1);
   for (std::size_t k = 0; k < c.size(); ++k) {
-    const auto count = [&](std::size_t j) {
-      const double distance = std::abs(c[j].t_s - c[k].t_s) / kSmallestReach_s;
-      const int octave = distance <= 1.0 ? 0 : static_cast<int>(std::ceil(std::log2(distance)));
-      if (octave >= kChanceOctaves) return;
-      ++rivals[k].all[octave];
-      if (c[j].amplitude >= c[k].amplitude) ++rivals[k].stronger[octave];
-    };
-    for (std::size_t j = k; j < c.size() && c[j].t_s - c[k].t_s <= widest_s; ++j) count(j);
-    for (std::size_t j = k; j-- > 0 && c[k].t_s - c[j].t_s <= widest_s;) count(j);
-    for (int octave = 1; octave < kChanceOctaves; ++octave) {
-      rivals[k].all[octave] += rivals[k].all[octave - 1];
-      rivals[k].stronger[octave] += rivals[k].stronger[octave - 1];
+    count(c[k], c[k], 0, 1.0F, rivals[k]);
+    for (std::size_t j = k + 1; j < c.size(); ++j) {
+      const int octave = octave_of(c[j].t_s - c[k].t_s);
+      if (octave >= kChanceOctaves) break;
+      const float alike = timbres.empty() ? 1.0F : probability_alike(timbres[j], timbres[k]);
+      count(c[k], c[j], octave, alike, rivals[k]);
+      count(c[j], c[k], octave, alike, rivals[j]);
     }
   }
+  for (Rivals& r : rivals) accumulate(r);
+  return rivals;
+}
+
+Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std::vector<Timbre>& timbres,
+                       const std::vector<std::size_t>& not_counted) {
+  Rivals rivals;
+  count(c[k], c[k], 0, 1.0F, rivals);
+  const auto count_if_free = [&](std::size_t j) {
+    const int octave = octave_of(std::abs(c[j].t_s - c[k].t_s));
+    if (octave >= kChanceOctaves) return false;
+    if (!std::binary_search(not_counted.begin(), not_counted.end(), j))
+      count(c[k], c[j], octave, timbres.empty() ? 1.0F : probability_alike(timbres[j], timbres[k]), rivals);
+    return true;
+  };
+  for (std::size_t j = k + 1; j < c.size() && count_if_free(j); ++j) {
+  }
+  for (std::size_t j = k; j-- > 0 && count_if_free(j);) {
+  }
+  accumulate(rivals);
   return rivals;
 }
 
 double rival_window_s(double flight_s) { return reach_s(window_octave(flight_s)); }
 
-double chance_rate(const Rivals& rivals, double flight_s, int n_own) {
+double chance_rate(const Rivals& rivals, double flight_s, double n_own) {
   const int octave = window_octave(flight_s);
-  const int rank = std::max(1, rivals.stronger[octave] - n_own);
+  const double rank = std::max(1.0, rivals.stronger[octave] - n_own);
   return rank * harmonic(std::max(rank, rivals.all[octave] - n_own)) / (2.0 * reach_s(octave));
 }
 
 double chance_of_first(const Rivals& rivals) { return rivals.stronger.back() * harmonic(rivals.all.back()); }
 
-double rhythm_density(double gap) { return kRhythmShare * student3(std::log(gap), kRhythmScatter) / gap; }
+double rhythm_density(double gap) {
+  const double log_gap = std::log(gap);
+  return 0.5 * kRhythmShare * (student3(log_gap, kRhythmScatter) + student3(log_gap, kDrummerScatter)) / gap;
+}
 
 double student3(double x, double width) {
   const double width2 = width * width;

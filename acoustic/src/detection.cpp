@@ -14,6 +14,7 @@
 #include "in_parallel.hpp"
 #include "low_band.hpp"
 #include "recording_timing.hpp"
+#include "timbre.hpp"
 #include "trains.hpp"
 
 namespace bouncelab {
@@ -47,7 +48,7 @@ Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) 
   h.channel = channel;
   h.models = learn_sound_models(sound, kOrder);
   h.candidates = find_candidates(sound, h.models.all, progress);
-  h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz);
+  h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz, read_timbres(sound, h.candidates));
   begin_at_first_arrivals(h.candidates, h.trains);
   return h;
 }

@@ -31,8 +31,7 @@ constexpr double kLeastLosing = 0.6;     // nor one that jumped twice: most impa
 constexpr double kLossOverScatter = 1.0;
 constexpr double kMuchLogLoss = 0.7;
 constexpr double kLeastOverScatter = 0.2;
-constexpr double kStartCost = 2.0;   // prior log odds against a train within some seconds
-constexpr double kAcceptance = 3.5;  // log odds a train must reach: 1 in 30 by chance
+constexpr double kStartCost = 2.0;  // prior log odds against a train within some seconds
 
 /// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
 double gap_of_eps(double eps, int n_missing) {
@@ -95,6 +94,12 @@ double odds_of_amplitude(double log_ratio, double log_eps) {
   return student3(deviation, kAmplitudeScatter) / student3(deviation, kChanceAmplitude);
 }
 
+/// Odds that it sounds like the train against its own kind's: what chance offers is of its own kind.
+double odds_of_timbre(const HeardSound& s) { return s.alike.value_or(1.0); }
+
+/// n sounds of the train, as far as they are rivals of the next.
+double as_rivals(int n, const HeardSound& next) { return next.own_are_rivals ? n * next.alike.value_or(1.0) : 0.0; }
+
 double probability_missing(int n_missing) {
   constexpr std::array<double, kMostMissing + 1> kProbability{kHeard, kHeard * (1.0 - kHeard),
                                                               kHeard * (1.0 - kHeard) * (1.0 - kHeard)};
@@ -139,8 +144,9 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
   s.last = {to_heard(second), to_heard(first)};
   s.log_amplitude = second.log_amplitude;
   const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
-  s.log_odds = -kStartCost - std::log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
-                                      chance_rate(second.rivals, s.flight_s, n_own));
+  s.log_odds =
+      -kStartCost - std::log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
+                             chance_rate(second.rivals, s.flight_s, as_rivals(n_own, second)) / odds_of_timbre(second));
   return s;
 }
 
@@ -162,7 +168,8 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   const double width = spread(from, n_missing, timing2);
   const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
   const double chance =
-      from.flight_s * chance_rate(next.rivals, flight_s, n_own_rivals(from, next.candidate, flight_s));
+      from.flight_s / odds_of_timbre(next) *
+      chance_rate(next.rivals, flight_s, as_rivals(n_own_rivals(from, next.candidate, flight_s), next));
   const double odds = probability_missing(n_missing) * per_flight *
                       odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps);
   if (from.log_odds + largest_log(odds / chance) < least_log_odds) return {};  // most are far from it
@@ -187,15 +194,14 @@ double log_odds_before(const HeardSound& before, const HeardSound& first, double
   const double jitter = std::hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
   const double core = student3(log_eps - mean_log_eps, std::hypot(std::max(scatter, kScatter), jitter));
   const int n_own = first.candidate.amplitude >= before.candidate.amplitude ? 1 : 0;
-  const double chance =
-      chance_rate(before.rivals, interval_s, n_own) + rhythm_density(interval_s / flight_s) / flight_s;
+  const double chance = chance_rate(before.rivals, interval_s, as_rivals(n_own, before)) / odds_of_timbre(before) +
+                        rhythm_density(interval_s / flight_s) / flight_s;
   return std::log(kHeard * (1.0 - kOutlier) * core / interval_s / chance *
                   odds_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
 }
 
-bool is_complete(const TrainState& s) {
-  if (s.n_heard < kLeastImpacts || s.log_odds < kAcceptance || s.last[0].t_s - s.first_s < kShortestTrain_s)
-    return false;
+bool is_ball_like(const TrainState& s) {
+  if (s.n_heard < kLeastImpacts || s.last[0].t_s - s.first_s < kShortestTrain_s) return false;
   const double n = s.n_eps;
   const double scatter = std::sqrt(std::max(0.0, s.sum_squares - s.sum_jitter_squares) / n);
   const double least_over_scatter =

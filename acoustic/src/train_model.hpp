@@ -16,6 +16,7 @@ constexpr double kLongestFlight_s = 2.5;          // a fall from 7.6 m
 constexpr double kLeastEps = 0.4;                 // a basketball on carpet has 0.5
 constexpr double kLargestEps = 1.2;               // single gains of a spinning ball
 constexpr int kMostMissing = 2;                   // impacts in a row that were not heard
+constexpr double kAcceptance = 0.5;               // log odds a train must reach, all that speaks against it counted
 constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight
 
 /// A candidate as the model of trains sees it.
@@ -24,6 +25,8 @@ struct HeardSound {
   const Rivals& rivals;
   double sigma_s = 0.0;  ///< error of its time
   double log_amplitude = 0.0;
+  std::optional<double> alike;  ///< probability that it and the train's last are of one kind; absent = not judged
+  bool own_are_rivals = true;   ///< whether the train's own sounds were counted among its rivals
 };
 
 /// What a train is up to an impact.
@@ -63,7 +66,7 @@ std::optional<TrainState> extend_train(const TrainState& train, int n_missing, c
 double log_odds_before(const HeardSound& before, const HeardSound& first, double flight_s, double mean_log_eps,
                        double scatter);
 
-/// Whether it is a ball and no rhythm, voice or chance.
-bool is_complete(const TrainState& train);
+/// Whether it does what balls do and rhythms, voices do not, whatever the odds.
+bool is_ball_like(const TrainState& train);
 
 }  // namespace bouncelab
