@@ -2,12 +2,12 @@
 #include "contact_law.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "pulse_spectrum.hpp"
+#include "two_way_table.hpp"
 #include "vector_clones.hpp"
 
 namespace bouncelab {
@@ -19,112 +19,19 @@ constexpr double kFirstGuess_s = 30e-6;      // steel on glass; the iteration fo
 constexpr double kHalfSineOverHertz = 0.87;  // durations of pulses of about the same spectrum
 constexpr double kShortest_s = 5e-6;         // about which the law is linear in tau^2
 constexpr int kMostSteps = 25;
+constexpr int kFirstRounds = 4;       // of gains and weights, which settle to a thousandth of an error
+constexpr int kLaterRounds = 2;       // from those of the last step
 constexpr double kLeastPulse = 0.25;  // of P, down to which a pulse is what its law says; near its first zero it is not
 constexpr double kLeastTimbre = 0.03;  // spread of a level that no ball is below
 constexpr double kFar = 2.5;           // standard deviations from which a level counts less
 
-/// Values by impact and band.
-class Table {
- public:
-  Table() = default;
-  Table(std::size_t n_impacts, std::size_t n_bands, double value = 0.0)
-      : n_bands_(n_bands), values_(n_impacts * n_bands, value) {}
-  bool empty() const { return values_.empty(); }
-  std::size_t n_impacts() const { return values_.size() / n_bands_; }
-  std::size_t n_bands() const { return n_bands_; }
-  double* operator[](std::size_t k) { return values_.data() + k * n_bands_; }
-  const double* operator[](std::size_t k) const { return values_.data() + k * n_bands_; }
-
- private:
-  std::size_t n_bands_ = 1;
-  std::vector<double> values_;
-};
-
 using Values = std::vector<double>;
-
-BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
-  constexpr std::size_t kLanes = 8;
-  std::array<double, kLanes> sums{};
-  std::size_t m = 0;
-  for (; m + kLanes <= n; m += kLanes)
-    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[m + lane] * b[m + lane];
-  for (; m < n; ++m) sums[0] += a[m] * b[m];
-  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-}
-
-BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) to[m] += factor * x[m];
-}
-
-Values sums_of_rows(const Table& x) {
-  const Values ones(x.n_bands(), 1.0);
-  Values sums(x.n_impacts());
-  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = dot(x[k], ones.data(), x.n_bands());
-  return sums;
-}
-
-Values sums_of_columns(const Table& x) {
-  Values sums(x.n_bands(), 0.0);
-  for (std::size_t k = 0; k < x.n_impacts(); ++k) add_scaled(sums.data(), 1.0, x[k], x.n_bands());
-  return sums;
-}
-
-/// One round of taking off weighted means of rows, then of columns.
-/// @param per_row, per_column  1 / sum of the weights
-/// @return sum of squares of the means of columns
-BOUNCELAB_VECTOR_CLONES double sweep_once(double* __restrict x, const double* __restrict weight, const double* per_row,
-                                          const double* per_column, double* __restrict means, std::size_t n_rows,
-                                          std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) means[m] = 0.0;
-  for (std::size_t k = 0; k < n_rows; ++k) {
-    double* row = x + k * n;
-    const double* w = weight + k * n;
-    std::array<double, 8> sums{};
-    std::size_t m = 0;
-    for (; m + 8 <= n; m += 8)
-      for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += w[m + lane] * row[m + lane];
-    for (; m < n; ++m) sums[0] += w[m] * row[m];
-    double mean = 0.0;
-    for (const double sum : sums) mean += per_row[k] * sum;
-    for (m = 0; m < n; ++m) {
-      row[m] -= mean;
-      means[m] += w[m] * row[m];
-    }
-  }
-  double squares = 0.0;
-  for (std::size_t m = 0; m < n; ++m) {
-    means[m] *= per_column[m];
-    squares += means[m] * means[m];
-  }
-  for (std::size_t k = 0; k < n_rows; ++k)
-    for (std::size_t m = 0; m < n; ++m) x[k * n + m] -= means[m];
-  return squares;
-}
-
-/// Takes off weighted means of rows and columns until none is left.
-void sweep(Table& x, const Table& weight) {
-  constexpr int kSweeps = 12;
-  constexpr double kLeft = 1e-20;  // of the squares that the first sweep finds
-  Values per_row = sums_of_rows(weight);
-  Values per_column = sums_of_columns(weight);
-  for (double& sum : per_row) sum = 1.0 / (sum + 1e-300);
-  for (double& sum : per_column) sum = 1.0 / (sum + 1e-300);
-  Values means(x.n_bands());
-  double first = 0.0;
-  for (int round = 0; round < kSweeps; ++round) {
-    const double squares =
-        sweep_once(x[0], weight[0], per_row.data(), per_column.data(), means.data(), x.n_impacts(), x.n_bands());
-    if (round == 0) first = squares;
-    if (squares <= kLeft * first) break;
-  }
-}
 
 class Fitter {
  public:
-  /// @param first  tau_1 to start from
-  Fitter(const BandLevels& levels, const PulseSpectrum& pulse, double first_s, std::vector<bool> within)
+  Fitter(const BandLevels& levels, const PulseSpectrum& pulse)
       : l_(levels),
-        pulse_(pulse),
+        pulse_(&pulse),
         n_(levels.u.size()),
         m_(levels.f_hz.size()),
         level_over_pulse_(n_, m_),
@@ -138,22 +45,26 @@ class Fitter {
         response_(m_, 1.0),
         timbre2_(m_, 0.1),
         disturbed_(n_, 1.0),
-        first_s_(first_s),
-        within_(std::move(within)),
-        is_given_(!within_.empty()) {
+        within_(m_, false),
+        counts_(m_, 0.0) {
     slowest_u_ = *std::max_element(l_.u.begin(), l_.u.end());
     for (std::size_t k = 0; k < n_; ++k)
       gain_[k] = std::max(std::accumulate(l_.level[k].begin(), l_.level[k].end(), 0.0) / static_cast<double>(m_), 1e-9);
   }
 
-  const std::vector<bool>& within() const { return within_; }
+  /// With another pulse over the same bands, once it has run.
+  void change_to(const PulseSpectrum& pulse) {
+    pulse_ = &pulse;
+    has_run_ = true;
+  }
 
-  std::optional<ContactFit> run() {
+  /// @param tau_1_s  to start from
+  std::optional<ContactFit> run(double tau_1_s) {
     ContactFit fit;
-    double tau_1_s = first_s_;
     for (int step = 0; step < kMostSteps; ++step) {
       expect(tau_1_s);
-      for (int round = 0; round < 4; ++round) {
+      const int n_rounds = step == 0 && !has_run_ ? kFirstRounds : kLaterRounds;
+      for (int round = 0; round < n_rounds; ++round) {
         adjust();
         weigh();
       }
@@ -171,27 +82,39 @@ class Fitter {
  private:
   /// P and the change of ln P with tau_1^2, for each level; bands beyond the law's reach weigh nothing.
   void expect(double tau_1_s) {
-    within_.resize(m_);
-    counts_.assign(m_, 0.0);
     for (std::size_t m = 0; m < m_; ++m) {
       const double largest = l_.f_hz[m] * tau_1_s * slowest_u_;
-      if (!is_given_) within_[m] = pulse_.at(largest).value > kLeastPulse && largest < 1.5;
+      if (!has_run_) within_[m] = pulse_->at(largest).value > kLeastPulse && largest < 1.5;
       counts_[m] = within_[m] ? 1.0 : 0.0;
-      for (std::size_t k = 0; k < n_; ++k) {
-        const double x = l_.f_hz[m] * l_.u[k];
-        const auto [value, slope] = pulse_.at(x * tau_1_s);
-        one_over_pulse_[k][m] = 1.0 / std::max(value, 0.02);
-        level_over_pulse_[k][m] = l_.level[k][m] * one_over_pulse_[k][m];
-        duller_[k][m] = 0.5 * x / tau_1_s * slope * one_over_pulse_[k][m];
-        weight_[k][m] = within_[m] ? std::max(weight_[k][m], 1e-12) : 0.0;
+    }
+    for (std::size_t k = 0; k < n_; ++k) {
+      for (std::size_t m = 0; m < m_; ++m) {
+        const auto [value, slope] = pulse_->at(l_.f_hz[m] * l_.u[k] * tau_1_s);
+        one_over_pulse_[k][m] = value;
+        duller_[k][m] = slope;
       }
+      compare_pulses(l_.level[k].data(), l_.f_hz.data(), 0.5 * l_.u[k] / tau_1_s, counts_.data(), one_over_pulse_[k],
+                     duller_[k], level_over_pulse_[k], weight_[k], m_);
+    }
+  }
+
+  /// @param one_over_pulse, duller  hold P and its slope before
+  BOUNCELAB_VECTOR_CLONES static void compare_pulses(const double* level, const double* f_hz, double half_u_over_tau,
+                                                     const double* counts, double* __restrict one_over_pulse,
+                                                     double* __restrict duller, double* __restrict level_over_pulse,
+                                                     double* __restrict weight, std::size_t n) {
+    for (std::size_t m = 0; m < n; ++m) {
+      const double one_over = 1.0 / (one_over_pulse[m] > 0.02 ? one_over_pulse[m] : 0.02);
+      one_over_pulse[m] = one_over;
+      duller[m] *= half_u_over_tau * f_hz[m] * one_over;
+      level_over_pulse[m] = level[m] * one_over;
+      weight[m] = counts[m] * (weight[m] > 1e-12 ? weight[m] : 1e-12);
     }
   }
 
   /// Gains and responses that fit the levels best as they are weighed: of gains alone, sum w level / (h P) / sum w.
   void adjust() {
-    for (std::size_t k = 0; k < n_; ++k)
-      for (std::size_t m = 0; m < m_; ++m) weighed_[k][m] = weight_[k][m] * level_over_pulse_[k][m];
+    for (std::size_t k = 0; k < n_; ++k) multiply(weight_[k], level_over_pulse_[k], weighed_[k], m_);
     const Values of_row = sums_of_rows(weight_);
     const Values of_column = sums_of_columns(weight_);
     for (int round = 0; round < 3; ++round) {
@@ -214,14 +137,20 @@ class Fitter {
   /// Deviations from what is expected, and the variance of the noise in them, both relative.
   void compare() {
     const Values one_over_response = inverse(response_);
-    for (std::size_t k = 0; k < n_; ++k) {
-      const double one_over_gain = 1.0 / gain_[k];
-      for (std::size_t m = 0; m < m_; ++m) {
-        const double scale = one_over_gain * one_over_response[m];
-        const double unit = scale * one_over_pulse_[k][m];
-        relative_[k][m] = scale * level_over_pulse_[k][m] - 1.0;
-        noise2_[k][m] = l_.noise2[m] * unit * unit;
-      }
+    for (std::size_t k = 0; k < n_; ++k)
+      compare(1.0 / gain_[k], one_over_response.data(), one_over_pulse_[k], level_over_pulse_[k], l_.noise2.data(),
+              relative_[k], noise2_[k], m_);
+  }
+
+  BOUNCELAB_VECTOR_CLONES static void compare(double one_over_gain, const double* one_over_response,
+                                              const double* one_over_pulse, const double* level_over_pulse,
+                                              const double* noise2_of_wave, double* __restrict relative,
+                                              double* __restrict noise2, std::size_t n) {
+    for (std::size_t m = 0; m < n; ++m) {
+      const double scale = one_over_gain * one_over_response[m];
+      const double unit = scale * one_over_pulse[m];
+      relative[m] = scale * level_over_pulse[m] - 1.0;
+      noise2[m] = noise2_of_wave[m] * unit * unit;
     }
   }
 
@@ -316,8 +245,8 @@ class Fitter {
   /// By how much tau_1^2 is to be raised: the mean of what the bands say, weighed by how well each knows it and by how
   /// far they disagree.
   Opinion opinion() const {
-    Table regressor = duller_;
-    Table rest = relative_;
+    TwoWayTable regressor = duller_;
+    TwoWayTable rest = relative_;
     sweep(regressor, weight_);
     sweep(rest, weight_);
     std::vector<double> says, variance;
@@ -359,29 +288,28 @@ class Fitter {
   }
 
   const BandLevels& l_;
-  const PulseSpectrum& pulse_;
+  const PulseSpectrum* pulse_;
   std::size_t n_;
   std::size_t m_;
   double slowest_u_ = 0.0;
-  Table level_over_pulse_, one_over_pulse_, duller_, weight_;
-  Table weighed_, relative_, noise2_;
+  TwoWayTable level_over_pulse_, one_over_pulse_, duller_, weight_;
+  TwoWayTable weighed_, relative_, noise2_;
   Values gain_, response_, timbre2_, disturbed_;
-  double first_s_;
   std::vector<bool> within_;
-  bool is_given_;
   Values counts_;  // 1 for bands within, else 0
+  bool has_run_ = false;
 };
 
 }  // namespace
 
 std::optional<ContactEvidence> fit_contact(const BandLevels& levels) {
   if (levels.u.size() < kLeastImpacts || levels.f_hz.size() < kLeastBands) return std::nullopt;
-  Fitter with_hertz(levels, PulseSpectrum::hertz(), kFirstGuess_s, {});
-  const std::optional<ContactFit> hertz = with_hertz.run();
+  Fitter fitter(levels, PulseSpectrum::hertz());
+  const std::optional<ContactFit> hertz = fitter.run(kFirstGuess_s);
   if (!hertz) return std::nullopt;
-  const double first_s = kHalfSineOverHertz * std::sqrt(std::max(hertz->tau2_s2, kShortest_s * kShortest_s));
+  fitter.change_to(PulseSpectrum::half_sine());
   const std::optional<ContactFit> half_sine =
-      Fitter(levels, PulseSpectrum::half_sine(), first_s, with_hertz.within()).run();
+      fitter.run(kHalfSineOverHertz * std::sqrt(std::max(hertz->tau2_s2, kShortest_s * kShortest_s)));
   if (!half_sine) return std::nullopt;
   return ContactEvidence{*hertz, *half_sine};
 }
