@@ -19,9 +19,11 @@ constexpr double kLeastShare = 0.25;     // of what a band knows on average
 constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
 // disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
 constexpr double kPriorClocks = 8.0;
-constexpr int kRounds = 4;
+constexpr int kRounds = 8;
 constexpr double kLeastOfTypical = 0.5;  // phase variance of the steadiest clock over that of the typical one
 constexpr double kPriorImpacts = 4.0;    // impacts that the typical phase variance is worth
+constexpr double kLeastShareKept = 0.2;  // of a clock's variance: the mean follows none altogether
+constexpr double kMostCorrelated = 0.95;
 constexpr int kMostSteps = 6;
 constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
 constexpr double kLargestMove = 1.0;  // samples; the clocks of the highest frequencies turn by half a cycle
@@ -74,7 +76,7 @@ double jitter_of(const std::vector<double>& squares, const std::vector<double>& 
 /// Deviations of each clock from the mean of all, by clock and impact.
 struct Disagreement {
   std::vector<std::vector<double>> deviation, squares, noise;
-  std::vector<std::vector<double>> share;  // of its variance that a clock's deviation from the mean keeps
+  std::vector<std::vector<double>> weight;  // of each clock in the mean, the sum of an impact's being 1
 };
 
 Disagreement disagreement(const std::vector<ClockReading>& readings, const BandClocks& clocks) {
@@ -94,33 +96,58 @@ Disagreement disagreement(const std::vector<ClockReading>& readings, const BandC
       d.deviation[j].push_back(r.deviation[j] - mean);
       d.squares[j].push_back((r.deviation[j] - mean) * (r.deviation[j] - mean));
       d.noise[j].push_back(r.noise_variance[j]);
-      d.share[j].push_back(std::max(0.2, 1.0 - 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights)));
+      d.weight[j].push_back(1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights));
     }
   }
   return d;
 }
 
-/// From the correlation of clocks next to each other and next but one; independent ones show -1/(n-1), because their
-/// mean was taken off.
+/// Shares of its variance that a clock's deviations from the mean keep: the mean follows it, and its neighbours with
+/// it.
+std::vector<double> shares(const std::vector<double>& weights, double dependence) {
+  std::vector<double> shares;
+  for (const double weight : weights) shares.push_back(std::max(kLeastShareKept, 1.0 - dependence * weight));
+  return shares;
+}
+
+/// Variance of the mean over what it were if the clocks were independent, from the correlation rho of neighbours,
+/// 1 + 2 sum (1 - lag / n) rho^lag. Taking off the mean has lowered the products of two deviations by
+/// dependence sqrt(w_j w_k). A correlation counts by rho^2 / (rho^2 + its variance): chance alone hardly raises it.
 double dependence(const Disagreement& d, const BandClocks& clocks) {
   const std::size_t n = clocks.n();
+  double products = 0.0;
+  double pairs = 0.0;
+  for (std::size_t j = 0; j + 1 < n; ++j)
+    for (std::size_t k = 0; k < d.noise[j].size(); ++k) {
+      const auto z = [&](std::size_t c) {
+        return std::clamp(d.deviation[c][k] / std::sqrt(d.noise[c][k] + clocks.jitter2[c]), -3.0, 3.0);
+      };
+      products += z(j) * z(j + 1) + clocks.dependence * std::sqrt(d.weight[j][k] * d.weight[j + 1][k]);
+      pairs += 1.0;
+    }
+  const double found = std::clamp(products / pairs, 0.0, kMostCorrelated);
+  const double rho = found * found * found / (found * found + 1.0 / pairs);
   double sum = 1.0;
-  for (std::size_t lag = 1; lag <= 2 && lag < n; ++lag) {
-    double correlation = 0.0;
-    double pairs = 0.0;
-    for (std::size_t j = 0; j + lag < n; ++j)
-      for (std::size_t k = 0; k < d.noise[j].size(); ++k) {
-        const auto z = [&](std::size_t c) {
-          const double size = std::sqrt(d.share[c][k] * (d.noise[c][k] + clocks.jitter2[c]));
-          return std::clamp(d.deviation[c][k] / size, -3.0, 3.0);
-        };
-        correlation += z(j) * z(j + lag);
-        pairs += 1.0;
-      }
-    const double rho = correlation / pairs + 1.0 / static_cast<double>(n - 1);
-    sum += 2.0 * std::clamp(rho, 0.0, 1.0) * static_cast<double>(n - lag) / static_cast<double>(n);
-  }
+  for (std::size_t lag = 1; lag < n; ++lag)
+    sum += 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(n)) * std::pow(rho, lag);
   return sum;
+}
+
+/// A mode's phase wanders about alike at all frequencies: each clock's jitter is drawn to that of the typical one.
+void draw_to_typical(const WaveTemplate& wave, double n_impacts, BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  const auto energy_over_information = [&](std::size_t j) {
+    return wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
+           (wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
+  };
+  std::vector<double> phase2(n);
+  for (std::size_t j = 0; j < n; ++j) phase2[j] = clocks.jitter2[j] / (energy_over_information(j) + 1e-30);
+  std::vector<double> sorted = phase2;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+  const double typical = sorted[n / 2];
+  for (std::size_t j = 0; j < n; ++j)
+    clocks.jitter2[j] = (n_impacts * std::max(phase2[j], kLeastOfTypical * typical) + kPriorImpacts * typical) /
+                        (n_impacts + kPriorImpacts) * energy_over_information(j);
 }
 
 /// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
@@ -224,7 +251,7 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
       chi2 += d * d / (r.noise_variance[j] + clocks.jitter2[j]);
     }
     const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
-    r.variance = std::max(1.0, scale) * clocks.dependence / weights;
+    r.variance = scale * clocks.dependence / weights;
     const double move = std::clamp(mean, -kLargestMove, kLargestMove);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
@@ -236,26 +263,14 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
 void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks) {
   const std::size_t n = clocks.n();
   if (readings.size() < 3 || n < 2) return;
+  clocks.dependence = 1.0;
   for (int round = 0; round < kRounds; ++round) {
     const Disagreement d = disagreement(readings, clocks);
-    for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], d.share[j]);
+    for (std::size_t j = 0; j < n; ++j)
+      clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], shares(d.weight[j], clocks.dependence));
+    draw_to_typical(wave, static_cast<double>(readings.size()), clocks);
+    clocks.dependence = dependence(disagreement(readings, clocks), clocks);
   }
-  // a mode's phase wanders about alike at all frequencies
-  std::vector<double> phase2(n);
-  for (std::size_t j = 0; j < n; ++j)
-    phase2[j] = clocks.jitter2[j] * wave.information(clocks.edge[j], clocks.edge[j + 1]) /
-                (wave.energy(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
-  std::vector<double> sorted = phase2;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
-  const double typical = sorted[n / 2];
-  const auto k = static_cast<double>(readings.size());
-  for (std::size_t j = 0; j < n; ++j) {
-    const double believed =
-        (k * std::max(phase2[j], kLeastOfTypical * typical) + kPriorImpacts * typical) / (k + kPriorImpacts);
-    clocks.jitter2[j] = believed * wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
-                        (wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
-  }
-  clocks.dependence = dependence(disagreement(readings, clocks), clocks);
 }
 
 }  // namespace bouncelab

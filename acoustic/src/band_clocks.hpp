@@ -69,7 +69,7 @@ struct ClockReading {
 ///
 ///   x_j = Re sum conj(W) Y e^(i omega s),  d_j = -sum omega Im(conj(W) Y e^(i omega s)),  time_j = s + d_j / (A I_j)
 ///
-/// by Gauss and Newton; the variance is raised where the clocks disagree by more than their variances allow.
+/// by Gauss and Newton; the variance follows how far the clocks disagree, (8 + chi2) / (8 + n - 1) of what is expected.
 ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start);
 
 /// Jitter of each clock from how the readings of many impacts disagree, and how neighbours err together. No clock is

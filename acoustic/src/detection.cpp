@@ -129,8 +129,7 @@ std::vector<std::string> warnings_for(const Detection& d, bool low_band) {
   if (!d.summary.contact_time_at_1_mps_s)
     warnings.push_back(
         "the sound does not tell the contact time: steel's is assumed where the ball sounds as hard, none where it "
-        "does "
-        "not; sigma_t_s says what that leaves open");
+        "does not; contact_time_sigma_s says what that leaves open");
   return warnings;
 }
 
@@ -162,6 +161,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.onsets = std::move(timed.onsets);
   d.wave = std::move(timed.wave);
   d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
+  d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
   conclude(d);
   d.warnings = warnings_for(d, best.sound.rate_hz < sound.rate_hz);

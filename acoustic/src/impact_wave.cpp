@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
+#include "clock_noise.hpp"
 #include "coherent_share.hpp"
 #include "products.hpp"
 #include "wave_place.hpp"
@@ -143,31 +144,11 @@ class Learner {
     learned_.whitener = std::move(both);
   }
 
-  /// Noise of each clock from the quietest of the windows that end where impacts begin.
-  void learn_noise() {
-    BandClocks& clocks = learned_.clocks;
-    std::vector<std::vector<double>> power(clocks.n());
-    for (const Row& row : rows_) {
-      const Spectrum quiet = fourier_->forward(
-          read_white(sound_, learned_.whitener, row.window.first - static_cast<std::int64_t>(n_window_), n_window_)
-              .sound);
-      for (std::size_t j = 0; j < clocks.n(); ++j) {
-        double sum = 0.0;
-        for (std::size_t k = clocks.edge[j]; k < clocks.edge[j + 1]; ++k)
-          sum += static_cast<double>(quiet.re[k]) * quiet.re[k] + static_cast<double>(quiet.im[k]) * quiet.im[k];
-        power[j].push_back(0.5 * sum / static_cast<double>(clocks.edge[j + 1] - clocks.edge[j]));
-      }
-    }
-    for (std::size_t j = 0; j < clocks.n(); ++j) {
-      const auto quarter = power[j].begin() + static_cast<std::ptrdiff_t>(power[j].size() / 4);
-      std::nth_element(power[j].begin(), quarter, power[j].end());
-      clocks.noise[j] = std::max(*quarter, 1e-6);
-    }
-  }
-
   void learn_clocks() {
     learned_.clocks = equal_clocks(learned_.wave);
-    learn_noise();
+    std::vector<std::int64_t> begins;
+    for (const Row& row : rows_) begins.push_back(row.window.first);
+    learn_noise(sound_, learned_.whitener, begins, learned_.wave, learned_.clocks);
     for (int round = 0; round < 2; ++round) {
       align(false);
       std::vector<ClockReading> readings;
@@ -367,12 +348,6 @@ std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregres
   if (learned.n_impacts < 3) return std::nullopt;
   learner.describe_as_heard();
   return learned;
-}
-
-WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n) {
-  WhiteWindow window{first, std::vector<float>(n)};
-  read_innovations(sound, {whitener, 0.0}, first, window.sound);
-  return window;
 }
 
 double correlation(const ClockReading& reading, double total) {

@@ -10,6 +10,7 @@
 #include "autoregression.hpp"
 #include "band_clocks.hpp"
 #include "bouncelab/acoustic/sound.hpp"
+#include "white_window.hpp"
 
 namespace bouncelab {
 
@@ -45,13 +46,6 @@ struct ImpactWave {
 /// the noise and the jitter of its clocks. Absent where no three impacts sound alike.
 std::optional<ImpactWave> learn_impact_wave(const Sound& sound, const Autoregression& noise,
                                             const std::vector<RoughImpact>& impacts);
-
-/// A whitened window as a spectrum.
-struct WhiteWindow {
-  std::int64_t first = 0;  ///< sample of the recording at which it begins
-  std::vector<float> sound;
-};
-WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n);
 
 /// Share of an impact's sound that the wave explains, as a correlation 0 ... 1.
 /// @param total  sum of squares of the window

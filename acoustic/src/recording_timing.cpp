@@ -226,13 +226,18 @@ std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
   return pool_contacts(evidence);
 }
 
-/// Moves the times to the start of contact.
+/// Moves the times to the start of contact. An error of the law moves all impacts of a drop alike but for how much
+/// slower one is than the next: what that does to an interval is the part of it that sigma holds.
 void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
+  const auto delay = [&](std::size_t k) { return contact_delay(drop.v_mps[k], drop.reference_u); };
   for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
     if (!(drop.v_mps[k] > 0.0)) continue;
-    const double delay = contact_delay(drop.v_mps[k], drop.reference_u);
-    drop.onsets[k].t_s -= delay * law.tau_1_s;
-    drop.onsets[k].sigma_t_s = std::hypot(*drop.onsets[k].sigma_t_s, delay * law.sigma_s);
+    double against_neighbours = 0.0;
+    for (const std::size_t j : {k - 1, k + 1})
+      if (j < drop.onsets.size() && drop.v_mps[j] > 0.0)
+        against_neighbours = std::max(against_neighbours, std::abs(delay(k) - delay(j)));
+    drop.onsets[k].t_s -= delay(k) * law.tau_1_s;
+    drop.onsets[k].sigma_t_s = std::hypot(*drop.onsets[k].sigma_t_s, against_neighbours * law.sigma_s);
   }
 }
 
@@ -276,6 +281,7 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
   std::optional<ContactLaw> law = contact_law_of(drops);
   if (!law && reference) law = unheard_contact(reference->wave.wave.rms_frequency() * heard.band.rate_hz);
   if (law && law->is_heard) timed.contact_time_at_1_mps_s = law->tau_1_s;
+  if (law) timed.contact_time_sigma_s = law->sigma_s;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     if (law) correct_for_contact(*law, drops[k]);
     for (Onset& onset : drops[k].onsets) {

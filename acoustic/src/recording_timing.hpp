@@ -26,6 +26,7 @@ struct TimedRecording {
   Onsets onsets;
   std::optional<LearnedWave> wave;  ///< of the longest train
   std::optional<double> contact_time_at_1_mps_s;
+  std::optional<double> contact_time_sigma_s;
 };
 
 /// Times all trains. Each train of a dozen impacts or more has a wave of its own, since a drop strikes the plate at a

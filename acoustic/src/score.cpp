@@ -54,42 +54,71 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Sum of squared errors over their sigmas, about the mean that their sigmas make the best one, and how many are free.
+/// A matched impact of a drop that states its sigma.
+struct Known {
+  double error_s = 0.0;
+  double sigma_s = 0.0;
+  double u = 0.0;  // proportional to v^(-1/5); 0 = not known
+};
+
+/// v^(-1/5) but for a factor, from the flight before the impact (of the first: after it).
+double slowness(const Onsets& truth, const std::vector<std::size_t>& drop, std::size_t k) {
+  const std::size_t from = k > 0 ? k - 1 : k;
+  if (from + 1 >= drop.size() || truth[drop[from + 1]].impact != truth[drop[from]].impact + 1) return 0.0;
+  const double flight_s = truth[drop[from + 1]].t_s - truth[drop[from]].t_s;
+  return flight_s > 0.0 ? std::pow(flight_s, -0.2) : 0.0;
+}
+
+/// Sum of squared errors over their sigmas, about the mean that their sigmas make the best one and, where it can be
+/// told, the multiple of v^(-1/5); and how many are free.
 struct ChiSquared {
   double chi2 = 0.0;
   double ndf = 0.0;
 
-  void add(const std::vector<double>& errors_s, const std::vector<double>& sigmas_s) {
-    double weights = 0.0, mean = 0.0;
-    for (std::size_t k = 0; k < errors_s.size(); ++k) {
-      const double weight = 1.0 / (sigmas_s[k] * sigmas_s[k]);
-      weights += weight;
-      mean += weight * errors_s[k];
+  void add(const std::vector<Known>& drop) {
+    constexpr std::size_t kEnough = 6;  // impacts for two constants
+    const bool of_speed =
+        drop.size() >= kEnough && std::all_of(drop.begin(), drop.end(), [](const Known& k) { return k.u > 0.0; });
+    double w = 0.0, u = 0.0, e = 0.0;
+    for (const Known& k : drop) {
+      const double weight = 1.0 / (k.sigma_s * k.sigma_s);
+      w += weight, u += weight * k.u, e += weight * k.error_s;
     }
-    mean /= weights;
-    for (std::size_t k = 0; k < errors_s.size(); ++k) chi2 += std::pow((errors_s[k] - mean) / sigmas_s[k], 2);
-    ndf += static_cast<double>(errors_s.size()) - 1.0;
+    u /= w, e /= w;
+    double uu = 0.0, ue = 0.0;
+    for (const Known& k : drop) {
+      const double weight = 1.0 / (k.sigma_s * k.sigma_s);
+      uu += weight * (k.u - u) * (k.u - u), ue += weight * (k.u - u) * k.error_s;
+    }
+    const double slope = of_speed && uu > 0.0 ? ue / uu : 0.0;
+    for (const Known& k : drop) chi2 += std::pow((k.error_s - e - slope * (k.u - u)) / k.sigma_s, 2);
+    ndf += static_cast<double>(drop.size()) - (of_speed ? 2.0 : 1.0);
   }
 };
 
 void score_within_drops(const Onsets& truth, const Onsets& detected, OnsetScore& score) {
   using Drop = std::pair<std::string, std::int64_t>;
-  std::map<Drop, std::vector<std::size_t>> found;  // by drop of the truth
-  for (std::size_t k = 0; k < truth.size(); ++k)
-    if (score.match[k]) found[{truth[k].recording, truth[k].drop}].push_back(k);
+  std::map<Drop, std::vector<std::size_t>> drops;  // of the truth, in time order
+  for (std::size_t k = 0; k < truth.size(); ++k) drops[{truth[k].recording, truth[k].drop}].push_back(k);
   std::vector<double> errors;
   ChiSquared chi2;
-  for (const auto& [drop, impacts] : found) {
-    std::vector<double> of_drop, known, sigmas;
-    for (const std::size_t k : impacts) {
+  for (auto& [drop, impacts] : drops) {
+    std::sort(impacts.begin(), impacts.end(),
+              [&](std::size_t a, std::size_t b) { return truth[a].impact < truth[b].impact; });
+    std::vector<double> of_drop;
+    std::vector<Known> known;
+    for (std::size_t i = 0; i < impacts.size(); ++i) {
+      const std::size_t k = impacts[i];
+      if (!score.match[k]) continue;
       const Onset& onset = detected[*score.match[k]];
       of_drop.push_back(onset.t_s - truth[k].t_s);
       if (onset.sigma_t_s && *onset.sigma_t_s > 0.0)
-        known.push_back(of_drop.back()), sigmas.push_back(*onset.sigma_t_s);
+        known.push_back({of_drop.back(), *onset.sigma_t_s, slowness(truth, impacts, i)});
     }
+    if (of_drop.empty()) continue;
     const double offset_s = median(of_drop);
     for (const double error : of_drop) errors.push_back(error - offset_s);
-    if (known.size() > 1) chi2.add(known, sigmas);
+    if (known.size() > 1) chi2.add(known);
   }
   score.rms_within_drops_s = root_mean_square(errors);
   if (chi2.ndf > 0.0) score.pull_sd = std::sqrt(chi2.chi2 / chi2.ndf);

@@ -51,6 +51,8 @@ Case run(const std::filesystem::path& truth_file) {
     Onset onset;
     onset.recording = sound.string();
     onset.t_s = impact["t_s"];
+    onset.drop = impact["drop"];
+    onset.impact = truth.empty() || truth.back().drop != onset.drop ? 0 : truth.back().impact + 1;
     truth.push_back(onset);
     c.bound_s += std::pow(impact["crb_us"].get<double>() * 1e-6, 2) / static_cast<double>(json["impacts"].size());
   }
@@ -71,6 +73,7 @@ TEST(OnsetCases, AreFoundCompletelyAndTimedNearTheBound) {
   const char* folder = std::getenv("BOUNCELAB_ONSET_CASES");
   if (folder == nullptr) GTEST_SKIP() << "BOUNCELAB_ONSET_CASES is not set";
   std::vector<double> rms_s, ratios;
+  std::size_t n_honest = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;
     const Case c = run(entry.path());
@@ -85,6 +88,8 @@ TEST(OnsetCases, AreFoundCompletelyAndTimedNearTheBound) {
     const bool chatter = c.name.find("chatter") != std::string::npos;
     EXPECT_GE(recall, chatter ? 0.97 : 0.99) << c.name;
     EXPECT_GE(precision, 0.99) << c.name;
+    // 90 pulls know their rms to 7 %, and a case's sigma rests on one drop: one in nine may be outside
+    n_honest += *c.score.pull_sd > 0.8 && *c.score.pull_sd < 1.25 ? 1 : 0;
     rms_s.push_back(*c.score.rms_s);
     ratios.push_back(ratio);
   }
@@ -93,6 +98,7 @@ TEST(OnsetCases, AreFoundCompletelyAndTimedNearTheBound) {
   std::sort(ratios.begin(), ratios.end());
   EXPECT_LT(rms_s[rms_s.size() / 2], 3e-6);  // the contact law alone moves the times by 2 us rms
   EXPECT_LT(ratios[ratios.size() / 2], 1.5);
+  EXPECT_GE(n_honest + 1, ratios.size());
 }
 
 TEST(PingPongBall, IsFollowedThroughItsEchoes) {

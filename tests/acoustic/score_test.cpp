@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace bouncelab {
 namespace {
 
@@ -59,6 +61,25 @@ TEST(Score, AnImpactKnownBetterIsNotChargedWithTheOthersErrors) {
   detected[1].sigma_t_s = detected[2].sigma_t_s = 3e-5;
   // the mean is the first's: 0, 1 and 1 sigma
   EXPECT_NEAR(*score_onsets(at({1, 2, 3}), detected).pull_sd, 1.0, 1e-4);
+}
+
+TEST(Score, AnErrorOfTheContactLawIsNoPull) {
+  // twenty impacts late by 5 us v^(-1/5), stated to 10 ns: no interval sees more than 20 ns of it
+  Onsets truth, detected;
+  double t_s = 1.0;
+  double flight_s = 0.27;
+  for (int k = 0; k < 20; ++k) {
+    Onset onset;
+    onset.impact = k;
+    onset.t_s = t_s;
+    truth.push_back(onset);
+    onset.t_s += 5e-6 * std::pow(0.5 * 9.81 * (k == 0 ? 0.27 : flight_s), -0.2);
+    onset.sigma_t_s = 1e-8;
+    detected.push_back(onset);
+    if (k > 0) flight_s *= 0.96;
+    t_s += flight_s;
+  }
+  EXPECT_NEAR(*score_onsets(truth, detected).pull_sd, 0.0, 0.01);  // the first has the second's speed
 }
 
 TEST(Score, NothingFoundIsNoNumber) {

@@ -131,6 +131,8 @@ Json to_json(const std::string& recording, const Detection& d) {
           {"duration_s", s.duration_s},
           {"noise_rms", s.noise_rms},
           {"eps_median", s.restitution_median ? Json(*s.restitution_median) : Json(nullptr)},
+          {"contact_time_at_1_mps_s", s.contact_time_at_1_mps_s ? Json(*s.contact_time_at_1_mps_s) : Json(nullptr)},
+          {"contact_time_sigma_s", s.contact_time_sigma_s ? Json(*s.contact_time_sigma_s) : Json(nullptr)},
           {"warnings", d.warnings}};
 }
 

@@ -34,8 +34,11 @@ struct RecordingSummary {
   double duration_s = 0.0;
   double noise_rms = 0.0;  ///< of the quiet parts, full scale = 1
   /// tau at 1 m/s, tau = tau_1 v^(-1/5), by which the times were moved to the start of contact; absent = the sound does
-  /// not tell it to four standard errors: then steel's, 35 +- 20 us, has a say, and sigma_t_s holds what is left open
+  /// not tell it to four standard errors: then steel's, 35 +- 20 us, has a say
   std::optional<double> contact_time_at_1_mps_s;
+  /// Standard error of the tau_1 used, d: all times share an error of d (v^(-1/5) - const) / 2, which sigma_t_s leaves
+  /// out. Absent where no time was moved.
+  std::optional<double> contact_time_sigma_s;
   std::int64_t n_candidates = 0;             ///< sounds that rise like impacts
   std::int64_t n_drops = 0;                  ///< trains found
   std::optional<double> restitution_median;  ///< of T_{k+1} / T_k over all trains; absent where there is none
@@ -72,6 +75,11 @@ struct Detection {
 /// 1. sounds that rise over what rings already, in the innovations of an autoregressive model of the recording;
 /// 2. trains: the chains of such sounds most probable under T_{k+1} = eps_k T_k against chance;
 /// 3. the time of each impact, below a sample, with a standard error.
+///
+/// sigma_t_s is what an interval needs: the standard error of t_s against the times of its neighbours, independent from
+/// impact to impact. It leaves out what all times of a drop share, a constant (where in its wave contact begins) and
+/// the error of the contact law, d (v^(-1/5) - const) / 2 with d = contact_time_sigma_s: 1 us over a drop of steel
+/// balls, but some 10 ns from one impact to the next.
 ///
 /// Reads the recording in pieces, several times; holds at most 2^24 of its samples, what rises in it (about 150 bytes a
 /// sound) and the onsets. May run in several threads at once. t_s counts from the first sample.

@@ -20,9 +20,9 @@ struct OnsetScore {
   std::optional<double> rms_s;  ///< root mean square of the errors about the offset [s]
   /// The same with each drop's own median error taken out: what the intervals of a drop see [s].
   std::optional<double> rms_within_drops_s;
-  /// Root of chi2 / ndf of the errors over their sigma_t, each drop's weighted mean error taken out, over matches that
-  /// state a sigma; 1 for honest standard errors. (About the median instead, an impact whose sigma is much smaller than
-  /// the others' would be charged with their error.)
+  /// Root of chi2 / ndf of the errors over their sigma_t, over matches that state a sigma; 1 for honest standard
+  /// errors. What sigma_t leaves out since no interval sees it is taken out of each drop: a weighted mean and, from six
+  /// impacts on, a weighted multiple of v^(-1/5) (the contact law; v from the true flight before).
   std::optional<double> pull_sd;
   std::vector<std::optional<std::size_t>> match;  ///< for each true impact, the index of its detected one
 };

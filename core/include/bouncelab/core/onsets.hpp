@@ -17,7 +17,7 @@ struct Onset {
   std::int64_t drop = 0;            ///< number of the drop within the recording, from 0
   std::int64_t impact = 0;          ///< number within its drop, from 0
   double t_s = 0.0;                 ///< start of contact as heard, from the first sample of the recording
-  std::optional<double> sigma_t_s;  ///< standard error of t_s
+  std::optional<double> sigma_t_s;  ///< standard error of t_s against the other times of its drop
   std::optional<double> amplitude;  ///< peak of the impact's sound, full scale = 1
   std::optional<double> snr_db;     ///< amplitude over noise rms
   std::string flags;                ///< words joined by '|': clipped, overlap, inferred, doubtful, ...
