@@ -15,11 +15,13 @@ double half_sine_force(double s) { return 0.5 * kPi * std::sin(kPi * s); }
 
 PulseSpectrum::PulseSpectrum(double (*force)(double)) {
   // the trapezoidal rule over theta, s = (1 - cos theta)/2, where force ds/dtheta is smooth and periodic
-  constexpr int kNodes = 96;
+  // (but for a half-sine's ends: 48 nodes leave 3e-7); what is before the middle sounds as what is after it
+  constexpr int kAll = 48;
+  constexpr int kNodes = kAll / 2;
   std::vector<double> middle_out(kNodes), weight(kNodes);
   double total = 0.0;
   for (int q = 0; q < kNodes; ++q) {
-    const double theta = kPi * (q + 0.5) / kNodes;
+    const double theta = kPi * (q + 0.5) / kAll;
     middle_out[q] = -0.5 * std::cos(theta);
     weight[q] = std::sin(theta) * force(0.5 + middle_out[q]);
     total += weight[q];

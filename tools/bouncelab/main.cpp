@@ -5,6 +5,7 @@
 #include <exception>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analyze_command.hpp"
@@ -28,6 +29,19 @@ namespace bouncelab::cli {
 namespace {
 
 const std::vector<std::string> kConfigSections{"simulate", "synthesize", "detect", "restitution", "fit"};
+
+// in the order of --help, which is that of the data
+const std::vector<std::pair<std::string, Command (*)(CLI::App&)>> kCommands{
+    {"simulate", add_simulate_command}, {"synthesize", add_synthesize_command},   {"detect", add_detect_command},
+    {"convert", add_convert_command},   {"restitution", add_restitution_command}, {"fit", add_fit_command},
+    {"report", add_report_command},     {"calibrate", add_calibrate_command},     {"analyze", add_analyze_command},
+    {"loop", add_loop_command},
+};
+
+bool is_command(const std::vector<std::string>& typed) {
+  return !typed.empty() && std::any_of(kCommands.begin(), kCommands.end(),
+                                       [&](const auto& command) { return command.first == typed.front(); });
+}
 
 /// The line as it is parsed: the configuration file's keys stand between the command's name and the rest, so that the
 /// rest wins. The file's lists, through which `loop` runs, stay apart.
@@ -89,17 +103,14 @@ int run(std::vector<std::string> line) {
   set_option_defaults(app);
 
   CommonOptions common;
-  const std::vector<Command> commands{
-      // in the order of --help, which is that of the data
-      add_simulate_command(app),    add_synthesize_command(app), add_detect_command(app), add_convert_command(app),
-      add_restitution_command(app), add_fit_command(app),        add_report_command(app), add_calibrate_command(app),
-      add_analyze_command(app),     add_loop_command(app),
-  };
+  const std::vector<std::string> typed(line.begin() + 1, line.end());
+  std::vector<Command> commands;
+  for (const auto& [name, add] : kCommands)
+    // to describe the options of all takes as long as to hear a second of sound
+    if (!is_command(typed) || typed.front() == name) commands.push_back(add(app));
   for (const Command& command : commands) add_common_options(*command.app, common);
 
-  const std::vector<std::string> typed(line.begin() + 1, line.end());
-  if (!typed.empty() && typed.front().rfind('-', 0) != 0 &&
-      app.get_subcommands([&](const CLI::App* c) { return c->check_name(typed.front()); }).empty())
+  if (!typed.empty() && typed.front().rfind('-', 0) != 0 && !is_command(typed))
     throw InvalidArgument("unknown command '" + typed.front() + "'; see bouncelab --help");
   FullLine full;
   try {

@@ -2,6 +2,7 @@
 #include "provenance.hpp"
 
 #include <fmt/format.h>
+#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <array>
@@ -17,6 +18,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// For a checksum no configuration of the system need be read.
+const EVP_MD* sha256() {
+  OPENSSL_init_crypto(OPENSSL_INIT_NO_LOAD_CONFIG, nullptr);
+  return EVP_sha256();
+}
+
 using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
 
 std::string in_hexadecimal(const Digest& digest, unsigned int size) {
@@ -30,7 +37,7 @@ std::string in_hexadecimal(const Digest& digest, unsigned int size) {
 std::string sha256_of(std::string_view text) {
   Digest digest{};
   unsigned int size = 0;
-  EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr);
+  EVP_Digest(text.data(), text.size(), digest.data(), &size, sha256(), nullptr);
   return in_hexadecimal(digest, size);
 }
 
@@ -38,7 +45,7 @@ std::string sha256_of_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError(path.string(), "cannot be opened for reading");
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  EVP_DigestInit_ex(context.get(), sha256(), nullptr);
   std::vector<char> buffer(1 << 16);  // stays in the cache
   while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0)
     EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(in.gcount()));
