@@ -2,10 +2,10 @@
 #include "cycle_choice.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 namespace bouncelab {
 namespace {
@@ -14,7 +14,6 @@ constexpr std::size_t kLeastImpacts = 7;
 constexpr std::size_t kNeighbours = 7;     // on either side, for the median
 constexpr std::size_t kScatterReach = 15;  // on either side, for the width
 constexpr double kLeastScatter = 2e-4;     // of ln eps; smoother than any ball
-constexpr double kSettled = 15.0;          // log odds from which the sound alone decides
 
 double median(std::vector<double> x) {
   const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
@@ -29,10 +28,10 @@ std::optional<double> log_eps(double before_s, double here_s, double after_s) {
 
 class Chooser {
  public:
-  explicit Chooser(const std::vector<TwoPlaces>& impacts) : c_(impacts), centre_(c_.size()), width_(c_.size(), 0.0) {
+  explicit Chooser(const std::vector<ImpactPlaces>& impacts) : c_(impacts), centre_(c_.size()), width_(c_.size(), 0.0) {
     std::vector<std::optional<double>> eps(c_.size());
     for (std::size_t k = 1; k + 1 < c_.size(); ++k)
-      if (is_triple(k)) eps[k] = log_eps(c_[k - 1].t_s, c_[k].t_s, c_[k + 1].t_s);
+      if (is_triple(k)) eps[k] = log_eps(time(k - 1, 0), time(k, 0), time(k + 1, 0));
     const auto around = [&](std::size_t k, std::size_t reach, double about) {
       std::vector<double> x;
       for (std::size_t j = k > reach ? k - reach : 0; j < std::min(c_.size(), k + reach + 1); ++j)
@@ -48,16 +47,16 @@ class Chooser {
   }
 
   std::vector<PlaceChoice> run() {
-    std::vector<int> best = most_probable();
+    std::vector<std::size_t> best = most_probable();
     std::vector<PlaceChoice> choices(c_.size());
     for (std::size_t k = 0; k < c_.size(); ++k) {
-      choices[k].other = best[k] == 1;
-      choices[k].lead = c_[k].lead;
-      if (c_[k].lead >= kSettled) continue;
+      choices[k].place = best[k];
       const double here = cost_around(best, k);
-      best[k] = 1 - best[k];
-      choices[k].lead = cost_around(best, k) - here;
-      best[k] = 1 - best[k];
+      for (std::size_t place = 0; place < n_places(k); ++place) {
+        best[k] = place;
+        choices[k].lead.push_back(cost_around(best, k) - here);
+      }
+      best[k] = choices[k].place;
     }
     return choices;
   }
@@ -66,11 +65,16 @@ class Chooser {
   bool is_triple(std::size_t k) const {
     return c_[k].impact == c_[k - 1].impact + 1 && c_[k + 1].impact == c_[k].impact + 1;
   }
-  double time(std::size_t k, int place) const { return place == 0 ? c_[k].t_s : c_[k].other_s; }
-  double sound_cost(std::size_t k, int place) const { return place == 0 ? 0.0 : c_[k].lead; }
+  std::size_t n_places(std::size_t k) const { return c_[k].places.size(); }
+  double time(std::size_t k, std::size_t place) const { return c_[k].places[place].t_s; }
+  /// What the sound alone has settled is not up for choice.
+  double sound_cost(std::size_t k, std::size_t place) const {
+    const double lead = c_[k].places[place].lead;
+    return lead < kSettled ? lead : 1e6;
+  }
 
   /// Of the two intervals that meet at impact k.
-  double smoothness_cost(std::size_t k, int before, int here, int after) const {
+  double smoothness_cost(std::size_t k, std::size_t before, std::size_t here, std::size_t after) const {
     if (k == 0 || k + 1 >= c_.size() || width_[k] == 0.0) return 0.0;
     const std::optional<double> eps = log_eps(time(k - 1, before), time(k, here), time(k + 1, after));
     if (!eps) return 1e3;
@@ -78,7 +82,7 @@ class Chooser {
     return 2.5 * std::log1p(0.25 * z * z);
   }
 
-  double cost_around(const std::vector<int>& place, std::size_t k) const {
+  double cost_around(const std::vector<std::size_t>& place, std::size_t k) const {
     double cost = sound_cost(k, place[k]);
     for (std::size_t j = k > 0 ? k - 1 : 0; j <= std::min(k + 1, c_.size() - 1); ++j)
       if (j > 0 && j + 1 < c_.size()) cost += smoothness_cost(j, place[j - 1], place[j], place[j + 1]);
@@ -86,50 +90,46 @@ class Chooser {
   }
 
   /// Viterbi over pairs (place of k - 1, place of k).
-  std::vector<int> most_probable() const {
-    using Costs = std::array<double, 4>;
+  std::vector<std::size_t> most_probable() const {
     const std::size_t n = c_.size();
-    std::vector<std::array<int, 4>> from(n, {0, 0, 0, 0});
-    Costs cost{};
-    for (int b = 0; b < 2; ++b)
-      for (int h = 0; h < 2; ++h) cost[2 * b + h] = cost_of(0, b) + cost_of(1, h);
+    std::vector<std::vector<std::size_t>> from(n);  // by pair (place of k - 1, place of k): the place of k - 2
+    std::vector<double> cost;
+    for (std::size_t b = 0; b < n_places(0); ++b)
+      for (std::size_t h = 0; h < n_places(1); ++h) cost.push_back(sound_cost(0, b) + sound_cost(1, h));
     for (std::size_t k = 2; k < n; ++k) {
-      Costs next;
-      next.fill(INFINITY);
-      for (int b = 0; b < 2; ++b)
-        for (int h = 0; h < 2; ++h)
-          for (int a = 0; a < 2; ++a) {
-            const double total = cost[2 * b + h] + smoothness_cost(k - 1, b, h, a) + cost_of(k, a);
-            if (total < next[2 * h + a]) next[2 * h + a] = total, from[k][2 * h + a] = b;
+      const std::size_t n_here = n_places(k - 1), n_after = n_places(k);
+      std::vector<double> next(n_here * n_after, INFINITY);
+      from[k].assign(next.size(), 0);
+      for (std::size_t b = 0; b < n_places(k - 2); ++b)
+        for (std::size_t h = 0; h < n_here; ++h)
+          for (std::size_t a = 0; a < n_after; ++a) {
+            const double total = cost[b * n_here + h] + smoothness_cost(k - 1, b, h, a) + sound_cost(k, a);
+            if (total < next[h * n_after + a]) next[h * n_after + a] = total, from[k][h * n_after + a] = b;
           }
-      cost = next;
+      cost = std::move(next);
     }
-    std::vector<int> place(n);
-    int last = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+    std::vector<std::size_t> place(n);
+    auto pair = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
     for (std::size_t k = n; k-- > 1;) {
-      place[k] = last % 2;
-      place[k - 1] = last / 2;
-      last = 2 * from[k][static_cast<std::size_t>(last)] + last / 2;
+      place[k] = pair % n_places(k);
+      place[k - 1] = pair / n_places(k);
+      if (k > 1) pair = from[k][pair] * n_places(k - 1) + place[k - 1];
     }
     return place;
   }
 
-  /// What the sound alone has settled is not up for choice.
-  double cost_of(std::size_t k, int place) const {
-    return place == 1 && c_[k].lead >= kSettled ? 1e6 : sound_cost(k, place);
-  }
-
-  const std::vector<TwoPlaces>& c_;
+  const std::vector<ImpactPlaces>& c_;
   std::vector<double> centre_;
   std::vector<double> width_;  // 0 where nothing is known
 };
 
 }  // namespace
 
-std::vector<PlaceChoice> choose_places(const std::vector<TwoPlaces>& impacts) {
+std::vector<PlaceChoice> choose_places(const std::vector<ImpactPlaces>& impacts) {
   if (impacts.size() >= kLeastImpacts) return Chooser(impacts).run();
-  std::vector<PlaceChoice> as_heard;
-  for (const TwoPlaces& impact : impacts) as_heard.push_back({false, impact.lead});
+  std::vector<PlaceChoice> as_heard(impacts.size());
+  for (std::size_t k = 0; k < impacts.size(); ++k)
+    for (const Place& place : impacts[k].places) as_heard[k].lead.push_back(place.lead);
   return as_heard;
 }
 

@@ -139,25 +139,25 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   std::vector<float> x = read(first, counts);
   Spectrum y = fourier_.forward(x);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  WavePlace place = counts.empty() ? find_place(w.wave, y, reach) : find_place(masked_wave(0.0, counts), y, reach);
-  if (std::abs(place.shift) > kFarOff) {
-    const std::int64_t moved = std::llround(place.shift);
+  std::vector<WavePlace> places =
+      counts.empty() ? find_places(w.wave, y, reach) : find_places(masked_wave(0.0, counts), y, reach);
+  if (std::abs(places.front().shift) > kFarOff) {
+    const std::int64_t moved = std::llround(places.front().shift);
     first += moved;
     counts = beginning(fit_length());
     x = read(first, counts);
     y = fourier_.forward(x);
-    place.shift -= static_cast<double>(moved);
-    place.runner_up -= static_cast<double>(moved);
+    for (WavePlace& place : places) place.shift -= static_cast<double>(moved);
   }
   const std::size_t n_fit = fit_length();
   const double total = dot(x, x);
   ClockReading r;
   if (is_clipped(first)) {
-    r = read_clipped(y, total, place.shift, counts);
+    r = read_clipped(y, total, places.front().shift, counts);
   } else if (counts.empty()) {
-    r = read_clocks(w.wave, w.clocks, y, place.shift);
+    r = read_clocks(w.wave, w.clocks, y, places.front().shift);
   } else {
-    double shift = place.shift;
+    double shift = places.front().shift;
     for (int step = 0; step < 2; ++step) {
       r = read_clocks(masked_wave(shift, counts), w.clocks, y, 0.0);
       r.shift = shift += r.shift;
@@ -174,9 +174,10 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(n_fit < w.n_wave ? n_fit : x.size());
   t.noise = std::max(1.0, std::min(noise_, t.misfit));  // learned where louder impacts still rang
   t.correlation = correlation(r, total);
-  t.runner_up_s = time_of(place.runner_up);
   // the misfit is not quite white, hence half
-  t.lead = 0.5 * place.lead / std::max(1.0, t.misfit);
+  const double believed = 0.5 / std::max(1.0, t.misfit);
+  for (std::size_t k = 1; k < places.size() && believed * places[k].lead < kSettled; ++k)
+    t.others.push_back({time_of(places[k].shift), believed * places[k].lead});
   return t;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bouncelab/acoustic/sound.hpp"
+#include "cycle_choice.hpp"
 #include "impact_wave.hpp"
 
 namespace bouncelab {
@@ -13,13 +14,12 @@ namespace bouncelab {
 struct TimedImpact {
   double t_s = 0.0;
   double sigma_s = 0.0;
-  double amplitude = 0.0;    ///< in units of the wave
-  double gain = 0.0;         ///< log likelihood ratio against no impact there, noise variance 1
-  double misfit = 0.0;       ///< mean square residual, noise = 1
-  double noise = 1.0;        ///< variance of the noise there, as the whitener leaves it; at least 1
-  double correlation = 0.0;  ///< of the sound with the wave, 0 ... 1
-  double runner_up_s = 0.0;  ///< the next best time, a cycle off
-  double lead = 0.0;         ///< log odds of t_s against runner_up_s
+  double amplitude = 0.0;     ///< in units of the wave
+  double gain = 0.0;          ///< log likelihood ratio against no impact there, noise variance 1
+  double misfit = 0.0;        ///< mean square residual, noise = 1
+  double noise = 1.0;         ///< variance of the noise there, as the whitener leaves it; at least 1
+  double correlation = 0.0;   ///< of the sound with the wave, 0 ... 1
+  std::vector<Place> others;  ///< where else it may have been, cycles off; none where the sound has settled it
 };
 
 /// Times impacts one after the other, what still rings of the earlier ones subtracted.

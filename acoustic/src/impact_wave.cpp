@@ -291,7 +291,7 @@ class Learner {
 
   void align(bool search) {
     for (Row& row : rows_) {
-      if (search) row.position = find_place(learned_.wave, row.spectrum, kSearch_s * sound_.rate_hz).shift;
+      if (search) row.position = find_places(learned_.wave, row.spectrum, kSearch_s * sound_.rate_hz).front().shift;
       if (std::abs(row.position) > kFarOff) {
         const std::int64_t moved = std::llround(row.position);
         cut(row, row.window.first + moved);

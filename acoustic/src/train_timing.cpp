@@ -99,34 +99,40 @@ class TrainTimer {
 
   /// Decides what may be a cycle off, and hands over.
   std::vector<TrainOnset> take() {
-    std::vector<TwoPlaces> places;
-    for (const TrainOnset& onset : onsets_)
-      places.push_back({onset.impact, onset.timed.t_s, onset.timed.runner_up_s, onset.timed.lead});
+    std::vector<ImpactPlaces> places;
+    for (const TrainOnset& onset : onsets_) {
+      places.push_back({onset.impact, {{onset.timed.t_s, 0.0}}});
+      places.back().places.insert(places.back().places.end(), onset.timed.others.begin(), onset.timed.others.end());
+    }
     const std::vector<PlaceChoice> choices = choose_places(places);
     ImpactTimer again(sound_, wave_);
     for (std::size_t k = 0; k < onsets_.size(); ++k) {
       TrainOnset& onset = onsets_[k];
       const double next_s = k + 1 < onsets_.size() ? onsets_[k + 1].timed.t_s : INFINITY;
       const bool next_was_unknown = next_s - onset.timed.t_s < wave_s_ && onset.until_s > next_s + kShortestInterval_s;
-      if (choices[k].other || next_was_unknown) {
+      if (choices[k].place > 0 || next_was_unknown) {
         onset.until_s = std::min(onset.until_s, next_s);
-        onset.timed = again.time(choices[k].other ? places[k].other_s : onset.timed.t_s, 0.0, onset.until_s);
-        onset.timed.runner_up_s = choices[k].other ? places[k].t_s : places[k].other_s;
+        onset.timed = again.time(places[k].places[choices[k].place].t_s, 0.0, onset.until_s);
         onset.overlap = onset.overlap || next_was_unknown;
       }
-      doubt(onset, choices[k].lead);
+      doubt(places[k].places, choices[k], onset);
       again.remember(onset.timed);
     }
     return std::move(onsets_);
   }
 
  private:
-  /// Two places, odds exp(-lead): what the other adds to the variance.
-  static void doubt(TrainOnset& onset, double lead) {
-    TimedImpact& t = onset.timed;
-    const double odds = std::exp(-lead);
-    onset.doubtful = odds > kAmbiguous;
-    onset.doubt_s = std::sqrt(odds) / (1.0 + odds) * (t.runner_up_s - t.t_s);
+  /// What the other places, with odds exp(-lead), add to the variance about the chosen one.
+  static void doubt(const std::vector<Place>& places, const PlaceChoice& choice, TrainOnset& onset) {
+    double elsewhere = 0.0, squares = 0.0;
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      if (p == choice.place) continue;
+      const double odds = std::exp(-choice.lead[p]);
+      elsewhere += odds;
+      squares += odds * std::pow(places[p].t_s - onset.timed.t_s, 2);
+    }
+    onset.doubtful = elsewhere > kAmbiguous;
+    onset.doubt_s = std::sqrt(squares / (1.0 + elsewhere));
   }
 
   void keep(const TrainOnset& onset) {

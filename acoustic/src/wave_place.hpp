@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <vector>
+
 #include "band_clocks.hpp"
 
 namespace bouncelab {
@@ -8,12 +10,11 @@ namespace bouncelab {
 /// Where a wave may lie.
 struct WavePlace {
   double shift = 0.0;
-  double runner_up = 0.0;  ///< the next best local maximum
-  double lead = 0.0;       ///< log likelihood ratio of the best to the runner-up, noise variance 1
+  double lead = 0.0;  ///< log likelihood ratio of the best place to this one, noise variance 1
 };
 
-/// Shift in [-reach, reach], in steps of a half, at which the likelihood, maximised over a positive amplitude, is
-/// greatest.
-WavePlace find_place(const WaveTemplate& wave, const Spectrum& sound, double reach);
+/// Shifts in [-reach, reach], in steps of a half, at which the likelihood, maximised over a positive amplitude, has a
+/// local maximum: the best first, then at most seven others in falling order.
+std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sound, double reach);
 
 }  // namespace bouncelab
