@@ -12,16 +12,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <memory>
 #include <new>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "vector_clones.hpp"
+#include "plain_samples.hpp"
 
 namespace bouncelab {
 namespace {
@@ -74,17 +74,6 @@ void check_promised_length(SNDFILE* file, const std::string& name) {
   }
 }
 
-/// Samples one after the other as they are, which are read again as fast as from memory.
-bool is_plain(int format) {
-  const int container = format & SF_FORMAT_TYPEMASK;
-  const bool may_be = container == SF_FORMAT_WAV || container == SF_FORMAT_WAVEX || container == SF_FORMAT_RF64 ||
-                      container == SF_FORMAT_W64 || container == SF_FORMAT_AIFF || container == SF_FORMAT_AU ||
-                      container == SF_FORMAT_CAF;
-  const int sub = format & SF_FORMAT_SUBMASK;
-  return may_be && (sub == SF_FORMAT_PCM_16 || sub == SF_FORMAT_PCM_24 || sub == SF_FORMAT_PCM_32 ||
-                    sub == SF_FORMAT_FLOAT || sub == SF_FORMAT_DOUBLE);
-}
-
 /// Integers are finite; floats, and what a lossy codec makes, need not be.
 bool may_be_infinite(int format) {
   const int sub = format & SF_FORMAT_SUBMASK;
@@ -100,44 +89,6 @@ std::string describe_format(int format) {
   sf_command(nullptr, SFC_GET_FORMAT_INFO, &major, sizeof major);
   sf_command(nullptr, SFC_GET_FORMAT_INFO, &sub, sizeof sub);
   return std::string(major.name ? major.name : "?") + ", " + (sub.name ? sub.name : "?");
-}
-
-/// Bytes of an integer of 16 or 24 bits as this processor has them; 0 for all else, which libsndfile decodes.
-int bytes_of_integer(SNDFILE* file, int format) {
-  const int sub = format & SF_FORMAT_SUBMASK;
-  const int n_bytes = sub == SF_FORMAT_PCM_16 ? 2 : sub == SF_FORMAT_PCM_24 ? 3 : 0;
-  const bool is_native = std::endian::native == std::endian::little &&
-                         sf_command(file, SFC_RAW_DATA_NEEDS_ENDSWAP, nullptr, 0) == SF_FALSE;
-  return is_plain(format) && is_native ? n_bytes : 0;
-}
-
-/// Full scale 1, as libsndfile has it, which takes one sample at a time.
-BOUNCELAB_VECTOR_CLONES void from_16_bits(const unsigned char* from, float* to, std::int64_t n) {
-  for (std::int64_t k = 0; k < n; ++k) {
-    std::int16_t x;
-    std::memcpy(&x, from + 2 * k, sizeof x);
-    to[k] = static_cast<float>(x) * 0x1p-15F;
-  }
-}
-
-BOUNCELAB_VECTOR_CLONES void from_24_bits(const unsigned char* from, float* to, std::int64_t n) {
-  using Bytes = unsigned char __attribute__((vector_size(16)));
-  using Integers = std::int32_t __attribute__((vector_size(16)));
-  using Floats = float __attribute__((vector_size(16)));
-  constexpr Bytes kPlace{16, 0, 1, 2, 16, 3, 4, 5, 16, 6, 7, 8, 16, 9, 10, 11};  // 16: a byte of zeros
-  std::int64_t k = 0;
-  for (; 3 * k + 16 <= 3 * n; k += 4) {
-    Bytes x;
-    std::memcpy(&x, from + 3 * k, sizeof x);
-    const auto high = reinterpret_cast<Integers>(__builtin_shuffle(x, Bytes{}, kPlace));
-    const Floats value = __builtin_convertvector(high, Floats) * 0x1p-31F;
-    std::memcpy(to + k, &value, sizeof value);
-  }
-  for (; k < n; ++k) {
-    const unsigned char* x = from + 3 * k;
-    to[k] =
-        static_cast<float>(std::bit_cast<std::int32_t>(std::array<unsigned char, 4>{0, x[0], x[1], x[2]})) * 0x1p-31F;
-  }
 }
 
 /// Room for samples, in large pages where the system has them: an hour of sound is a hundred thousand small ones, and
@@ -181,9 +132,7 @@ struct AudioReader::State {
   SNDFILE* file = nullptr;
   AudioFormat format;
   bool may_be_infinite = true;
-  bool is_plain = false;
-  int n_bytes_of_integer = 0;
-  std::vector<unsigned char> raw;
+  std::optional<PlainSamples> plain;
   std::int64_t next_frame = 0;      // where libsndfile stands
   std::int64_t buffered_first = 0;  // interleaved frames kept from the last read, so that channels share them
   Samples buffered;
@@ -193,41 +142,33 @@ struct AudioReader::State {
   }
 
   bool is_held_whole() const {
-    return format.n_frames * format.n_channels <= (is_plain ? kMostPlainHeldWhole : kMostHeldWhole);
-  }
-
-  /// The next n frames, or as many as there are.
-  std::int64_t decode(std::int64_t n, float* out) {
-    if (n_bytes_of_integer == 0) return sf_readf_float(file, out, n);
-    const std::int64_t frame = n_bytes_of_integer * format.n_channels;
-    raw.resize(static_cast<std::size_t>(std::min(n, kFramesAtOnce) * frame));
-    for (std::int64_t done = 0; done < n;) {
-      const std::int64_t got = sf_read_raw(file, raw.data(), std::min(n - done, kFramesAtOnce) * frame) / frame;
-      if (got <= 0) return done;
-      (n_bytes_of_integer == 2 ? from_16_bits : from_24_bits)(raw.data(), out + done * format.n_channels,
-                                                              got * format.n_channels);
-      done += got;
-    }
-    return n;
+    return format.n_frames * format.n_channels <= (plain ? kMostPlainHeldWhole : kMostHeldWhole);
   }
 
   void fill_buffer(std::int64_t first) {
     const bool whole = is_held_whole();
     if (whole) first = 0;
     const std::int64_t n = whole ? format.n_frames : std::min(kFramesAtOnce, format.n_frames - first);
-    if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
-      throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
     buffered.resize(static_cast<std::size_t>(n * format.n_channels));
-    const std::int64_t got = decode(n, buffered.begin());
-    next_frame = first + got;
-    if (got < n) {
-      buffered.clear();
-      throw FileError(path.string(),
-                      "ends at sample " + std::to_string(next_frame) + " of the " + std::to_string(format.n_frames) +
-                          " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
-    }
+    if (plain)
+      plain->decode(first, {buffered.begin(), buffered.size()});
+    else
+      decode(first, n);
     buffered_first = first;
     if (may_be_infinite) check_finite();
+  }
+
+  /// Into the buffer.
+  void decode(std::int64_t first, std::int64_t n) {
+    if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
+      throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
+    const std::int64_t got = sf_readf_float(file, buffered.begin(), n);
+    next_frame = first + got;
+    if (got == n) return;
+    buffered.clear();
+    throw FileError(path.string(), "ends at sample " + std::to_string(next_frame) + " of the " +
+                                       std::to_string(format.n_frames) +
+                                       " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
   }
 
   void check_finite() const {
@@ -261,13 +202,12 @@ AudioReader::AudioReader(std::filesystem::path path) : state_(std::make_unique<S
   }
   s.format = {static_cast<double>(info.samplerate), info.channels, info.frames, describe_format(info.format)};
   s.may_be_infinite = may_be_infinite(info.format);
-  s.is_plain = is_plain(info.format);
-  s.n_bytes_of_integer = bytes_of_integer(s.file, info.format);
   check_promised_length(s.file, s.path.string());
   if (info.frames <= 0 || info.channels <= 0) throw FileError(s.path.string(), "holds no samples; record again");
   if (s.format.rate_hz < kLowestRate_hz || s.format.rate_hz > kHighestRate_hz)
     throw FileError(s.path.string(), "sampling rate " + std::to_string(info.samplerate) +
                                          " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
+  s.plain = PlainSamples::of(s.path);
 }
 
 AudioReader::AudioReader(AudioReader&&) noexcept = default;
@@ -283,6 +223,7 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
     throw InvalidArgument("samples " + std::to_string(first) + " ... " + std::to_string(first + n) + " of channel " +
                           std::to_string(channel) + ": the recording has " + std::to_string(s.format.n_frames) +
                           " samples in " + std::to_string(s.format.n_channels) + " channels");
+  if (s.plain && s.format.n_channels == 1 && s.buffered.size() == 0) return s.plain->decode(first, out);
   for (std::int64_t done = 0; done < n;) {
     const std::int64_t at = first + done;
     const std::int64_t n_buffered = static_cast<std::int64_t>(s.buffered.size()) / s.format.n_channels;

@@ -5,11 +5,12 @@
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
-#include <fstream>
+#include <cstdint>
 #include <memory>
 
-#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/version.hpp"
 
@@ -42,13 +43,14 @@ std::string sha256_of(std::string_view text) {
 }
 
 std::string sha256_of_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path.string(), "cannot be opened for reading");
+  FileBytes file(path);
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   EVP_DigestInit_ex(context.get(), sha256(), nullptr);
-  std::vector<char> buffer(1 << 16);  // stays in the cache
-  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0)
-    EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(in.gcount()));
+  constexpr std::int64_t kAtOnce = 1 << 20;
+  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
+    const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
+    EVP_DigestUpdate(context.get(), bytes.data(), bytes.size());
+  }
   Digest digest{};
   unsigned int size = 0;
   EVP_DigestFinal_ex(context.get(), digest.data(), &size);

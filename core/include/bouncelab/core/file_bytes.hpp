@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace bouncelab {
+
+/// The bytes of a file where the system holds them, some megabytes at a time: no copy is made, and memory does not grow
+/// with the file. The file must not be cut short meanwhile.
+class FileBytes {
+ public:
+  /// @throws FileError where it cannot be read
+  explicit FileBytes(const std::filesystem::path& path);
+  FileBytes(FileBytes&&) noexcept;
+  FileBytes& operator=(FileBytes&&) noexcept;
+  ~FileBytes();
+
+  std::int64_t size() const;
+
+  /// Bytes first ... first + n - 1, until the next call.
+  /// @throws FileError where the file holds no such bytes
+  std::span<const unsigned char> at(std::int64_t first, std::int64_t n);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace bouncelab
