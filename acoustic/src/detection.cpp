@@ -42,13 +42,43 @@ struct Hearing {
   }
 };
 
+/// Whether there may be other trains than these, or none: one is not beyond doubt, or enough of what is as loud is
+/// left.
+bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Train>& trains) {
+  constexpr double kEcho_s = 40e-3;
+  constexpr double kAsLoud = 0.25;
+  constexpr int kFewImpacts = 4;
+  std::vector<double> own;
+  for (const Train& train : trains) {
+    if (train.log_odds < kConvincing) return true;
+    for (const TrainImpact& impact : train.impacts) own.push_back(candidates[impact.candidate].amplitude);
+  }
+  if (own.empty()) return true;
+  std::nth_element(own.begin(), own.begin() + std::ssize(own) / 2, own.end());
+  const double loud = kAsLoud * own[own.size() / 2];
+  std::vector<bool> is_own(candidates.size(), false);
+  for (const Train& train : trains)
+    for (const TrainImpact& impact : train.impacts) is_own[impact.candidate] = true;
+  int n_left = 0;
+  double last_s = -INFINITY;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (is_own[k])
+      last_s = candidates[k].t_s;
+    else if (candidates[k].amplitude > loud && candidates[k].t_s - last_s > kEcho_s)
+      ++n_left;
+  }
+  return n_left >= kFewImpacts;
+}
+
 Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) {
   Hearing h;
   h.sound = sound;
   h.channel = channel;
   h.models = learn_sound_models(sound, kOrder);
   h.candidates = find_candidates(sound, h.models.all, progress);
-  h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz, read_timbres(sound, h.candidates));
+  h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz);
+  if (leaves_doubt(h.candidates, h.trains))
+    h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz, read_timbres(sound, h.candidates));
   begin_at_first_arrivals(h.candidates, h.trains);
   return h;
 }
