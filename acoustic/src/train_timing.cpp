@@ -32,6 +32,9 @@ constexpr double kRiseOverMisfit = 1.3;
 constexpr double kBetweenOverMisfit = 2.0;
 constexpr double kBeyondOverMisfit = 3.0;
 constexpr double kOutlierOverMisfit = 6.0;
+// gain of an impact beyond the end over what the sound before it, where there is none, would offer: echoes, a ball that
+// rolls and voices sound like the wave here and there
+constexpr double kProminence = 2.0;
 
 /// Log likelihood ratio that noise alone exceeds once in a hundred searches over n lags: the maximum of n squared
 /// normals. A train goes on more often than not, so that a hundredth is enough.
@@ -92,7 +95,9 @@ class TrainTimer {
     const double interval_s = onsets_.back().timed.t_s - onsets_[onsets_.size() - 2].timed.t_s;
     // what rises out of quiet is an impact though it sound unlike the others; within their sound it may be an echo
     if (!wave_is_reliable_ && (c.log_likelihood_ratio > kClearRise || interval_s > wave_s_)) return false;
-    if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0, kRiseOverMisfit)) return false;
+    const bool rises_out_of_quiet = c.log_likelihood_ratio > kClearRise && interval_s > wave_s_;
+    if (is_supported(onsets_.back(), onsets_[onsets_.size() - 2], 100.0, kRiseOverMisfit, rises_out_of_quiet))
+      return false;
     onsets_.pop_back();
     return true;
   }
@@ -210,13 +215,24 @@ class TrainTimer {
   }
 
   /// @param over_misfit  least gain in units of what is left of other sounds
-  bool is_supported(const TrainOnset& onset, const TrainOnset& neighbour, double n_lags, double over_misfit) const {
+  /// @param any_loudness  whether it may be as faint or loud as it likes
+  bool is_supported(const TrainOnset& onset, const TrainOnset& neighbour, double n_lags, double over_misfit,
+                    bool any_loudness = false) const {
     const double ratio = onset.timed.amplitude / neighbour.timed.amplitude;
     // within the neighbour's sound what is learned as noise is what rings, for which there is the misfit
     const bool rings_alone = onset.timed.t_s - neighbour.timed.t_s > wave_s_;
     const double noise = rings_alone ? onset.timed.noise : 1.0;
-    return ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio &&
-           onset.timed.gain > threshold(n_lags) * noise && onset.timed.gain > over_misfit * onset.timed.misfit;
+    const bool as_loud = ratio > 1.0 / kLargestAmplitudeRatio && ratio < kLargestAmplitudeRatio;
+    return (as_loud || any_loudness) && onset.timed.gain > threshold(n_lags) * noise &&
+           onset.timed.gain > over_misfit * onset.timed.misfit;
+  }
+
+  /// The most that is found between the last impact and t_s, where there is none; 0 where there is no room.
+  double gain_before(double t_s, double least_room_s) {
+    constexpr double kSettled = 0.4;  // of the time from the last impact
+    const double last_s = onsets_.back().timed.t_s;
+    const double half_s = 0.5 * (1.0 - kSettled) * (t_s - last_s);
+    return half_s > least_room_s ? search(t_s - half_s, half_s, t_s).gain : 0.0;
   }
 
   bool infer(std::int64_t impact, double after_s, double until_s, double over_misfit) {
@@ -228,6 +244,8 @@ class TrainTimer {
     const double reach_s = eps_reach_s + 2.0 / sound_.rate_hz;
     const TrainOnset onset{impact, search(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
     if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz, over_misfit)) return false;
+    if (over_misfit >= kBeyondOverMisfit && onset.timed.gain < kProminence * gain_before(t_s - reach_s, reach_s))
+      return false;
     if (impact == onsets_.back().impact + 1 &&
         !is_as_loud_as_others(onset.timed.amplitude, onset.timed.t_s - onsets_.back().timed.t_s))
       return false;

@@ -3,25 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
+#include "heard_sounds.hpp"
 #include "train_model.hpp"
+#include "train_review.hpp"
 
 namespace bouncelab {
 namespace {
 
-constexpr double kSharp_s = 1.8e-3;  // reach of the shortest window, in the low band too
-constexpr double kTimingOfReach = 0.15;
 constexpr std::size_t kBeam = 16;
 constexpr double kBeamDepth = 14.0;
 constexpr std::size_t kStatesAtOnce = 1 << 14;  // 4 MB; then those no train needs are forgotten
 constexpr double kHopeless = -9.0;              // log odds below which a young train is not followed
 // log odds that a train may have lost because its own sounds, those to come above all, were counted as rivals
 constexpr double kOwnRivals = 5.0;
-constexpr double kStranger = 1.0;      // log odds against a ball of each sound like its own but not of it
-constexpr double kSureLogOdds = 40.0;  // more need not be told exactly
-constexpr double kMostGain = 9.0;      // of one impact: density 20 to 200 at the best place, amplitude in favour
+constexpr double kMostGain = 9.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
 
 struct State : TrainState {
   double start_score = 0.0;    // of the recording before this train
@@ -35,14 +32,7 @@ struct State : TrainState {
 class Search {
  public:
   Search(const std::vector<Candidate>& candidates, double timing_s, const std::vector<Timbre>& timbres)
-      : c_(candidates),
-        timbres_(timbres),
-        timing_s_(timing_s),
-        rivals_(count_rivals(candidates, timbres)),
-        begin_(c_.size() + 1, 0),
-        best_(c_.size() + 1) {
-    for (const Candidate& c : c_) log_amplitude_.push_back(std::log(c.amplitude));
-  }
+      : c_(candidates), sounds_(candidates, timing_s, timbres), begin_(c_.size() + 1, 0), best_(c_.size() + 1) {}
 
   std::vector<Train> run() {
     for (std::size_t k = 0; k < c_.size(); ++k) visit(k);
@@ -55,20 +45,9 @@ class Search {
     std::int64_t state = -1;  // the completed train that ends here or before
   };
 
-  HeardSound heard(std::size_t k) const {
-    // what the shortest window has noticed is timed by a sample, what the longer ones have, by a part of themselves
-    const double sigma_s = c_[k].reach_s < kSharp_s ? timing_s_ : std::max(timing_s_, kTimingOfReach * c_[k].reach_s);
-    return {c_[k], rivals_[k], sigma_s, log_amplitude_[k], {}, true};
-  }
-
-  std::optional<double> alike(std::size_t j, std::size_t k) const {
-    if (timbres_.empty()) return {};
-    return probability_alike(timbres_[j], timbres_[k]);
-  }
-
   void visit(std::size_t k) {
     std::vector<State> here;
-    HeardSound next = heard(k);
+    HeardSound next = sounds_.heard(k);
     for (std::size_t j = k; j-- > 0;) {
       const double gap_s = c_[k].t_s - c_[j].t_s;
       if (gap_s > kMostGap * kLongestFlight_s) break;
@@ -78,7 +57,7 @@ class Search {
       const auto first =
           std::partition_point(begin, end, [&](const State& s) { return s.flight_s * kLeastEps > gap_s; });
       const bool may_start = gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
-      if (may_start || (first != end && first->flight_s * kMostGap >= gap_s)) next.alike = alike(j, k);
+      if (may_start || (first != end && first->flight_s * kMostGap >= gap_s)) next.alike = sounds_.alike(j, k);
       for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, next, here);
       if (may_start) start(j, k, next, here);
     }
@@ -141,7 +120,7 @@ class Search {
 
   void start(std::size_t j, std::size_t k, const HeardSound& second, std::vector<State>& here) const {
     State s;
-    static_cast<TrainState&>(s) = begin_train(heard(j), second);
+    static_cast<TrainState&>(s) = begin_train(sounds_.heard(j), second);
     s.start_score = best_[j].score;
     s.candidate = k;
     s.first_candidate = j;
@@ -179,45 +158,6 @@ class Search {
     }
   }
 
-  /// Finds the impacts before a train's first: the search begins a train where odds begin to rise, and the first
-  /// impacts, judged before the ball was known, may have cost odds. Now it is known.
-  /// @param first_free  candidates before this one belong to the train before
-  void begin_earlier(Train& train, std::size_t first_free) const {
-    constexpr std::size_t kFirst = 9;
-    constexpr double kBelieved = 1.6;  // odds of five: what comes before a drop is seldom silence
-    std::vector<double> log_eps;
-    for (std::size_t k = 2; k < std::min(kFirst, train.impacts.size()); ++k) {
-      if (train.impacts[k].impact - train.impacts[k - 2].impact != 2) continue;
-      const double t1_s = c_[train.impacts[k - 1].candidate].t_s;
-      log_eps.push_back(
-          std::log((c_[train.impacts[k].candidate].t_s - t1_s) / (t1_s - c_[train.impacts[k - 2].candidate].t_s)));
-    }
-    if (log_eps.size() < 2) return;
-    const auto n = static_cast<double>(log_eps.size());
-    const double mean = std::accumulate(log_eps.begin(), log_eps.end(), 0.0) / n;
-    double squares = 0.0;
-    for (const double x : log_eps) squares += (x - mean) * (x - mean);
-    const double scatter = std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n));
-    while (train.impacts[1].impact == train.impacts[0].impact + 1) {
-      const std::size_t first = train.impacts[0].candidate;
-      const double flight_s = c_[train.impacts[1].candidate].t_s - c_[first].t_s;
-      double best = kBelieved;
-      std::size_t before = first;
-      for (std::size_t k = first; k-- > first_free && c_[first].t_s - c_[k].t_s < flight_s / kLeastEps;) {
-        if (c_[first].t_s - c_[k].t_s > kLongestFlight_s) break;
-        HeardSound earlier = heard(k);
-        earlier.alike = alike(k, first);
-        const double odds = log_odds_before(earlier, heard(first), flight_s, mean, scatter);
-        if (odds > best) best = odds, before = k;
-      }
-      if (before == first) break;
-      train.impacts.insert(train.impacts.begin(), {before, train.impacts[0].impact - 1});
-      train.log_odds += best;
-    }
-    const std::int64_t shift = train.impacts.front().impact;
-    for (TrainImpact& impact : train.impacts) impact.impact -= shift;
-  }
-
   std::vector<Train> trace() const {
     std::vector<Train> trains;
     for (std::int64_t at = best_[c_.size()].state; at >= 0;) {
@@ -234,67 +174,12 @@ class Search {
       trains.push_back(std::move(train));
     }
     std::reverse(trains.begin(), trains.end());
-    std::size_t first_free = 0;
-    for (Train& train : trains) {
-      begin_earlier(train, first_free);
-      first_free = train.impacts.back().candidate + 1;
-    }
-    std::erase_if(trains, [&](Train& train) { return !holds(train); });
+    review_trains(sounds_, trains);
     return trains;
   }
 
-  /// Log odds of a train where its own sounds are no longer each other's rivals, and whether they are enough.
-  bool holds(Train& train) const {
-    if (train.log_odds > kSureLogOdds) return true;
-    std::vector<std::size_t> own;
-    for (const TrainImpact& impact : train.impacts) own.push_back(impact.candidate);
-    std::vector<Rivals> rivals;
-    for (const std::size_t k : own) rivals.push_back(count_rivals_of(k, c_, timbres_, own));
-    const auto sound = [&](std::size_t n) {
-      const HeardSound counted = heard(own[n]);
-      return HeardSound{counted.candidate,
-                        rivals[n],
-                        counted.sigma_s,
-                        counted.log_amplitude,
-                        n > 0 ? alike(own[n - 1], own[n]) : std::nullopt,
-                        false};
-    };
-    std::optional<TrainState> state = begin_train(sound(0), sound(1));
-    for (std::size_t n = 2; n < own.size() && state; ++n) {
-      const auto n_missing = static_cast<int>(train.impacts[n].impact - train.impacts[n - 1].impact - 1);
-      state = extend_train(*state, n_missing, sound(n), -INFINITY);
-    }
-    if (state) train.log_odds = state->log_odds - kStranger * n_strangers(own);
-    return train.log_odds >= kAcceptance;
-  }
-
-  /// Sounds among a train's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
-  /// or steps in which intervals happen to shrink, many. Echoes of its own do not count.
-  double n_strangers(const std::vector<std::size_t>& own) const {
-    constexpr double kEcho_s = 40e-3;
-    constexpr double kAsLoud = 0.5;
-    if (timbres_.empty()) return 0.0;
-    const double begin_s = 2.0 * c_[own[0]].t_s - c_[own[1]].t_s;
-    const double end_s = 2.0 * c_[own.back()].t_s - c_[own[own.size() - 2]].t_s;
-    double n = 0.0;
-    std::size_t next = 0;  // own sound that comes after
-    const auto first = std::partition_point(c_.begin(), c_.end(), [&](const Candidate& c) { return c.t_s < begin_s; });
-    for (auto k = static_cast<std::size_t>(first - c_.begin()); k < c_.size() && c_[k].t_s < end_s; ++k) {
-      while (next < own.size() && own[next] < k) ++next;
-      if (next < own.size() && own[next] == k) continue;
-      const std::size_t near = own[next > 0 ? next - 1 : 0];
-      const bool is_echo = next > 0 && c_[k].t_s - c_[near].t_s < kEcho_s;
-      if (!is_echo && c_[k].amplitude > kAsLoud * c_[near].amplitude)
-        n += std::max(0.0F, 2.0F * probability_alike(timbres_[near], timbres_[k]) - 1.0F);
-    }
-    return n;
-  }
-
   const std::vector<Candidate>& c_;
-  const std::vector<Timbre>& timbres_;
-  double timing_s_;
-  std::vector<Rivals> rivals_;
-  std::vector<double> log_amplitude_;
+  HeardSounds sounds_;
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
