@@ -2,6 +2,7 @@
 #include "band_clocks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -37,19 +38,19 @@ double clock_amplitude(double own, double common, double energy, double noise) {
 
 /// Each clock's amplitude and what its time lies beyond `shift`.
 struct Sums {
-  std::vector<double> in_phase;
-  std::vector<double> quadrature;  // omega times
+  std::array<double, kMostClocks> in_phase;
+  std::array<double, kMostClocks> quadrature;  // omega times
 };
 
 /// @param moved  room of the size of z
 Sums sums_at(const Spectrum& z, const BandClocks& clocks, double omega, double shift, Spectrum& moved) {
   turn(z, omega * shift, moved);
-  Sums sums;
+  Sums sums{};
   for (std::size_t j = 0; j < clocks.n(); ++j) {
     const std::size_t from = clocks.edge[j];
     const std::size_t n = clocks.edge[j + 1] - from;
-    sums.in_phase.push_back(sum(std::span(moved.re).subspan(from, n)));
-    sums.quadrature.push_back(-omega * moment(std::span(moved.im).subspan(from, n), from));
+    sums.in_phase[j] = sum(std::span(moved.re).subspan(from, n));
+    sums.quadrature[j] = -omega * moment(std::span(moved.im).subspan(from, n), from);
   }
   return sums;
 }
@@ -81,9 +82,10 @@ struct Disagreement {
 
 Disagreement disagreement(const std::vector<ClockReading>& readings, const BandClocks& clocks) {
   const std::size_t n = clocks.n();
-  const std::vector<std::vector<double>> none(n);
-  Disagreement d{none, none, none, none};
-  for (const ClockReading& r : readings) {
+  const std::vector<std::vector<double>> room(n, std::vector<double>(readings.size()));
+  Disagreement d{room, room, room, room};
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const ClockReading& r = readings[k];
     double weights = 0.0;
     double mean = 0.0;
     for (std::size_t j = 0; j < n; ++j) {
@@ -93,10 +95,10 @@ Disagreement disagreement(const std::vector<ClockReading>& readings, const BandC
     }
     mean /= weights;
     for (std::size_t j = 0; j < n; ++j) {
-      d.deviation[j].push_back(r.deviation[j] - mean);
-      d.squares[j].push_back((r.deviation[j] - mean) * (r.deviation[j] - mean));
-      d.noise[j].push_back(r.noise_variance[j]);
-      d.weight[j].push_back(1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights));
+      d.deviation[j][k] = r.deviation[j] - mean;
+      d.squares[j][k] = (r.deviation[j] - mean) * (r.deviation[j] - mean);
+      d.noise[j][k] = r.noise_variance[j];
+      d.weight[j][k] = 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights);
     }
   }
   return d;
@@ -228,7 +230,7 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
   r.noise_variance.resize(n);
   for (int step = 0; step < kMostSteps; ++step) {
     const Sums sums = sums_at(z, clocks, wave.omega(), r.shift, moved);
-    const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.end(), 0.0);
+    const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
     r.amplitude = in_phase / wave.energy();
     r.gain = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;
     if (r.amplitude <= 0.0) break;

@@ -2,11 +2,13 @@
 #include "wave_place.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 #include "fourier.hpp"
+#include "vector_clones.hpp"
 
 namespace bouncelab {
 namespace {
@@ -18,6 +20,17 @@ struct Peak {
   double height = 0.0;
 };
 
+/// Side by side, or each comparison waits for the one before.
+BOUNCELAB_VECTOR_CLONES float largest(const float* x, std::size_t n) {
+  std::array<float, 16> lanes;
+  lanes.fill(-INFINITY);
+  std::size_t k = 0;
+  for (; k + lanes.size() <= n; k += lanes.size())
+    for (std::size_t lane = 0; lane < lanes.size(); ++lane)
+      lanes[lane] = x[k + lane] > lanes[lane] ? x[k + lane] : lanes[lane];
+  return std::max(*std::max_element(lanes.begin(), lanes.end()), k < n ? *std::max_element(x + k, x + n) : -INFINITY);
+}
+
 }  // namespace
 
 std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sound, double reach) {
@@ -26,14 +39,17 @@ std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sou
   const std::vector<float> products = twice.inverse(product_conj(wave.wave(), sound));
   const auto n = static_cast<std::int64_t>(products.size());
   const std::int64_t last = std::min<std::int64_t>(n / 2 - 2, std::llround(2.0 * reach));
-  const auto at = [&](std::int64_t k) { return products[static_cast<std::size_t>(k < 0 ? k + n : k)]; };
-  Peak best{-last, at(-last)};
-  for (std::int64_t k = -last; k <= last; ++k)
-    if (at(k) > best.height) best = {k, at(k)};
+  std::vector<float> likely(static_cast<std::size_t>(2 * last + 3), -INFINITY);  // from -last to last, and either side
+  std::copy(products.begin(), products.begin() + last + 1,
+            std::copy(products.end() - last, products.end(), &likely[1]));
+  const auto top = std::find(likely.begin(), likely.end(), largest(likely.data(), likely.size()));
+  const Peak best{top - likely.begin() - 1 - last, *top};
   std::vector<Peak> peaks;
-  for (std::int64_t k = -last; k <= last; ++k) {
-    const bool is_peak = (k == -last || at(k) >= at(k - 1)) && (k == last || at(k) >= at(k + 1));
-    if (is_peak && at(k) > 0.0F && std::abs(k - best.at) > 2) peaks.push_back({k, at(k)});
+  for (std::size_t k = 1; k + 1 < likely.size(); ++k) {
+    // no branches: what rises and falls is as good as noise to the processor's guesses
+    const bool is_peak = (likely[k] > 0.0F) & (likely[k] >= likely[k - 1]) & (likely[k] >= likely[k + 1]);
+    const std::int64_t at = static_cast<std::int64_t>(k) - 1 - last;
+    if (is_peak && std::abs(at - best.at) > 2) peaks.push_back({at, likely[k]});
   }
   const std::size_t n_others = std::min(peaks.size(), kMostPlaces - 1);
   std::partial_sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(n_others), peaks.end(),
@@ -41,10 +57,10 @@ std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sou
   peaks.resize(n_others);
   // the inverse holds sums of products over sqrt(n_window)
   const double scale = 0.5 * static_cast<double>(wave.n_window()) / wave.energy();
-  const double top = std::max(0.0, best.height);
+  const double highest = std::max(0.0, best.height);
   std::vector<WavePlace> places{{0.5 * static_cast<double>(best.at), 0.0}};
   for (const Peak& peak : peaks)
-    places.push_back({0.5 * static_cast<double>(peak.at), scale * (top * top - peak.height * peak.height)});
+    places.push_back({0.5 * static_cast<double>(peak.at), scale * (highest * highest - peak.height * peak.height)});
   return places;
 }
 
