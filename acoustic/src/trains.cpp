@@ -29,6 +29,43 @@ struct State : TrainState {
   double total() const { return start_score + log_odds; }
 };
 
+/// The most probable of the states that end at one candidate.
+class Beam {
+ public:
+  /// @param total  of the recording without a train that ends here
+  explicit Beam(double total) : least_total_(total - kBeamDepth) {}
+
+  /// What is not more probable would not be kept.
+  double least_total() const { return least_total_; }
+
+  void keep(const State& s) {
+    if (s.log_odds < kHopeless || s.total() < least_total_) return;
+    least_total_ = std::max(least_total_, s.total() - kBeamDepth);
+    states_.push_back(s);
+    if (states_.size() >= 2 * kBeam) narrow();
+  }
+
+  /// By falling flight.
+  const std::vector<State>& finish() {
+    if (states_.size() > kBeam) narrow();
+    std::erase_if(states_, [&](const State& s) { return s.total() < least_total_; });
+    std::sort(states_.begin(), states_.end(), [](const State& a, const State& b) { return a.flight_s > b.flight_s; });
+    return states_;
+  }
+
+ private:
+  void narrow() {
+    const auto last = states_.begin() + (kBeam - 1);
+    std::nth_element(states_.begin(), last, states_.end(),
+                     [](const State& a, const State& b) { return a.total() > b.total(); });
+    least_total_ = std::max(least_total_, last->total());
+    states_.erase(last + 1, states_.end());
+  }
+
+  double least_total_;
+  std::vector<State> states_;
+};
+
 class Search {
  public:
   Search(const std::vector<Candidate>& candidates, double timing_s, const std::vector<Timbre>& timbres)
@@ -46,7 +83,7 @@ class Search {
   };
 
   void visit(std::size_t k) {
-    std::vector<State> here;
+    Beam here(best_[k].score);
     HeardSound next = sounds_.heard(k);
     for (std::size_t j = k; j-- > 0;) {
       const double gap_s = c_[k].t_s - c_[j].t_s;
@@ -62,29 +99,13 @@ class Search {
       if (may_start) start(j, k, next, here);
     }
     best_[k + 1] = best_[k];
-    for (const State* s : most_probable(k, here)) {
-      if (s->log_odds > kAcceptance - kOwnRivals && s->total() + kOwnRivals > best_[k + 1].score && is_ball_like(*s))
-        best_[k + 1] = {s->total() + kOwnRivals, static_cast<std::int64_t>(states_.size())};
-      states_.push_back(*s);
+    for (const State& s : here.finish()) {
+      if (s.log_odds > kAcceptance - kOwnRivals && s.total() + kOwnRivals > best_[k + 1].score && is_ball_like(s))
+        best_[k + 1] = {s.total() + kOwnRivals, static_cast<std::int64_t>(states_.size())};
+      states_.push_back(s);
     }
     begin_[k + 1] = states_.size();
     if (states_.size() > most_states_) forget(k + 1);
-  }
-
-  /// By falling flight.
-  std::vector<const State*> most_probable(std::size_t k, const std::vector<State>& here) const {
-    double top = best_[k].score;
-    for (const State& s : here) top = std::max(top, s.total());
-    std::vector<const State*> kept;
-    for (const State& s : here)
-      if (s.total() >= top - kBeamDepth) kept.push_back(&s);
-    if (kept.size() > kBeam) {
-      std::nth_element(kept.begin(), kept.begin() + kBeam, kept.end(),
-                       [](const State* a, const State* b) { return a->total() > b->total(); });
-      kept.resize(kBeam);
-    }
-    std::sort(kept.begin(), kept.end(), [](const State* a, const State* b) { return a->flight_s > b->flight_s; });
-    return kept;
   }
 
   /// Keeps the states from which trains may yet be followed, and those on the way to them.
@@ -118,43 +139,27 @@ class Search {
     most_states_ = 2 * n_kept + kStatesAtOnce;
   }
 
-  void start(std::size_t j, std::size_t k, const HeardSound& second, std::vector<State>& here) const {
+  void start(std::size_t j, std::size_t k, const HeardSound& second, Beam& here) const {
     State s;
     static_cast<TrainState&>(s) = begin_train(sounds_.heard(j), second);
     s.start_score = best_[j].score;
     s.candidate = k;
     s.first_candidate = j;
-    keep(s, here);
+    here.keep(s);
   }
 
-  /// Log odds below which a train, longer by one impact, would not be kept.
-  static double least(const State& from, const std::vector<State>& here) {
-    return here.empty() ? kHopeless : std::max(kHopeless, here.front().total() - kBeamDepth - from.start_score);
-  }
-
-  void keep(const State& s, std::vector<State>& here) const {
-    if (s.log_odds < kHopeless) return;
-    if (!here.empty() && s.total() > here.front().total()) {
-      here.push_back(here.front());
-      here.front() = s;
-    } else if (here.empty()) {
-      here.push_back(s);
-    } else if (s.total() > here.front().total() - kBeamDepth) {
-      here.push_back(s);
-    }
-  }
-
-  void extend(std::int64_t from_index, std::size_t k, const HeardSound& next, std::vector<State>& here) const {
+  void extend(std::int64_t from_index, std::size_t k, const HeardSound& next, Beam& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
-    if (!here.empty() && from.total() + kMostGain < here.front().total() - kBeamDepth) return;
+    if (from.total() + kMostGain < here.least_total()) return;
     for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
-      const std::optional<TrainState> longer = extend_train(from, n_missing, next, least(from, here));
+      const double least_log_odds = std::max(kHopeless, here.least_total() - from.start_score);
+      const std::optional<TrainState> longer = extend_train(from, n_missing, next, least_log_odds);
       if (!longer) continue;
       State s = from;
       static_cast<TrainState&>(s) = *longer;
       s.candidate = k;
       s.previous = from_index;
-      keep(s, here);
+      here.keep(s);
     }
   }
 
