@@ -168,6 +168,17 @@ void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
   }
 }
 
+/// What a clock adds to the variance of the mean because its jitter, and so its share in the mean, is only estimated:
+/// 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a clock that
+/// the mean follows has few; noise is known.
+double doubt_of_weight(const BandClocks& clocks, std::size_t j, double share, double variance) {
+  if (clocks.n_learned == 0) return 0.0;
+  const double estimated = clocks.jitter2[j] / variance;
+  const double kept = std::max(kLeastShareKept, 1.0 - clocks.dependence * share);
+  const double n_free = static_cast<double>(clocks.n_learned) * kept * kept;
+  return 4.0 * share * (1.0 - share) * estimated * estimated / n_free;
+}
+
 }  // namespace
 
 WaveTemplate::WaveTemplate(Spectrum wave, std::size_t n_window)
@@ -248,12 +259,14 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
     }
     mean /= weights;
     double chi2 = 0.0;
+    double doubt = 1.0;
     for (std::size_t j = 0; j < n; ++j) {
-      const double d = r.deviation[j] - mean;
-      chi2 += d * d / (r.noise_variance[j] + clocks.jitter2[j]);
+      const double variance = r.noise_variance[j] + clocks.jitter2[j];
+      chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / variance;
+      doubt += doubt_of_weight(clocks, j, 1.0 / (variance * weights), variance);
     }
     const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
-    r.variance = scale * clocks.dependence / weights;
+    r.variance = scale * doubt * clocks.dependence / weights;
     const double move = std::clamp(mean, -kLargestMove, kLargestMove);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
@@ -266,6 +279,7 @@ void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate&
   const std::size_t n = clocks.n();
   if (readings.size() < 3 || n < 2) return;
   clocks.dependence = 1.0;
+  clocks.n_learned = readings.size();
   for (int round = 0; round < kRounds; ++round) {
     const Disagreement d = disagreement(readings, clocks);
     for (std::size_t j = 0; j < n; ++j)

@@ -19,6 +19,7 @@ struct BandClocks {
   std::vector<double> noise;      ///< variance of the noise in each real and imaginary part
   std::vector<double> jitter2;    ///< [samples^2]
   double dependence = 1.0;        ///< variance of the clocks' mean over what it were if they were independent
+  std::size_t n_learned = 0;      ///< impacts that the jitter is known from; 0 = it is known
   std::size_t n() const { return noise.size(); }
 };
 

@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/units.hpp"
 #include "products.hpp"
-#include "wave_place.hpp"
 
 namespace bouncelab {
 namespace {
@@ -18,6 +17,7 @@ constexpr double kCoarse = 1.5;
 constexpr int kCoarseSteps = 8;
 constexpr double kFine = 1.12;
 constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
+constexpr int kMostCuts = 2;     // of two places each may look likelier once from the other's window
 
 std::int64_t samples(double duration_s, const Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
 
@@ -126,58 +126,61 @@ WaveTemplate ImpactTimer::masked_wave(double shift, const Mask& mask) {
   return {fourier_.forward(placed), wave_.wave.n_window()};
 }
 
-TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
-  const ImpactWave& w = wave_;
-  const auto contact = static_cast<std::int64_t>(w.contact_index);
-  std::int64_t first = samples(t_s, sound_) - contact;
-  const auto fit_length = [&] {
-    const std::int64_t n_until = samples(until_s, sound_) - first - samples(reach_s, sound_);
-    return static_cast<std::size_t>(
-        std::clamp<std::int64_t>(n_until, contact + 8, static_cast<std::int64_t>(w.n_wave)));
-  };
-  Mask counts = beginning(fit_length());
-  std::vector<float> x = read(first, counts);
-  Spectrum y = fourier_.forward(x);
-  const double reach = reach_s * sound_.rate_hz + 2.0;
-  std::vector<WavePlace> places =
-      counts.empty() ? find_places(w.wave, y, reach) : find_places(masked_wave(0.0, counts), y, reach);
-  if (std::abs(places.front().shift) > kFarOff) {
-    const std::int64_t moved = std::llround(places.front().shift);
-    first += moved;
-    counts = beginning(fit_length());
-    x = read(first, counts);
-    y = fourier_.forward(x);
-    for (WavePlace& place : places) place.shift -= static_cast<double>(moved);
-  }
-  const std::size_t n_fit = fit_length();
-  const double total = dot(x, x);
+ImpactTimer::Cut ImpactTimer::cut(std::int64_t first, double from, double to, std::int64_t end) {
+  const auto contact = static_cast<std::int64_t>(wave_.contact_index);
+  Cut c;
+  c.first = first;
+  c.n_fit = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(end - first, contact + 8, static_cast<std::int64_t>(wave_.n_wave)));
+  c.mask = beginning(c.n_fit);
+  c.sound = read(first, c.mask);
+  c.spectrum = fourier_.forward(c.sound);
+  c.places = c.mask.empty() ? find_places(wave_.wave, c.spectrum, from, to)
+                            : find_places(masked_wave(0.0, c.mask), c.spectrum, from, to);
+  return c;
+}
+
+ClockReading ImpactTimer::read_cut(const Cut& c, double total) {
+  double shift = c.places.front().shift;
+  if (is_clipped(c.first)) return read_clipped(c.spectrum, total, shift, c.mask);
+  if (c.mask.empty()) return read_clocks(wave_.wave, wave_.clocks, c.spectrum, shift);
   ClockReading r;
-  if (is_clipped(first)) {
-    r = read_clipped(y, total, places.front().shift, counts);
-  } else if (counts.empty()) {
-    r = read_clocks(w.wave, w.clocks, y, places.front().shift);
-  } else {
-    double shift = places.front().shift;
-    for (int step = 0; step < 2; ++step) {
-      r = read_clocks(masked_wave(shift, counts), w.clocks, y, 0.0);
-      r.shift = shift += r.shift;
-    }
+  for (int step = 0; step < 2; ++step) {
+    r = read_clocks(masked_wave(shift, c.mask), wave_.clocks, c.spectrum, 0.0);
+    r.shift = shift += r.shift;
   }
+  return r;
+}
+
+TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
+  const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(wave_.contact_index);
+  const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
+  const double reach = reach_s * sound_.rate_hz + 2.0;
+  Cut c = cut(start, -reach, reach, end);
+  // an impact far off is cut by the window's edge, so that other places seem as likely
+  for (int again = 0; again < kMostCuts && std::abs(c.places.front().shift) > kFarOff; ++again) {
+    const std::int64_t first = c.first + std::llround(c.places.front().shift);
+    const auto moved = static_cast<double>(first - start);
+    c = cut(first, -reach - moved, reach - moved, end);
+  }
+  const double total = dot(c.sound, c.sound);
+  const ClockReading r = read_cut(c, total);
   TimedImpact t;
   const auto time_of = [&](double shift) {
-    return (static_cast<double>(first) + shift + w.contact_index) / sound_.rate_hz;
+    return (static_cast<double>(c.first) + shift + wave_.contact_index) / sound_.rate_hz;
   };
   t.t_s = time_of(r.shift);
   t.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
   t.amplitude = r.amplitude;
   t.gain = r.gain;
-  t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(n_fit < w.n_wave ? n_fit : x.size());
+  t.misfit =
+      std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(c.n_fit < wave_.n_wave ? c.n_fit : c.sound.size());
   t.noise = std::max(1.0, std::min(noise_, t.misfit));  // learned where louder impacts still rang
   t.correlation = correlation(r, total);
   // the misfit is not quite white, hence half
   const double believed = 0.5 / std::max(1.0, t.misfit);
-  for (std::size_t k = 1; k < places.size() && believed * places[k].lead < kSettled; ++k)
-    t.others.push_back({time_of(places[k].shift), believed * places[k].lead});
+  for (std::size_t k = 1; k < c.places.size() && believed * c.places[k].lead < kSettled; ++k)
+    t.others.push_back({time_of(c.places[k].shift), believed * c.places[k].lead});
   return t;
 }
 

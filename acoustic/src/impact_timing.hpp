@@ -7,6 +7,7 @@
 #include "bouncelab/acoustic/sound.hpp"
 #include "cycle_choice.hpp"
 #include "impact_wave.hpp"
+#include "wave_place.hpp"
 
 namespace bouncelab {
 
@@ -42,6 +43,20 @@ class ImpactTimer {
   };
   /// What of a window counts: factors of its samples; empty = all of it.
   using Mask = std::vector<float>;
+  /// A window of the sound and where in it the impact may be.
+  struct Cut {
+    std::int64_t first = 0;  // sample at which it begins
+    std::size_t n_fit = 0;   // samples of it that belong to this impact
+    Mask mask;
+    std::vector<float> sound;
+    Spectrum spectrum;
+    std::vector<WavePlace> places;
+  };
+  /// @param from, to  shifts between which the impact is looked for
+  /// @param end       sample from which on the sound belongs to the next impact
+  Cut cut(std::int64_t first, double from, double to, std::int64_t end);
+  /// The clocks at the best of its places. @param total  sum of squares of the window
+  ClockReading read_cut(const Cut& c, double total);
   /// The first n_fit samples.
   Mask beginning(std::size_t n_fit) const;
   bool is_clipped(std::int64_t first) const;

@@ -291,7 +291,8 @@ class Learner {
 
   void align(bool search) {
     for (Row& row : rows_) {
-      if (search) row.position = find_places(learned_.wave, row.spectrum, kSearch_s * sound_.rate_hz).front().shift;
+      const double reach = kSearch_s * sound_.rate_hz;
+      if (search) row.position = find_places(learned_.wave, row.spectrum, -reach, reach).front().shift;
       if (std::abs(row.position) > kFarOff) {
         const std::int64_t moved = std::llround(row.position);
         cut(row, row.window.first + moved);

@@ -33,22 +33,23 @@ BOUNCELAB_VECTOR_CLONES float largest(const float* x, std::size_t n) {
 
 }  // namespace
 
-std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sound, double reach) {
+std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sound, double from, double to) {
   // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
   Fourier twice(2 * wave.n_window());
   const std::vector<float> products = twice.inverse(product_conj(wave.wave(), sound));
   const auto n = static_cast<std::int64_t>(products.size());
-  const std::int64_t last = std::min<std::int64_t>(n / 2 - 2, std::llround(2.0 * reach));
-  std::vector<float> likely(static_cast<std::size_t>(2 * last + 3), -INFINITY);  // from -last to last, and either side
-  std::copy(products.begin(), products.begin() + last + 1,
-            std::copy(products.end() - last, products.end(), &likely[1]));
+  const std::int64_t lowest = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
+  const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest, n / 2 - 2);
+  std::vector<float> likely(static_cast<std::size_t>(highest - lowest + 3), -INFINITY);  // and one on either side
+  for (std::int64_t k = lowest; k <= highest; ++k)
+    likely[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
   const auto top = std::find(likely.begin(), likely.end(), largest(likely.data(), likely.size()));
-  const Peak best{top - likely.begin() - 1 - last, *top};
+  const Peak best{top - likely.begin() - 1 + lowest, *top};
   std::vector<Peak> peaks;
   for (std::size_t k = 1; k + 1 < likely.size(); ++k) {
     // no branches: what rises and falls is as good as noise to the processor's guesses
     const bool is_peak = (likely[k] > 0.0F) & (likely[k] >= likely[k - 1]) & (likely[k] >= likely[k + 1]);
-    const std::int64_t at = static_cast<std::int64_t>(k) - 1 - last;
+    const std::int64_t at = static_cast<std::int64_t>(k) - 1 + lowest;
     if (is_peak && std::abs(at - best.at) > 2) peaks.push_back({at, likely[k]});
   }
   const std::size_t n_others = std::min(peaks.size(), kMostPlaces - 1);
@@ -57,10 +58,10 @@ std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sou
   peaks.resize(n_others);
   // the inverse holds sums of products over sqrt(n_window)
   const double scale = 0.5 * static_cast<double>(wave.n_window()) / wave.energy();
-  const double highest = std::max(0.0, best.height);
+  const double height = std::max(0.0, best.height);
   std::vector<WavePlace> places{{0.5 * static_cast<double>(best.at), 0.0}};
   for (const Peak& peak : peaks)
-    places.push_back({0.5 * static_cast<double>(peak.at), scale * (highest * highest - peak.height * peak.height)});
+    places.push_back({0.5 * static_cast<double>(peak.at), scale * (height * height - peak.height * peak.height)});
   return places;
 }
 

@@ -13,8 +13,8 @@ struct WavePlace {
   double lead = 0.0;  ///< log likelihood ratio of the best place to this one, noise variance 1
 };
 
-/// Shifts in [-reach, reach], in steps of a half, at which the likelihood, maximised over a positive amplitude, has a
+/// Shifts from ... to, in steps of a half, at which the likelihood, maximised over a positive amplitude, has a
 /// local maximum: the best first, then at most seven others in falling order.
-std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sound, double reach);
+std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sound, double from, double to);
 
 }  // namespace bouncelab

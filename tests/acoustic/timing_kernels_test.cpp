@@ -217,7 +217,7 @@ TEST(FindPlaces, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
   };
   Fourier fourier(kWindow);
   const WaveTemplate wave(fourier.forward(packet(500.0)), kWindow);
-  const std::vector<WavePlace> places = find_places(wave, fourier.forward(packet(506.0)), 50.0);
+  const std::vector<WavePlace> places = find_places(wave, fourier.forward(packet(506.0)), -50.0, 50.0);
   ASSERT_GE(places.size(), 5U);
   EXPECT_NEAR(places[0].shift, 6.0, 0.5);
   for (std::size_t k = 1; k < 5; ++k) {
