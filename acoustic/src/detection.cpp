@@ -47,7 +47,8 @@ struct Hearing {
 bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Train>& trains) {
   constexpr double kEcho_s = 40e-3;
   constexpr double kAsLoud = 0.25;
-  constexpr int kFewImpacts = 4;
+  constexpr std::size_t kFewImpacts = 4;
+  constexpr double kShortTrain_s = 5.0;
   std::vector<double> own;
   for (const Train& train : trains) {
     if (train.log_odds < kConvincing) return true;
@@ -59,15 +60,17 @@ bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Tr
   std::vector<bool> is_own(candidates.size(), false);
   for (const Train& train : trains)
     for (const TrainImpact& impact : train.impacts) is_own[impact.candidate] = true;
-  int n_left = 0;
+  std::vector<double> left_s;
   double last_s = -INFINITY;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (is_own[k])
       last_s = candidates[k].t_s;
     else if (candidates[k].amplitude > loud && candidates[k].t_s - last_s > kEcho_s)
-      ++n_left;
+      left_s.push_back(candidates[k].t_s);
   }
-  return n_left >= kFewImpacts;
+  for (std::size_t k = kFewImpacts; k <= left_s.size(); ++k)
+    if (left_s[k - 1] - left_s[k - kFewImpacts] < kShortTrain_s) return true;
+  return false;
 }
 
 Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) {
