@@ -26,6 +26,8 @@ constexpr std::int64_t kLeastImpacts = 4;  // two coefficients of restitution
 constexpr double kLargestMeanEps = 0.992;  // a clock is no ball; steel on glass has 0.989 at 2 cm/s
 constexpr double kLargestLosingEps = 0.997;
 constexpr double kLeastLogLoss = 0.045;  // nor is one that jumped once,
+constexpr double kLeastGain = 1.05;      // what spin gives back seldom is more,
+constexpr double kMostGains = 0.08;      // and not in every few impacts
 constexpr double kLeastLosing = 0.6;     // nor one that jumped twice: most impacts lose energy
 // a rhythm drifts by less than it scatters; a ball that scatters more than it loses has in the end lost much
 constexpr double kLossOverScatter = 1.0;
@@ -128,6 +130,7 @@ void learn_eps(TrainState& s, double log_eps, double width, double jitter2) {
     s.sum_jitter_squares += jitter2;
   }
   s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
+  s.n_gains += log_eps > std::log(kLeastGain) ? 1 : 0;
   s.n_losing += log_eps < std::log(kLargestLosingEps) ? 1 : 0;
   s.log_loss -= s.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
   s.mean_log_eps += step / std::min(s.n_eps, kMemory);
@@ -207,7 +210,7 @@ bool is_ball_like(const TrainState& s) {
   const double least_over_scatter =
       std::min(n * kLossOverScatter * scatter, std::max(kMuchLogLoss, n * kLeastOverScatter * scatter));
   return static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
-         s.n_outliers <= 1 + kMostOutliers * n && s.n_losing >= kLeastLosing * n &&
+         s.n_outliers <= 1 + kMostOutliers * n && s.n_gains <= kMostGains * n && s.n_losing >= kLeastLosing * n &&
          s.log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), least_over_scatter});
 }
 

@@ -40,6 +40,7 @@ struct TrainState {
   double log_loss = 0.0;            ///< -sum of log eps, large deviations cut
   int n_outliers = 0;               ///< ratios that only the flat part explains
   int n_losing = 0;                 ///< ratios below that of a clock
+  int n_gains = 0;                  ///< ratios well above 1
   int n_eps = 0;                    ///< ratios of intervals seen
   std::int64_t impact = 1;
   std::int64_t n_heard = 2;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kStranger = 1.0;      // log odds against a ball of each sound like its own but not of it
 constexpr double kSureLogOdds = 40.0;  // more need not be told exactly
+constexpr double kEcho_s = 40e-3;      // after an impact: what is fainter then is taken for its echo
 
 /// The coefficient of restitution that goes before the first of a train.
 struct Expected {
@@ -91,12 +92,12 @@ void begin_again(const HeardSounds& sounds, std::size_t first_free, Train& train
 /// Sounds among a train's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
 /// or steps in which intervals happen to shrink, many. Echoes of its own do not count.
 double n_strangers(const HeardSounds& sounds, const std::vector<std::size_t>& own) {
-  constexpr double kEcho_s = 40e-3;
   constexpr double kAsLoud = 0.5;
   if (sounds.timbres.empty()) return 0.0;
   const std::vector<Candidate>& c = sounds.candidates;
-  const double begin_s = 2.0 * c[own[0]].t_s - c[own[1]].t_s;
-  const double end_s = 2.0 * c[own.back()].t_s - c[own[own.size() - 2]].t_s;
+  constexpr double kFlights = 1.25;  // before the first and after the last, where a row would go on
+  const double begin_s = c[own[0]].t_s - kFlights * (c[own[1]].t_s - c[own[0]].t_s);
+  const double end_s = c[own.back()].t_s + kFlights * (c[own.back()].t_s - c[own[own.size() - 2]].t_s);
   double n = 0.0;
   std::size_t next = 0;  // own sound that comes after
   const auto first = std::partition_point(c.begin(), c.end(), [&](const Candidate& s) { return s.t_s < begin_s; });
@@ -111,12 +112,26 @@ double n_strangers(const HeardSounds& sounds, const std::vector<std::size_t>& ow
   return n;
 }
 
-bool holds(const HeardSounds& sounds, Train& train) {
-  if (train.log_odds > kSureLogOdds) return true;
+/// The train's own sounds and their echoes: chance need not offer them.
+std::vector<std::size_t> explained_by(const HeardSounds& sounds, const std::vector<std::size_t>& own) {
+  const std::vector<Candidate>& c = sounds.candidates;
+  std::vector<std::size_t> explained;
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const std::size_t end = n + 1 < own.size() ? own[n + 1] : c.size();
+    explained.push_back(own[n]);
+    for (std::size_t k = own[n] + 1; k < end && c[k].t_s - c[own[n]].t_s < kEcho_s; ++k)
+      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
+  }
+  return explained;
+}
+
+/// Log odds of a train where what it explains is no rival of its sounds.
+double judged(const HeardSounds& sounds, const Train& train) {
   std::vector<std::size_t> own;
   for (const TrainImpact& impact : train.impacts) own.push_back(impact.candidate);
+  const std::vector<std::size_t> explained = explained_by(sounds, own);
   std::vector<Rivals> rivals;
-  for (const std::size_t k : own) rivals.push_back(count_rivals_of(k, sounds.candidates, sounds.timbres, own));
+  for (const std::size_t k : own) rivals.push_back(count_rivals_of(k, sounds.candidates, sounds.timbres, explained));
   const auto sound = [&](std::size_t n) {
     const HeardSound s = sounds.heard(own[n]);
     return HeardSound{
@@ -128,8 +143,31 @@ bool holds(const HeardSounds& sounds, Train& train) {
     const auto n_missing = static_cast<int>(train.impacts[n].impact - train.impacts[n - 1].impact - 1);
     state = extend_train(*state, n_missing, sound(n), -INFINITY);
   }
-  if (state) train.log_odds = state->log_odds - kStranger * n_strangers(sounds, own);
-  return train.log_odds >= kAcceptance;
+  return state ? state->log_odds - kStranger * n_strangers(sounds, own) : train.log_odds;
+}
+
+/// ln of a train's first coefficient of restitution; absent where an impact is missing.
+std::optional<double> first_log_eps(const std::vector<Candidate>& c, const Train& train) {
+  if (train.impacts[2].impact != 2) return {};
+  const double t1_s = c[train.impacts[1].candidate].t_s;
+  return std::log((c[train.impacts[2].candidate].t_s - t1_s) / (t1_s - c[train.impacts[0].candidate].t_s));
+}
+
+/// One recording, one ball: log odds that a train's eps, which was open, is that of the surest other train.
+double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Train>& trains, const Train& train) {
+  constexpr double kScatter = 0.06;  // of ln eps between drops of one ball at other speeds
+  constexpr double kAnother = 0.4;   // another ball, or another floor
+  constexpr double kEpsRange = kLargestEps - kLeastEps;
+  const Train* surest = nullptr;
+  for (const Train& other : trains)
+    if (&other != &train && other.log_odds > kAcceptance + 3.0 &&
+        (surest == nullptr || other.log_odds > surest->log_odds))
+      surest = &other;
+  const std::optional<double> here = first_log_eps(c, train);
+  const std::optional<double> there = surest != nullptr ? first_log_eps(c, *surest) : std::nullopt;
+  if (!here || !there) return 0.0;
+  const double open = std::exp(*here) / kEpsRange;  // eps uniform, as the model has it
+  return std::log((1.0 - kAnother) * student3(*here - *there, kScatter) / open + kAnother);
 }
 
 }  // namespace
@@ -140,7 +178,12 @@ void review_trains(const HeardSounds& sounds, std::vector<Train>& trains) {
     begin_again(sounds, first_free, train);
     first_free = train.impacts.back().candidate + 1;
   }
-  std::erase_if(trains, [&](Train& train) { return !holds(sounds, train); });
+  for (Train& train : trains)
+    if (train.log_odds < kSureLogOdds) train.log_odds = judged(sounds, train);
+  const std::vector<Train> all = trains;
+  for (std::size_t k = 0; k < trains.size(); ++k)
+    if (trains[k].log_odds < kSureLogOdds) trains[k].log_odds += odds_of_same_ball(sounds.candidates, all, all[k]);
+  std::erase_if(trains, [](const Train& train) { return train.log_odds < kAcceptance; });
 }
 
 }  // namespace bouncelab
