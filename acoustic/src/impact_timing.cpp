@@ -34,6 +34,11 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
   for (std::size_t k = 0; k < mask.size(); ++k) x[k] *= mask[k];
 }
 
+/// Log odds of the best place against another.
+double lead(const WavePlace& best, const WavePlace& other, double misfit) {
+  return 0.5 * (best.gain - other.gain) / std::max(1.0, misfit);  // the misfit is not quite white, hence half
+}
+
 }  // namespace
 
 ImpactTimer::ImpactTimer(const Sound& sound, const ImpactWave& wave)
@@ -126,7 +131,7 @@ WaveTemplate ImpactTimer::masked_wave(double shift, const Mask& mask) {
   return {fourier_.forward(placed), wave_.wave.n_window()};
 }
 
-ImpactTimer::Cut ImpactTimer::cut(std::int64_t first, double from, double to, std::int64_t end) {
+ImpactTimer::Cut ImpactTimer::cut(std::int64_t first, std::int64_t end) {
   const auto contact = static_cast<std::int64_t>(wave_.contact_index);
   Cut c;
   c.first = first;
@@ -134,15 +139,24 @@ ImpactTimer::Cut ImpactTimer::cut(std::int64_t first, double from, double to, st
       std::clamp<std::int64_t>(end - first, contact + 8, static_cast<std::int64_t>(wave_.n_wave)));
   c.mask = beginning(c.n_fit);
   c.sound = read(first, c.mask);
+  c.total = dot(c.sound, c.sound);
   c.spectrum = fourier_.forward(c.sound);
-  c.places = c.mask.empty() ? find_places(wave_.wave, c.spectrum, from, to)
-                            : find_places(masked_wave(0.0, c.mask), c.spectrum, from, to);
   return c;
 }
 
-ClockReading ImpactTimer::read_cut(const Cut& c, double total) {
+std::vector<WavePlace> ImpactTimer::places_in(const Cut& c, double from, double to) {
+  if (c.mask.empty()) return find_places(wave_.wave, c.spectrum, from, to);
+  return find_places(masked_wave(0.0, c.mask), c.spectrum, from, to);
+}
+
+double ImpactTimer::misfit(const Cut& c, double gain) const {
+  const std::size_t n = c.n_fit < wave_.n_wave ? c.n_fit : c.sound.size();
+  return std::max(0.0, c.total - 2.0 * gain) / static_cast<double>(n);
+}
+
+ClockReading ImpactTimer::read_cut(const Cut& c) {
   double shift = c.places.front().shift;
-  if (is_clipped(c.first)) return read_clipped(c.spectrum, total, shift, c.mask);
+  if (is_clipped(c.first)) return read_clipped(c.spectrum, c.total, shift, c.mask);
   if (c.mask.empty()) return read_clocks(wave_.wave, wave_.clocks, c.spectrum, shift);
   ClockReading r;
   for (int step = 0; step < 2; ++step) {
@@ -156,15 +170,23 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(wave_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  Cut c = cut(start, -reach, reach, end);
-  // an impact far off is cut by the window's edge, so that other places seem as likely
+  Cut c = cut(start, end);
+  c.places = places_in(c, -reach, reach);
   for (int again = 0; again < kMostCuts && std::abs(c.places.front().shift) > kFarOff; ++again) {
-    const std::int64_t first = c.first + std::llround(c.places.front().shift);
-    const auto moved = static_cast<double>(first - start);
-    c = cut(first, -reach - moved, reach - moved, end);
+    // the window's edge has cut what is far off, so that other places may have seemed as likely
+    const WavePlace best = c.places.front();
+    const bool is_settled = c.places.size() < 2 || lead(best, c.places[1], misfit(c, best.gain)) > kSettled;
+    const std::int64_t moved = std::llround(best.shift);
+    std::vector<WavePlace> places = std::move(c.places);
+    c = cut(c.first + moved, end);
+    const auto from_start = static_cast<double>(c.first - start);
+    if (!is_settled)
+      places = places_in(c, -reach - from_start, reach - from_start);
+    else
+      for (WavePlace& place : places) place.shift -= static_cast<double>(moved);
+    c.places = std::move(places);
   }
-  const double total = dot(c.sound, c.sound);
-  const ClockReading r = read_cut(c, total);
+  const ClockReading r = read_cut(c);
   TimedImpact t;
   const auto time_of = [&](double shift) {
     return (static_cast<double>(c.first) + shift + wave_.contact_index) / sound_.rate_hz;
@@ -173,14 +195,12 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   t.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
   t.amplitude = r.amplitude;
   t.gain = r.gain;
-  t.misfit =
-      std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(c.n_fit < wave_.n_wave ? c.n_fit : c.sound.size());
+  t.misfit = misfit(c, r.gain);
   t.noise = std::max(1.0, std::min(noise_, t.misfit));  // learned where louder impacts still rang
-  t.correlation = correlation(r, total);
-  // the misfit is not quite white, hence half
-  const double believed = 0.5 / std::max(1.0, t.misfit);
-  for (std::size_t k = 1; k < c.places.size() && believed * c.places[k].lead < kSettled; ++k)
-    t.others.push_back({time_of(c.places[k].shift), believed * c.places[k].lead});
+  t.correlation = correlation(r, c.total);
+  for (std::size_t k = 1; k < c.places.size(); ++k)
+    if (const double odds = lead(c.places[0], c.places[k], t.misfit); odds < kSettled)
+      t.others.push_back({time_of(c.places[k].shift), odds});
   return t;
 }
 

@@ -49,14 +49,17 @@ class ImpactTimer {
     std::size_t n_fit = 0;   // samples of it that belong to this impact
     Mask mask;
     std::vector<float> sound;
+    double total = 0.0;  // sum of squares
     Spectrum spectrum;
     std::vector<WavePlace> places;
   };
-  /// @param from, to  shifts between which the impact is looked for
-  /// @param end       sample from which on the sound belongs to the next impact
-  Cut cut(std::int64_t first, double from, double to, std::int64_t end);
-  /// The clocks at the best of its places. @param total  sum of squares of the window
-  ClockReading read_cut(const Cut& c, double total);
+  /// @param end  sample from which on the sound belongs to the next impact
+  Cut cut(std::int64_t first, std::int64_t end);
+  std::vector<WavePlace> places_in(const Cut& c, double from, double to);
+  /// Mean square of what an impact of so much gain leaves of a window.
+  double misfit(const Cut& c, double gain) const;
+  /// The clocks at the best of its places.
+  ClockReading read_cut(const Cut& c);
   /// The first n_fit samples.
   Mask beginning(std::size_t n_fit) const;
   bool is_clipped(std::int64_t first) const;

@@ -58,10 +58,12 @@ std::vector<WavePlace> find_places(const WaveTemplate& wave, const Spectrum& sou
   peaks.resize(n_others);
   // the inverse holds sums of products over sqrt(n_window)
   const double scale = 0.5 * static_cast<double>(wave.n_window()) / wave.energy();
-  const double height = std::max(0.0, best.height);
-  std::vector<WavePlace> places{{0.5 * static_cast<double>(best.at), 0.0}};
-  for (const Peak& peak : peaks)
-    places.push_back({0.5 * static_cast<double>(peak.at), scale * (height * height - peak.height * peak.height)});
+  const auto place = [&](const Peak& peak) {
+    const double height = std::max(0.0, peak.height);
+    return WavePlace{0.5 * static_cast<double>(peak.at), scale * height * height};
+  };
+  std::vector<WavePlace> places{place(best)};
+  for (const Peak& peak : peaks) places.push_back(place(peak));
   return places;
 }
 

@@ -10,7 +10,7 @@ namespace bouncelab {
 /// Where a wave may lie.
 struct WavePlace {
   double shift = 0.0;
-  double lead = 0.0;  ///< log likelihood ratio of the best place to this one, noise variance 1
+  double gain = 0.0;  ///< log likelihood ratio against no impact, noise variance 1
 };
 
 /// Shifts from ... to, in steps of a half, at which the likelihood, maximised over a positive amplitude, has a

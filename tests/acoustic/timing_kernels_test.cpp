@@ -222,10 +222,10 @@ TEST(FindPlaces, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
   EXPECT_NEAR(places[0].shift, 6.0, 0.5);
   for (std::size_t k = 1; k < 5; ++k) {
     EXPECT_NEAR(std::abs(places[k].shift - 6.0), k < 3 ? 20.0 : 40.0, 1.0) << k;
-    EXPECT_GE(places[k].lead, places[k - 1].lead) << k;
+    EXPECT_LE(places[k].gain, places[k - 1].gain) << k;
   }
   // energy (1 - r^2) / 2 with r = exp(-20^2 / 3600), the packet's correlation with itself a cycle later
-  EXPECT_NEAR(places[1].lead / wave.energy(), 0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
+  EXPECT_NEAR((places[0].gain - places[1].gain) / wave.energy(), 0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
 }
 
 TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
