@@ -173,18 +173,10 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   Cut c = cut(start, end);
   c.places = places_in(c, -reach, reach);
   for (int again = 0; again < kMostCuts && std::abs(c.places.front().shift) > kFarOff; ++again) {
-    // the window's edge has cut what is far off, so that other places may have seemed as likely
-    const WavePlace best = c.places.front();
-    const bool is_settled = c.places.size() < 2 || lead(best, c.places[1], misfit(c, best.gain)) > kSettled;
-    const std::int64_t moved = std::llround(best.shift);
-    std::vector<WavePlace> places = std::move(c.places);
-    c = cut(c.first + moved, end);
-    const auto from_start = static_cast<double>(c.first - start);
-    if (!is_settled)
-      places = places_in(c, -reach - from_start, reach - from_start);
-    else
-      for (WavePlace& place : places) place.shift -= static_cast<double>(moved);
-    c.places = std::move(places);
+    // the window's edge has cut what is far off: it may lie elsewhere, and other places may have seemed as likely
+    c = cut(c.first + std::llround(c.places.front().shift), end);
+    const auto moved = static_cast<double>(c.first - start);
+    c.places = places_in(c, -reach - moved, reach - moved);
   }
   const ClockReading r = read_cut(c);
   TimedImpact t;
