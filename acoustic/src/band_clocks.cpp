@@ -20,11 +20,6 @@ constexpr double kLeastShare = 0.25;     // of what a band knows on average
 constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
 // disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
 constexpr double kPriorClocks = 8.0;
-constexpr int kRounds = 8;
-constexpr double kLeastOfTypical = 0.5;  // phase variance of the steadiest clock over that of the typical one
-constexpr double kPriorImpacts = 4.0;    // impacts that the typical phase variance is worth
-constexpr double kLeastShareKept = 0.2;  // of a clock's variance: the mean follows none altogether
-constexpr double kMostCorrelated = 0.95;
 constexpr int kMostSteps = 6;
 constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
 constexpr double kLargestMove = 1.0;  // samples; the clocks of the highest frequencies turn by half a cycle
@@ -55,103 +50,6 @@ Sums sums_at(const Spectrum& z, const BandClocks& clocks, double omega, double s
   return sums;
 }
 
-/// Jitter at which the squared deviations of one clock, each over its expected size, average 1.
-double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise,
-                 const std::vector<double>& share) {
-  const auto excess = [&](double jitter2) {
-    double total = 0.0;
-    for (std::size_t k = 0; k < squares.size(); ++k)
-      total += std::min(squares[k] / (share[k] * (noise[k] + jitter2)), 9.0) - 1.0;  // a knock is no jitter
-    return total;
-  };
-  if (excess(0.0) <= 0.0) return 0.0;
-  double lo = 0.0;
-  double hi = *std::max_element(squares.begin(), squares.end()) * 10.0;
-  for (int step = 0; step < 60 && hi - lo > 1e-6 * hi; ++step) {
-    const double middle = 0.5 * (lo + hi);
-    (excess(middle) > 0.0 ? lo : hi) = middle;
-  }
-  return 0.5 * (lo + hi);
-}
-
-/// Deviations of each clock from the mean of all, by clock and impact.
-struct Disagreement {
-  std::vector<std::vector<double>> deviation, squares, noise;
-  std::vector<std::vector<double>> weight;  // of each clock in the mean, the sum of an impact's being 1
-};
-
-Disagreement disagreement(const std::vector<ClockReading>& readings, const BandClocks& clocks) {
-  const std::size_t n = clocks.n();
-  const std::vector<std::vector<double>> room(n, std::vector<double>(readings.size()));
-  Disagreement d{room, room, room, room};
-  for (std::size_t k = 0; k < readings.size(); ++k) {
-    const ClockReading& r = readings[k];
-    double weights = 0.0;
-    double mean = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
-      weights += weight;
-      mean += weight * r.deviation[j];
-    }
-    mean /= weights;
-    for (std::size_t j = 0; j < n; ++j) {
-      d.deviation[j][k] = r.deviation[j] - mean;
-      d.squares[j][k] = (r.deviation[j] - mean) * (r.deviation[j] - mean);
-      d.noise[j][k] = r.noise_variance[j];
-      d.weight[j][k] = 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights);
-    }
-  }
-  return d;
-}
-
-/// Shares of its variance that a clock's deviations from the mean keep: the mean follows it, and its neighbours with
-/// it.
-std::vector<double> shares(const std::vector<double>& weights, double dependence) {
-  std::vector<double> shares;
-  for (const double weight : weights) shares.push_back(std::max(kLeastShareKept, 1.0 - dependence * weight));
-  return shares;
-}
-
-/// Variance of the mean over what it were if the clocks were independent, from the correlation rho of neighbours,
-/// 1 + 2 sum (1 - lag / n) rho^lag. Taking off the mean has lowered the products of two deviations by
-/// dependence sqrt(w_j w_k). A correlation counts by rho^2 / (rho^2 + its variance): chance alone hardly raises it.
-double dependence(const Disagreement& d, const BandClocks& clocks) {
-  const std::size_t n = clocks.n();
-  double products = 0.0;
-  double pairs = 0.0;
-  for (std::size_t j = 0; j + 1 < n; ++j)
-    for (std::size_t k = 0; k < d.noise[j].size(); ++k) {
-      const auto z = [&](std::size_t c) {
-        return std::clamp(d.deviation[c][k] / std::sqrt(d.noise[c][k] + clocks.jitter2[c]), -3.0, 3.0);
-      };
-      products += z(j) * z(j + 1) + clocks.dependence * std::sqrt(d.weight[j][k] * d.weight[j + 1][k]);
-      pairs += 1.0;
-    }
-  const double found = std::clamp(products / pairs, 0.0, kMostCorrelated);
-  const double rho = found * found * found / (found * found + 1.0 / pairs);
-  double sum = 1.0;
-  for (std::size_t lag = 1; lag < n; ++lag)
-    sum += 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(n)) * std::pow(rho, lag);
-  return sum;
-}
-
-/// A mode's phase wanders about alike at all frequencies: each clock's jitter is drawn to that of the typical one.
-void draw_to_typical(const WaveTemplate& wave, double n_impacts, BandClocks& clocks) {
-  const std::size_t n = clocks.n();
-  const auto energy_over_information = [&](std::size_t j) {
-    return wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
-           (wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
-  };
-  std::vector<double> phase2(n);
-  for (std::size_t j = 0; j < n; ++j) phase2[j] = clocks.jitter2[j] / (energy_over_information(j) + 1e-30);
-  std::vector<double> sorted = phase2;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
-  const double typical = sorted[n / 2];
-  for (std::size_t j = 0; j < n; ++j)
-    clocks.jitter2[j] = (n_impacts * std::max(phase2[j], kLeastOfTypical * typical) + kPriorImpacts * typical) /
-                        (n_impacts + kPriorImpacts) * energy_over_information(j);
-}
-
 /// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
 void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
   const auto knows = [&](std::size_t j) { return wave.information(edge[j], edge[j + 1]); };
@@ -171,12 +69,11 @@ void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
 /// What a clock adds to the variance of the mean because its jitter, and so its share in the mean, is only estimated:
 /// 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a clock that
 /// the mean follows has few; noise is known.
-double doubt_of_weight(const BandClocks& clocks, std::size_t j, double share, double variance) {
+double doubt_of_weight(const BandClocks& clocks, double share, double share_of_jitter) {
   if (clocks.n_learned == 0) return 0.0;
-  const double estimated = clocks.jitter2[j] / variance;
-  const double kept = std::max(kLeastShareKept, 1.0 - clocks.dependence * share);
+  const double kept = std::max(kLeastShareKept, 1.0 - clocks.dependence_of_mean(share_of_jitter) * share);
   const double n_free = static_cast<double>(clocks.n_learned) * kept * kept;
-  return 4.0 * share * (1.0 - share) * estimated * estimated / n_free;
+  return 4.0 * share * (1.0 - share) * share_of_jitter * share_of_jitter / n_free;
 }
 
 }  // namespace
@@ -260,33 +157,22 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
     mean /= weights;
     double chi2 = 0.0;
     double doubt = 1.0;
+    double share_of_jitter = 0.0;
     for (std::size_t j = 0; j < n; ++j) {
       const double variance = r.noise_variance[j] + clocks.jitter2[j];
+      const double share = 1.0 / (variance * weights);
       chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / variance;
-      doubt += doubt_of_weight(clocks, j, 1.0 / (variance * weights), variance);
+      doubt += doubt_of_weight(clocks, share, clocks.jitter2[j] / variance);
+      share_of_jitter += share * clocks.jitter2[j] / variance;
     }
     const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
-    r.variance = scale * doubt * clocks.dependence / weights;
+    r.variance = scale * doubt * clocks.dependence_of_mean(share_of_jitter) / weights;
     const double move = std::clamp(mean, -kLargestMove, kLargestMove);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
     if (std::abs(move) < kArrived) break;
   }
   return r;
-}
-
-void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks) {
-  const std::size_t n = clocks.n();
-  if (readings.size() < 3 || n < 2) return;
-  clocks.dependence = 1.0;
-  clocks.n_learned = readings.size();
-  for (int round = 0; round < kRounds; ++round) {
-    const Disagreement d = disagreement(readings, clocks);
-    for (std::size_t j = 0; j < n; ++j)
-      clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], shares(d.weight[j], clocks.dependence));
-    draw_to_typical(wave, static_cast<double>(readings.size()), clocks);
-    clocks.dependence = dependence(disagreement(readings, clocks), clocks);
-  }
 }
 
 }  // namespace bouncelab

@@ -8,6 +8,9 @@
 
 namespace bouncelab {
 
+/// Least share of its variance that a clock's deviations from the mean keep: the mean follows none altogether.
+inline constexpr double kLeastShareKept = 0.2;
+
 /// Bands of a wave's spectrum, each a clock of its own that says when an impact was.
 ///
 /// A band's time errs by the noise, with variance noise / (amplitude^2 sum omega^2 |wave|^2), and by the modes in it
@@ -18,9 +21,11 @@ struct BandClocks {
   std::vector<std::size_t> edge;  ///< bins; band j is edge[j] ... edge[j+1] - 1
   std::vector<double> noise;      ///< variance of the noise in each real and imaginary part
   std::vector<double> jitter2;    ///< [samples^2]
-  double dependence = 1.0;        ///< variance of the clocks' mean over what it were if they were independent
+  double dependence = 1.0;        ///< variance of the jitter's mean over what it were if the clocks were independent
   std::size_t n_learned = 0;      ///< impacts that the jitter is known from; 0 = it is known
   std::size_t n() const { return noise.size(); }
+  /// The same for an impact's mean in whose variance jitter has a share: noise is independent from clock to clock.
+  double dependence_of_mean(double share_of_jitter) const { return 1.0 + (dependence - 1.0) * share_of_jitter; }
 };
 
 /// A wave and what its bands know.
@@ -72,10 +77,5 @@ struct ClockReading {
 ///
 /// by Gauss and Newton; the variance follows how far the clocks disagree, (8 + chi2) / (8 + n - 1) of what is expected.
 ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start);
-
-/// Jitter of each clock from how the readings of many impacts disagree, and how neighbours err together. No clock is
-/// taken for much better than the others: one that the mean follows disagrees with nothing.
-/// @param wave  that of the readings
-void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks);
 
 }  // namespace bouncelab

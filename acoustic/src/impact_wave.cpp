@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
+#include "clock_jitter.hpp"
 #include "clock_noise.hpp"
 #include "coherent_share.hpp"
 #include "products.hpp"

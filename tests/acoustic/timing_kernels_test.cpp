@@ -11,6 +11,7 @@
 #include "band_clocks.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
+#include "clock_jitter.hpp"
 #include "coherent_share.hpp"
 #include "cycle_choice.hpp"
 #include "fourier.hpp"
@@ -171,6 +172,35 @@ TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
   }
   EXPECT_GT(std::sqrt(pull2), 0.8);
   EXPECT_LT(std::sqrt(pull2), 1.25);
+}
+
+TEST(BandClocks, FindNoJitterWhereThereIsOnlyNoise) {
+  Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  constexpr float kLevel = 0.2F;
+  const double bound = kLevel / std::sqrt(wave.information(0, wave.wave().size()));
+  double mean = 0.0;
+  constexpr int kDrops = 40;
+  for (int drop = 0; drop < kDrops; ++drop) {
+    BandClocks clocks = equal_clocks(wave);
+    std::vector<ClockReading> readings;
+    for (int k = 0; k < 32; ++k) {
+      std::vector<float> x = modes(100.0, kNoPhases);
+      const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(1000 * drop + k) + 7);
+      for (std::size_t n = 0; n < kWindow; ++n) x[n] = x[n] / kLevel + w[n];
+      readings.push_back(read_clocks(wave, clocks, fourier.forward(x), 0.0));
+    }
+    learn_jitter(readings, wave, clocks);
+    std::vector<float> quiet = modes(100.0, kNoPhases);
+    for (float& v : quiet) v /= kLevel;
+    const double variance = read_clocks(wave, clocks, fourier.forward(quiet), 0.0).variance;
+    // where they agree chi2 is 0, and the scale 8 / (8 + n - 1)
+    const double stated = std::sqrt(variance * (8.0 + static_cast<double>(clocks.n()) - 1.0) / 8.0) / bound;
+    mean += stated / kDrops;
+  }
+  // 32 impacts know eight jitters of 0 to a fifth of the noise each, and none is below 0; that they know their
+  // correlation no better than a chance of 0.1 must not add to it
+  EXPECT_NEAR(mean, 1.0, 0.05);
 }
 
 std::vector<ImpactPlaces> train(double lead) {

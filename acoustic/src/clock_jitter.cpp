@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "clock_jitter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace bouncelab {
+namespace {
+
+constexpr int kRounds = 8;
+constexpr double kLeastOfTypical = 0.5;  // phase variance of the steadiest clock over that of the typical one
+constexpr double kPriorImpacts = 4.0;    // impacts that the typical phase variance is worth
+constexpr double kMostCorrelated = 0.95;
+
+/// Jitter at which the squared deviations of one clock, each over its expected size, average 1.
+double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise,
+                 const std::vector<double>& share) {
+  const auto excess = [&](double jitter2) {
+    double total = 0.0;
+    for (std::size_t k = 0; k < squares.size(); ++k)
+      total += std::min(squares[k] / (share[k] * (noise[k] + jitter2)), 9.0) - 1.0;  // a knock is no jitter
+    return total;
+  };
+  if (excess(0.0) <= 0.0) return 0.0;
+  double lo = 0.0;
+  double hi = *std::max_element(squares.begin(), squares.end()) * 10.0;
+  for (int step = 0; step < 60 && hi - lo > 1e-6 * hi; ++step) {
+    const double middle = 0.5 * (lo + hi);
+    (excess(middle) > 0.0 ? lo : hi) = middle;
+  }
+  return 0.5 * (lo + hi);
+}
+
+/// Deviations of each clock from the mean of all, by clock and impact.
+struct Disagreement {
+  std::vector<std::vector<double>> deviation, squares, noise;
+  std::vector<std::vector<double>> weight;  // of each clock in the mean, the sum of an impact's being 1
+  std::vector<double> dependence;           // variance of an impact's mean over what it were if clocks were independent
+};
+
+Disagreement disagreement(const std::vector<ClockReading>& readings, const BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  const std::vector<std::vector<double>> room(n, std::vector<double>(readings.size()));
+  Disagreement d{room, room, room, room, std::vector<double>(readings.size())};
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const ClockReading& r = readings[k];
+    double weights = 0.0;
+    double mean = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
+      weights += weight;
+      mean += weight * r.deviation[j];
+    }
+    mean /= weights;
+    double share_of_jitter = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      d.deviation[j][k] = r.deviation[j] - mean;
+      d.squares[j][k] = (r.deviation[j] - mean) * (r.deviation[j] - mean);
+      d.noise[j][k] = r.noise_variance[j];
+      d.weight[j][k] = 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights);
+      share_of_jitter += d.weight[j][k] * clocks.jitter2[j] / (r.noise_variance[j] + clocks.jitter2[j]);
+    }
+    d.dependence[k] = clocks.dependence_of_mean(share_of_jitter);
+  }
+  return d;
+}
+
+/// Shares of its variance that a clock's deviations from the mean keep: the mean follows it, and its neighbours with
+/// it.
+std::vector<double> shares(const Disagreement& d, std::size_t clock) {
+  std::vector<double> shares;
+  for (std::size_t k = 0; k < d.dependence.size(); ++k)
+    shares.push_back(std::max(kLeastShareKept, 1.0 - d.dependence[k] * d.weight[clock][k]));
+  return shares;
+}
+
+/// Variance of the jitter's mean over what it were if the clocks were independent, from the correlation rho of the
+/// jitter of neighbours, 1 + 2 sum (1 - lag / n) rho^lag. Taking off the mean has lowered the products of two
+/// deviations by dependence sqrt(w_j w_k). A correlation counts by rho^2 / (rho^2 + its variance): chance alone hardly
+/// raises it.
+double dependence(const Disagreement& d, const BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  double products = 0.0;
+  double pairs = 0.0;
+  for (std::size_t j = 0; j + 1 < n; ++j)
+    for (std::size_t k = 0; k < d.dependence.size(); ++k) {
+      const auto variance = [&](std::size_t c) { return d.noise[c][k] + clocks.jitter2[c]; };
+      const auto z = [&](std::size_t c) { return std::clamp(d.deviation[c][k] / std::sqrt(variance(c)), -3.0, 3.0); };
+      const double product = z(j) * z(j + 1) + d.dependence[k] * std::sqrt(d.weight[j][k] * d.weight[j + 1][k]);
+      const double jitter2 = clocks.jitter2[j] * clocks.jitter2[j + 1] / (variance(j) * variance(j + 1));
+      products += std::sqrt(jitter2) * product;
+      pairs += jitter2;
+    }
+  const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMostCorrelated);
+  const double rho = found * found * found / (found * found + 1.0 / (pairs + 1e-30));
+  double sum = 1.0;
+  for (std::size_t lag = 1; lag < n; ++lag)
+    sum += 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(n)) * std::pow(rho, lag);
+  return sum;
+}
+
+/// A mode's phase wanders about alike at all frequencies: each clock's jitter is drawn to that of the typical one.
+void draw_to_typical(const WaveTemplate& wave, double n_impacts, BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  const auto energy_over_information = [&](std::size_t j) {
+    return wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
+           (wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30);
+  };
+  std::vector<double> phase2(n);
+  for (std::size_t j = 0; j < n; ++j) phase2[j] = clocks.jitter2[j] / (energy_over_information(j) + 1e-30);
+  std::vector<double> sorted = phase2;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+  const double typical = sorted[n / 2];
+  for (std::size_t j = 0; j < n; ++j)
+    clocks.jitter2[j] = (n_impacts * std::max(phase2[j], kLeastOfTypical * typical) + kPriorImpacts * typical) /
+                        (n_impacts + kPriorImpacts) * energy_over_information(j);
+}
+
+}  // namespace
+
+void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks) {
+  const std::size_t n = clocks.n();
+  if (readings.size() < 3 || n < 2) return;
+  clocks.dependence = 1.0;
+  clocks.n_learned = readings.size();
+  for (int round = 0; round < kRounds; ++round) {
+    const Disagreement d = disagreement(readings, clocks);
+    for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], shares(d, j));
+    draw_to_typical(wave, static_cast<double>(readings.size()), clocks);
+    clocks.dependence = dependence(disagreement(readings, clocks), clocks);
+  }
+}
+
+}  // namespace bouncelab
