@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/table.hpp"
+
+namespace bouncelab::cli {
+
+/// What the module of HDF5 offers, under the name kHdf5Entry. It is loaded when a file asks for it: HDF5 brings forty
+/// libraries along, and to load them takes as long as to hear five seconds of sound.
+struct Hdf5Functions {
+  Table (*read)(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+  void (*write)(const std::filesystem::path& path, const Table& table, const std::string& name);
+};
+
+inline constexpr const char* kHdf5Entry = "bouncelab_hdf5_functions";
+
+}  // namespace bouncelab::cli
