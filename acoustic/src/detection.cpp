@@ -2,6 +2,7 @@
 #include "bouncelab/acoustic/detection.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <utility>
@@ -22,7 +23,9 @@ namespace {
 
 // enough poles for the loudest twenty-odd modes of a plate; more buys nothing on noise
 constexpr int kOrder = 48;
-constexpr double kLowRate_hz = 4e3;  // sampling rate of the low band: soft balls end at 1.5 kHz
+// sampling rates of the low bands: rubber ends at 1.5 kHz, a basketball's thump at 200 Hz
+constexpr std::array<double, 2> kLowRates_hz{4e3, 1e3};
+constexpr double kMoreToSay = 1.5;  // log odds: of three bands one is best by chance
 constexpr double kLowestRate_hz = 4e3;
 constexpr double kHighestRate_hz = 4e6;
 constexpr double kConvincing = 40.0;  // log odds of trains, about a dozen impacts
@@ -86,13 +89,17 @@ Hearing hear(const Sound& sound, int channel, const ProgressCallback& progress) 
   return h;
 }
 
-/// Hears the channel in its whole band and, where that leaves doubt, in the low band of soft balls.
+/// Hears the channel in its whole band and, where that leaves doubt, in the low bands of soft balls. A lower band knows
+/// the times less well: it must have more to say.
 Hearing hear_in_bands(const Sound& sound, int channel, const ProgressCallback& progress) {
-  Hearing whole = hear(sound, channel, progress);
-  const int factor = static_cast<int>(sound.rate_hz / kLowRate_hz);
-  if (factor < 2 || whole.log_odds() > kConvincing) return whole;
-  Hearing low = hear(low_band(sound, factor), channel, progress);
-  return low.log_odds() > whole.log_odds() ? std::move(low) : std::move(whole);
+  Hearing best = hear(sound, channel, progress);
+  for (const double rate_hz : kLowRates_hz) {
+    const int factor = static_cast<int>(sound.rate_hz / rate_hz);
+    if (factor < 2 || best.log_odds() > kConvincing) continue;
+    Hearing low = hear(low_band(sound, factor), channel, progress);
+    if (low.log_odds() > best.log_odds() + kMoreToSay) best = std::move(low);
+  }
+  return best;
 }
 
 /// Standard deviation of the innovations in the quiet tenth: noise without hum and drift.
@@ -147,7 +154,8 @@ std::int64_t count_flag(const Onsets& onsets, const char* flag) {
 }
 
 /// What the user should know of the onsets before he believes them.
-std::vector<std::string> warnings_for(const Detection& d, bool low_band) {
+/// @param heard_rate_hz  sampling rate of the band in which the impacts were heard
+std::vector<std::string> warnings_for(const Detection& d, double heard_rate_hz) {
   std::vector<std::string> warnings;
   if (d.onsets.empty()) return warnings;
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
@@ -157,7 +165,9 @@ std::vector<std::string> warnings_for(const Detection& d, bool low_band) {
   if (const auto n = count_flag(d.onsets, "doubtful"); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "may be a cycle of their sound off (flag doubtful, sigma_t_s says how far)");
-  if (low_band)
+  if (heard_rate_hz < 0.5 * kLowRates_hz.front())
+    warnings.push_back("the impacts were heard below 500 Hz only: times to a millisecond or two at best");
+  else if (heard_rate_hz < d.summary.rate_hz)
     warnings.push_back("the impacts were heard below 2 kHz only: times to a fraction of a millisecond at best");
   if (!d.summary.contact_time_at_1_mps_s)
     warnings.push_back(
@@ -197,7 +207,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
   d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
   conclude(d);
-  d.warnings = warnings_for(d, best.sound.rate_hz < sound.rate_hz);
+  d.warnings = warnings_for(d, best.sound.rate_hz);
   return d;
 }
 

@@ -144,6 +144,7 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
   TrainState s;
   s.first_s = first.candidate.t_s;
   s.flight_s = second.candidate.t_s - s.first_s;
+  s.first_flight_s = s.flight_s;
   s.last = {to_heard(second), to_heard(first)};
   s.log_amplitude = second.log_amplitude;
   const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
@@ -206,12 +207,14 @@ double log_odds_before(const HeardSound& before, const HeardSound& first, double
 bool is_ball_like(const TrainState& s) {
   if (s.n_heard < kLeastImpacts || s.last[0].t_s - s.first_s < kShortestTrain_s) return false;
   const double n = s.n_eps;
+  // single losses must not make a ball of a rhythm, nor single gains hide that it is one
+  const double log_loss = std::min(s.log_loss, std::log(s.first_flight_s / s.flight_s));
   const double scatter = std::sqrt(std::max(0.0, s.sum_squares - s.sum_jitter_squares) / n);
   const double least_over_scatter =
       std::min(n * kLossOverScatter * scatter, std::max(kMuchLogLoss, n * kLeastOverScatter * scatter));
   return static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
          s.n_outliers <= 1 + kMostOutliers * n && s.n_gains <= kMostGains * n && s.n_losing >= kLeastLosing * n &&
-         s.log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), least_over_scatter});
+         log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), least_over_scatter});
 }
 
 }  // namespace bouncelab

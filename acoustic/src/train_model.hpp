@@ -33,6 +33,7 @@ struct HeardSound {
 struct TrainState {
   double log_odds = 0.0;  ///< against chance
   double flight_s = 0.0;  ///< last interval, or what it would have been
+  double first_flight_s = 0.0;
   double mean_log_eps = 0.0;
   double mean_eps = 1.0;
   double sum_squares = 0.0;         ///< of the deviations of log eps from its running mean, large ones cut

@@ -146,6 +146,22 @@ double judged(const HeardSounds& sounds, const Train& train) {
   return state ? state->log_odds - kStranger * n_strangers(sounds, own) : train.log_odds;
 }
 
+/// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
+/// about as well, the train begins there.
+void begin_at_source(const HeardSounds& sounds, std::size_t first_free, Train& train) {
+  constexpr double kAsWell = 2.0;  // log odds of the echo against its source, by which intervals may prefer it
+  const std::vector<Candidate>& c = sounds.candidates;
+  const std::size_t first = train.impacts[0].candidate;
+  double best = judged(sounds, train) - kAsWell;
+  Train other = train;
+  for (std::size_t k = first; k-- > first_free && c[first].t_s - c[k].t_s < kEcho_s;) {
+    if (c[k].amplitude < c[first].amplitude) continue;
+    other.impacts[0].candidate = k;
+    const double odds = judged(sounds, other);
+    if (odds > best) best = odds, train.impacts[0].candidate = k;
+  }
+}
+
 /// ln of a train's first coefficient of restitution; absent where an impact is missing.
 std::optional<double> first_log_eps(const std::vector<Candidate>& c, const Train& train) {
   if (train.impacts[2].impact != 2) return {};
@@ -176,6 +192,7 @@ void review_trains(const HeardSounds& sounds, std::vector<Train>& trains) {
   std::size_t first_free = 0;
   for (Train& train : trains) {
     begin_again(sounds, first_free, train);
+    if (train.log_odds < kSureLogOdds) begin_at_source(sounds, first_free, train);
     first_free = train.impacts.back().candidate + 1;
   }
   for (Train& train : trains)

@@ -62,6 +62,26 @@ TEST(Trains, BeginWithTheFirstImpactAndNotWithItsEcho) {
   }
 }
 
+TEST(Trains, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
+  int n_begun = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Random random(seed, RandomStream::test, 3);
+    std::vector<Candidate> candidates;
+    double flight_s = 0.6;
+    double t_s = 0.4;
+    for (int k = 0; k < 6; ++k) {
+      const double amplitude = 500.0 * flight_s * std::exp(0.25 * random.normal());
+      candidates.push_back({t_s, amplitude, 0.4e-3, 50.0});
+      candidates.push_back({t_s + 12e-3, 0.6 * amplitude * std::exp(0.3 * random.normal()), 0.4e-3, 20.0});
+      t_s += flight_s;
+      flight_s *= (0.68 + 0.008 * k) * std::exp(0.01 * random.normal());
+    }
+    const std::vector<Train> trains = find_trains(candidates, 5e-5);
+    n_begun += trains.size() == 1 && trains[0].impacts.front().candidate == 0 ? 1 : 0;
+  }
+  EXPECT_GE(n_begun, 36);  // 26 where an echo is as good a first impact as its source
+}
+
 TEST(Trains, KnowABallFromItsOtherDrop) {
   // a drop of eight impacts, then one of four among other sounds and with an echo each
   int n_found = 0;
