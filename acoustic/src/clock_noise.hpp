@@ -13,8 +13,9 @@ namespace bouncelab {
 /// weighs them, by omega^2 |wave|^2. (A plain mean is wrong where the whitened noise is not flat within a band, and it
 /// is not where the whitener has learned the modes too: it is quiet just where the wave is loud.) From the quieter half
 /// of the windows that end where impacts begin; in the others something still rings.
+/// @return  sum of squares of such a window, averaged
 /// @param begins  samples at which the windows of impacts begin, not empty
-void learn_noise(const Sound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
-                 const WaveTemplate& wave, BandClocks& clocks);
+double learn_noise(const Sound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
+                   const WaveTemplate& wave, BandClocks& clocks);
 
 }  // namespace bouncelab

@@ -149,14 +149,14 @@ class Learner {
     learned_.clocks = equal_clocks(learned_.wave);
     std::vector<std::int64_t> begins;
     for (const Row& row : rows_) begins.push_back(row.window.first);
-    learn_noise(sound_, learned_.whitener, begins, learned_.wave, learned_.clocks);
+    const double quiet = learn_noise(sound_, learned_.whitener, begins, learned_.wave, learned_.clocks);
     for (int round = 0; round < 2; ++round) {
       align(false);
       std::vector<ClockReading> readings;
       for (const Row& row : rows_)
         if (row.correlation >= kLeastCorrelation) readings.push_back(row.reading);
       learn_jitter(readings, learned_.wave, learned_.clocks);
-      if (learned_.clocks.n() < kFewestClocks) doubt_few_clocks();
+      if (learned_.clocks.n() < kFewestClocks) doubt_few_clocks(quiet);
       average();
     }
   }
@@ -207,16 +207,18 @@ class Learner {
   }
 
  private:
-  /// One or two clocks cannot disagree: what of the impacts the wave leaves unexplained is taken for phases that
-  /// differ, half of it, in each clock.
-  void doubt_few_clocks() {
-    std::vector<double> squares;
+  /// One or two clocks cannot disagree: what of the impacts neither the wave nor noise explains is taken for phases
+  /// that differ, half of it, in each clock.
+  /// @param quiet  sum of squares of a window without impact
+  void doubt_few_clocks(double quiet) {
+    std::vector<double> unexplained;  // over what the wave explains
     for (const Row& row : rows_)
-      if (row.correlation >= kLeastCorrelation) squares.push_back(row.correlation * row.correlation);
-    if (squares.empty()) return;
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    const double phase2 = 0.5 * (1.0 - *middle) / *middle;
+      if (row.correlation >= kLeastCorrelation)
+        unexplained.push_back(std::max(0.0, row.total - 2.0 * row.reading.gain - quiet) / (2.0 * row.reading.gain));
+    if (unexplained.empty()) return;
+    const auto middle = unexplained.begin() + static_cast<std::ptrdiff_t>(unexplained.size() / 2);
+    std::nth_element(unexplained.begin(), middle, unexplained.end());
+    const double phase2 = 0.5 * *middle;
     BandClocks& clocks = learned_.clocks;
     for (std::size_t j = 0; j < clocks.n(); ++j)
       clocks.jitter2[j] =
