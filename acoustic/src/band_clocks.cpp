@@ -66,14 +66,30 @@ void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
   }
 }
 
-/// What a clock adds to the variance of the mean because its jitter, and so its share in the mean, is only estimated:
-/// 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a clock that
-/// the mean follows has few; noise is known.
-double doubt_of_weight(const BandClocks& clocks, double share, double share_of_jitter) {
-  if (clocks.n_learned == 0) return 0.0;
-  const double kept = std::max(kLeastShareKept, 1.0 - clocks.dependence_of_mean(share_of_jitter) * share);
-  const double n_free = static_cast<double>(clocks.n_learned) * kept * kept;
-  return 4.0 * share * (1.0 - share) * share_of_jitter * share_of_jitter / n_free;
+/// What is added to the variance of the mean because jitters, and so weights, are only estimated:
+/// sum 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a clock
+/// that the mean follows has few; noise is known.
+double doubt_of_weights(const BandClocks& clocks, const MeanOfClocks& mean) {
+  double doubt = 1.0;
+  for (std::size_t j = 0; clocks.n_learned > 0 && j < clocks.n(); ++j) {
+    const double kept = std::max(kLeastShareKept, 1.0 - mean.dependence * mean.weight[j]);
+    const double n_free = static_cast<double>(clocks.n_learned) * kept * kept;
+    doubt += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
+  }
+  return doubt;
+}
+
+/// Variance of the shift, from how far the clocks disagree.
+double variance_of(const ClockReading& r, const BandClocks& clocks) {
+  const MeanOfClocks m = mean_of_clocks(clocks, r.noise_variance);
+  const std::size_t n = clocks.n();
+  double mean = 0.0;
+  for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
+  double chi2 = 0.0;
+  for (std::size_t j = 0; j < n; ++j)
+    chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + clocks.jitter2[j]);
+  const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
+  return scale * doubt_of_weights(clocks, m) * m.variance;
 }
 
 }  // namespace
@@ -128,6 +144,35 @@ BandClocks equal_clocks(const WaveTemplate& wave) {
   return clocks;
 }
 
+MeanOfClocks mean_of_clocks(const BandClocks& clocks, const std::vector<double>& noise_variance) {
+  const std::size_t n = clocks.n();
+  MeanOfClocks m;
+  double weights = 0.0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double variance = noise_variance[j] + clocks.jitter2[j];
+    weights += 1.0 / variance;
+    m.weight.push_back(1.0 / variance);
+    m.jitter.push_back(clocks.jitter2[j] / variance);
+  }
+  for (double& weight : m.weight) weight /= weights;
+  // sums over the others of sqrt(weight jitter) rho^lag, those below and those above
+  std::vector<double> others(n, 0.0);
+  double below = 0.0, above = 0.0;
+  const auto part = [&](std::size_t j) { return std::sqrt(m.weight[j] * m.jitter[j]); };
+  for (std::size_t j = 1; j < n; ++j) {
+    below = clocks.correlation * (below + part(j - 1));
+    above = clocks.correlation * (above + part(n - j));
+    others[j] += below;
+    others[n - 1 - j] += above;
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    m.with.push_back(1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j]);
+    m.dependence += part(j) * others[j];
+  }
+  m.variance = m.dependence / weights;
+  return m;
+}
+
 ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const Spectrum& sound, double start) {
   const Spectrum z = product_conj(wave.wave(), sound);
   Spectrum moved = z;
@@ -155,23 +200,12 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
       mean += weight * r.deviation[j];
     }
     mean /= weights;
-    double chi2 = 0.0;
-    double doubt = 1.0;
-    double share_of_jitter = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      const double variance = r.noise_variance[j] + clocks.jitter2[j];
-      const double share = 1.0 / (variance * weights);
-      chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / variance;
-      doubt += doubt_of_weight(clocks, share, clocks.jitter2[j] / variance);
-      share_of_jitter += share * clocks.jitter2[j] / variance;
-    }
-    const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
-    r.variance = scale * doubt * clocks.dependence_of_mean(share_of_jitter) / weights;
     const double move = std::clamp(mean, -kLargestMove, kLargestMove);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
     if (std::abs(move) < kArrived) break;
   }
+  if (r.amplitude > 0.0) r.variance = variance_of(r, clocks);
   return r;
 }
 

@@ -21,11 +21,9 @@ struct BandClocks {
   std::vector<std::size_t> edge;  ///< bins; band j is edge[j] ... edge[j+1] - 1
   std::vector<double> noise;      ///< variance of the noise in each real and imaginary part
   std::vector<double> jitter2;    ///< [samples^2]
-  double dependence = 1.0;        ///< variance of the jitter's mean over what it were if the clocks were independent
+  double correlation = 0.0;       ///< of the jitter of neighbours; of clocks further apart its power
   std::size_t n_learned = 0;      ///< impacts that the jitter is known from; 0 = it is known
   std::size_t n() const { return noise.size(); }
-  /// The same for an impact's mean in whose variance jitter has a share: noise is independent from clock to clock.
-  double dependence_of_mean(double share_of_jitter) const { return 1.0 + (dependence - 1.0) * share_of_jitter; }
 };
 
 /// A wave and what its bands know.
@@ -60,6 +58,18 @@ class WaveTemplate {
 /// Up to ten bands of about equal information on the time, parted where the spectrum is low, so that no mode is told by
 /// two clocks; noise 1 and jitter 0.
 BandClocks equal_clocks(const WaveTemplate& wave);
+
+/// The mean of an impact's clocks, weighted by their variances, and how each clock goes with it.
+struct MeanOfClocks {
+  double variance = 0.0;       ///< of the mean
+  double dependence = 1.0;     ///< its variance over what it were if the clocks were independent
+  std::vector<double> weight;  ///< in the mean; the sum is 1
+  std::vector<double> jitter;  ///< share of each clock's variance
+  std::vector<double> with;    ///< covariance of each clock with the mean over what it were if they were independent
+};
+
+/// Noise is independent from clock to clock, jitter is correlated like rho^lag.
+MeanOfClocks mean_of_clocks(const BandClocks& clocks, const std::vector<double>& noise_variance);
 
 /// What the clocks say of one impact.
 struct ClockReading {

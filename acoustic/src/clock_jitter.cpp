@@ -35,33 +35,23 @@ double jitter_of(const std::vector<double>& squares, const std::vector<double>& 
 /// Deviations of each clock from the mean of all, by clock and impact.
 struct Disagreement {
   std::vector<std::vector<double>> deviation, squares, noise;
-  std::vector<std::vector<double>> weight;  // of each clock in the mean, the sum of an impact's being 1
-  std::vector<double> dependence;           // variance of an impact's mean over what it were if clocks were independent
+  std::vector<MeanOfClocks> mean;
 };
 
 Disagreement disagreement(const std::vector<ClockReading>& readings, const BandClocks& clocks) {
   const std::size_t n = clocks.n();
   const std::vector<std::vector<double>> room(n, std::vector<double>(readings.size()));
-  Disagreement d{room, room, room, room, std::vector<double>(readings.size())};
+  Disagreement d{room, room, room, {}};
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const ClockReading& r = readings[k];
-    double weights = 0.0;
+    d.mean.push_back(mean_of_clocks(clocks, r.noise_variance));
     double mean = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
-      weights += weight;
-      mean += weight * r.deviation[j];
-    }
-    mean /= weights;
-    double share_of_jitter = 0.0;
+    for (std::size_t j = 0; j < n; ++j) mean += d.mean[k].weight[j] * r.deviation[j];
     for (std::size_t j = 0; j < n; ++j) {
       d.deviation[j][k] = r.deviation[j] - mean;
       d.squares[j][k] = (r.deviation[j] - mean) * (r.deviation[j] - mean);
       d.noise[j][k] = r.noise_variance[j];
-      d.weight[j][k] = 1.0 / ((r.noise_variance[j] + clocks.jitter2[j]) * weights);
-      share_of_jitter += d.weight[j][k] * clocks.jitter2[j] / (r.noise_variance[j] + clocks.jitter2[j]);
     }
-    d.dependence[k] = clocks.dependence_of_mean(share_of_jitter);
   }
   return d;
 }
@@ -70,34 +60,30 @@ Disagreement disagreement(const std::vector<ClockReading>& readings, const BandC
 /// it.
 std::vector<double> shares(const Disagreement& d, std::size_t clock) {
   std::vector<double> shares;
-  for (std::size_t k = 0; k < d.dependence.size(); ++k)
-    shares.push_back(std::max(kLeastShareKept, 1.0 - d.dependence[k] * d.weight[clock][k]));
+  for (const MeanOfClocks& m : d.mean)
+    shares.push_back(std::max(kLeastShareKept, 1.0 - (2.0 * m.with[clock] - m.dependence) * m.weight[clock]));
   return shares;
 }
 
-/// Variance of the jitter's mean over what it were if the clocks were independent, from the correlation rho of the
-/// jitter of neighbours, 1 + 2 sum (1 - lag / n) rho^lag. Taking off the mean has lowered the products of two
-/// deviations by dependence sqrt(w_j w_k). A correlation counts by rho^2 / (rho^2 + its variance): chance alone hardly
-/// raises it.
-double dependence(const Disagreement& d, const BandClocks& clocks) {
-  const std::size_t n = clocks.n();
+/// Correlation rho of the jitter of neighbours. Taking off the mean has lowered the products of two deviations by
+/// (with_j + with_k - dependence) sqrt(w_j w_k). What is found counts by rho^2 / (rho^2 + its variance): chance alone
+/// hardly raises it.
+double correlation(const Disagreement& d, const BandClocks& clocks) {
   double products = 0.0;
   double pairs = 0.0;
-  for (std::size_t j = 0; j + 1 < n; ++j)
-    for (std::size_t k = 0; k < d.dependence.size(); ++k) {
-      const auto variance = [&](std::size_t c) { return d.noise[c][k] + clocks.jitter2[c]; };
-      const auto z = [&](std::size_t c) { return std::clamp(d.deviation[c][k] / std::sqrt(variance(c)), -3.0, 3.0); };
-      const double product = z(j) * z(j + 1) + d.dependence[k] * std::sqrt(d.weight[j][k] * d.weight[j + 1][k]);
-      const double jitter2 = clocks.jitter2[j] * clocks.jitter2[j + 1] / (variance(j) * variance(j + 1));
-      products += std::sqrt(jitter2) * product;
+  for (std::size_t j = 0; j + 1 < clocks.n(); ++j)
+    for (std::size_t k = 0; k < d.mean.size(); ++k) {
+      const MeanOfClocks& m = d.mean[k];
+      const auto z = [&](std::size_t c) {
+        return std::clamp(d.deviation[c][k] / std::sqrt(d.noise[c][k] + clocks.jitter2[c]), -3.0, 3.0);
+      };
+      const double taken_off = (m.with[j] + m.with[j + 1] - m.dependence) * std::sqrt(m.weight[j] * m.weight[j + 1]);
+      const double jitter2 = m.jitter[j] * m.jitter[j + 1];
+      products += std::sqrt(jitter2) * (z(j) * z(j + 1) + taken_off);
       pairs += jitter2;
     }
   const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMostCorrelated);
-  const double rho = found * found * found / (found * found + 1.0 / (pairs + 1e-30));
-  double sum = 1.0;
-  for (std::size_t lag = 1; lag < n; ++lag)
-    sum += 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(n)) * std::pow(rho, lag);
-  return sum;
+  return found * found * found / (found * found + 1.0 / (pairs + 1e-30));
 }
 
 /// A mode's phase wanders about alike at all frequencies: each clock's jitter is drawn to that of the typical one.
@@ -122,13 +108,13 @@ void draw_to_typical(const WaveTemplate& wave, double n_impacts, BandClocks& clo
 void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks) {
   const std::size_t n = clocks.n();
   if (readings.size() < 3 || n < 2) return;
-  clocks.dependence = 1.0;
+  clocks.correlation = 0.0;
   clocks.n_learned = readings.size();
   for (int round = 0; round < kRounds; ++round) {
     const Disagreement d = disagreement(readings, clocks);
     for (std::size_t j = 0; j < n; ++j) clocks.jitter2[j] = jitter_of(d.squares[j], d.noise[j], shares(d, j));
     draw_to_typical(wave, static_cast<double>(readings.size()), clocks);
-    clocks.dependence = dependence(disagreement(readings, clocks), clocks);
+    clocks.correlation = correlation(disagreement(readings, clocks), clocks);
   }
 }
 

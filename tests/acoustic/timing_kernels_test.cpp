@@ -174,6 +174,30 @@ TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
   EXPECT_LT(std::sqrt(pull2), 1.25);
 }
 
+TEST(BandClocks, MeanHasTheVarianceOfItsCovariances) {
+  // by the full matrix: cov_jk = rho^|j-k| sqrt(J_j J_k), and noise on the diagonal
+  BandClocks clocks;
+  clocks.jitter2 = {1.0, 4.0, 0.1, 2.0, 0.0};
+  clocks.noise.assign(5, 1.0);
+  clocks.correlation = 0.6;
+  const std::vector<double> noise{0.5, 1.0, 0.02, 3.0, 1.5};
+  const auto covariance = [&](std::size_t j, std::size_t k) {
+    const double lag = std::abs(static_cast<double>(j) - static_cast<double>(k));
+    return std::pow(0.6, lag) * std::sqrt(clocks.jitter2[j] * clocks.jitter2[k]) + (j == k ? noise[j] : 0.0);
+  };
+  const MeanOfClocks mean = mean_of_clocks(clocks, noise);
+  double independent = 0.0, variance = 0.0;
+  for (std::size_t j = 0; j < 5; ++j) {
+    double with = 0.0;
+    for (std::size_t k = 0; k < 5; ++k) with += mean.weight[k] * covariance(j, k);
+    variance += mean.weight[j] * with;
+    independent += mean.weight[j] * mean.weight[j] * covariance(j, j);
+    EXPECT_NEAR(mean.with[j], with / (mean.weight[j] * covariance(j, j)), 1e-12) << j;
+  }
+  EXPECT_NEAR(mean.variance, variance, 1e-12);
+  EXPECT_NEAR(mean.dependence, variance / independent, 1e-12);
+}
+
 TEST(BandClocks, FindNoJitterWhereThereIsOnlyNoise) {
   Fourier fourier(kWindow);
   const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
