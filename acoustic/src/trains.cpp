@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t kBeam = 16;
 constexpr double kBeamDepth = 14.0;
-constexpr std::size_t kStatesAtOnce = 1 << 14;  // 4 MB; then those no train needs are forgotten
-constexpr double kHopeless = -9.0;              // log odds below which a young train is not followed
+constexpr std::size_t kStatesAtOnce =
+    1 << 12;                        // 1 MB, which stays in the cache; then those no train needs are forgotten
+constexpr double kHopeless = -9.0;  // log odds below which a young train is not followed
 // log odds that a train may have lost because its own sounds, those to come above all, were counted as rivals
 constexpr double kOwnRivals = 5.0;
 constexpr double kMostGain = 9.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
