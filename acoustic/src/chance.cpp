@@ -65,7 +65,8 @@ std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vec
     for (std::size_t j = k + 1; j < c.size(); ++j) {
       const int octave = octave_of(c[j].t_s - c[k].t_s);
       if (octave >= kChanceOctaves) break;
-      const float alike = timbres.empty() ? 1.0F : probability_alike(timbres[j], timbres[k]);
+      const float alike =
+          timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k])));
       count(c[k], c[j], octave, alike, rivals[k]);
       count(c[j], c[k], octave, alike, rivals[j]);
     }
@@ -82,7 +83,8 @@ Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std
     const int octave = octave_of(std::abs(c[j].t_s - c[k].t_s));
     if (octave >= kChanceOctaves) return false;
     if (!std::binary_search(not_counted.begin(), not_counted.end(), j))
-      count(c[k], c[j], octave, timbres.empty() ? 1.0F : probability_alike(timbres[j], timbres[k]), rivals);
+      count(c[k], c[j], octave,
+            timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k]))), rivals);
     return true;
   };
   for (std::size_t j = k + 1; j < c.size() && count_if_free(j); ++j) {

@@ -25,4 +25,7 @@ std::vector<Timbre> read_timbres(const Sound& sound, const std::vector<Candidate
 /// dB; an octave in which neither is audible says nothing. .02 ... .98.
 float probability_alike(const Timbre& a, const Timbre& b);
 
+/// How much one sound is a rival of another, or of its train: fully, where nothing tells them apart.
+constexpr double rivalry(double probability_alike) { return probability_alike < 0.5 ? 2.0 * probability_alike : 1.0; }
+
 }  // namespace bouncelab

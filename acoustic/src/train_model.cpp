@@ -97,10 +97,12 @@ double odds_of_amplitude(double log_ratio, double log_eps) {
 }
 
 /// Odds that it sounds like the train against its own kind's: what chance offers is of its own kind.
-double odds_of_timbre(const HeardSound& s) { return s.alike.value_or(1.0); }
+double odds_of_timbre(const HeardSound& s) { return rivalry(s.alike.value_or(1.0)); }
 
 /// n sounds of the train, as far as they are rivals of the next.
-double as_rivals(int n, const HeardSound& next) { return next.own_are_rivals ? n * next.alike.value_or(1.0) : 0.0; }
+double as_rivals(int n, const HeardSound& next) {
+  return next.own_are_rivals ? n * rivalry(next.alike.value_or(1.0)) : 0.0;
+}
 
 double probability_missing(int n_missing) {
   constexpr std::array<double, kMostMissing + 1> kProbability{kHeard, kHeard * (1.0 - kHeard),

@@ -112,14 +112,18 @@ double n_strangers(const HeardSounds& sounds, const std::vector<std::size_t>& ow
   return n;
 }
 
+constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
+
 /// The train's own sounds and their echoes: chance need not offer them.
 std::vector<std::size_t> explained_by(const HeardSounds& sounds, const std::vector<std::size_t>& own) {
   const std::vector<Candidate>& c = sounds.candidates;
   std::vector<std::size_t> explained;
   for (std::size_t n = 0; n < own.size(); ++n) {
-    const std::size_t end = n + 1 < own.size() ? own[n + 1] : c.size();
+    const bool is_last = n + 1 == own.size();
+    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
+    const double echo_s = std::min(kEcho_s, kEchoOfFlight * flight_s);
     explained.push_back(own[n]);
-    for (std::size_t k = own[n] + 1; k < end && c[k].t_s - c[own[n]].t_s < kEcho_s; ++k)
+    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
       if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
   }
   return explained;
