@@ -14,7 +14,6 @@
 namespace bouncelab {
 namespace {
 
-constexpr std::size_t kMostClocks = 10;
 constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no clocks of their own
 constexpr double kLeastShare = 0.25;     // of what a band knows on average
 constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
@@ -151,23 +150,25 @@ MeanOfClocks mean_of_clocks(const BandClocks& clocks, const std::vector<double>&
   for (std::size_t j = 0; j < n; ++j) {
     const double variance = noise_variance[j] + clocks.jitter2[j];
     weights += 1.0 / variance;
-    m.weight.push_back(1.0 / variance);
-    m.jitter.push_back(clocks.jitter2[j] / variance);
+    m.weight[j] = 1.0 / variance;
+    m.jitter[j] = clocks.jitter2[j] / variance;
   }
-  for (double& weight : m.weight) weight /= weights;
   // sums over the others of sqrt(weight jitter) rho^lag, those below and those above
-  std::vector<double> others(n, 0.0);
+  std::array<double, kMostClocks> part{}, others{};
+  for (std::size_t j = 0; j < n; ++j) {
+    m.weight[j] /= weights;
+    part[j] = std::sqrt(m.weight[j] * m.jitter[j]);
+  }
   double below = 0.0, above = 0.0;
-  const auto part = [&](std::size_t j) { return std::sqrt(m.weight[j] * m.jitter[j]); };
   for (std::size_t j = 1; j < n; ++j) {
-    below = clocks.correlation * (below + part(j - 1));
-    above = clocks.correlation * (above + part(n - j));
+    below = clocks.correlation * (below + part[j - 1]);
+    above = clocks.correlation * (above + part[n - j]);
     others[j] += below;
     others[n - 1 - j] += above;
   }
   for (std::size_t j = 0; j < n; ++j) {
-    m.with.push_back(1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j]);
-    m.dependence += part(j) * others[j];
+    m.with[j] = 1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j];
+    m.dependence += part[j] * others[j];
   }
   m.variance = m.dependence / weights;
   return m;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "fourier.hpp"
 
 namespace bouncelab {
+
+inline constexpr std::size_t kMostClocks = 10;  // of one wave
 
 /// Least share of its variance that a clock's deviations from the mean keep: the mean follows none altogether.
 inline constexpr double kLeastShareKept = 0.2;
@@ -61,11 +64,11 @@ BandClocks equal_clocks(const WaveTemplate& wave);
 
 /// The mean of an impact's clocks, weighted by their variances, and how each clock goes with it.
 struct MeanOfClocks {
-  double variance = 0.0;       ///< of the mean
-  double dependence = 1.0;     ///< its variance over what it were if the clocks were independent
-  std::vector<double> weight;  ///< in the mean; the sum is 1
-  std::vector<double> jitter;  ///< share of each clock's variance
-  std::vector<double> with;    ///< covariance of each clock with the mean over what it were if they were independent
+  double variance = 0.0;                     ///< of the mean
+  double dependence = 1.0;                   ///< its variance over what it were if the clocks were independent
+  std::array<double, kMostClocks> weight{};  ///< in the mean; the sum is 1
+  std::array<double, kMostClocks> jitter{};  ///< share of each clock's variance
+  std::array<double, kMostClocks> with{};    ///< covariance of each with the mean over what it were if independent
 };
 
 /// Noise is independent from clock to clock, jitter is correlated like rho^lag.
