@@ -55,7 +55,7 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
 /// @param first_free  candidates before this one belong to the train before
 void begin_again(const HeardSounds& sounds, std::size_t first_free, Train& train) {
   constexpr std::size_t kKnown = 6;  // impacts, without the first, from which a ball is known
-  constexpr double kBelieved = 1.6;  // odds of five: what comes before a drop is seldom silence
+  constexpr double kBelieved = 0.7;  // odds of two: what comes before a drop is seldom silence
   const std::vector<Candidate>& c = sounds.candidates;
   std::optional<std::size_t> given;
   if (train.impacts.size() > kKnown && train.impacts[1].impact == train.impacts[0].impact + 1) {
