@@ -55,7 +55,9 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
 /// @param first_free  candidates before this one belong to the train before
 void begin_again(const HeardSounds& sounds, std::size_t first_free, Train& train) {
   constexpr std::size_t kKnown = 6;  // impacts, without the first, from which a ball is known
-  constexpr double kBelieved = 0.7;  // odds of two: what comes before a drop is seldom silence
+  // what comes before a drop is seldom silence: odds of two where it is a ball, of five where that is not sure
+  constexpr double kSureBall = 12.0;
+  const double believed = train.log_odds > kSureBall ? 0.7 : 1.6;
   const std::vector<Candidate>& c = sounds.candidates;
   std::optional<std::size_t> given;
   if (train.impacts.size() > kKnown && train.impacts[1].impact == train.impacts[0].impact + 1) {
@@ -71,7 +73,7 @@ void begin_again(const HeardSounds& sounds, std::size_t first_free, Train& train
       earlier.alike = sounds.alike(k, first);
       return log_odds_before(earlier, sounds.heard(first), flight_s, expected->log_eps, expected->scatter);
     };
-    const double least = given ? odds_of(*given) : kBelieved;
+    const double least = given ? odds_of(*given) : believed;
     double best = least;
     std::size_t before = given.value_or(first);
     const double furthest_s = std::min(kLongestFlight_s, flight_s / kLeastEps);
