@@ -14,7 +14,7 @@
 namespace bouncelab {
 namespace {
 
-constexpr std::int64_t kWindow = 1 << 22;
+constexpr std::int64_t kWindow = 1 << 20;
 constexpr std::int64_t kPage = 1 << 16;  // a multiple of every system's
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace bouncelab {
 
-/// The bytes of a file where the system holds them, some megabytes at a time: no copy is made, and memory does not grow
+/// The bytes of a file where the system holds them, a megabyte at a time: no copy is made, and memory does not grow
 /// with the file. The file must not be cut short meanwhile.
 class FileBytes {
  public:
