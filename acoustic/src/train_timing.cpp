@@ -244,7 +244,10 @@ class TrainTimer {
     const double reach_s = eps_reach_s + 2.0 / sound_.rate_hz;
     const TrainOnset onset{impact, search(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
     if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz, over_misfit)) return false;
-    if (over_misfit >= kBeyondOverMisfit && onset.timed.gain < kProminence * gain_before(t_s - reach_s, reach_s))
+    // within the last impact's sound what sounds like the wave is mostly that
+    const bool rings_alone = after_s > wave_s_;
+    if (rings_alone && over_misfit >= kBeyondOverMisfit &&
+        onset.timed.gain < kProminence * gain_before(t_s - reach_s, reach_s))
       return false;
     if (impact == onsets_.back().impact + 1 &&
         !is_as_loud_as_others(onset.timed.amplitude, onset.timed.t_s - onsets_.back().timed.t_s))
