@@ -79,12 +79,9 @@ float probability_alike(const Timbre& a, const Timbre& b) {
   for (int k = 0; k < kTimbreBands; ++k) {
     const float both = a.audible[k] * b.audible[k];
     const float difference = b.level[k] - a.level[k] - louder;
-    // where one is not heard, it may be as faint as it likes
-    const float excess = std::max(0.0F, difference > 0.0F ? difference : -difference);
-    const float either =
-        std::max(b.audible[k] * (difference > 0.0F ? 1.0F : 0.0F), a.audible[k] * (difference < 0.0F ? 1.0F : 0.0F));
-    const float counts = std::max(both, either);
-    sum += counts * std::max(kLeastOfBand, gain - kCurvature * excess * excess);
+    // where one is not heard it may be as faint as it likes: the louder one's being heard is enough
+    const float louder_heard = difference > 0.0F ? b.audible[k] : difference < 0.0F ? a.audible[k] : 0.0F;
+    sum += std::max(both, louder_heard) * std::max(kLeastOfBand, gain - kCurvature * difference * difference);
   }
   return 1.0F / (1.0F + std::exp(std::clamp(-kShare * sum, -kMostLogOdds, kMostLogOdds)));
 }
