@@ -2,20 +2,21 @@
 #include "bouncelab/core/file_bytes.hpp"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <string>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab {
 namespace {
 
-constexpr std::int64_t kWindow = 1 << 20;
-constexpr std::int64_t kPage = 1 << 16;  // a multiple of every system's
+constexpr std::int64_t kWindow = 1 << 18;  // stays in the cache between the system's copy and its use
 
 }  // namespace
 
@@ -24,30 +25,28 @@ struct FileBytes::State {
   int descriptor = -1;
   std::int64_t size = 0;
   std::int64_t first = 0;  // of the window
-  std::int64_t n = 0;
-  void* window = nullptr;
+  std::vector<unsigned char> window;
 
   ~State() {
-    close_window();
     if (descriptor >= 0) close(descriptor);
   }
 
-  void close_window() {
-    if (window != nullptr) munmap(window, static_cast<std::size_t>(n));
-    window = nullptr;
-    n = 0;
-  }
-
-  void open_window(std::int64_t from, std::int64_t to) {
-    close_window();
-    first = from / kPage * kPage;
-    n = std::min(size, std::max(to, first + kWindow)) - first;
-    void* opened = mmap(nullptr, static_cast<std::size_t>(n), PROT_READ, MAP_PRIVATE, descriptor, first);
-    if (opened == MAP_FAILED) {
-      n = 0;
-      throw FileError(name, "cannot be read; copy it to a local disk");
+  void open_window(std::int64_t from, std::int64_t n_wanted) {
+    const std::int64_t n = std::min(size - from, std::max(n_wanted, kWindow));
+    window.resize(static_cast<std::size_t>(n));
+    first = from;
+    for (std::int64_t at = 0; at < n;) {
+      const ssize_t got = pread(descriptor, window.data() + at, static_cast<std::size_t>(n - at), from + at);
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) {
+        window.resize(static_cast<std::size_t>(at));
+        if (at >= n_wanted) return;
+        const std::string reason = got == 0 ? "was cut short meanwhile" : std::strerror(errno);
+        throw FileError(
+            name, "cannot be read at byte " + std::to_string(from + at) + " (" + reason + "); copy it to a local disk");
+      }
+      at += got;
     }
-    window = opened;
   }
 };
 
@@ -71,8 +70,8 @@ std::span<const unsigned char> FileBytes::at(std::int64_t first, std::int64_t n)
   if (n <= 0) return {};
   if (first < 0 || first + n > s.size)
     throw FileError(s.name, "ends at byte " + std::to_string(s.size) + ", before what was expected there");
-  if (first < s.first || first + n > s.first + s.n) s.open_window(first, first + n);
-  return {static_cast<const unsigned char*>(s.window) + (first - s.first), static_cast<std::size_t>(n)};
+  if (first < s.first || first + n > s.first + std::ssize(s.window)) s.open_window(first, n);
+  return {s.window.data() + (first - s.first), static_cast<std::size_t>(n)};
 }
 
 }  // namespace bouncelab

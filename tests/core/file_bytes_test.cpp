@@ -53,6 +53,16 @@ TEST_F(FileBytesTest, RefusesWhatLiesBeyondTheEnd) {
   EXPECT_THROW(file.at(-1, 2), FileError);
 }
 
+TEST_F(FileBytesTest, SaysThatAFileWasCutShortWhileItWasRead) {
+  // a recorder's disk that goes away: an error of this file, not the end of the program
+  write(2'000'000);
+  FileBytes file(path_);
+  file.at(0, 1000);
+  std::filesystem::resize_file(path_, 1'000'000);
+  EXPECT_THROW(file.at(1'500'000, 1000), FileError);
+  EXPECT_EQ(file.at(900'000, 1000).size(), 1000U);
+}
+
 TEST_F(FileBytesTest, NamesAFileThatIsNotThere) { EXPECT_THROW(FileBytes("/no/such/file"), FileError); }
 
 }  // namespace

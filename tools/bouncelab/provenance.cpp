@@ -46,7 +46,7 @@ std::string sha256_of_file(const fs::path& path) {
   FileBytes file(path);
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   EVP_DigestInit_ex(context.get(), sha256(), nullptr);
-  constexpr std::int64_t kAtOnce = 1 << 20;
+  constexpr std::int64_t kAtOnce = 1 << 18;
   for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
     const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
     EVP_DigestUpdate(context.get(), bytes.data(), bytes.size());

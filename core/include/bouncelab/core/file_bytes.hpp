@@ -8,8 +8,8 @@
 
 namespace bouncelab {
 
-/// The bytes of a file where the system holds them, a megabyte at a time: no copy is made, and memory does not grow
-/// with the file. The file must not be cut short meanwhile.
+/// The bytes of a file, a quarter of a megabyte at a time: they stay in the cache until they are used, and memory does
+/// not grow with the file.
 class FileBytes {
  public:
   /// @throws FileError where it cannot be read
@@ -21,7 +21,7 @@ class FileBytes {
   std::int64_t size() const;
 
   /// Bytes first ... first + n - 1, until the next call.
-  /// @throws FileError where the file holds no such bytes
+  /// @throws FileError where the file holds no such bytes, or no longer
   std::span<const unsigned char> at(std::int64_t first, std::int64_t n);
 
  private:
