@@ -235,6 +235,17 @@ class TrainTimer {
     return half_s > least_room_s ? search(t_s - half_s, half_s, t_s).gain : 0.0;
   }
 
+  /// What lies beside a place and is so much clearer that the place is a side lobe of it: a single gain or loss that
+  /// the search did not reach.
+  std::optional<TimedImpact> louder_beside(const TimedImpact& found, double after_s, double until_s) {
+    constexpr double kSideLobes_s = 1.5e-3;
+    constexpr double kClearer = 2.0;
+    if (after_s < 4.0 * kSideLobes_s) return std::nullopt;  // nearer, it is a neighbour
+    const TimedImpact best = search(found.t_s, kSideLobes_s, until_s);
+    if (best.gain < kClearer * found.gain) return std::nullopt;
+    return best;
+  }
+
   bool infer(std::int64_t impact, double after_s, double until_s, double over_misfit) {
     return infer(impact, after_s, eps_reach() * after_s, until_s, over_misfit);
   }
@@ -242,7 +253,11 @@ class TrainTimer {
   bool infer(std::int64_t impact, double after_s, double eps_reach_s, double until_s, double over_misfit) {
     const double t_s = onsets_.back().timed.t_s + after_s;
     const double reach_s = eps_reach_s + 2.0 / sound_.rate_hz;
-    const TrainOnset onset{impact, search(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
+    TrainOnset onset{impact, search(t_s, reach_s, until_s), until_s, true, until_s - t_s < wave_s_};
+    if (const auto louder = louder_beside(onset.timed, after_s, until_s)) {
+      onset.timed = *louder;
+      over_misfit = std::max(over_misfit, kOutlierOverMisfit);
+    }
     if (!is_supported(onset, onsets_.back(), 4.0 * reach_s * sound_.rate_hz, over_misfit)) return false;
     // within the last impact's sound what sounds like the wave is mostly that
     const bool rings_alone = after_s > wave_s_;
