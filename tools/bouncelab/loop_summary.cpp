@@ -134,8 +134,9 @@ std::string loop_table(const Json& s) {
                         1e6 * s["time_rms_s"].get<double>(), 1e6 * s["time_offset_s"].get<double>(),
                         1e6 * s["time_rms_within_drops_s"].get<double>());
   if (s.contains("time_pull_sd"))
-    text +=
-        fmt::format("Error within drops over the standard error stated: {:.3g} rms\n", s["time_pull_sd"].get<double>());
+    text += fmt::format(
+        "Error within drops, less what the contact-time law leaves, over the standard error stated: {:.3g} rms\n",
+        s["time_pull_sd"].get<double>());
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const Json& n : s["eps_nodes"])
     text += row(fmt::format("eps at {:g} m/s", n["v_mps"].get<double>()),
