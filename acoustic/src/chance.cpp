@@ -44,9 +44,14 @@ int octave_of(double distance_s) {
   return distance <= 1.0 ? 0 : static_cast<int>(std::ceil(std::log2(distance)));
 }
 
-void count(const Candidate& one, const Candidate& other, int octave, float alike, Rivals& rivals) {
-  rivals.all[octave] += alike;
-  if (other.amplitude >= one.amplitude) rivals.stronger[octave] += alike;
+/// How much j and k are rivals, 0 ... 1.
+float rivals_share(const std::vector<Timbre>& timbres, std::size_t j, std::size_t k) {
+  return timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k])));
+}
+
+void count(const Candidate& one, const Candidate& other, int octave, float share, Rivals& rivals) {
+  rivals.all[octave] += share;
+  if (other.amplitude >= one.amplitude) rivals.stronger[octave] += share;
 }
 
 void accumulate(Rivals& rivals) {
@@ -65,10 +70,9 @@ std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vec
     for (std::size_t j = k + 1; j < c.size(); ++j) {
       const int octave = octave_of(c[j].t_s - c[k].t_s);
       if (octave >= kChanceOctaves) break;
-      const float alike =
-          timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k])));
-      count(c[k], c[j], octave, alike, rivals[k]);
-      count(c[j], c[k], octave, alike, rivals[j]);
+      const float share = rivals_share(timbres, j, k);
+      count(c[k], c[j], octave, share, rivals[k]);
+      count(c[j], c[k], octave, share, rivals[j]);
     }
   }
   for (Rivals& r : rivals) accumulate(r);
@@ -83,8 +87,7 @@ Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std
     const int octave = octave_of(std::abs(c[j].t_s - c[k].t_s));
     if (octave >= kChanceOctaves) return false;
     if (!std::binary_search(not_counted.begin(), not_counted.end(), j))
-      count(c[k], c[j], octave,
-            timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k]))), rivals);
+      count(c[k], c[j], octave, rivals_share(timbres, j, k), rivals);
     return true;
   };
   for (std::size_t j = k + 1; j < c.size() && count_if_free(j); ++j) {

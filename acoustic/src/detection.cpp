@@ -16,6 +16,7 @@
 #include "low_band.hpp"
 #include "recording_timing.hpp"
 #include "timbre.hpp"
+#include "train_model.hpp"
 #include "trains.hpp"
 
 namespace bouncelab {
@@ -48,7 +49,6 @@ struct Hearing {
 /// Whether there may be other trains than these, or none: one is not beyond doubt, or enough of what is as loud is
 /// left.
 bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Train>& trains) {
-  constexpr double kEcho_s = 40e-3;
   constexpr double kAsLoud = 0.25;
   constexpr std::size_t kFewImpacts = 4;
   constexpr double kShortTrain_s = 5.0;

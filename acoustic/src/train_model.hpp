@@ -15,6 +15,7 @@ constexpr double kShortestFirstFlight_s = 40e-3;  // a train begins with 0.2 m/s
 constexpr double kLongestFlight_s = 2.5;          // a fall from 7.6 m
 constexpr double kLeastEps = 0.4;                 // a basketball on carpet has 0.5
 constexpr double kLargestEps = 1.2;               // single gains of a spinning ball
+constexpr double kEcho_s = 40e-3;                 // after an impact: what is fainter then is taken for its echo
 constexpr int kMostMissing = 2;                   // impacts in a row that were not heard
 constexpr double kAcceptance = 0.5;               // log odds a train must reach, all that speaks against it counted
 constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight

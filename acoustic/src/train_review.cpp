@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kStranger = 1.0;      // log odds against a ball of each sound like its own but not of it
 constexpr double kSureLogOdds = 40.0;  // more need not be told exactly
-constexpr double kEcho_s = 40e-3;      // after an impact: what is fainter then is taken for its echo
 
 /// The coefficient of restitution that goes before the first of a train.
 struct Expected {

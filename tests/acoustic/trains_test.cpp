@@ -42,20 +42,32 @@ TEST(Trains, BeginWithTheFirstImpactThoughItIsFaint) {
   }
 }
 
+/// A drop from 0.4 s on each of whose impacts has an echo.
+struct EchoingDrop {
+  int n_impacts;
+  double first_flight_s, eps, eps_rise, eps_scatter;  // the rise from impact to impact
+  double echo_s, echo;                                // after the impact, of its amplitude
+};
+
+std::vector<Candidate> with_echoes(const EchoingDrop& d, Random random) {
+  std::vector<Candidate> candidates;
+  double flight_s = d.first_flight_s;
+  double t_s = 0.4;
+  for (int k = 0; k < d.n_impacts; ++k) {
+    const double amplitude = 500.0 * flight_s * std::exp(0.25 * random.normal());
+    candidates.push_back({t_s, amplitude, 0.4e-3, 50.0});
+    candidates.push_back({t_s + d.echo_s, d.echo * amplitude * std::exp(0.3 * random.normal()), 0.4e-3, 20.0});
+    t_s += flight_s;
+    flight_s *= (d.eps + d.eps_rise * k) * std::exp(d.eps_scatter * random.normal());
+  }
+  return candidates;
+}
+
 TEST(Trains, BeginWithTheFirstImpactAndNotWithItsEcho) {
   // eps grows as the ball slows down, so that the interval from the echo on fits the mean of all as well
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    Random random(seed, RandomStream::test, 1);
-    std::vector<Candidate> candidates;
-    double flight_s = 0.55;
-    double t_s = 0.4;
-    for (int k = 0; k < 30; ++k) {
-      const double amplitude = 500.0 * flight_s * std::exp(0.25 * random.normal());
-      candidates.push_back({t_s, amplitude, 0.4e-3, 50.0});
-      candidates.push_back({t_s + 9e-3, 0.5 * amplitude * std::exp(0.3 * random.normal()), 0.4e-3, 20.0});
-      t_s += flight_s;
-      flight_s *= (0.905 + 0.035 * k / 29.0) * std::exp(0.003 * random.normal());
-    }
+    const EchoingDrop drop{30, 0.55, 0.905, 0.035 / 29.0, 0.003, 9e-3, 0.5};
+    const std::vector<Candidate> candidates = with_echoes(drop, Random(seed, RandomStream::test, 1));
     const std::vector<Train> trains = find_trains(candidates, 5e-5);
     ASSERT_EQ(trains.size(), 1u) << seed;
     EXPECT_EQ(trains[0].impacts.front().candidate, 0u) << seed;
@@ -65,17 +77,8 @@ TEST(Trains, BeginWithTheFirstImpactAndNotWithItsEcho) {
 TEST(Trains, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
   int n_begun = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    Random random(seed, RandomStream::test, 3);
-    std::vector<Candidate> candidates;
-    double flight_s = 0.6;
-    double t_s = 0.4;
-    for (int k = 0; k < 6; ++k) {
-      const double amplitude = 500.0 * flight_s * std::exp(0.25 * random.normal());
-      candidates.push_back({t_s, amplitude, 0.4e-3, 50.0});
-      candidates.push_back({t_s + 12e-3, 0.6 * amplitude * std::exp(0.3 * random.normal()), 0.4e-3, 20.0});
-      t_s += flight_s;
-      flight_s *= (0.68 + 0.008 * k) * std::exp(0.01 * random.normal());
-    }
+    const EchoingDrop drop{6, 0.6, 0.68, 0.008, 0.01, 12e-3, 0.6};
+    const std::vector<Candidate> candidates = with_echoes(drop, Random(seed, RandomStream::test, 3));
     const std::vector<Train> trains = find_trains(candidates, 5e-5);
     n_begun += trains.size() == 1 && trains[0].impacts.front().candidate == 0 ? 1 : 0;
   }

@@ -31,7 +31,7 @@ struct BootstrapErrors {
   std::size_t n_replicates = 0;
 };
 
-/// A number with its uncertainty. Absent = not known; never a placeholder.
+/// A number with its uncertainty. What is not known is absent.
 struct Estimate {
   double value = 0.0;
   std::optional<double> se;         ///< standard error, from the expected information
