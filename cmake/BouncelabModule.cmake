@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # bouncelab_add_module(NAME HEADERS h... SOURCES s... [PUBLIC targets...] [PRIVATE targets...])
 #
-# One room of the house: a static library bouncelab_NAME, alias bouncelab::NAME, whose public headers are those of
-# NAME/include and nothing else, installed and exported as the component NAME.
+# A module: the static library bouncelab_NAME, alias bouncelab::NAME, whose public headers are those of
+# include/bouncelab/NAME and nothing else (one include root per module), private headers in src, installed and exported
+# as the component NAME.
 function(bouncelab_add_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE")
   add_library(bouncelab_${name} STATIC)

@@ -7,10 +7,10 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
-#include "law_likelihood.hpp"
-#include "maximise.hpp"
+#include "law/law_likelihood.hpp"
+#include "law/maximise.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 const std::vector<double> kNodeSpeeds_mps{0.25, 0.6, 1.2};
@@ -200,4 +200,4 @@ CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallb
   return result;
 }
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

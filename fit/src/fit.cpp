@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "bouncelab/core/onsets.hpp"
-#include "words.hpp"
+#include "text/words.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 /// Why a sample cannot be used; empty: it can. The first flag names the reason.
@@ -100,4 +100,4 @@ bool usable(const FitResult& result) {
   return (result.status == FitStatus::ok || result.status == FitStatus::not_identifiable) && !result.law.nodes.empty();
 }
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

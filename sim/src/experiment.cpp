@@ -14,7 +14,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/flight.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 Vector3 gravity(const SimulationConfig& config) {
@@ -217,4 +217,4 @@ SimulationResult simulate(const SimulationConfig& config, const Surface& surface
   return result;
 }
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -40,16 +40,16 @@ void compare(std::size_t n, double noise_at_1mps) {
     std::ofstream out(path);
     write_csv(out, to_table(samples));
   }
-  LawFit fit;
-  LawFitConfig config;
+  fit::LawFit fit;
+  fit::LawFitConfig config;
   config.node_speeds_mps = {0.25, 0.6, 1.2};
   config.n_scatter_terms = 3;  // as in fit_iminuit.py
-  const double seconds = seconds_of([&] { fit = fit_law(samples, config); });
+  const double seconds = seconds_of([&] { fit = fit::fit_law(samples, config); });
   std::printf("%zu samples, timing noise %g of the scatter\n", n, noise_at_1mps / 5e-4);
   std::printf("  law with profile intervals of 3 nodes and 3 constants: %.2f s, status %s\n", seconds,
-              to_string(fit.status));
-  std::vector<HistogramFit> histograms;
-  const double seconds_histograms = seconds_of([&] { histograms = fit_histograms(samples, {}, fit); });
+              fit::to_string(fit.status));
+  std::vector<fit::HistogramFit> histograms;
+  const double seconds_histograms = seconds_of([&] { histograms = fit::fit_histograms(samples, {}, fit); });
   std::printf("  histograms of %zu windows: %.2f s\n", histograms.size(), seconds_histograms);
   const auto minuit = run_iminuit(path);
   if (minuit.is_null()) {
@@ -60,7 +60,7 @@ void compare(std::size_t n, double noise_at_1mps) {
               minuit["seconds"].get<double>(), minuit["n_calls"].get<int>(), minuit["seconds_fit"].get<double>());
   std::printf("  ratio iminuit / bouncelab: %.1f\n", minuit["seconds"].get<double>() / seconds);
   for (std::size_t j = 0; j < 3; ++j) {
-    const Estimate& e = fit.nodes[j].eps;
+    const fit::Estimate& e = fit.nodes[j].eps;
     std::printf("  eps(%.2f): %.7f [%.7f, %.7f] here, %.7f [%.7f, %.7f] iminuit\n", fit.nodes[j].v_mps, e.value,
                 e.ci95->lo, e.ci95->hi, minuit["nodes"][j].get<double>(), minuit["ci95"][j][0].get<double>(),
                 minuit["ci95"][j][1].get<double>());

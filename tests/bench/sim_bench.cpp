@@ -29,30 +29,31 @@ double peak_bytes() {
 }
 
 /// Seconds per impact, the least of three runs of so many drops of 100 impacts.
-double cost_of_impact_s(const SimulationConfig& config, const Envelope& envelope, std::int64_t n_drops) {
+double cost_of_impact_s(const sim::SimulationConfig& config, const sim::Envelope& envelope, std::int64_t n_drops) {
   double least = 1e300;
   for (int repeat = 0; repeat < 3; ++repeat) {
     std::size_t n = 0;
     const double begin = processor_s();
-    for (std::int64_t drop = 0; drop < n_drops; ++drop) n += simulate_drop(config, envelope, drop).impacts.rows.size();
+    for (std::int64_t drop = 0; drop < n_drops; ++drop)
+      n += sim::simulate_drop(config, envelope, drop).impacts.rows.size();
     least = std::min(least, (processor_s() - begin) / static_cast<double>(n));
   }
   return least;
 }
 
-double cost_of_brute_force_s(const SimulationConfig& config, const Surface& surface) {
+double cost_of_brute_force_s(const sim::SimulationConfig& config, const sim::Surface& surface) {
   constexpr int kImpacts = 20;
   const double begin = processor_s();
-  reference::bounce(config, surface, release(config, 0), kImpacts);
+  sim::reference::bounce(config, surface, sim::release(config, 0), kImpacts);
   return (processor_s() - begin) / kImpacts;
 }
 
-void print_row(const SimulationConfig& config, const RadiusLaw& law, std::int64_t n, double smooth_s) {
+void print_row(const sim::SimulationConfig& config, const sim::RadiusLaw& law, std::int64_t n, double smooth_s) {
   const double before_bytes = peak_bytes();
   const double t0 = processor_s();
-  const Surface surface = make_surface(config.ball, n, law, 1);
+  const sim::Surface surface = sim::make_surface(config.ball, n, law, 1);
   const double t1 = processor_s();
-  const Envelope envelope(config.ball, surface);
+  const sim::Envelope envelope(config.ball, surface);
   const double t2 = processor_s();
   const double bytes = (peak_bytes() - before_bytes) / static_cast<double>(n);
   const double impact_s = cost_of_impact_s(config, envelope, 200), brute_s = cost_of_brute_force_s(config, surface);
@@ -64,16 +65,17 @@ void print_row(const SimulationConfig& config, const RadiusLaw& law, std::int64_
 
 int run(int argc, char** argv) {
   const auto largest = static_cast<std::int64_t>(argc > 1 ? std::atof(argv[1]) : 1e6);
-  SimulationConfig config;
-  const double smooth_s = cost_of_impact_s(config, Envelope(config.ball, Surface{}), 1000);
+  sim::SimulationConfig config;
+  const double smooth_s = cost_of_impact_s(config, sim::Envelope(config.ball, sim::Surface{}), 1000);
   std::printf("without asperities: %.0f ns an impact\n", 1e9 * smooth_s);
   std::printf("peak is that of the process: bytes per asperity mean something in the first row and where N grows\n");
   std::printf("%-24s %9s %8s %8s %6s %9s %8s %8s %9s %10s\n", "radii", "N", "surface", "envelope", "peak", "sites",
               "impact", "times", "brute", "times");
   std::printf("%-24s %9s %8s %8s %6s %9s %8s %8s %9s %10s\n", "", "", "s", "s", "B/N", "", "ns", "smooth", "us",
               "faster");
-  for (const RadiusLaw& law : {RadiusLaw{ConstantRadii{}}, RadiusLaw{UniformRadii{}}, RadiusLaw{NormalRadii{}},
-                               RadiusLaw{LognormalRadii{}}, RadiusLaw{ExponentialRadii{}}}) {
+  for (const sim::RadiusLaw& law :
+       {sim::RadiusLaw{sim::ConstantRadii{}}, sim::RadiusLaw{sim::UniformRadii{}}, sim::RadiusLaw{sim::NormalRadii{}},
+        sim::RadiusLaw{sim::LognormalRadii{}}, sim::RadiusLaw{sim::ExponentialRadii{}}}) {
     if (argc > 2 && std::strncmp(to_text(law).c_str(), argv[2], std::strlen(argv[2])) != 0) continue;
     for (std::int64_t n = 10'000; n <= largest; n *= 10) print_row(config, law, n, smooth_s);
   }

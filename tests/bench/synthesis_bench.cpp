@@ -42,13 +42,14 @@ Impacts smooth_drops(int n_drops) {
 }
 
 /// Baseline: every impact rings every mode until it has decayed by 1e-11, one sine and one exponential a sample.
-double direct_sum_s_per_s_of_sound(const Impacts& impacts, const SynthesisConfig& config, double duration_s) {
-  const PlateModes plate(config.ground, config.max_mode_hz);
+double direct_sum_s_per_s_of_sound(const Impacts& impacts, const synthesis::SynthesisConfig& config,
+                                   double duration_s) {
+  const synthesis::PlateModes plate(config.ground, config.max_mode_hz);
   std::vector<double> out(static_cast<std::size_t>(duration_s * config.rate_hz));
   const double rate_hz = config.rate_hz, begin_s = now_s();
   for (const Impact& impact : impacts.rows) {
     if (impact.t_s >= duration_s) break;
-    for (const PlateMode& mode : plate.modes()) {
+    for (const synthesis::PlateMode& mode : plate.modes()) {
       const auto first = static_cast<std::size_t>(impact.t_s * rate_hz) + 1;
       const auto n = static_cast<std::size_t>(std::log(1e11) / mode.decay_per_s * rate_hz);
       for (std::size_t k = first; k < std::min(first + n, out.size()); ++k) {
@@ -61,20 +62,20 @@ double direct_sum_s_per_s_of_sound(const Impacts& impacts, const SynthesisConfig
 }
 
 /// Renders everything, segment by segment; returns seconds per second of sound.
-double synthesis_s_per_s_of_sound(const Impacts& impacts, const SynthesisConfig& config, double& sum) {
-  const auto instrument = make_instrument(config);
+double synthesis_s_per_s_of_sound(const Impacts& impacts, const synthesis::SynthesisConfig& config, double& sum) {
+  const auto instrument = synthesis::make_instrument(config);
   const double begin_s = now_s();
-  const SyntheticRecording recording(impacts, config, instrument);
+  const synthesis::SyntheticRecording recording(impacts, config, instrument);
   for (std::int64_t k = 0; k < recording.n_segments(); ++k) sum += recording.segment(k).front();
   return (now_s() - begin_s) * config.rate_hz / static_cast<double>(recording.n_frames());
 }
 
 /// Through a file at 8 kHz: the impacts are as many as at any rate.
-void print_memory(int n_drops, SynthesisConfig config) {
+void print_memory(int n_drops, synthesis::SynthesisConfig config) {
   config.rate_hz = 8000;
-  config.encoding = SampleEncoding::pcm16;
+  config.encoding = audio::SampleEncoding::pcm16;
   const Impacts one = smooth_drops(1);
-  const DropSource drops = [&one, n_drops]() -> NextDrop {
+  const synthesis::DropSource drops = [&one, n_drops]() -> synthesis::NextDrop {
     return [&one, n_drops, drop = 0](Impacts& next) mutable {
       next = one;
       for (Impact& impact : next.rows) impact.drop = drop;
@@ -83,7 +84,7 @@ void print_memory(int n_drops, SynthesisConfig config) {
   };
   const std::filesystem::path out =
       std::filesystem::temp_directory_path() / ("synthesis_bench_" + std::to_string(::getpid()) + ".wav");
-  const SynthesisResult result = synthesize(drops, config, out, true);
+  const synthesis::SynthesisResult result = synthesis::synthesize(drops, config, out, true);
   std::filesystem::remove(out);
   std::printf("%6.1f min of sound with %lld impacts to a file: peak memory of the process %.1f MiB\n",
               result.duration_s / 60.0, static_cast<long long>(result.n_impacts), peak_memory_mib());
@@ -92,12 +93,12 @@ void print_memory(int n_drops, SynthesisConfig config) {
 }  // namespace
 
 int main() {
-  SynthesisConfig config;
+  synthesis::SynthesisConfig config;
   double sum = 0.0;
   const Impacts ten = smooth_drops(10);
   for (const double max_mode_hz : {27.0e3, 45.0e3}) {
     config.max_mode_hz = max_mode_hz;
-    const std::size_t n_modes = PlateModes(config.ground, max_mode_hz).modes().size();
+    const std::size_t n_modes = synthesis::PlateModes(config.ground, max_mode_hz).modes().size();
     const double ours = synthesis_s_per_s_of_sound(ten, config, sum);
     const double direct = direct_sum_s_per_s_of_sound(ten, config, 8.0);
     std::printf(
@@ -106,17 +107,18 @@ int main() {
   }
   // one drop after the other, with levels given: what a long loop does in memory
   config.max_mode_hz = 45.0e3;
-  const auto instrument = make_instrument(config);
-  config.levels = SyntheticRecording(ten, config, instrument).levels();
+  const auto instrument = synthesis::make_instrument(config);
+  config.levels = synthesis::SyntheticRecording(ten, config, instrument).levels();
   const double begin_s = now_s();
   double sound_s = 0.0;
   for (int drop = 0; drop < 20; ++drop) {
-    const SyntheticRecording one(smooth_drops(1), config_of_drop(config, *config.levels, drop), instrument);
+    const synthesis::SyntheticRecording one(smooth_drops(1), synthesis::config_of_drop(config, *config.levels, drop),
+                                            instrument);
     for (std::int64_t k = 0; k < one.n_segments(); ++k) sum += one.segment(k).front();
     sound_s += static_cast<double>(one.n_frames()) / config.rate_hz;
   }
   std::printf("96 kHz, %zu modes, a recording a drop: %.0f x real time on one thread\n",
-              PlateModes(config.ground, config.max_mode_hz).modes().size(), sound_s / (now_s() - begin_s));
+              synthesis::PlateModes(config.ground, config.max_mode_hz).modes().size(), sound_s / (now_s() - begin_s));
   config.levels.reset();
   for (const int n_drops : {5, 300, 3000}) print_memory(n_drops, config);
   return std::isfinite(sum) ? 0 : 1;

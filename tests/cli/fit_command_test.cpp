@@ -57,7 +57,8 @@ TEST_F(FitCommand, RowsThatAreNoNumberOrHaveNoSpeedAreCountedAndNamed) {
   const Result result = fit(samples);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("2 of the samples left out: not finite; the first is number 2001"));
-  EXPECT_THAT(result.err, testing::HasSubstr("1 of the samples left out: speed not positive; the first is number 2003"));
+  EXPECT_THAT(result.err,
+              testing::HasSubstr("1 of the samples left out: speed not positive; the first is number 2003"));
   EXPECT_EQ(found().at("n_left_out").at("not_finite"), 2);
   EXPECT_EQ(found().at("n_used"), 2000);
 }

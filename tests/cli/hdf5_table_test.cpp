@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "hdf5_table.hpp"
+#include "files/hdf5_table.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

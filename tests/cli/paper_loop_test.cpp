@@ -62,7 +62,8 @@ TEST_F(PaperLoop, KilledThreeTimesItGoesOnAndEndsWithTheSameBytes) {
 TEST_F(PaperLoop, AnUnfinishedRunWithOtherSettingsIsRefusedByTheirName) {
   kill_at(command("out"), folder_ / "out" / "unfinished.journal", 2);
   const std::string before = content_of(folder_ / "out" / "unfinished.journal");
-  expect_one_line_error(run(command("out", "--snr-db 20")), 2, {"unfinished.journal", "snr-db was 30, now 20", "--force"});
+  expect_one_line_error(run(command("out", "--snr-db 20")), 2,
+                        {"unfinished.journal", "snr-db was 30, now 20", "--force"});
   expect_one_line_error(run(command("out", "--seed 2")), 2, {"seed", "was 1, now 2"});
   EXPECT_EQ(content_of(folder_ / "out" / "unfinished.journal"), before);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/acoustic/score.hpp"
 #include "bouncelab/core/csv.hpp"
+#include "bouncelab/detection/score.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {
@@ -14,13 +14,14 @@ Onsets read(const fs::path& path) {
   return onsets;
 }
 
-OnsetScore score_of(const Result& result, const fs::path& folder, const std::string& name) {
+detection::OnsetScore score_of(const Result& result, const fs::path& folder, const std::string& name) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  return score_onsets(read(fs::path(BOUNCELAB_SAMPLES) / (name + ".truth.csv")), read(folder / "o.csv"));
+  return detection::score_onsets(read(fs::path(BOUNCELAB_SAMPLES) / (name + ".truth.csv")), read(folder / "o.csv"));
 }
 
 TEST_F(Samples, EveryImpactOfTheCleanOneIsFoundAndNoneInvented) {
-  const OnsetScore score = score_of(run("detect '" BOUNCELAB_SAMPLES "/clean.flac' --out o.csv"), folder_, "clean");
+  const detection::OnsetScore score =
+      score_of(run("detect '" BOUNCELAB_SAMPLES "/clean.flac' --out o.csv"), folder_, "clean");
   EXPECT_EQ(score.n_missed, 0u);
   EXPECT_EQ(score.n_invented, 0u);
   // a template refers to a point inside the contact, which moves by half of (39 - 26) us of Hertz's law from the first
@@ -29,7 +30,8 @@ TEST_F(Samples, EveryImpactOfTheCleanOneIsFoundAndNoneInvented) {
 }
 
 TEST_F(Samples, TheHardOneIsHeardAmongKnocksAndClicks) {
-  const OnsetScore score = score_of(run("detect '" BOUNCELAB_SAMPLES "/hard.flac' --out o.csv"), folder_, "hard");
+  const detection::OnsetScore score =
+      score_of(run("detect '" BOUNCELAB_SAMPLES "/hard.flac' --out o.csv"), folder_, "hard");
   EXPECT_LE(score.n_missed, 1u);  // 80 impacts at .99
   EXPECT_LE(score.n_invented, 1u);
   EXPECT_LT(*score.rms_s, 4e-6);

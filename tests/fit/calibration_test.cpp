@@ -7,7 +7,7 @@
 
 #include "bouncelab/core/error.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 /// 60 seeds: pull mean good to 0.13, sd to 0.09, 68 % to 6, 95 % to 2.8; tolerances are three and a bit of these.
@@ -72,4 +72,4 @@ TEST(Calibration, RejectsNonsense) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -5,7 +5,7 @@
 
 #include "bouncelab/core/random.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 /// Speeds of a drop from 10 cm, eps(v) of the paper, scatter drawn by `draw(random, v)`.
@@ -82,4 +82,4 @@ TEST(Conclusions, OfTooFewSamplesHoldNothingAndInventNoNumber) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

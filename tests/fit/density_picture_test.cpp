@@ -7,7 +7,7 @@
 
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 TEST(DensityPicture, CountsEverySample) {
@@ -35,4 +35,4 @@ TEST(DensityPicture, OfOneSpeedOrOneEpsHasAnArea) {
 TEST(DensityPicture, OfNothingIsEmpty) { EXPECT_TRUE(density_picture({}).counts.empty()); }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

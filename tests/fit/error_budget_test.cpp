@@ -8,7 +8,7 @@
 #include "bouncelab/fit/restitution.hpp"
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 ErrorBudget budget_of(const testing::SyntheticRun& run) {
@@ -95,4 +95,4 @@ TEST(ErrorBudget, WithoutALawIsEmpty) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

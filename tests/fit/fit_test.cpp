@@ -11,7 +11,7 @@
 #include "bouncelab/fit/json.hpp"
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 TEST(FitAll, OfTheQuickLoopKnowsTheCurveAndItsSlopes) {
@@ -141,4 +141,4 @@ TEST(FitJson, HasNullsAndNoNumbersWhereNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -9,7 +9,7 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 constexpr double kG = kDefaultGravity_mps2;
@@ -132,4 +132,4 @@ TEST(Restitution, RejectsANegativeHeightOrDensity) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

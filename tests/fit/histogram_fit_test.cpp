@@ -10,7 +10,7 @@
 #include "bouncelab/core/error.hpp"
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 using testing::independent_samples;
@@ -176,4 +176,4 @@ TEST(HistogramFit, RejectsBadWindows) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

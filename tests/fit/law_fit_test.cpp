@@ -9,7 +9,7 @@
 #include "bouncelab/fit/restitution.hpp"
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 using testing::independent_samples;
@@ -305,4 +305,4 @@ TEST(LawFit, RejectsBrokenContracts) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "normal_laplace.hpp"
+#include "law/normal_laplace.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 double laplace(double d, double below, double above) {
@@ -148,4 +148,4 @@ TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

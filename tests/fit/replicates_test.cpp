@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "replicates.hpp"
+#include "law/replicates.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 using testing::independent_samples;
@@ -126,4 +126,4 @@ TEST(LawComparison, FindsTheLawThatWasPutIn) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -10,7 +10,7 @@
 #include "bouncelab/core/random.hpp"
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 Onsets onsets_at(const std::vector<double>& times, std::int64_t drop = 0) {
@@ -173,4 +173,4 @@ TEST(Restitution, OfFewerThanThreeOnsetsIsEmpty) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

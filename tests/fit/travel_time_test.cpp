@@ -10,7 +10,7 @@
 #include "bouncelab/fit/restitution.hpp"
 #include "synthetic_samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 namespace {
 
 /// A ball that wanders: a new random velocity at each impact, heard through a plate.
@@ -70,4 +70,4 @@ TEST(TravelTime, RejectsASpeedThatIsNone) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -19,12 +19,13 @@ struct Disturbed {
 
 /// 150 drops of 95 impacts on 100,000 asperities, as heard: later by all contacts before, and by the clock's noise.
 Onsets heard(const Disturbed& by) {
-  SimulationConfig config;
+  sim::SimulationConfig config;
   config.n_drops = 150;
   config.n_impacts_max = 96;
   if (by.drag) config.air = Air{};
-  const Surface surface = make_surface(config.ball, 100000, radius_law_from_text("uniform:0.5e-3,1.5e-3"), config.seed);
-  const auto impacts = simulate(config, surface).impacts;
+  const sim::Surface surface =
+      sim::make_surface(config.ball, 100000, sim::radius_law_from_text("uniform:0.5e-3,1.5e-3"), config.seed);
+  const auto impacts = sim::simulate(config, surface).impacts;
   Onsets onsets;
   double contacts_s = 0.0;
   for (const Impact& impact : impacts.rows) {
@@ -41,25 +42,25 @@ Onsets heard(const Disturbed& by) {
   return onsets;
 }
 
-FitResult analysed(const Disturbed& by, bool corrected) {
-  RestitutionConfig config;
+fit::FitResult analysed(const Disturbed& by, bool corrected) {
+  fit::RestitutionConfig config;
   config.correct_drag = by.drag && corrected;
   config.correct_contact_time = by.contact_time && corrected;
-  FitConfig fit;
+  fit::FitConfig fit;
   fit.law.node_speeds_mps = {0.25, 0.6, 1.2};
   fit.n_goodness = 0;
   const auto effect = [&](bool there) {
-    return !there ? Effect::absent : corrected ? Effect::corrected : Effect::present;
+    return !there ? fit::Effect::absent : corrected ? fit::Effect::corrected : fit::Effect::present;
   };
   fit.budget.drag = effect(by.drag);
   fit.budget.contact_time = effect(by.contact_time);
-  fit.budget.travel_time = Effect::absent;
-  return fit_all(restitution_samples(heard(by), config).samples, fit);
+  fit.budget.travel_time = fit::Effect::absent;
+  return fit::fit_all(fit::restitution_samples(heard(by), config).samples, fit);
 }
 
-void expect_truth(const FitResult& result) {
+void expect_truth(const fit::FitResult& result) {
   ASSERT_EQ(result.law.nodes.size(), 3u);
-  for (const NodeEstimate& node : result.law.nodes) {
+  for (const fit::NodeEstimate& node : result.law.nodes) {
     const double error = node.eps.value - restitution(SeriesLaw{}, node.v_mps);
     EXPECT_LT(std::abs(error), 3.0 * *node.eps.se) << node.v_mps;
   }
@@ -71,21 +72,21 @@ TEST(SimulatorToFit, DragContactTimeAndTimingNoiseAreTakenOut) { expect_truth(an
 
 TEST(SimulatorToFit, CorrectionsLeaveABiasBelowOneStandardError) {
   // without drag the impacts are the same ones, disturbed or not
-  const FitResult clean = analysed({}, false), corrected = analysed({false, true, 3e-6}, true);
+  const fit::FitResult clean = analysed({}, false), corrected = analysed({false, true, 3e-6}, true);
   for (std::size_t j = 0; j < 3; ++j) {
-    const Estimate &a = clean.law.nodes.at(j).eps, &b = corrected.law.nodes.at(j).eps;
+    const fit::Estimate &a = clean.law.nodes.at(j).eps, &b = corrected.law.nodes.at(j).eps;
     EXPECT_LT(std::abs(b.value - a.value), *a.se) << clean.law.nodes[j].v_mps;
     EXPECT_LT(*b.se, 1.1 * *a.se);
   }
 }
 
 TEST(SimulatorToFit, WhatIsNotTakenOutIsInTheBudget) {
-  const FitResult result = analysed({true, true, 3e-6}, false);
+  const fit::FitResult result = analysed({true, true, 3e-6}, false);
   // eps(1.2 m/s) is low by the drag's 8.5e-4 of PHYSICS' table, and the budget says by how much
-  const NodeEstimate& fast = result.law.nodes.at(2);
+  const fit::NodeEstimate& fast = result.law.nodes.at(2);
   const double bias = fast.eps.value - restitution(SeriesLaw{}, fast.v_mps);
   EXPECT_LT(bias, -6e-4);
-  const BudgetRow& row = result.budget.rows.back();
+  const fit::BudgetRow& row = result.budget.rows.back();
   // rows lie at other speeds than nodes; the drag's shift goes as v^1.5
   const double shift = row.shift_drag * std::pow(fast.v_mps / row.v_mps, 1.5) + row.shift_contact_time;
   EXPECT_NEAR(shift, bias, 3.0 * *fast.eps.se + 0.05 * std::abs(bias));

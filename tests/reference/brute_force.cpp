@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace bouncelab::reference {
+namespace bouncelab::sim::reference {
 namespace {
 
 /// gap(t) of one sphere of radius `radius_m` whose centre is at `arm_m` from the ball's (lab frame, t = 0).
@@ -176,4 +176,4 @@ BallState state_after(const Ball& ball, const ImpactState& s) {
           Motion{vector(s.velocity_after_mps), vector(s.spin_after_radps)}};
 }
 
-}  // namespace bouncelab::reference
+}  // namespace bouncelab::sim::reference

@@ -9,7 +9,7 @@
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/flight.hpp"
 
-namespace bouncelab::reference {
+namespace bouncelab::sim::reference {
 
 /// The first closing of any gap after the start; `left` as in find_first_contact.
 FirstContact first_contact(const Ball& ball, const Surface& surface, const BallState& start, double gravity_mps2,
@@ -25,4 +25,4 @@ Impacts bounce(const SimulationConfig& config, const Surface& surface, BallState
 /// The state in which a simulated impact left the ball.
 BallState state_after(const Ball& ball, const ImpactState& impact);
 
-}  // namespace bouncelab::reference
+}  // namespace bouncelab::sim::reference

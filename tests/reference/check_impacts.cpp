@@ -16,7 +16,7 @@
 #include "bouncelab/core/error.hpp"
 #include "brute_force.hpp"
 
-namespace bouncelab::reference {
+namespace bouncelab::sim::reference {
 namespace {
 
 struct Worst {
@@ -102,11 +102,11 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace bouncelab::reference
+}  // namespace bouncelab::sim::reference
 
 int main(int argc, char** argv) {
   try {
-    return bouncelab::reference::run(argc, argv);
+    return bouncelab::sim::reference::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "check_impacts: %s\n", error.what());
     return 3;

@@ -10,7 +10,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/energy.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 constexpr double kRounding = 1e-12;  // of speeds near 1 m/s and lever arms of 3 mm, with room for cancellation
@@ -147,4 +147,4 @@ TEST(ContactModel, ParametersOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

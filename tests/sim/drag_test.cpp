@@ -7,7 +7,7 @@
 
 #include "bouncelab/sim/sim.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 constexpr double kG = 9.81;
@@ -99,4 +99,4 @@ TEST(Drag, FarBelowGravityChangesNothing) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -6,7 +6,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/experiment.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 SimulationConfig config_with_states() {
@@ -51,4 +51,4 @@ TEST(EnergyShares, WithoutStatesAreRefused) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

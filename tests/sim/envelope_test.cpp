@@ -8,7 +8,7 @@
 
 #include "bouncelab/core/random.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 Vector3 random_direction(std::uint64_t k) {
@@ -107,4 +107,4 @@ TEST(Envelope, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

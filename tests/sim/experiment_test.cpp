@@ -9,7 +9,7 @@
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 SimulationConfig small_config() {
@@ -163,4 +163,4 @@ TEST(Simulate, ProgressMayStopIt) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -6,7 +6,7 @@
 #include "../reference/brute_force.hpp"
 #include "bouncelab/sim/sim.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 double largest(Vector3 a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
@@ -142,4 +142,4 @@ TEST(FirstContact, RefusesGravityThatDoesNotPullToThePlate) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -9,7 +9,7 @@
 #include "../reference/brute_force.hpp"
 #include "bouncelab/sim/sim.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 struct Sample {
@@ -152,4 +152,4 @@ TEST(Scatter, IsDistributedAsThatOfTheBruteForceTwin) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -7,7 +7,7 @@
 
 #include "bouncelab/core/error.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 struct Moments {
@@ -111,4 +111,4 @@ TEST(RadiusLaw, RefusesWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/restitution_law.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 namespace {
 
 /// Viscoelastic spheres: x'' = -(x^(3/2) + b sqrt(x) x'), scaled so that x'(0) = 1; b = gamma v^(1/5).
@@ -103,4 +103,4 @@ TEST(ViscoelasticContact, HigherCoefficientsAgreeToTheDigitsThatTheDerivationSup
 }
 
 }  // namespace
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

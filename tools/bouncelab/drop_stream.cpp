@@ -12,9 +12,9 @@
 #include <set>
 #include <utility>
 
-#include "bouncelab/acoustic/audio_writer.hpp"
-#include "bouncelab/acoustic/detection.hpp"
+#include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kDropsForLevels = 40;
 
 std::string recording_name(const std::string& ball, std::int64_t drop) {
-  return path_of_drop(ball + ".flac", drop).string();
+  return synthesis::path_of_drop(ball + ".flac", drop).string();
 }
 
 /// Where the rows of each drop begin; one more at the end.
@@ -48,8 +48,9 @@ double thread_processor_time_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void keep(const std::vector<double>& samples, const SynthesisConfig& config, const fs::path& path) {
-  AudioWriter writer(path, {config.rate_hz, 1, config.encoding}, static_cast<std::int64_t>(samples.size()), true);
+void keep(const std::vector<double>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
+  audio::AudioWriter writer(path, {config.rate_hz, 1, config.encoding}, static_cast<std::int64_t>(samples.size()),
+                            true);
   writer.write(samples);
   writer.commit();
 }
@@ -92,19 +93,19 @@ void for_each_number(const Use& use, const Onset*) {
 }
 
 template <class Use>
-void for_each_number(const Use& use, const TrueImpact*) {
-  use("t_s", &TrueImpact::t_s);
-  use("sigma_t_s", &TrueImpact::sigma_t_s);
-  use("amplitude", &TrueImpact::amplitude);
-  use("snr_db", &TrueImpact::snr_db);
-  use("drop", &TrueImpact::drop);
-  use("impact", &TrueImpact::impact);
-  use("flags", &TrueImpact::flags);
-  use("contact_time_s", &TrueImpact::contact_time_s);
-  use("travel_time_s", &TrueImpact::travel_time_s);
-  use("x_m", &TrueImpact::x_m);
-  use("y_m", &TrueImpact::y_m);
-  use("v_mps", &TrueImpact::v_mps);
+void for_each_number(const Use& use, const synthesis::TrueImpact*) {
+  use("t_s", &synthesis::TrueImpact::t_s);
+  use("sigma_t_s", &synthesis::TrueImpact::sigma_t_s);
+  use("amplitude", &synthesis::TrueImpact::amplitude);
+  use("snr_db", &synthesis::TrueImpact::snr_db);
+  use("drop", &synthesis::TrueImpact::drop);
+  use("impact", &synthesis::TrueImpact::impact);
+  use("flags", &synthesis::TrueImpact::flags);
+  use("contact_time_s", &synthesis::TrueImpact::contact_time_s);
+  use("travel_time_s", &synthesis::TrueImpact::travel_time_s);
+  use("x_m", &synthesis::TrueImpact::x_m);
+  use("y_m", &synthesis::TrueImpact::y_m);
+  use("v_mps", &synthesis::TrueImpact::v_mps);
 }
 
 template <class Row>
@@ -129,7 +130,7 @@ int threads_of(const Run& run) {
 
 }  // namespace
 
-SoundStage make_sound_stage(const SynthesisConfig& config, const Impacts& impacts) {
+SoundStage make_sound_stage(const synthesis::SynthesisConfig& config, const Impacts& impacts) {
   if (config.channels.size() != 1)
     throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
                           std::to_string(config.channels.size()) + "; give one, or use --preset quick without lists");
@@ -137,10 +138,10 @@ SoundStage make_sound_stage(const SynthesisConfig& config, const Impacts& impact
   stage.config = config;
   stage.config.simulated_positions = false;
   stage.config.n_threads = 1;  // drops are what runs side by side
-  stage.instrument = make_instrument(stage.config);
+  stage.instrument = synthesis::make_instrument(stage.config);
   const std::vector<std::size_t> begins = begins_of_drops(impacts);
   const std::size_t n = std::min(kDropsForLevels, begins.size() - 1);
-  stage.levels = SyntheticRecording(rows_of(impacts, 0, begins[n]), stage.config, stage.instrument).levels();
+  stage.levels = synthesis::SyntheticRecording(rows_of(impacts, 0, begins[n]), stage.config, stage.instrument).levels();
   return stage;
 }
 
@@ -160,7 +161,7 @@ HeardDrop heard_drop_from_json(const Json& json) {
   heard.sound_s = json.at("sound_s").get<double>();
   heard.synthesize_s = json.at("synthesize_s").get<double>();
   heard.detect_s = json.at("detect_s").get<double>();
-  heard.truth = rows_from<TrueImpact>(json.at("truth"));
+  heard.truth = rows_from<synthesis::TrueImpact>(json.at("truth"));
   heard.onsets = rows_from<Onset>(json.at("onsets"));
   const std::string name = recording_name(json.at("ball").get<std::string>(), heard.drop);
   for (Onset& onset : heard.onsets) onset.recording = name;
@@ -171,16 +172,16 @@ HeardDrop hear_drop(const Impacts& impacts, const std::string& ball, const Sound
   HeardDrop heard;
   heard.drop = impacts.rows.front().drop;
   const double start_s = thread_processor_time_s();
-  const SynthesisConfig config = config_of_drop(stage.config, stage.levels, heard.drop);
-  const SyntheticRecording recording(impacts, config, stage.instrument);
+  const synthesis::SynthesisConfig config = synthesis::config_of_drop(stage.config, stage.levels, heard.drop);
+  const synthesis::SyntheticRecording recording(impacts, config, stage.instrument);
   const std::vector<double> samples = recording.samples();
   heard.truth = recording.truth();
   heard.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
   const std::string name = recording_name(ball, heard.drop);
   if (stage.keep_sound) keep(samples, config, stage.folder / name);
-  const std::vector<float> read_back = as_read_back(samples, config.encoding);
+  const std::vector<float> read_back = audio::as_read_back(samples, config.encoding);
   const double sounded_s = thread_processor_time_s();
-  heard.onsets = detect(read_back, config.rate_hz, name).onsets;
+  heard.onsets = detection::detect(read_back, config.rate_hz, name).onsets;
   heard.synthesize_s = sounded_s - start_s;
   heard.detect_s = thread_processor_time_s() - sounded_s;
   return heard;
@@ -228,20 +229,20 @@ Onsets true_onsets_of(const std::vector<HeardDrop>& drops, const std::string& ba
   Onsets all;
   for (const HeardDrop& drop : drops) {
     const std::string name = recording_name(ball, drop.drop);
-    for (const TrueImpact& t : drop.truth)
+    for (const synthesis::TrueImpact& t : drop.truth)
       all.push_back({name, t.drop, t.impact, t.t_s, std::nullopt, t.amplitude, t.snr_db, ""});
   }
   return all;
 }
 
 Table truth_table_of(const std::vector<HeardDrop>& drops, const std::string& ball) {
-  std::vector<TrueImpact> all;
+  std::vector<synthesis::TrueImpact> all;
   std::vector<std::string> names;
   for (const HeardDrop& drop : drops) {
     all.insert(all.end(), drop.truth.begin(), drop.truth.end());
     names.insert(names.end(), drop.truth.size(), recording_name(ball, drop.drop));
   }
-  Table table = truth_table(all, "");
+  Table table = synthesis::truth_table(all, "");
   table.columns.front().values = std::move(names);
   return table;
 }

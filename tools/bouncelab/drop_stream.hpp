@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/acoustic/synthesis.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "command.hpp"
 #include "run_journal.hpp"
 
@@ -17,21 +17,21 @@ namespace bouncelab::cli {
 
 /// How drops become sound: one recording each, all with the same gain and noise.
 struct SoundStage {
-  SynthesisConfig config;
-  Levels levels;
-  std::shared_ptr<const Instrument> instrument;
+  synthesis::SynthesisConfig config;
+  synthesis::Levels levels;
+  std::shared_ptr<const synthesis::Instrument> instrument;
   std::filesystem::path folder;  ///< recordings are kept here, FLAC, where keep_sound; replaced
   bool keep_sound = false;
 };
 
 /// Gain and noise are chosen for the first drops (up to 40): the weakest impact of so many has the SNR asked for.
 /// @throws InvalidArgument where there is more than one channel
-SoundStage make_sound_stage(const SynthesisConfig& config, const Impacts& impacts);
+SoundStage make_sound_stage(const synthesis::SynthesisConfig& config, const Impacts& impacts);
 
 /// One drop, heard.
 struct HeardDrop {
   std::int64_t drop = 0;
-  std::vector<TrueImpact> truth;
+  std::vector<synthesis::TrueImpact> truth;
   Onsets onsets;
   double sound_s = 0.0;       ///< length of the recording
   double synthesize_s = 0.0;  ///< processor time

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/acoustic/score.hpp"
 #include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/detection/score.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {
 
 /// What one run of the closed loop left behind, as read from its files.
 struct LoopResults {
-  OnsetScore score;  ///< detected against true times
+  detection::OnsetScore score;  ///< detected against true times
   std::size_t n_drops = 0;
   std::size_t n_samples = 0;
   RestitutionLaw truth;                                 ///< the law that went in

@@ -8,22 +8,22 @@
 #include <utility>
 #include <vector>
 
-#include "analyze_command.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
-#include "calibrate_command.hpp"
 #include "command.hpp"
-#include "common_options.hpp"
-#include "config_file.hpp"
-#include "convert_command.hpp"
-#include "detect_command.hpp"
-#include "fit_command.hpp"
-#include "loop_command.hpp"
+#include "commands/analyze_command.hpp"
+#include "commands/calibrate_command.hpp"
+#include "commands/convert_command.hpp"
+#include "commands/detect_command.hpp"
+#include "commands/fit_command.hpp"
+#include "commands/loop_command.hpp"
+#include "commands/report_command.hpp"
+#include "commands/restitution_command.hpp"
+#include "commands/simulate_command.hpp"
+#include "commands/synthesize_command.hpp"
+#include "options/common_options.hpp"
+#include "options/config_file.hpp"
 #include "progress_line.hpp"
-#include "report_command.hpp"
-#include "restitution_command.hpp"
-#include "simulate_command.hpp"
-#include "synthesize_command.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -7,14 +7,14 @@
 
 #include "bouncelab/core/version.hpp"
 #include "bouncelab/fit/json.hpp"
+#include "commands/report_command.hpp"
+#include "files/provenance.hpp"
+#include "files/table_file.hpp"
 #include "loop_summary.hpp"
 #include "paper_summary.hpp"
-#include "provenance.hpp"
-#include "report_command.hpp"
 #include "run_journal.hpp"
 #include "stages.hpp"
 #include "streamed_loop.hpp"
-#include "table_file.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -118,9 +118,9 @@ Outcome run_paper_loop(const LoopOptions& options, Run& run) {
   add_work(loop, clock.seconds(), peak_memory_bytes(), summary);
   write_text(run, folder / "summary.json", summary.dump(2) + "\n", {folder / "onsets.csv", folder / "fit.json"});
   journal.remove();
-  Outcome outcome{usable(loop.sound) ? kDone : kNotUsable, summary, "", loop.sound.warnings, ""};
+  Outcome outcome{fit::usable(loop.sound) ? kDone : kNotUsable, summary, "", loop.sound.warnings, ""};
   outcome.text = loop_table(summary) + paper_text(paper) + work_text(summary) + shown.text;
-  if (!usable(loop.sound)) outcome.trouble = "what was heard gives no law: " + loop.sound.law.message;
+  if (!fit::usable(loop.sound)) outcome.trouble = "what was heard gives no law: " + loop.sound.law.message;
   return outcome;
 }
 

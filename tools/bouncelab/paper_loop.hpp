@@ -2,7 +2,7 @@
 #pragma once
 
 #include "command.hpp"
-#include "loop_command.hpp"
+#include "commands/loop_command.hpp"
 
 namespace bouncelab::cli {
 

@@ -10,7 +10,7 @@
 namespace bouncelab::cli {
 namespace {
 
-Json json_of(const Estimate& estimate) {
+Json json_of(const fit::Estimate& estimate) {
   Json json{{"value", estimate.value}};
   if (estimate.se) json["se"] = *estimate.se;
   if (estimate.ci95) json["ci95"] = {estimate.ci95->lo, estimate.ci95->hi};
@@ -19,8 +19,8 @@ Json json_of(const Estimate& estimate) {
 
 Json conclusions_of(const StreamedLoop& loop) {
   Json all = Json::array();
-  const FitResult* smooth = loop.smooth.drops.empty() ? nullptr : &loop.smooth_sound;
-  for (const Conclusion& c : paper_conclusions(loop.sound, smooth, loop.simulation.law)) {
+  const fit::FitResult* smooth = loop.smooth.drops.empty() ? nullptr : &loop.smooth_sound;
+  for (const fit::Conclusion& c : fit::paper_conclusions(loop.sound, smooth, loop.simulation.law)) {
     Json json{{"claim", c.claim},
               {"measure", c.measure},
               {"criterion", c.criterion},
@@ -37,10 +37,10 @@ Json conclusions_of(const StreamedLoop& loop) {
 Json slopes_of(const StreamedLoop& loop) {
   Json windows = Json::array();
   for (std::size_t k = 0; k < loop.sound.histograms.size() && k < loop.direct.histograms.size(); ++k) {
-    const HistogramFit &direct = loop.direct.histograms[k], &sound = loop.sound.histograms[k];
+    const fit::HistogramFit &direct = loop.direct.histograms[k], &sound = loop.sound.histograms[k];
     if (!direct.slope_rising || !sound.slope_rising || !direct.slope_falling || !sound.slope_falling) continue;
     Json window{{"v_mps", sound.v_mps}, {"n_simulation", direct.n}, {"n_sound", sound.n}};
-    const auto add = [&](const char* side, const Estimate& in, const Estimate& out) {
+    const auto add = [&](const char* side, const fit::Estimate& in, const fit::Estimate& out) {
       window[side] = {{"simulation", json_of(in)}, {"sound", json_of(out)}, {"ratio", out.value / in.value}};
     };
     add("rising", *direct.slope_rising, *sound.slope_rising);
@@ -50,9 +50,9 @@ Json slopes_of(const StreamedLoop& loop) {
   return windows;
 }
 
-Json spread_of(const FitResult& fit) {
+Json spread_of(const fit::FitResult& fit) {
   Json spread{{"v_mps", Json::array()}, {"spread", Json::array()}};
-  for (const BudgetRow& row : fit.budget.rows) {
+  for (const fit::BudgetRow& row : fit.budget.rows) {
     spread["v_mps"].push_back(row.v_mps);
     spread["spread"].push_back(row.spread);
   }
@@ -60,18 +60,18 @@ Json spread_of(const FitResult& fit) {
   return spread;
 }
 
-Json shares_of(const std::vector<EnergyShares>& shares) {
+Json shares_of(const std::vector<sim::EnergyShares>& shares) {
   Json json;
   const auto column = [&](const char* name, auto member) {
-    for (const EnergyShares& s : shares) json[name].push_back(s.*member);
+    for (const sim::EnergyShares& s : shares) json[name].push_back(s.*member);
   };
-  column("impact", &EnergyShares::impact);
-  column("n", &EnergyShares::n);
-  column("vertical", &EnergyShares::vertical);
-  column("horizontal", &EnergyShares::horizontal);
-  column("rotational", &EnergyShares::rotational);
-  column("rotational_lo", &EnergyShares::rotational_lo);
-  column("rotational_hi", &EnergyShares::rotational_hi);
+  column("impact", &sim::EnergyShares::impact);
+  column("n", &sim::EnergyShares::n);
+  column("vertical", &sim::EnergyShares::vertical);
+  column("horizontal", &sim::EnergyShares::horizontal);
+  column("rotational", &sim::EnergyShares::rotational);
+  column("rotational_lo", &sim::EnergyShares::rotational_lo);
+  column("rotational_hi", &sim::EnergyShares::rotational_hi);
   return json;
 }
 

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "bouncelab/core/error.hpp"
-#include "provenance.hpp"
+#include "files/provenance.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -17,13 +17,13 @@ Json read_json(const std::filesystem::path& path) {
   }
 }
 
-BudgetConfig budget_of(const SimulationConfig& simulated) {
-  BudgetConfig budget;
+fit::BudgetConfig budget_of(const sim::SimulationConfig& simulated) {
+  fit::BudgetConfig budget;
   budget.ball = simulated.ball;
   budget.gravity_mps2 = simulated.gravity_mps2;
   if (simulated.air) budget.air = *simulated.air;
-  budget.drag = simulated.air ? Effect::present : Effect::absent;
-  budget.contact_time = budget.travel_time = Effect::absent;
+  budget.drag = simulated.air ? fit::Effect::present : fit::Effect::absent;
+  budget.contact_time = budget.travel_time = fit::Effect::absent;
   return budget;
 }
 

@@ -43,7 +43,7 @@ class StageClock {
 Json read_json(const std::filesystem::path& path);
 
 /// What is in the samples of a simulated ball: it strikes without delay and, in sound, always at one point.
-BudgetConfig budget_of(const SimulationConfig& simulated);
+fit::BudgetConfig budget_of(const sim::SimulationConfig& simulated);
 
 /// Appends what is not there yet.
 void add_warnings(std::vector<std::string>& warnings, const std::vector<std::string>& more);

@@ -55,11 +55,11 @@ RestitutionSamples direct_samples(const Impacts& impacts) {
   return samples;
 }
 
-HeardBall simulated(const std::string& name, const SimulationConfig& config, const Surface& surface, StreamedLoop& loop,
-                    const Run& run) {
-  SimulationResult result = simulate(config, surface, progress_line(run, "simulate", "drops"));
+HeardBall simulated(const std::string& name, const sim::SimulationConfig& config, const sim::Surface& surface,
+                    StreamedLoop& loop, const Run& run) {
+  sim::SimulationResult result = sim::simulate(config, surface, progress_line(run, "simulate", "drops"));
   if (config.with_state) {
-    loop.shares = energy_shares(config.ball, result.impacts);
+    loop.shares = sim::energy_shares(config.ball, result.impacts);
     loop.energy = result.energy;
   }
   HeardBall ball;
@@ -70,20 +70,20 @@ HeardBall simulated(const std::string& name, const SimulationConfig& config, con
 }
 
 void simulate_balls(const LoopOptions& options, bool with_smooth, StreamedLoop& loop, const Run& run) {
-  SimulationConfig config = loop.simulation;
+  sim::SimulationConfig config = loop.simulation;
   config.with_state = true;
   loop.rough = simulated("rough", config,
                          surface_of(options.simulate, config, progress_line(run, "surface", "asperities")), loop, run);
   if (!with_smooth) return;
   config.with_state = false;
   config.n_drops = std::max<std::int64_t>(1, config.n_drops / kRoughDropsPerSmoothDrop);
-  loop.smooth = simulated("smooth", config, Surface{}, loop, run);
+  loop.smooth = simulated("smooth", config, sim::Surface{}, loop, run);
 }
 
 void hear(HeardBall& ball, const SoundStage& stage, std::vector<HeardDrop> finished, RunJournal* journal,
           const Run& run) {
   ball.drops = hear_drops(ball.impacts, ball.name, stage, std::move(finished), journal, run);
-  ball.score = score_onsets(true_onsets_of(ball.drops, ball.name), onsets_of(ball.drops));
+  ball.score = detection::score_onsets(true_onsets_of(ball.drops, ball.name), onsets_of(ball.drops));
 }
 
 /// "hear" is two stages in one pass over the drops: their shares are known by the drops' own clocks.
@@ -102,18 +102,20 @@ void split_hearing(StreamedLoop& loop) {
 
 void fit_everything(StreamedLoop& loop, const LoopOptions& options, const Run& run) {
   const auto from = [&](const Onsets& onsets) {
-    RestitutionConfig config;
+    fit::RestitutionConfig config;
     config.gravity_mps2 = loop.simulation.gravity_mps2;
     config.ball = loop.simulation.ball;
-    return restitution_samples(onsets, config).samples;
+    return fit::restitution_samples(onsets, config).samples;
   };
-  FitConfig config;
+  fit::FitConfig config;
   config.law.node_speeds_mps = options.node_speeds_mps;
   config.budget = budget_of(loop.simulation);
   loop.samples_direct = direct_samples(loop.rough.impacts);
   loop.samples_true = from(true_onsets_of(loop.rough.drops, loop.rough.name));
   loop.samples_sound = from(onsets_of(loop.rough.drops));
-  const auto fit = [&](const RestitutionSamples& samples, FitResult& result) { result = fit_all(samples, config); };
+  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result) {
+    result = fit::fit_all(samples, config);
+  };
   progress_line(run, "fit", "fits")(0.0, 4.0);
   oneapi::tbb::task_arena arena(run.common.n_threads > 0 ? run.common.n_threads : oneapi::tbb::task_arena::automatic);
   arena.execute([&] {
@@ -137,7 +139,7 @@ StreamedLoop run_streamed(const LoopOptions& options, bool with_smooth, Finished
                           Run& run) {
   StreamedLoop loop;
   loop.simulation = simulation_config(options.simulate, run.common);
-  const SynthesisConfig synthesis = synthesis_config(options.synthesize, run.common);
+  const synthesis::SynthesisConfig synthesis = synthesis_config(options.synthesize, run.common);
   StageAccount account(loop);
   account.run("simulate", [&] { simulate_balls(options, with_smooth, loop, run); });
   account.run("hear", [&] {

@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/acoustic/score.hpp"
+#include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/sim/energy_shares.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "command.hpp"
+#include "commands/loop_command.hpp"
 #include "drop_stream.hpp"
-#include "loop_command.hpp"
 #include "run_journal.hpp"
 
 namespace bouncelab::cli {
@@ -22,20 +22,20 @@ struct HeardBall {
   std::string name;
   Impacts impacts;  ///< without states
   std::vector<HeardDrop> drops;
-  OnsetScore score;
+  detection::OnsetScore score;
 };
 
 /// The closed loop, drops flowing through memory.
 struct StreamedLoop {
-  SimulationConfig simulation;
+  sim::SimulationConfig simulation;
   HeardBall rough;
-  std::vector<EnergyShares> shares;   ///< of the rough ball
-  EnergyLedger energy;                ///< likewise
-  HeardBall smooth;                   ///< the same ball without asperities; no drops where it was not asked for
-  RestitutionSamples samples_direct;  ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
-  RestitutionSamples samples_true;    ///< eq. 2 from the true times
-  RestitutionSamples samples_sound;   ///< eq. 2 from the times heard
-  FitResult direct, true_times, sound, smooth_sound;
+  std::vector<sim::EnergyShares> shares;  ///< of the rough ball
+  sim::EnergyLedger energy;               ///< likewise
+  HeardBall smooth;                       ///< the same ball without asperities; no drops where it was not asked for
+  RestitutionSamples samples_direct;      ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
+  RestitutionSamples samples_true;        ///< eq. 2 from the true times
+  RestitutionSamples samples_sound;       ///< eq. 2 from the times heard
+  fit::FitResult direct, true_times, sound, smooth_sound;
   std::vector<std::pair<std::string, double>> wall_s, processor_s;  ///< by stage, in order
 };
 

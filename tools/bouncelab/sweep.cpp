@@ -12,12 +12,12 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
-#include "loop_command.hpp"
+#include "commands/loop_command.hpp"
+#include "commands/report_command.hpp"
+#include "files/table_file.hpp"
 #include "progress_line.hpp"
-#include "report_command.hpp"
 #include "run_journal.hpp"
 #include "streamed_loop.hpp"
-#include "table_file.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -64,39 +64,39 @@ ParsedLoop parsed(const Run& run, const Settings& settings) {
   }
 }
 
-const NodeEstimate* node_at(const LawFit& law, double v_mps) {
-  for (const NodeEstimate& node : law.nodes)
+const fit::NodeEstimate* node_at(const fit::LawFit& law, double v_mps) {
+  for (const fit::NodeEstimate& node : law.nodes)
     if (std::abs(node.v_mps - v_mps) < 1e-9) return &node;
   return nullptr;
 }
 
-const HistogramFit* window_at(const FitResult& fit, double v_mps) {
-  for (const HistogramFit& h : fit.histograms)
+const fit::HistogramFit* window_at(const fit::FitResult& fit, double v_mps) {
+  for (const fit::HistogramFit& h : fit.histograms)
     if (std::abs(h.v_mps - v_mps) < 1e-9 && h.slope_rising && h.slope_falling) return &h;
   return nullptr;
 }
 
-void add_estimate(Json& values, const std::string& name, const Estimate* estimate) {
+void add_estimate(Json& values, const std::string& name, const fit::Estimate* estimate) {
   values[name] = estimate != nullptr ? Json(estimate->value) : Json(nullptr);
   values["se_" + name] = estimate != nullptr && estimate->se ? Json(*estimate->se) : Json(nullptr);
 }
 
 /// Where hearing costs something: what of the method does not work at this point, in words; empty where all does.
 std::string trouble_of(const StreamedLoop& loop, const LoopOptions& options) {
-  const OnsetScore& score = loop.rough.score;
+  const detection::OnsetScore& score = loop.rough.score;
   const auto n_heard = static_cast<double>(score.n_found + score.n_invented);
   if (score.n_found == 0) return "nothing found";
   if (static_cast<double>(score.n_found) < 0.99 * static_cast<double>(score.n_true)) return "impacts missed";
   if (static_cast<double>(score.n_found) < 0.99 * n_heard) return "impacts invented";
   for (const double v : options.node_speeds_mps) {
-    const NodeEstimate *heard = node_at(loop.sound.law, v), *exact = node_at(loop.true_times.law, v);
+    const fit::NodeEstimate *heard = node_at(loop.sound.law, v), *exact = node_at(loop.true_times.law, v);
     if (heard == nullptr || exact == nullptr || !exact->eps.se) return "no law";
     if (std::abs(heard->eps.value - exact->eps.value) > *exact->eps.se)
       return fmt::format("eps({:g} m/s) moved by more than its standard error", v);
   }
-  for (const HistogramFit& exact : loop.true_times.histograms) {
+  for (const fit::HistogramFit& exact : loop.true_times.histograms) {
     if (!exact.slope_rising || !exact.slope_falling) continue;
-    const HistogramFit* heard = window_at(loop.sound, exact.v_mps);
+    const fit::HistogramFit* heard = window_at(loop.sound, exact.v_mps);
     if (heard == nullptr || std::abs(heard->slope_rising->value / exact.slope_rising->value - 1.0) > 0.1 ||
         std::abs(heard->slope_falling->value / exact.slope_falling->value - 1.0) > 0.1)
       return fmt::format("slopes at {:.1f} m/s moved by more than a tenth", exact.v_mps);
@@ -106,7 +106,7 @@ std::string trouble_of(const StreamedLoop& loop, const LoopOptions& options) {
 
 /// The numbers of one point, by column.
 Json values_of(const StreamedLoop& loop, const LoopOptions& options) {
-  const OnsetScore& score = loop.rough.score;
+  const detection::OnsetScore& score = loop.rough.score;
   const auto share = [](std::size_t n, std::size_t of) {
     return of > 0 ? Json(static_cast<double>(n) / static_cast<double>(of)) : Json(nullptr);
   };
@@ -121,23 +121,24 @@ Json values_of(const StreamedLoop& loop, const LoopOptions& options) {
     const std::string name = fmt::format("eps_{:g}", v);
     values[name + "_truth"] = restitution(loop.simulation.law, v);
     for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}}) {
-      const NodeEstimate* node = node_at(fit->law, v);
+      const fit::NodeEstimate* node = node_at(fit->law, v);
       add_estimate(values, name + suffix, node != nullptr ? &node->eps : nullptr);
     }
   }
   for (const char* name : {"A2", "A4", "A5"}) {
     const auto& all = loop.sound.law.parameters;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const NamedEstimate& p) { return p.name == name; });
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const fit::NamedEstimate& p) { return p.name == name; });
     add_estimate(values, name, found != all.end() ? &found->estimate : nullptr);
   }
   for (const double v : {0.3, 0.6, 1.0})
     for (const auto& [suffix, fit] : {std::pair{"_simulation", &loop.direct}, {"_sound", &loop.sound}}) {
-      const HistogramFit* window = window_at(*fit, v);
+      const fit::HistogramFit* window = window_at(*fit, v);
       add_estimate(values, fmt::format("slope_rising_{:.1f}{}", v, suffix), window ? &*window->slope_rising : nullptr);
       add_estimate(values, fmt::format("slope_falling_{:.1f}{}", v, suffix),
                    window ? &*window->slope_falling : nullptr);
     }
-  const std::optional<Estimate>& exponent = loop.sound.budget.width_exponent;
+  const std::optional<fit::Estimate>& exponent = loop.sound.budget.width_exponent;
   add_estimate(values, "width_exponent", exponent ? &*exponent : nullptr);
   return values;
 }

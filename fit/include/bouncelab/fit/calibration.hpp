@@ -9,10 +9,10 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
-/// A study of the law's fit and of the slopes of p(eps) on samples drawn from a known law: speeds log-uniform, two-exponential scatter whose mean
-/// distances go as 1/v, normal timing errors that go as 1/v and are stated.
+/// A study of the law's fit and of the slopes of p(eps) on samples drawn from a known law: speeds log-uniform,
+/// two-exponential scatter whose mean distances go as 1/v, normal timing errors that go as 1/v and are stated.
 struct CalibrationConfig {
   std::size_t n_samples = 20000;  ///< per seed, >= 100
   std::size_t n_seeds = 100;      ///< >= 2
@@ -38,7 +38,7 @@ struct CalibrationRow {
 struct CalibrationResult {
   /// eps at 0.25, 0.6, 1.2 m/s, the constants, rising and falling slope in windows of 0.1 m/s about 0.3, 0.6, 1 m/s.
   std::vector<CalibrationRow> rows;
-  std::size_t n_failed = 0;          ///< seeds whose fit did not converge: not in the rows
+  std::size_t n_failed = 0;  ///< seeds whose fit did not converge: not in the rows
 };
 
 /// @throws InvalidArgument where a number is out of its range
@@ -47,4 +47,4 @@ CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallb
 /// Samples of one seed of the study.
 RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uint64_t index);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

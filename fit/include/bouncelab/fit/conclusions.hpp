@@ -9,7 +9,7 @@
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/fit.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// Something that the paper concludes from its figures, put to the numbers of one experiment.
 struct Conclusion {
@@ -34,4 +34,4 @@ struct Conclusion {
 std::vector<Conclusion> paper_conclusions(const FitResult& rough, const FitResult* smooth,
                                           const std::optional<RestitutionLaw>& truth);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -6,7 +6,7 @@
 
 #include "bouncelab/core/samples.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// Counts of samples in a grid of speed and eps: the paper's figs. 1 and 2, top. Samples outside the grid are counted.
 struct DensityPicture {
@@ -21,4 +21,4 @@ struct DensityPicture {
 /// samples.
 DensityPicture density_picture(const RestitutionSamples& samples, std::size_t n_v = 120, std::size_t n_eps = 100);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -13,7 +13,7 @@
 #include "bouncelab/fit/flight_correction.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// The timing noise that the samples themselves show. Neighbours share two onsets, and independent errors of standard
 /// deviation s make
@@ -88,4 +88,4 @@ struct BudgetConfig {
 /// @param law      fitted to them; without law.law the budget is empty
 ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

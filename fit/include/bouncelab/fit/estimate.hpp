@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// How a computation ended. What could be computed is there whatever the status.
 enum class FitStatus {
@@ -62,4 +62,4 @@ using Matrix = std::vector<std::vector<double>>;
 /// value, standard error and the normal intervals value -+ 1 se, value -+ 1.96 se.
 Estimate normal_estimate(double value, double se);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -12,15 +12,15 @@
 
 #include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/dem_export.hpp"
 #include "bouncelab/fit/density_picture.hpp"
 #include "bouncelab/fit/error_budget.hpp"
 #include "bouncelab/fit/estimate.hpp"
-#include "bouncelab/fit/hand_off.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 struct FitConfig {
   LawFitConfig law;             ///< the main fit; the others use its nodes
@@ -59,4 +59,4 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
 /// Is there a curve eps(v) worth using? (`ok` and `not_identifiable`: the curve is known although A may not be.)
 bool usable(const FitResult& result);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

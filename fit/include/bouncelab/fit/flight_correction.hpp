@@ -5,7 +5,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/units.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// Deceleration by drag [m/s^2] at speed v >= 0:
 ///
@@ -33,4 +33,4 @@ Flight flight_with_drag(const Ball& ball, const Air& air, double duration_s, dou
 /// Landing speed after release at rest from a height, with drag.
 double fall_with_drag_mps(const Ball& ball, const Air& air, double height_m, double gravity_mps2);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -9,7 +9,7 @@
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 struct HistogramConfig {
   std::vector<double> centres_mps{0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
@@ -74,4 +74,4 @@ struct HistogramFit {
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

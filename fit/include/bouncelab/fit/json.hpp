@@ -5,9 +5,9 @@
 
 #include "bouncelab/fit/fit.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// fit.json: everything of a FitResult, numbers with 17 digits, null where a value is not known.
 std::string to_json(const FitResult& result);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

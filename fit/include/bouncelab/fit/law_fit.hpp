@@ -10,7 +10,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form.
 enum class LawKind { series, viscoelastic, constant };
@@ -128,4 +128,4 @@ struct LawFit {
 /// @throws InvalidArgument where orders are not valid or a sample is not finite
 LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -13,7 +13,7 @@
 #include "bouncelab/fit/flight_correction.hpp"
 #include "bouncelab/fit/travel_time.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 struct RestitutionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
@@ -72,4 +72,4 @@ struct Restitution {
 ///         increase
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -8,7 +8,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/table.hpp"
 
-namespace bouncelab {
+namespace bouncelab::fit {
 
 /// Where the impacts were and where the sensor is: the sound of an impact arrives |r - r_sensor| / c late.
 struct TravelTime {
@@ -26,4 +26,4 @@ Onsets without_travel_time(Onsets onsets, const TravelTime& travel);
 /// Positions from columns drop, impact, x_m, y_m.
 TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::fit

@@ -8,7 +8,7 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// The paper's eqs. 6-10 literally: v_c'.t = beta v_c.t with the fully coupled impulse. beta = 1 is not frictionless:
 /// an eccentric impulse would change v_c.t, so the impulse has a tangential part, which can create energy.
@@ -56,4 +56,4 @@ struct Collision {
 Collision collide(const Ball& ball, const RestitutionLaw& law, const ContactModel& model, Vector3 lever_m,
                   const Motion& before);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -5,7 +5,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// Acceleration by the drag on a sphere of diameter d:
 ///
@@ -15,4 +15,4 @@ namespace bouncelab {
 /// of gravity) and lift by spin. Source: Schiller & Naumann, VDI Zeitschrift 77, 318 (1933).
 Vector3 drag_acceleration_mps2(const Ball& ball, const Air& air, Vector3 velocity_mps);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

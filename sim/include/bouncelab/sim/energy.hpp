@@ -5,7 +5,7 @@
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/sim/contact.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// Kinetic energy by kind.
 struct KineticEnergy {
@@ -46,4 +46,4 @@ struct EnergyLedger {
   void add(const EnergyLedger& other);
 };
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

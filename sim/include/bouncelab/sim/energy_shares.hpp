@@ -8,7 +8,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/impacts.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// How the kinetic energy is shared just before the impacts of one number, over all drops: means of the shares, which
 /// add up to 1. What the paper explains its scatter by: asperities turn vertical motion into rotation, and back.
@@ -26,4 +26,4 @@ struct EnergyShares {
 /// @throws InvalidArgument where the states are not there
 std::vector<EnergyShares> energy_shares(const Ball& ball, const Impacts& impacts);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -8,7 +8,7 @@
 #include "bouncelab/core/progress.hpp"
 #include "bouncelab/sim/surface.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// The upper envelope of the asperities, indexed for constant-time search whatever the radii.
 ///
@@ -82,4 +82,4 @@ class Envelope {
   std::vector<Patch> patches_;
 };
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

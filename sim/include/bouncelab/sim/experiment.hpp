@@ -20,7 +20,7 @@
 #include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/surface.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// An experiment: one ball dropped many times on a plate. Defaults: the paper's ball, 40 drops.
 /// Frame: origin at the plate's centre, z along its normal, x downhill where it is tilted.
@@ -89,4 +89,4 @@ struct SimulationResult {
 SimulationResult simulate(const SimulationConfig& config, const Surface& surface,
                           const ProgressCallback& progress = {});
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

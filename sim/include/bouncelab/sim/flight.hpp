@@ -10,7 +10,7 @@
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// The ball in the plate's frame: origin at the plate's centre, z along its normal.
 struct BallState {
@@ -48,4 +48,4 @@ FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, cons
                                 Vector3 gravity_mps2, std::optional<std::int64_t> left,
                                 const std::optional<Air>& air = std::nullopt);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -12,7 +12,7 @@
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 // Laws of the asperities' radii, relative to the ball's radius R. The paper gives N ~ 1e6 and R_j ~ 1e-3 R but no law,
 // and the law sets the width of p(eps): it is a parameter of every study.
@@ -69,4 +69,4 @@ std::vector<ColumnSpec> surface_columns();
 /// @throws FileError naming the first line whose direction has no length or whose radius is not in (0, R)
 Surface surface_from_table(const Table& table, const std::string& name, const Ball& ball);
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace bouncelab {
+namespace bouncelab::sim {
 
 /// A vector of three-dimensional space.
 struct Vector3 {
@@ -51,4 +51,4 @@ inline Quaternion rotation_by(Vector3 rotation_rad) {
   return {std::cos(0.5 * angle), s * rotation_rad.x, s * rotation_rad.y, s * rotation_rad.z};
 }
 
-}  // namespace bouncelab
+}  // namespace bouncelab::sim

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace bouncelab::audio {
+
+enum class SampleEncoding { pcm16, pcm24, pcm32, float32 };
+
+/// What a sound file holds.
+struct AudioSpec {
+  int rate_hz = 96000;
+  int n_channels = 1;
+  SampleEncoding encoding = SampleEncoding::pcm24;
+};
+
+/// Writes a sound file, whole or not at all. The container follows the extension: .wav (RF64 by itself where the sound
+/// would pass the 4 GiB that WAV can hold), .rf64, .w64 (Sony Wave64) or .flac.
+class AudioWriter {
+ public:
+  /// @param n_frames      length of the sound, as far as known; decides between WAV and RF64
+  /// @param may_replace   an existing file may be overwritten
+  /// @throws InvalidArgument naming extension, rate, channels or encoding where the container cannot hold it
+  /// @throws FileError where the file cannot be written
+  AudioWriter(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames, bool may_replace);
+  ~AudioWriter();
+  AudioWriter(AudioWriter&&) noexcept;
+  AudioWriter& operator=(AudioWriter&&) noexcept;
+
+  /// Appends samples, interleaved by channel, full scale = 1. Integers are rounded to nearest; what is beyond full
+  /// scale is clipped to it. @throws FileError (disk full)
+  void write(std::span<const double> interleaved);
+  /// Closes the file and puts it in place; without it the destructor removes what was written. @throws FileError
+  void commit();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The samples as they would be read back from a file of this encoding: rounded and clipped like AudioWriter does.
+std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding);
+
+/// Throws InvalidArgument where no AudioWriter could write this: a long synthesis should not find out at its end.
+void validate(const std::filesystem::path& path, const AudioSpec& spec);
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/audio/annotations.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "annotations/number_text.hpp"
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+constexpr const char* kByHand = "by_hand";
+
+/// An onset as its label tells it; the time where the label says one.
+struct Labelled {
+  Onset onset;
+  std::optional<double> t_s;
+};
+
+bool read_number(std::string_view text, double& value) { return parse_number(text, value) && std::isfinite(value); }
+
+/// DROP.IMPACT; false where it is something else.
+bool read_place(std::string_view word, Onset& onset) {
+  const auto dot = word.find('.');
+  return dot != std::string_view::npos && parse_number(word.substr(0, dot), onset.drop) &&
+         parse_number(word.substr(dot + 1), onset.impact) && onset.drop >= 0 && onset.impact >= 0;
+}
+
+std::optional<Labelled> read_label(const std::string& label) {
+  Labelled result;
+  std::istringstream words(label);
+  std::string word;
+  if (!(words >> word) || !read_place(word, result.onset)) return std::nullopt;
+  while (words >> word) {
+    const auto equals = word.find('=');
+    const std::string key = word.substr(0, equals);
+    if (equals == std::string::npos) {
+      result.onset.flags = word;
+      continue;
+    }
+    double value = 0.0;
+    if (!read_number(std::string_view(word).substr(equals + 1), value)) continue;
+    if (key == "t_s") result.t_s = value;
+    if (key == "sigma_t_s") result.onset.sigma_t_s = value;
+    if (key == "amplitude") result.onset.amplitude = value;
+    if (key == "snr_db") result.onset.snr_db = value;
+  }
+  return result;
+}
+
+std::string label_of(const Onset& onset) {
+  std::string text = std::to_string(onset.drop) + "." + std::to_string(onset.impact);
+  if (!onset.flags.empty()) text += " " + onset.flags;
+  text += " t_s=" + number_text(onset.t_s);
+  if (onset.sigma_t_s) text += " sigma_t_s=" + number_text(*onset.sigma_t_s);
+  if (onset.amplitude) text += " amplitude=" + number_text(*onset.amplitude);
+  if (onset.snr_db) text += " snr_db=" + number_text(*onset.snr_db);
+  return text;
+}
+
+/// The onset of a mark that tells its place; as it was, or as somebody moved it.
+Onset onset_of(const Mark& mark, const Labelled& labelled, double resolution_s) {
+  Onset onset = labelled.onset;
+  onset.t_s = labelled.t_s.value_or(mark.t_s);
+  // a time read back from text is off by its last bit
+  if (std::abs(onset.t_s - mark.t_s) <= 0.5 * resolution_s + 1e-14 * std::abs(mark.t_s)) return onset;
+  Onset moved;
+  moved.drop = onset.drop;
+  moved.impact = onset.impact;
+  moved.t_s = mark.t_s;
+  moved.flags = kByHand;
+  return moved;
+}
+
+/// By time: each number at least one above that before it in its drop.
+void number_upwards(Onsets& onsets, bool renumber) {
+  std::map<std::int64_t, std::int64_t> next;  // by drop
+  for (Onset& onset : onsets) {
+    std::int64_t& free = next[onset.drop];
+    onset.impact = renumber ? free : std::max(onset.impact, free);
+    free = onset.impact + 1;
+  }
+}
+
+}  // namespace
+
+Marks marks_of(const Onsets& onsets) {
+  if (onsets.empty()) throw InvalidArgument("there are no onsets to mark");
+  Marks result;
+  result.recording = onsets.front().recording;
+  for (const Onset& onset : onsets) {
+    if (onset.recording != result.recording)
+      throw InvalidArgument("onsets of several recordings ('" + result.recording + "', '" + onset.recording +
+                            "' ...); marks belong to one: choose it with --recording");
+    result.marks.push_back({onset.t_s, label_of(onset)});
+  }
+  return result;
+}
+
+Onsets onsets_of(const Marks& marks, bool renumber) {
+  if (marks.marks.empty()) throw InvalidArgument("there are no marks");
+  std::vector<Mark> by_time = marks.marks;
+  std::stable_sort(by_time.begin(), by_time.end(), [](const Mark& a, const Mark& b) { return a.t_s < b.t_s; });
+  Onsets onsets;
+  std::optional<std::int64_t> drop;
+  std::size_t n_before_any_drop = 0;
+  for (const Mark& mark : by_time) {
+    Onset onset;
+    if (const auto labelled = read_label(mark.label)) {
+      onset = onset_of(mark, *labelled, marks.resolution_s);
+      if (!drop) n_before_any_drop = onsets.size();
+      drop = onset.drop;
+    } else {
+      onset.t_s = mark.t_s;
+      onset.drop = drop.value_or(0);
+      onset.flags = kByHand;
+    }
+    onset.recording = marks.recording;
+    onsets.push_back(std::move(onset));
+  }
+  for (std::size_t k = 0; k < n_before_any_drop; ++k) onsets[k].drop = onsets[n_before_any_drop].drop;
+  number_upwards(onsets, renumber);
+  return onsets;
+}
+
+}  // namespace bouncelab::audio

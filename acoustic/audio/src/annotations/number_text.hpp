@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <charconv>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace bouncelab::audio {
+
+/// The fewest digits that read back to the same number.
+inline std::string number_text(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+/// The same without an exponent: Praat and Audacity know none.
+inline std::string plain_number_text(double value) {
+  char buffer[400];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr};
+}
+
+/// All of the text as a number; false where it is something else.
+template <class Number>
+bool parse_number(std::string_view text, Number& value) {
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc{} && end == text.data() + text.size() && !text.empty();
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "annotations/number_text.hpp"
+#include "bouncelab/audio/annotations.hpp"
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + "\"";
+}
+
+/// What Praat reads of its text files: numbers and texts that stand free; all other words are for people.
+class FreeStanding {
+ public:
+  FreeStanding(const std::string& text, const std::string& name) : text_(text), name_(name) {}
+
+  double number() {
+    for (std::string word; next_word(word);) {
+      double value = 0.0;
+      if (parse_number(word, value) && std::isfinite(value)) return value;
+      if (word.front() == '"') throw FileError(name_, "has the text " + word + " where a number belongs");
+    }
+    throw FileError(name_, "ends where a number belongs; is the file cut off?");
+  }
+  std::string text() {
+    for (std::string word; next_word(word);)
+      if (word.front() == '"') return word.substr(1);
+    throw FileError(name_, "ends where a text belongs; is the file cut off?");
+  }
+
+ private:
+  /// A word, or a quoted text with its first quote and without its last.
+  bool next_word(std::string& word) {
+    at_ = text_.find_first_not_of(" \t\r\n", at_);
+    if (at_ == std::string::npos) return false;
+    word.clear();
+    if (text_[at_] != '"') {
+      const std::size_t end = std::min(text_.find_first_of(" \t\r\n", at_), text_.size());
+      word = text_.substr(at_, end - at_);
+      at_ = end;
+      return true;
+    }
+    word += text_[at_++];
+    for (; at_ < text_.size(); ++at_) {
+      if (text_[at_] == '"' && (at_ + 1 == text_.size() || text_[at_ + 1] != '"')) {
+        ++at_;
+        return true;
+      }
+      if (text_[at_] == '"') ++at_;
+      word += text_[at_];
+    }
+    throw FileError(name_, "ends within a text; is the file cut off?");
+  }
+
+  const std::string& text_;
+  const std::string& name_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+std::string text_grid(const Marks& marks, double duration_s) {
+  double end_s = duration_s;
+  for (const Mark& mark : marks.marks) end_s = std::max(end_s, mark.t_s);
+  const std::string limits = "xmin = 0\n", end = "xmax = " + plain_number_text(end_s) + "\n";
+  std::string text =
+      "File type = \"ooTextFile\"\nObject class = \"TextGrid\"\n\n" + limits + end +
+      "tiers? <exists>\nsize = 1\nitem []:\n    item [1]:\n        class = \"TextTier\"\n        name = " +
+      quoted(marks.recording) + "\n        " + limits + "        " + end +
+      "        points: size = " + std::to_string(marks.marks.size()) + "\n";
+  for (std::size_t k = 0; k < marks.marks.size(); ++k)
+    text += "        points [" + std::to_string(k + 1) +
+            "]:\n            number = " + plain_number_text(marks.marks[k].t_s) +
+            "\n            mark = " + quoted(marks.marks[k].label) + "\n";
+  return text;
+}
+
+Marks parse_text_grid(const std::string& text, const std::string& name) {
+  if (text.rfind("\xFE\xFF", 0) == 0 || text.rfind("\xFF\xFE", 0) == 0)
+    throw FileError(name, "is UTF-16; in Praat choose Preferences, Text writing preferences, UTF-8, and save it again");
+  FreeStanding in(text, name);
+  if (text.find("TextGrid") == std::string::npos || in.text() != "ooTextFile" || in.text() != "TextGrid")
+    throw FileError(name, "is not a TextGrid of Praat");
+  in.number();
+  in.number();
+  const auto n_tiers = static_cast<std::int64_t>(in.number());
+  for (std::int64_t tier = 0; tier < n_tiers; ++tier) {
+    const bool has_points = in.text() == "TextTier";
+    Marks result;
+    result.recording = in.text();
+    result.resolution_s = 1e-9;
+    in.number();
+    in.number();
+    const auto n = static_cast<std::int64_t>(in.number());
+    for (std::int64_t k = 0; k < n; ++k) {
+      Mark mark;
+      mark.t_s = in.number();
+      if (!has_points) in.number();
+      mark.label = in.text();
+      if (has_points) result.marks.push_back(std::move(mark));
+    }
+    if (has_points) return result;
+  }
+  throw FileError(name, "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "bouncelab/audio/annotations.hpp"
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+constexpr std::uint64_t kIn32Bits = std::numeric_limits<std::uint32_t>::max();
+
+template <class T>
+void put(std::string& bytes, T value) {
+  for (std::size_t k = 0; k < sizeof value; ++k) bytes += static_cast<char>((value >> (8 * k)) & 0xFF);
+}
+
+template <class T>
+T get(const std::string& bytes, std::size_t at) {
+  T value = 0;
+  for (std::size_t k = 0; k < sizeof value && at + k < bytes.size(); ++k)
+    value |= static_cast<T>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
+  return value;
+}
+
+struct Chunk {
+  std::string id;
+  std::uint64_t begin = 0, size = 0;  ///< of the content
+};
+
+/// The chunks of a WAV or RF64 file (EBU Tech 3306).
+class RiffFile {
+ public:
+  explicit RiffFile(const std::filesystem::path& path) : name_(path.string()), in_(path, std::ios::binary) {
+    if (!in_) throw FileError(name_, "cannot be opened for reading");
+    const std::uint64_t length = std::filesystem::file_size(path);
+    const std::string head = read(0, 12);
+    kind_ = head.substr(0, 4);
+    if (head.size() < 12 || (kind_ != "RIFF" && kind_ != "RF64" && kind_ != "BW64") || head.substr(8) != "WAVE")
+      throw FileError(name_, "is neither WAV nor RF64; cue points go into those only");
+    std::uint64_t data_size = kIn32Bits;
+    for (std::uint64_t at = 12; at + 8 <= length;) {
+      const std::string header = read(at, 8);
+      Chunk chunk{header.substr(0, 4), at + 8, get<std::uint32_t>(header, 4)};
+      if (chunk.id == "ds64") data_size = get<std::uint64_t>(read(chunk.begin, 16), 8);
+      if (chunk.id == "data" && chunk.size == kIn32Bits) chunk.size = data_size;
+      if (chunk.size > length - chunk.begin)
+        throw FileError(name_, "the chunk '" + chunk.id + "' is longer than the file; was the recording cut off?");
+      chunks_.push_back(chunk);
+      at = chunk.begin + chunk.size + chunk.size % 2;
+    }
+  }
+
+  const std::vector<Chunk>& chunks() const { return chunks_; }
+  const std::string& kind() const { return kind_; }
+  const std::string& name() const { return name_; }
+  std::string read(std::uint64_t begin, std::uint64_t size) {
+    std::string bytes(size, '\0');
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(begin));
+    in_.read(bytes.data(), static_cast<std::streamsize>(size));
+    bytes.resize(static_cast<std::size_t>(in_.gcount()));
+    return bytes;
+  }
+  std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.size); }
+  bool is_marks(const Chunk& chunk) {
+    return chunk.id == "cue " || (chunk.id == "LIST" && chunk.size >= 4 && read(chunk.begin, 4) == "adtl");
+  }
+  int rate_hz() {
+    for (const Chunk& chunk : chunks_)
+      if (chunk.id == "fmt " && chunk.size >= 16)
+        if (const auto rate = get<std::uint32_t>(content(chunk), 4); rate > 0) return static_cast<int>(rate);
+    throw FileError(name_, "has no format chunk with a sample rate");
+  }
+
+ private:
+  std::string name_, kind_;
+  std::ifstream in_;
+  std::vector<Chunk> chunks_;
+};
+
+/// Texts of the cue points, by their number, from the content of a list of type adtl.
+void read_labels(const std::string& list, std::map<std::uint32_t, std::string>& labels) {
+  for (std::size_t at = 4; at + 8 <= list.size();) {
+    const auto size = get<std::uint32_t>(list, at + 4);
+    if (list.compare(at, 4, "labl") == 0 && size >= 4) {
+      const std::string text = list.substr(std::min(at + 12, list.size()), size - 4);
+      labels[get<std::uint32_t>(list, at + 8)] = text.substr(0, text.find('\0'));
+    }
+    at += 8 + std::size_t{size} + size % 2;
+  }
+}
+
+std::string chunk_bytes(const char* id, const std::string& content) {
+  std::string bytes = id;
+  put(bytes, static_cast<std::uint32_t>(content.size()));
+  bytes += content;
+  if (content.size() % 2) bytes += '\0';
+  return bytes;
+}
+
+std::string cue_chunks(const Marks& marks, int rate_hz, const std::string& name) {
+  std::string cues, labels = "adtl";
+  put(cues, static_cast<std::uint32_t>(marks.marks.size()));
+  std::uint32_t number = 0;
+  for (const Mark& mark : marks.marks) {
+    const double frame = std::round(mark.t_s * rate_hz);
+    if (!(frame >= 0.0 && frame <= static_cast<double>(kIn32Bits)))
+      throw FileError(name, "a mark at " + std::to_string(mark.t_s) +
+                                " s lies outside what a cue point can say (2^32 frames); use labels of another format");
+    ++number;
+    put(cues, number);
+    put(cues, static_cast<std::uint32_t>(frame));
+    cues += "data";
+    put(cues, std::uint32_t{0});
+    put(cues, std::uint32_t{0});
+    put(cues, static_cast<std::uint32_t>(frame));
+    std::string label;
+    put(label, number);
+    labels += chunk_bytes("labl", label + mark.label + '\0');
+  }
+  return chunk_bytes("cue ", cues) + chunk_bytes("LIST", labels);
+}
+
+}  // namespace
+
+Marks read_cues(const std::filesystem::path& path) {
+  RiffFile file(path);
+  Marks result;
+  const int rate_hz = file.rate_hz();
+  result.recording = path.string();
+  result.resolution_s = 1.0 / rate_hz;
+  std::map<std::uint32_t, std::string> labels;
+  std::string cues;
+  for (const Chunk& chunk : file.chunks()) {
+    if (!file.is_marks(chunk)) continue;
+    if (chunk.id == "cue ")
+      cues = file.content(chunk);
+    else
+      read_labels(file.content(chunk), labels);
+  }
+  for (std::size_t at = 4; at + 24 <= cues.size(); at += 24)
+    result.marks.push_back(
+        {static_cast<double>(get<std::uint32_t>(cues, at + 20)) / rate_hz, labels[get<std::uint32_t>(cues, at)]});
+  if (result.marks.empty()) throw FileError(file.name(), "holds no cue points");
+  return result;
+}
+
+void copy_with_cues(const std::filesystem::path& recording, const Marks& marks, const std::filesystem::path& out,
+                    const std::string& name) {
+  RiffFile file(recording);
+  const std::string cues = cue_chunks(marks, file.rate_hz(), name);
+  std::ofstream to(out, std::ios::binary | std::ios::trunc);
+  to << file.read(0, 12);
+  std::uint64_t length = 12;
+  std::optional<std::uint64_t> ds64_at;
+  constexpr std::uint64_t kPiece = 1 << 20;
+  for (const Chunk& chunk : file.chunks()) {
+    if (file.is_marks(chunk)) continue;
+    if (chunk.id == "ds64") ds64_at = length + 8;
+    const std::uint64_t begin = chunk.begin - 8, size = 8 + chunk.size;
+    for (std::uint64_t done = 0; done < size; done += kPiece)
+      to << file.read(begin + done, std::min(kPiece, size - done));
+    if (size % 2) to << '\0';
+    length += size + size % 2;
+  }
+  to << cues;
+  length += cues.size();
+  std::string riff_size;
+  if (file.kind() == "RIFF") {
+    if (length - 8 > kIn32Bits)
+      throw FileError(name, "would be longer than the 4 GiB of WAV; make the recording an RF64 first (sox, ffmpeg)");
+    put(riff_size, static_cast<std::uint32_t>(length - 8));
+    to.seekp(4);
+  } else {
+    if (!ds64_at) throw FileError(file.name(), "is RF64 without its chunk 'ds64'");
+    put(riff_size, length - 8);
+    to.seekp(static_cast<std::streamoff>(*ds64_at));
+  }
+  to << riff_size;
+  to.close();
+  if (!to) throw FileError(name, "writing failed; is the disk full?");
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+constexpr double kFrame_s = 10e-3;
+constexpr std::int64_t kBlock = 1 << 13;
+constexpr std::int64_t kMostBlocks = 48;
+// keeps Levinson's recursion regular where a codec left nothing above its cutoff: -80 dB of the differenced signal
+constexpr double kRidge = 1e-8;
+
+/// Blocks spread evenly over the recording; all of it where it is short.
+std::vector<std::int64_t> block_starts(const Sound& sound, std::int64_t length) {
+  const std::int64_t n_all = (sound.n_samples + length - 1) / length;
+  const std::int64_t n = std::min(n_all, kMostBlocks);
+  std::vector<std::int64_t> starts;
+  for (std::int64_t k = 0; k < n; ++k) starts.push_back(k * n_all / n * length);
+  return starts;
+}
+
+std::vector<float> hann(std::size_t n) {
+  std::vector<float> window(n);
+  for (std::size_t k = 0; k < n; ++k)
+    window[k] =
+        static_cast<float>(0.5 - 0.5 * std::cos(2.0 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n)));
+  return window;
+}
+
+/// To what is correlated fastest.
+std::size_t rounded_up(std::size_t n) { return (n + 63) / 64 * 64; }
+
+/// One frame's autocorrelation over its energy.
+struct Frame {
+  double energy = 0.0;
+  std::vector<double> r;
+};
+
+std::size_t frame_length(const Sound& sound, std::size_t order) {
+  return std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
+}
+
+/// sum_k x[k] x[k + lag] for lag = 0 ... n_lags - 1, in single precision over stretches of 128.
+/// @param x  n samples and rounded_up(n_lags) zeros
+std::vector<double> autocorrelation(std::span<const float> x, std::size_t n, std::size_t n_lags) {
+  constexpr std::size_t kStretch = 128;
+  std::vector<double> r(n_lags, 0.0);
+  std::vector<float> here(rounded_up(n_lags));
+  for (std::size_t at = 0; at < n; at += kStretch) {
+    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), here);
+    for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += here[lag];
+  }
+  return r;
+}
+
+std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
+  const std::size_t n_frame = frame_length(sound, order);
+  const std::vector<float> window = hann(n_frame);
+  std::vector<Frame> frames;
+  // at least four frames a block, however high the rate
+  const std::int64_t length = std::max(kBlock, 4 * static_cast<std::int64_t>(n_frame));
+  std::vector<float> block(static_cast<std::size_t>(length) + 1);
+  std::vector<float> x(n_frame + rounded_up(order + 1), 0.0F);
+  for (const std::int64_t start : block_starts(sound, length)) {
+    read_padded(sound, start - 1, block);
+    const auto n_here = static_cast<std::size_t>(std::min(length, sound.n_samples - start));
+    for (std::size_t at = 1; at + n_frame <= n_here; at += n_frame) {
+      for (std::size_t k = 0; k < n_frame; ++k) x[k] = window[k] * (block[at + k] - block[at + k - 1]);
+      Frame frame{0.0, autocorrelation(x, n_frame, order + 1)};
+      frame.energy = frame.r.front();
+      if (frame.energy <= 0.0) continue;
+      for (double& r : frame.r) r /= frame.energy;
+      frames.push_back(std::move(frame));
+    }
+  }
+  return frames;
+}
+
+/// Variance that a filter leaves of a signal with this autocorrelation.
+double filtered_variance(const std::vector<double>& filter, const std::vector<double>& r) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < filter.size(); ++j)
+    for (std::size_t k = 0; k < filter.size(); ++k) sum += filter[j] * filter[k] * r[j > k ? j - k : k - j];
+  return sum;
+}
+
+/// The model of a signal whose difference has the autocorrelation r.
+/// @param quiet  autocorrelation of the difference in the quiet parts
+Autoregression model_of(const std::vector<double>& r, const std::vector<double>& quiet) {
+  const std::vector<double> a = prediction_error_filter(r);
+  Autoregression model;
+  model.quiet_variance = std::max(0.0, filtered_variance(a, quiet));
+  model.filter.resize(a.size() + 1);
+  for (std::size_t k = 0; k <= a.size(); ++k)
+    model.filter[k] = static_cast<float>((k < a.size() ? a[k] : 0.0) - (k > 0 ? a[k - 1] : 0.0));
+  return model;
+}
+
+}  // namespace
+
+SoundModels learn_sound_models(const Sound& sound, int order) {
+  const auto n_lags = static_cast<std::size_t>(order);
+  std::vector<Frame> frames = frames_of(sound, n_lags);
+  std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.energy < b.energy; });
+  const std::size_t n_quiet = std::min(frames.size(), frames.size() / 10 + 1);
+  std::vector<double> all(n_lags + 1, 0.0);
+  std::vector<double> quiet(n_lags + 1, 0.0);
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    for (std::size_t lag = 0; lag <= n_lags; ++lag) {
+      all[lag] += frames[k].r[lag];
+      if (k < n_quiet) quiet[lag] += frames[k].r[lag] * frames[k].energy / static_cast<double>(n_quiet);
+    }
+  // a Hann window leaves 3/8 of the power
+  const double n_effective = 0.375 * static_cast<double>(frame_length(sound, n_lags));
+  for (double& r : quiet) r /= n_effective;
+  return {model_of(all, quiet), model_of(quiet, quiet)};
+}
+
+std::vector<double> prediction_error_filter(const std::vector<double>& r) {
+  const std::size_t order = r.size() - 1;
+  std::vector<double> a(order + 1, 0.0);
+  a[0] = 1.0;
+  double error = r[0] * (1.0 + kRidge);
+  for (std::size_t m = 1; m <= order && error > 0.0; ++m) {
+    double reflection = r[m];
+    for (std::size_t k = 1; k < m; ++k) reflection += a[k] * r[m - k];
+    reflection /= -error;
+    for (std::size_t k = 1; k <= m / 2; ++k) {
+      const double low = a[k];
+      const double high = a[m - k];
+      a[k] = low + reflection * high;
+      if (k != m - k) a[m - k] = high + reflection * low;
+    }
+    a[m] = reflection;
+    error *= 1.0 - reflection * reflection;
+  }
+  return a;
+}
+
+void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out) {
+  constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
+  const std::size_t order = model.filter.size() - 1;
+  const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
+  std::vector<float> x(std::min(kAtOnce, out.size()) + order);
+  for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, out.size() - at);
+    const std::int64_t begin = first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order);
+    std::span<const float> here = held_stretch(sound, begin, n + order);
+    if (here.empty()) {
+      read_padded(sound, begin, std::span(x).first(n + order));
+      here = std::span(x).first(n + order);
+    }
+    correlate(here, taps, out.subspan(at, n));
+  }
+}
+
+double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz) {
+  std::complex<double> response = 0.0;
+  const double phase = -2.0 * kPi * frequency_hz / rate_hz;
+  for (std::size_t k = 0; k < model.filter.size(); ++k)
+    response += static_cast<double>(model.filter[k]) * std::polar(1.0, phase * static_cast<double>(k));
+  return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/audio/audio_reader.hpp"
+
+#include <sndfile.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/error.hpp"
+#include "io/raw_pcm.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+constexpr double kLowestRate_hz = 4e3;  // below, a contact of steel on glass (30 us) leaves nothing to time
+constexpr double kHighestRate_hz = 4e6;
+constexpr std::int64_t kFramesAtOnce = 1 << 14;  // 64 kB of one channel: stays in the cache
+constexpr std::uint32_t kExponent = 0x7f800000;  // of a float
+// samples up to which a recording is held whole: 64 MB where decoding costs more than memory, 4 MB where it does not
+constexpr std::int64_t kMostHeldWhole = 1 << 24;
+constexpr std::int64_t kMostPlainHeldWhole = 1 << 20;
+
+/// The ISO base media signature of m4a, mp4, mov.
+bool is_mpeg4(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::array<char, 8> head{};
+  return in.read(head.data(), head.size()) && std::string(head.data() + 4, 4) == "ftyp";
+}
+
+void check_is_a_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw FileError(path.string(), "no such file; check the name");
+  if (std::filesystem::is_directory(status)) throw FileError(path.string(), "is a folder; name the recordings in it");
+  if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) == 0)
+    throw FileError(path.string(), "the file is empty (0 bytes); record again");
+}
+
+/// libsndfile reads what is there of a truncated WAV without a word; its log says what the header promised:
+/// "data : 1000 (should be 500)". Streamed files (ffmpeg to a pipe) promise 2^32-1 or nothing, which is no lie.
+void check_promised_length(SNDFILE* file, const std::string& name) {
+  std::array<char, 16384> log{};
+  sf_command(file, SFC_GET_LOG_INFO, log.data(), log.size());
+  const std::string text(log.data());
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    line.erase(0, std::min(line.find_first_not_of(' '), line.size()));
+    const std::size_t correction = line.find("(should be ");
+    if (line.rfind("data", 0) != 0 && line.rfind("SSND", 0) != 0 && line.rfind("Data Size", 0) != 0) continue;
+    const std::size_t colon = line.find(':');
+    if (correction == std::string::npos || colon == std::string::npos) continue;
+    const double promised = std::atof(line.c_str() + colon + 1);
+    const double held = std::atof(line.c_str() + correction + 11);
+    if (promised > held && promised < 4294967000.0)
+      throw FileError(name, "the header promises " + std::to_string(static_cast<long long>(promised)) +
+                                " bytes of sound, the file holds " + std::to_string(static_cast<long long>(held)) +
+                                "; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
+  }
+}
+
+/// Integers are finite; floats, and what a lossy codec makes, need not be.
+bool may_be_infinite(int format) {
+  const int sub = format & SF_FORMAT_SUBMASK;
+  return sub != SF_FORMAT_PCM_S8 && sub != SF_FORMAT_PCM_U8 && sub != SF_FORMAT_PCM_16 && sub != SF_FORMAT_PCM_24 &&
+         sub != SF_FORMAT_PCM_32;
+}
+
+std::string describe_format(int format) {
+  SF_FORMAT_INFO major{};
+  SF_FORMAT_INFO sub{};
+  major.format = format & SF_FORMAT_TYPEMASK;
+  sub.format = format & SF_FORMAT_SUBMASK;
+  sf_command(nullptr, SFC_GET_FORMAT_INFO, &major, sizeof major);
+  sf_command(nullptr, SFC_GET_FORMAT_INFO, &sub, sizeof sub);
+  return std::string(major.name ? major.name : "?") + ", " + (sub.name ? sub.name : "?");
+}
+
+/// Room for samples, in large pages where the system has them: an hour of sound is a hundred thousand small ones, and
+/// handing them out costs more than decoding.
+class Samples {
+ public:
+  void resize(std::size_t n) {
+    if (n > n_held_) {
+      constexpr std::size_t kPage = 1 << 21;
+      const std::size_t n_bytes = n * sizeof(float);
+      const bool large = n_bytes > kPage;
+      const std::size_t page = large ? kPage : alignof(std::max_align_t);
+      held_.reset(static_cast<float*>(std::aligned_alloc(page, (n_bytes + page - 1) / page * page)));
+      if (held_ == nullptr) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+      if (large) madvise(held_.get(), n_bytes, MADV_HUGEPAGE);
+#endif
+      n_held_ = n;
+    }
+    n_ = n;
+  }
+  void clear() { n_ = 0; }
+  std::size_t size() const { return n_; }
+  float* begin() { return held_.get(); }
+  const float* begin() const { return held_.get(); }
+  const float* end() const { return held_.get() + n_; }
+
+ private:
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::unique_ptr<float, Free> held_;
+  std::size_t n_held_ = 0;
+  std::size_t n_ = 0;
+};
+
+}  // namespace
+
+struct AudioReader::State {
+  std::filesystem::path path;
+  SNDFILE* file = nullptr;
+  AudioFormat format;
+  bool may_be_infinite = true;
+  std::optional<PlainSamples> plain;
+  std::int64_t next_frame = 0;      // where libsndfile stands
+  std::int64_t buffered_first = 0;  // interleaved frames kept from the last read, so that channels share them
+  Samples buffered;
+
+  ~State() {
+    if (file != nullptr) sf_close(file);
+  }
+
+  bool is_held_whole() const {
+    return format.n_frames * format.n_channels <= (plain ? kMostPlainHeldWhole : kMostHeldWhole);
+  }
+
+  void fill_buffer(std::int64_t first) {
+    const bool whole = is_held_whole();
+    if (whole) first = 0;
+    const std::int64_t n = whole ? format.n_frames : std::min(kFramesAtOnce, format.n_frames - first);
+    buffered.resize(static_cast<std::size_t>(n * format.n_channels));
+    if (plain)
+      plain->decode(first, {buffered.begin(), buffered.size()});
+    else
+      decode(first, n);
+    buffered_first = first;
+    if (may_be_infinite) check_finite();
+  }
+
+  /// Into the buffer.
+  void decode(std::int64_t first, std::int64_t n) {
+    if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
+      throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
+    const std::int64_t got = sf_readf_float(file, buffered.begin(), n);
+    next_frame = first + got;
+    if (got == n) return;
+    buffered.clear();
+    throw FileError(path.string(), "ends at sample " + std::to_string(next_frame) + " of the " +
+                                       std::to_string(format.n_frames) +
+                                       " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
+  }
+
+  void check_finite() const {
+    // all exponent bits set is how infinity and NaN are written: one pass of integers
+    std::uint32_t n_bad = 0;
+    for (const float x : buffered) n_bad += (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 1 : 0;
+    if (n_bad == 0) return;
+    const auto bad = std::find_if(buffered.begin(), buffered.end(), [](float x) { return !std::isfinite(x); });
+    const std::int64_t index = bad - buffered.begin();
+    const std::int64_t frame = buffered_first + index / format.n_channels;
+    throw FileError(path.string(), "sample " + std::to_string(frame) + " (" +
+                                       std::to_string(static_cast<double>(frame) / format.rate_hz) + " s) of channel " +
+                                       std::to_string(index % format.n_channels) +
+                                       " is not a finite number; repair the recording");
+  }
+};
+
+AudioReader::AudioReader(std::filesystem::path path) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.path = std::move(path);
+  check_is_a_file(s.path);
+  SF_INFO info{};
+  s.file = sf_open(s.path.c_str(), SFM_READ, &info);
+  if (s.file == nullptr) {
+    if (is_mpeg4(s.path))
+      throw FileError(s.path.string(), "is MPEG-4 audio (m4a), which libsndfile cannot read; convert it: ffmpeg -i \"" +
+                                           s.path.string() + "\" out.wav");
+    std::string reason = sf_strerror(nullptr);
+    while (!reason.empty() && (reason.back() == '.' || reason.back() == '\n')) reason.pop_back();
+    throw FileError(s.path.string(), "not readable as audio (" + reason + "); convert it: ffmpeg -i IN OUT.wav");
+  }
+  s.format = {static_cast<double>(info.samplerate), info.channels, info.frames, describe_format(info.format)};
+  s.may_be_infinite = may_be_infinite(info.format);
+  check_promised_length(s.file, s.path.string());
+  if (info.frames <= 0 || info.channels <= 0) throw FileError(s.path.string(), "holds no samples; record again");
+  if (s.format.rate_hz < kLowestRate_hz || s.format.rate_hz > kHighestRate_hz)
+    throw FileError(s.path.string(), "sampling rate " + std::to_string(info.samplerate) +
+                                         " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
+  s.plain = PlainSamples::of(s.path);
+}
+
+AudioReader::AudioReader(AudioReader&&) noexcept = default;
+AudioReader& AudioReader::operator=(AudioReader&&) noexcept = default;
+AudioReader::~AudioReader() = default;
+
+const AudioFormat& AudioReader::format() const { return state_->format; }
+
+void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
+  State& s = *state_;
+  const auto n = static_cast<std::int64_t>(out.size());
+  if (first < 0 || first + n > s.format.n_frames || channel < 0 || channel >= s.format.n_channels)
+    throw InvalidArgument("samples " + std::to_string(first) + " ... " + std::to_string(first + n) + " of channel " +
+                          std::to_string(channel) + ": the recording has " + std::to_string(s.format.n_frames) +
+                          " samples in " + std::to_string(s.format.n_channels) + " channels");
+  if (s.plain && s.format.n_channels == 1 && s.buffered.size() == 0) return s.plain->decode(first, out);
+  for (std::int64_t done = 0; done < n;) {
+    const std::int64_t at = first + done;
+    const std::int64_t n_buffered = static_cast<std::int64_t>(s.buffered.size()) / s.format.n_channels;
+    if (at < s.buffered_first || at >= s.buffered_first + n_buffered) {
+      s.fill_buffer(at);
+      continue;
+    }
+    const std::int64_t n_here = std::min(n - done, s.buffered_first + n_buffered - at);
+    const float* from = s.buffered.begin() + (at - s.buffered_first) * s.format.n_channels + channel;
+    if (s.format.n_channels == 1) std::copy_n(from, n_here, out.begin() + done);
+    for (std::int64_t k = 0; k < n_here && s.format.n_channels > 1; ++k) out[done + k] = from[k * s.format.n_channels];
+    done += n_here;
+  }
+}
+
+Sound AudioReader::sound(int channel) {
+  State& s = *state_;
+  Sound sound{s.format.rate_hz,
+              s.format.n_frames,
+              [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); },
+              {},
+              0};
+  if (s.format.n_channels == 1 && s.is_held_whole()) {
+    if (s.buffered.size() == 0) s.fill_buffer(0);
+    sound.held = {s.buffered.begin(), s.buffered.end()};
+  }
+  return sound;
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/audio/audio_writer.hpp"
+
+#include <sndfile.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/output_file.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+/// WAV counts its bytes in 32 bits; the margin holds the header's chunks.
+constexpr double kWavLimit_bytes = 4294967295.0 - 65536.0;
+/// What the frame header of FLAC can say (RFC 9639, 9.1.2 and 8.2): 20 bits of Hz.
+constexpr int kFlacMaxRate_hz = 655350;
+
+int bytes_per_sample(SampleEncoding encoding) {
+  if (encoding == SampleEncoding::pcm16) return 2;
+  return encoding == SampleEncoding::pcm24 ? 3 : 4;
+}
+
+int subtype(SampleEncoding encoding) {
+  switch (encoding) {
+    case SampleEncoding::pcm16:
+      return SF_FORMAT_PCM_16;
+    case SampleEncoding::pcm24:
+      return SF_FORMAT_PCM_24;
+    case SampleEncoding::pcm32:
+      return SF_FORMAT_PCM_32;
+    case SampleEncoding::float32:
+      break;
+  }
+  return SF_FORMAT_FLOAT;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+int container(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".flac") return SF_FORMAT_FLAC;
+  if (extension == ".w64") return SF_FORMAT_W64;
+  if (extension == ".rf64") return SF_FORMAT_RF64;
+  if (extension != ".wav")
+    throw InvalidArgument(path.string() + ": no sound format has the extension '" + extension +
+                          "'; use .wav, .flac, .w64 or .rf64");
+  const double n_bytes = static_cast<double>(n_frames) * spec.n_channels * bytes_per_sample(spec.encoding);
+  return n_bytes > kWavLimit_bytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
+}
+
+/// Samples of full scale 1 as integers of some bits.
+class Rounding {
+ public:
+  explicit Rounding(SampleEncoding encoding)
+      : full_scale_(std::ldexp(1.0, 8 * bytes_per_sample(encoding) - 1)), step_to_32_bits_(0x1p31 / full_scale_) {}
+  double steps(double x) const { return std::clamp(std::nearbyint(x * full_scale_), -full_scale_, full_scale_ - 1.0); }
+  /// In the upper bits of 32.
+  int left_aligned(double x) const { return static_cast<int>(steps(x) * step_to_32_bits_); }
+  float read_back(double x) const { return static_cast<float>(steps(x) / full_scale_); }
+
+ private:
+  double full_scale_, step_to_32_bits_;
+};
+
+SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames) {
+  const std::string name = path.string();
+  SF_INFO info{};
+  info.samplerate = spec.rate_hz;
+  info.channels = spec.n_channels;
+  info.format = container(path, spec, n_frames) | subtype(spec.encoding);
+  if (spec.rate_hz <= 0)
+    throw InvalidArgument(name + ": sample rate " + std::to_string(spec.rate_hz) + " Hz; it must be positive");
+  if (lower_extension(path) == ".flac") {
+    if (spec.rate_hz > kFlacMaxRate_hz)
+      throw InvalidArgument(name + ": FLAC cannot hold " + std::to_string(spec.rate_hz) + " Hz (at most " +
+                            std::to_string(kFlacMaxRate_hz) + " Hz); use .wav");
+    if (spec.encoding == SampleEncoding::pcm32 || spec.encoding == SampleEncoding::float32)
+      throw InvalidArgument(name + ": FLAC holds 16 or 24 bits here, not 32 bits or float; use .wav or fewer bits");
+  }
+  if (sf_format_check(&info) == 0)
+    throw InvalidArgument(name + ": this format cannot hold " + std::to_string(spec.n_channels) + " channels at " +
+                          std::to_string(spec.rate_hz) + " Hz; use .wav");
+  return info;
+}
+
+}  // namespace
+
+struct AudioWriter::State {
+  State(const std::filesystem::path& path, SampleEncoding encoding_, bool may_replace)
+      : name(path.string()), encoding(encoding_), output(path, may_replace) {}
+  ~State() {
+    if (file) sf_close(file);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  std::string name;
+  SampleEncoding encoding;
+  std::vector<int> words;
+  std::vector<float> floats;
+  OutputFile output;  // destroyed after the file in it is closed
+  SNDFILE* file = nullptr;
+};
+
+AudioWriter::AudioWriter(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames,
+                         bool may_replace) {
+  SF_INFO info = checked_info(path, spec, n_frames);
+  state_ = std::make_unique<State>(path, spec.encoding, may_replace);
+  state_->file = sf_open(state_->output.temporary_path().c_str(), SFM_WRITE, &info);
+  if (!state_->file) throw FileError(state_->name, std::string("cannot be written: ") + sf_strerror(nullptr));
+  // the PEAK chunk carries the time of writing: the same sound would not be the same bytes
+  sf_command(state_->file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
+}
+
+AudioWriter::~AudioWriter() = default;
+AudioWriter::AudioWriter(AudioWriter&&) noexcept = default;
+AudioWriter& AudioWriter::operator=(AudioWriter&&) noexcept = default;
+
+void AudioWriter::write(std::span<const double> interleaved) {
+  const auto n = static_cast<sf_count_t>(interleaved.size());
+  sf_count_t n_written = 0;
+  if (state_->encoding == SampleEncoding::float32) {
+    std::vector<float>& floats = state_->floats;
+    floats.resize(interleaved.size());
+    std::transform(interleaved.begin(), interleaved.end(), floats.begin(),
+                   [](double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); });
+    n_written = sf_write_float(state_->file, floats.data(), n);
+  } else {
+    // rounded here: libsndfile cuts off the lower bits, half a step of offset
+    std::vector<int>& words = state_->words;
+    words.resize(interleaved.size());
+    const Rounding rounding(state_->encoding);
+    std::transform(interleaved.begin(), interleaved.end(), words.begin(),
+                   [&](double x) { return rounding.left_aligned(x); });
+    n_written = sf_write_int(state_->file, words.data(), n);
+  }
+  if (n_written != n)
+    throw FileError(state_->name, std::string("writing failed (") + sf_strerror(state_->file) + "); is the disk full?");
+}
+
+void AudioWriter::commit() {
+  const int status = sf_close(std::exchange(state_->file, nullptr));
+  if (status != 0) throw FileError(state_->name, std::string("closing failed: ") + sf_error_number(status));
+  state_->output.commit();
+}
+
+std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding encoding) {
+  std::vector<float> floats(samples.size());
+  if (encoding == SampleEncoding::float32) {
+    std::transform(samples.begin(), samples.end(), floats.begin(),
+                   [](double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); });
+    return floats;
+  }
+  const Rounding rounding(encoding);
+  std::transform(samples.begin(), samples.end(), floats.begin(), [&](double x) { return rounding.read_back(x); });
+  return floats;
+}
+
+void validate(const std::filesystem::path& path, const AudioSpec& spec) { checked_info(path, spec, 0); }
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Start here: sound to impact times with standard errors.
+#pragma once
+
+#include "bouncelab/detection/detect.hpp"        // the detector
+#include "bouncelab/detection/score.hpp"         // detected against true times
+#include "bouncelab/detection/wave_preview.hpp"  // a recording small enough to be drawn

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "contact/two_way_demeaning.hpp"
+
+#include <array>
+
+#include "bouncelab/audio/dsp/vector_clones.hpp"
+
+namespace bouncelab::detection {
+
+BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
+  constexpr std::size_t kLanes = 8;
+  std::array<double, kLanes> sums{};
+  std::size_t m = 0;
+  for (; m + kLanes <= n; m += kLanes)
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[m + lane] * b[m + lane];
+  for (; m < n; ++m) sums[0] += a[m] * b[m];
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
+BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) to[m] += factor * x[m];
+}
+
+BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) product[m] = a[m] * b[m];
+}
+
+std::vector<double> sums_of_rows(const TwoWayTable& x) {
+  const std::vector<double> ones(x.n_bands(), 1.0);
+  std::vector<double> sums(x.n_impacts());
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = dot(x[k], ones.data(), x.n_bands());
+  return sums;
+}
+
+std::vector<double> sums_of_columns(const TwoWayTable& x) {
+  std::vector<double> sums(x.n_bands(), 0.0);
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) add_scaled(sums.data(), 1.0, x[k], x.n_bands());
+  return sums;
+}
+
+namespace {
+
+/// One round of taking off weighted means of rows, then of columns.
+/// @param per_row, per_column  1 / sum of the weights
+/// @return sum of squares of the means of columns
+BOUNCELAB_VECTOR_CLONES double sweep_once(double* __restrict x, const double* __restrict weight, const double* per_row,
+                                          const double* per_column, double* __restrict means, std::size_t n_rows,
+                                          std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) means[m] = 0.0;
+  for (std::size_t k = 0; k < n_rows; ++k) {
+    double* row = x + k * n;
+    const double* w = weight + k * n;
+    std::array<double, 8> sums{};
+    std::size_t m = 0;
+    for (; m + 8 <= n; m += 8)
+      for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += w[m + lane] * row[m + lane];
+    for (; m < n; ++m) sums[0] += w[m] * row[m];
+    double mean = 0.0;
+    for (const double sum : sums) mean += per_row[k] * sum;
+    for (m = 0; m < n; ++m) {
+      row[m] -= mean;
+      means[m] += w[m] * row[m];
+    }
+  }
+  double squares = 0.0;
+  for (std::size_t m = 0; m < n; ++m) {
+    means[m] *= per_column[m];
+    squares += means[m] * means[m];
+  }
+  for (std::size_t k = 0; k < n_rows; ++k)
+    for (std::size_t m = 0; m < n; ++m) x[k * n + m] -= means[m];
+  return squares;
+}
+
+}  // namespace
+
+void sweep(TwoWayTable& x, const TwoWayTable& weight) {
+  constexpr int kSweeps = 12;
+  constexpr double kLeft = 1e-12;  // of the squares that the first sweep finds
+  std::vector<double> per_row = sums_of_rows(weight);
+  std::vector<double> per_column = sums_of_columns(weight);
+  for (double& sum : per_row) sum = 1.0 / (sum + 1e-300);
+  for (double& sum : per_column) sum = 1.0 / (sum + 1e-300);
+  std::vector<double> means(x.n_bands());
+  double first = 0.0;
+  for (int round = 0; round < kSweeps; ++round) {
+    const double squares =
+        sweep_once(x[0], weight[0], per_row.data(), per_column.data(), means.data(), x.n_impacts(), x.n_bands());
+    if (round == 0) first = squares;
+    if (squares <= kLeft * first) break;
+  }
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace bouncelab::detection {
+
+/// Values by impact and band.
+class TwoWayTable {
+ public:
+  TwoWayTable() = default;
+  TwoWayTable(std::size_t n_impacts, std::size_t n_bands, double value = 0.0)
+      : n_bands_(n_bands), values_(n_impacts * n_bands, value) {}
+  bool empty() const { return values_.empty(); }
+  std::size_t n_impacts() const { return values_.size() / n_bands_; }
+  std::size_t n_bands() const { return n_bands_; }
+  double* operator[](std::size_t k) { return values_.data() + k * n_bands_; }
+  const double* operator[](std::size_t k) const { return values_.data() + k * n_bands_; }
+
+ private:
+  std::size_t n_bands_ = 1;
+  std::vector<double> values_;
+};
+
+double dot(const double* a, const double* b, std::size_t n);
+/// to += factor x
+void add_scaled(double* to, double factor, const double* x, std::size_t n);
+void multiply(const double* a, const double* b, double* product, std::size_t n);
+
+std::vector<double> sums_of_rows(const TwoWayTable& x);
+std::vector<double> sums_of_columns(const TwoWayTable& x);
+
+/// Takes off weighted means of rows and columns until hardly any is left: to 1e-6 of the first.
+void sweep(TwoWayTable& x, const TwoWayTable& weight);
+
+}  // namespace bouncelab::detection

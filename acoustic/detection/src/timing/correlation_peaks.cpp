@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/correlation_peaks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kMostPlaces = 8;
+
+struct Peak {
+  std::int64_t at = 0;  // in halves
+  double height = 0.0;
+};
+
+/// Side by side, or each comparison waits for the one before.
+BOUNCELAB_VECTOR_CLONES float largest(const float* x, std::size_t n) {
+  std::array<float, 16> lanes;
+  lanes.fill(-INFINITY);
+  std::size_t k = 0;
+  for (; k + lanes.size() <= n; k += lanes.size())
+    for (std::size_t lane = 0; lane < lanes.size(); ++lane)
+      lanes[lane] = x[k + lane] > lanes[lane] ? x[k + lane] : lanes[lane];
+  return std::max(*std::max_element(lanes.begin(), lanes.end()), k < n ? *std::max_element(x + k, x + n) : -INFINITY);
+}
+
+}  // namespace
+
+std::vector<WavePlace> find_places(const WaveTemplate& wave, const audio::Spectrum& sound, double from, double to) {
+  // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
+  audio::Fourier twice(2 * wave.n_window());
+  const std::vector<float> products = twice.inverse(audio::product_conj(wave.wave(), sound));
+  const auto n = static_cast<std::int64_t>(products.size());
+  const std::int64_t lowest = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
+  const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest, n / 2 - 2);
+  std::vector<float> likely(static_cast<std::size_t>(highest - lowest + 3), -INFINITY);  // and one on either side
+  for (std::int64_t k = lowest; k <= highest; ++k)
+    likely[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
+  const auto top = std::find(likely.begin(), likely.end(), largest(likely.data(), likely.size()));
+  const Peak best{top - likely.begin() - 1 + lowest, *top};
+  std::vector<Peak> peaks;
+  for (std::size_t k = 1; k + 1 < likely.size(); ++k) {
+    // no branches: what rises and falls is as good as noise to the processor's guesses
+    const bool is_peak = (likely[k] > 0.0F) & (likely[k] >= likely[k - 1]) & (likely[k] >= likely[k + 1]);
+    const std::int64_t at = static_cast<std::int64_t>(k) - 1 + lowest;
+    if (is_peak && std::abs(at - best.at) > 2) peaks.push_back({at, likely[k]});
+  }
+  const std::size_t n_others = std::min(peaks.size(), kMostPlaces - 1);
+  std::partial_sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(n_others), peaks.end(),
+                    [](const Peak& a, const Peak& b) { return a.height > b.height; });
+  peaks.resize(n_others);
+  // the inverse holds sums of products over sqrt(n_window)
+  const double scale = 0.5 * static_cast<double>(wave.n_window()) / wave.energy();
+  const auto place = [&](const Peak& peak) {
+    const double height = std::max(0.0, peak.height);
+    return WavePlace{0.5 * static_cast<double>(peak.at), scale * height * height};
+  };
+  std::vector<WavePlace> places{place(best)};
+  for (const Peak& peak : peaks) places.push_back(place(peak));
+  return places;
+}
+
+}  // namespace bouncelab::detection

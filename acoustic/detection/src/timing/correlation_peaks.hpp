@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "timing/subband_delay.hpp"
+
+namespace bouncelab::detection {
+
+/// Where a wave may lie.
+struct WavePlace {
+  double shift = 0.0;
+  double gain = 0.0;  ///< log likelihood ratio against no impact, noise variance 1
+};
+
+/// Shifts from ... to, in steps of a half, at which the likelihood, maximised over a positive amplitude, has a
+/// local maximum: the best first, then at most seven others in falling order.
+std::vector<WavePlace> find_places(const WaveTemplate& wave, const audio::Spectrum& sound, double from, double to);
+
+}  // namespace bouncelab::detection

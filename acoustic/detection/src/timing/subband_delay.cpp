@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/subband_delay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no clocks of their own
+constexpr double kLeastShare = 0.25;     // of what a band knows on average
+constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
+// disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
+constexpr double kPriorClocks = 8.0;
+constexpr int kMostSteps = 6;
+constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
+constexpr double kLargestMove = 1.0;  // samples; the clocks of the highest frequencies turn by half a cycle
+
+/// Amplitude at which a clock's sound stands, drawn to the wave's where noise hides it.
+double clock_amplitude(double own, double common, double energy, double noise) {
+  constexpr double kPrior = 10.0;  // worth as much as so much energy over noise
+  const double snr = common * common * energy / noise;
+  return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
+}
+
+/// Each clock's amplitude and what its time lies beyond `shift`.
+struct Sums {
+  std::array<double, kMostClocks> in_phase;
+  std::array<double, kMostClocks> quadrature;  // omega times
+};
+
+/// @param moved  room of the size of z
+Sums sums_at(const audio::Spectrum& z, const BandClocks& clocks, double omega, double shift, audio::Spectrum& moved) {
+  audio::turn(z, omega * shift, moved);
+  Sums sums{};
+  for (std::size_t j = 0; j < clocks.n(); ++j) {
+    const std::size_t from = clocks.edge[j];
+    const std::size_t n = clocks.edge[j + 1] - from;
+    sums.in_phase[j] = audio::sum(std::span(moved.re).subspan(from, n));
+    sums.quadrature[j] = -omega * audio::moment(std::span(moved.im).subspan(from, n), from);
+  }
+  return sums;
+}
+
+/// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
+void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
+  const auto knows = [&](std::size_t j) { return wave.information(edge[j], edge[j + 1]); };
+  const double enough =
+      kLeastShare * wave.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
+  while (edge.size() > 2) {
+    const auto n = edge.size() - 1;
+    std::size_t least = 0;
+    for (std::size_t j = 1; j < n; ++j)
+      if (knows(j) < knows(least)) least = j;
+    if (knows(least) > enough) return;
+    const bool is_above = least + 1 == n || (least > 0 && knows(least - 1) > knows(least + 1));
+    edge.erase(edge.begin() + static_cast<std::ptrdiff_t>(is_above ? least : least + 1));
+  }
+}
+
+/// What is added to the variance of the mean because jitters, and so weights, are only estimated:
+/// sum 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a clock
+/// that the mean follows has few; noise is known.
+double doubt_of_weights(const BandClocks& clocks, const MeanOfClocks& mean) {
+  double doubt = 1.0;
+  for (std::size_t j = 0; clocks.n_learned > 0 && j < clocks.n(); ++j) {
+    const double kept = std::max(kLeastShareKept, 1.0 - mean.dependence * mean.weight[j]);
+    const double n_free = static_cast<double>(clocks.n_learned) * kept * kept;
+    doubt += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
+  }
+  return doubt;
+}
+
+/// Variance of the shift, from how far the clocks disagree.
+double variance_of(const ClockReading& r, const BandClocks& clocks) {
+  const MeanOfClocks m = mean_of_clocks(clocks, r.noise_variance);
+  const std::size_t n = clocks.n();
+  double mean = 0.0;
+  for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
+  double chi2 = 0.0;
+  for (std::size_t j = 0; j < n; ++j)
+    chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + clocks.jitter2[j]);
+  const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
+  return scale * doubt_of_weights(clocks, m) * m.variance;
+}
+
+}  // namespace
+
+WaveTemplate::WaveTemplate(audio::Spectrum wave, std::size_t n_window)
+    : wave_(std::move(wave)),
+      n_window_(n_window),
+      omega_(2.0 * kPi / static_cast<double>(n_window)),
+      running_(wave_.size() + 1, 0.0),
+      running_information_(wave_.size() + 1, 0.0) {
+  for (std::size_t k = 0; k < wave_.size(); ++k) {
+    const double w = omega_ * static_cast<double>(k);
+    const double power =
+        static_cast<double>(wave_.re[k]) * wave_.re[k] + static_cast<double>(wave_.im[k]) * wave_.im[k];
+    running_[k + 1] = running_[k] + power;
+    running_information_[k + 1] = running_information_[k] + w * w * power;
+  }
+  energy_ = running_.back();
+}
+
+double WaveTemplate::rms_frequency() const {
+  return std::max(1e-6, std::sqrt(running_information_.back() / (energy_ + 1e-30)) / (2.0 * kPi));
+}
+
+BandClocks equal_clocks(const WaveTemplate& wave) {
+  const std::size_t n_bins = wave.wave().size() - 1;
+  const double all = wave.information(0, n_bins);
+  const auto bin_at = [&](double part) {
+    std::size_t k = 1;
+    while (k < n_bins && wave.information(0, k) < part * all) ++k;
+    return k;
+  };
+  const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
+  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kLeastBins), 1, kMostClocks);
+  const std::size_t reach = std::max(kLeastBins / 2, n_occupied / kLeastModes);
+  const auto density = [&](std::size_t k) { return wave.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
+  BandClocks clocks;
+  clocks.edge.push_back(1);
+  for (std::size_t share = 1; share < n; ++share) {
+    const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
+    const std::size_t lo = std::max(clocks.edge.back() + kLeastBins, middle > reach ? middle - reach : 1);
+    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kLeastBins));
+    std::size_t lowest = lo;
+    for (std::size_t k = lo; k <= hi; ++k)
+      if (density(k) < density(lowest)) lowest = k;
+    if (lo <= hi) clocks.edge.push_back(lowest);
+  }
+  clocks.edge.push_back(n_bins);
+  join_skirts(wave, clocks.edge);
+  clocks.noise.assign(clocks.edge.size() - 1, 1.0);
+  clocks.jitter2.assign(clocks.edge.size() - 1, 0.0);
+  return clocks;
+}
+
+MeanOfClocks mean_of_clocks(const BandClocks& clocks, const std::vector<double>& noise_variance) {
+  const std::size_t n = clocks.n();
+  MeanOfClocks m;
+  double weights = 0.0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double variance = noise_variance[j] + clocks.jitter2[j];
+    weights += 1.0 / variance;
+    m.weight[j] = 1.0 / variance;
+    m.jitter[j] = clocks.jitter2[j] / variance;
+  }
+  // sums over the others of sqrt(weight jitter) rho^lag, those below and those above
+  std::array<double, kMostClocks> part{}, others{};
+  for (std::size_t j = 0; j < n; ++j) {
+    m.weight[j] /= weights;
+    part[j] = std::sqrt(m.weight[j] * m.jitter[j]);
+  }
+  double below = 0.0, above = 0.0;
+  for (std::size_t j = 1; j < n; ++j) {
+    below = clocks.correlation * (below + part[j - 1]);
+    above = clocks.correlation * (above + part[n - j]);
+    others[j] += below;
+    others[n - 1 - j] += above;
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    m.with[j] = 1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j];
+    m.dependence += part[j] * others[j];
+  }
+  m.variance = m.dependence / weights;
+  return m;
+}
+
+ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const audio::Spectrum& sound,
+                         double start) {
+  const audio::Spectrum z = audio::product_conj(wave.wave(), sound);
+  audio::Spectrum moved = z;
+  const std::size_t n = clocks.n();
+  ClockReading r;
+  r.shift = start;
+  r.deviation.resize(n);
+  r.noise_variance.resize(n);
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Sums sums = sums_at(z, clocks, wave.omega(), r.shift, moved);
+    const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
+    r.amplitude = in_phase / wave.energy();
+    r.gain = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;
+    if (r.amplitude <= 0.0) break;
+    double weights = 0.0;
+    double mean = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double energy = wave.energy(clocks.edge[j], clocks.edge[j + 1]);
+      const double information = wave.information(clocks.edge[j], clocks.edge[j + 1]);
+      const double a = clock_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, clocks.noise[j]);
+      r.noise_variance[j] = clocks.noise[j] / (a * a * information + 1e-30);
+      r.deviation[j] = sums.quadrature[j] / (a * information + 1e-30);
+      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
+      weights += weight;
+      mean += weight * r.deviation[j];
+    }
+    mean /= weights;
+    const double move = std::clamp(mean, -kLargestMove, kLargestMove);
+    for (double& d : r.deviation) d -= move;
+    r.shift += move;
+    if (std::abs(move) < kArrived) break;
+  }
+  if (r.amplitude > 0.0) r.variance = variance_of(r, clocks);
+  return r;
+}
+
+}  // namespace bouncelab::detection

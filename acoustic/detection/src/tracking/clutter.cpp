@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/clutter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kSmallestReach_s = 2e-3;
+constexpr double kRhythmShare = 0.5;
+// of log interval from one to the next: hands and feet 3 to 8 %, drummers 2 %
+constexpr double kRhythmScatter = 0.1;
+constexpr double kDrummerScatter = 0.02;
+
+/// The nearest octave: that below sqrt(2) times as much.
+int window_octave(double flight_s) {
+  return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kChanceOctaves - 1);
+}
+
+double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
+
+/// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
+double harmonic(double n) {
+  const auto approximately = [](double m) { return std::log(m) + 0.5772 + 0.5 / m; };
+  constexpr int kTabulated = 1024;
+  static const std::vector<double> table = [&] {
+    std::vector<double> values;
+    for (int m = 0; m <= kTabulated; ++m) values.push_back(approximately(std::max(1, m)));
+    return values;
+  }();
+  if (!(n < kTabulated)) return approximately(n);
+  const auto below = static_cast<std::size_t>(n);
+  return table[below] + (n - static_cast<double>(below)) * (table[below + 1] - table[below]);
+}
+
+/// The least that reaches so far.
+int octave_of(double distance_s) {
+  const double distance = distance_s / kSmallestReach_s;
+  return distance <= 1.0 ? 0 : static_cast<int>(std::ceil(std::log2(distance)));
+}
+
+/// How much j and k are rivals, 0 ... 1.
+float rivals_share(const std::vector<Timbre>& timbres, std::size_t j, std::size_t k) {
+  return timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k])));
+}
+
+void count(const Candidate& one, const Candidate& other, int octave, float share, Rivals& rivals) {
+  rivals.all[octave] += share;
+  if (other.amplitude >= one.amplitude) rivals.stronger[octave] += share;
+}
+
+void accumulate(Rivals& rivals) {
+  for (int octave = 1; octave < kChanceOctaves; ++octave) {
+    rivals.all[octave] += rivals.all[octave - 1];
+    rivals.stronger[octave] += rivals.stronger[octave - 1];
+  }
+}
+
+}  // namespace
+
+std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vector<Timbre>& timbres) {
+  std::vector<Rivals> rivals(c.size());
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    count(c[k], c[k], 0, 1.0F, rivals[k]);
+    for (std::size_t j = k + 1; j < c.size(); ++j) {
+      const int octave = octave_of(c[j].t_s - c[k].t_s);
+      if (octave >= kChanceOctaves) break;
+      const float share = rivals_share(timbres, j, k);
+      count(c[k], c[j], octave, share, rivals[k]);
+      count(c[j], c[k], octave, share, rivals[j]);
+    }
+  }
+  for (Rivals& r : rivals) accumulate(r);
+  return rivals;
+}
+
+Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std::vector<Timbre>& timbres,
+                       const std::vector<std::size_t>& not_counted) {
+  Rivals rivals;
+  count(c[k], c[k], 0, 1.0F, rivals);
+  const auto count_if_free = [&](std::size_t j) {
+    const int octave = octave_of(std::abs(c[j].t_s - c[k].t_s));
+    if (octave >= kChanceOctaves) return false;
+    if (!std::binary_search(not_counted.begin(), not_counted.end(), j))
+      count(c[k], c[j], octave, rivals_share(timbres, j, k), rivals);
+    return true;
+  };
+  for (std::size_t j = k + 1; j < c.size() && count_if_free(j); ++j) {
+  }
+  for (std::size_t j = k; j-- > 0 && count_if_free(j);) {
+  }
+  accumulate(rivals);
+  return rivals;
+}
+
+double rival_window_s(double flight_s) { return reach_s(window_octave(flight_s)); }
+
+double chance_rate(const Rivals& rivals, double flight_s, double n_own) {
+  const int octave = window_octave(flight_s);
+  const double rank = std::max(1.0, rivals.stronger[octave] - n_own);
+  return rank * harmonic(std::max(rank, rivals.all[octave] - n_own)) / (2.0 * reach_s(octave));
+}
+
+double chance_of_first(const Rivals& rivals) { return rivals.stronger.back() * harmonic(rivals.all.back()); }
+
+double rhythm_density(double gap) {
+  const double log_gap = std::log(gap);
+  return 0.5 * kRhythmShare * (student3(log_gap, kRhythmScatter) + student3(log_gap, kDrummerScatter)) / gap;
+}
+
+double student3(double x, double width) {
+  const double width2 = width * width;
+  const double core = width2 + x * x * (1.0 / 3.0);  // (1 + z^2 / 3) width^2
+  return 2.0 / (kPi * std::numbers::sqrt3) * width2 * width / (core * core);
+}
+
+}  // namespace bouncelab::detection

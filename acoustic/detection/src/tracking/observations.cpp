@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/observations.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kSharp_s = 1.8e-3;  // reach of the shortest window, in the low band too
+constexpr double kTimingOfReach = 0.15;
+
+}  // namespace
+
+HeardSounds::HeardSounds(const std::vector<Candidate>& c, double timing, const std::vector<Timbre>& t)
+    : candidates(c), timbres(t), timing_s(timing), rivals(count_rivals(c, t)) {
+  for (const Candidate& candidate : c) log_amplitude.push_back(std::log(candidate.amplitude));
+}
+
+HeardSound HeardSounds::heard(std::size_t k) const {
+  // what the shortest window has noticed is timed by a sample, what the longer ones have, by a part of themselves
+  const double reach_s = candidates[k].reach_s;
+  const double sigma_s = reach_s < kSharp_s ? timing_s : std::max(timing_s, kTimingOfReach * reach_s);
+  return {candidates[k], rivals[k], sigma_s, log_amplitude[k], {}, true};
+}
+
+std::optional<double> HeardSounds::alike(std::size_t j, std::size_t k) const {
+  if (timbres.empty()) return {};
+  return probability_alike(timbres[j], timbres[k]);
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+
+namespace bouncelab::synthesis {
+
+/// A kind of recording that is hard to hear impacts in, one difficulty each, and `rough`, which has them all.
+struct HardCase {
+  std::string name;
+  std::string what;  ///< one line for people
+};
+
+/// noisy, hum, clicks, knocks, double-hits, robot, clipped, wander, dead-channel, ringing, microphone, rough.
+const std::vector<HardCase>& hard_cases();
+
+/// `config` with the difficulty added; everything else stays as it is.
+/// @throws InvalidArgument naming the case and those there are
+SynthesisConfig with_hard_case(SynthesisConfig config, const std::string& name);
+
+}  // namespace bouncelab::synthesis

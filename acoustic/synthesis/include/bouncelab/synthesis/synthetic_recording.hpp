@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/synthesis/disturbances.hpp"
+#include "bouncelab/synthesis/plate.hpp"
+#include "bouncelab/synthesis/sensor.hpp"
+
+namespace bouncelab::synthesis {
+
+/// Amplification and noise of a recording, full scale = 1. Chosen from the impacts unless given.
+struct Levels {
+  double gain = 0.0;          ///< from the sensor's signal to full scale
+  double noise_rms = 0.0;     ///< of the stationary noise
+  double weakest_peak = 0.0;  ///< clean peak of the weakest wanted impact, the unit of Disturbances
+};
+
+struct SynthesisConfig {
+  Ground ground = ground_preset(GroundPreset::glass);
+  Sensor sensor = piezo_sensor();
+  std::vector<Channel> channels{Channel{}};  ///< 1 to 8; amplitudes and bounds refer to the first one that is not dead
+  Ball ball;
+  int rate_hz = 96000;  ///< 8000 to 2,000,000
+  audio::SampleEncoding encoding = audio::SampleEncoding::pcm24;
+  double snr_db = 30.0;             ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
+  double noise_corner_hz = 0.0;     ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
+  double peak = 0.5;                ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
+  double lead_in_s = 0.5;           ///< before the first release
+  double pause_s = 1.0;             ///< from the last impact of a drop to the next release, and to the end
+  bool simulated_positions = true;  ///< strike where the states say, if there are any
+  double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
+  double max_mode_hz = 45.0e3;      ///< modes above are left out; plate theory ends about here
+  Disturbances disturbances;
+  std::optional<Levels> levels;  ///< fixed, so that recordings made one by one belong together
+  std::uint64_t seed = 1;
+  int n_threads = 1;  ///< 0: all cores; the samples do not depend on it
+};
+
+/// What is true of one impact in the recording.
+struct TrueImpact {
+  std::int64_t drop = 0;
+  std::int64_t impact = 0;
+  double t_s = 0.0;             ///< begin of contact at the plate, from the first sample; what eq. 2 of the paper needs
+  double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone
+  double amplitude = 0.0;       ///< clean peak, full scale = 1
+  double snr_db = 0.0;          ///< amplitude over noise rms
+  double contact_time_s = 0.0;  ///< Hertz
+  double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s: what a detector hears
+  double x_m = 0.0, y_m = 0.0;  ///< point of contact
+  double v_mps = 0.0;           ///< normal impact speed
+  std::string flags;            ///< clipped
+};
+
+/// A sound that is not an impact of the ball: finding it is a false alarm.
+struct OtherSound {
+  std::string kind;  ///< release, click, knock, fan, motor, pickup
+  double t_s = 0.0;
+};
+
+class Instrument;
+/// The part of a synthesis that does not depend on the impacts (modes of the plate, tables): for many recordings with
+/// one configuration, made once. Depends on ground, sensor, channels, rate_hz and max_mode_hz only.
+std::shared_ptr<const Instrument> make_instrument(const SynthesisConfig& config);
+
+/// A recording as a function of time: everything is known but the samples, which are computed where they are asked for,
+/// in any order and on any thread.
+class SyntheticRecording {
+ public:
+  /// @param instrument  from make_instrument with the same configuration; made here where absent
+  /// @throws InvalidArgument naming the value: a setting out of range, no impacts, an impact off the plate ...
+  SyntheticRecording(const Impacts& impacts, const SynthesisConfig& config,
+                     std::shared_ptr<const Instrument> instrument = nullptr);
+  ~SyntheticRecording();
+  SyntheticRecording(SyntheticRecording&&) noexcept;
+  SyntheticRecording& operator=(SyntheticRecording&&) noexcept;
+
+  std::int64_t n_frames() const;
+  const std::vector<TrueImpact>& truth() const;
+  const std::vector<OtherSound>& others() const;
+  const Levels& levels() const;
+
+  /// The recording is rendered in segments of a few seconds; n_segments() of segment_frames() frames, the last shorter.
+  std::int64_t n_segments() const;
+  std::int64_t segment_frames() const;
+  /// Samples of one segment, interleaved by channel, clipped to full scale, not yet rounded to the encoding.
+  std::vector<double> segment(std::int64_t index) const;
+  /// All samples: for short recordings.
+  std::vector<double> samples() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The configuration of one drop's own recording: gain and noise as given in `levels`, the noise itself its own.
+/// A function of (config, drop).
+SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop);
+/// NAME.0017.wav for out = NAME.wav and drop 17.
+std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop);
+
+/// The truth as an `onsets` table with further columns: contact_time_s, travel_time_s, x_m, y_m, v_mps.
+Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording);
+/// `kind,t_s`.
+Table others_table(const std::vector<OtherSound>& others);
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "excitation/cramer_rao.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace bouncelab::synthesis {
+namespace {
+
+using Complex = std::complex<double>;
+
+double largest(std::span<const double> samples, double so_far) {
+  for (const double y : samples) so_far = std::max(so_far, std::abs(y));
+  return so_far;
+}
+
+}  // namespace
+
+WaveMeter::WaveMeter(const ResonatorBank& bank) : bank_(bank) {
+  std::vector<Complex> steps;
+  for (const Complex& pole : bank.poles_per_s()) steps.push_back(std::exp(pole / bank.rate_hz()));
+  for (const Complex& p : steps)
+    for (const Complex& q : steps) {
+      sums_.push_back(1.0 / (1.0 - p * q));
+      sums_conjugate_.push_back(1.0 / (1.0 - p * std::conj(q)));
+    }
+}
+
+double WaveMeter::ringing_energy(const PoleValues& d) const {
+  double total = 0.0;
+  const std::size_t n = d.size();
+  for (std::size_t p = 0; p < n; ++p) {
+    double re = 0.0, im = 0.0;
+    for (std::size_t q = 0; q < n; ++q) {
+      const Complex a = sums_[p * n + q], b = sums_conjugate_[p * n + q];
+      re += a.real() * d.re[q] - a.imag() * d.im[q] + b.real() * d.re[q] + b.imag() * d.im[q];
+      im += a.real() * d.im[q] + a.imag() * d.re[q] - b.real() * d.im[q] + b.imag() * d.re[q];
+    }
+    total += 0.5 * (d.re[p] * re - d.im[p] * im);
+  }
+  return total;
+}
+
+double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
+  const auto bound = [&] {
+    double sum = 0.0;
+    for (std::size_t p = 0; p < ringing.size(); ++p) sum += std::sqrt(std::norm(ringing[p]));
+    return sum;
+  };
+  std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> block{};
+  while (bound() > peak) {
+    block.fill(0.0);
+    bank_.ring(ringing, 0.0, block);
+    peak = largest(block, peak);
+  }
+  return peak;
+}
+
+double WaveMeter::peak(const Contact& contact, const PoleValues& amplitudes) const {
+  ContactWave wave = bank_.wave(contact, amplitudes, false);
+  return ringing_peak(std::move(wave.ringing), largest(wave.samples, 0.0));
+}
+
+WaveMeasure WaveMeter::measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const {
+  ContactWave wave = bank_.wave(contact, amplitudes, true);
+  noise.whiten(wave.slopes);
+  WaveMeasure result;
+  for (const double slope : wave.slopes) result.slope_energy += slope * slope;
+  PoleValues slopes(bank_.size());
+  for (std::size_t p = 0; p < bank_.size(); ++p) {
+    const Complex s = bank_.poles_per_s()[p] / bank_.rate_hz();
+    slopes.set(p, wave.ringing[p] * s * noise.whitening_gain(std::exp(s)));
+  }
+  result.slope_energy += ringing_energy(slopes);
+  result.peak = ringing_peak(wave.ringing, largest(wave.samples, 0.0));
+  return result;
+}
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "excitation/resonator_bank.hpp"
+#include "scene/noise.hpp"
+
+namespace bouncelab::synthesis {
+
+/// What the clean wave of one contact says of itself.
+struct WaveMeasure {
+  double peak = 0.0;          ///< largest |sample|
+  double slope_energy = 0.0;  ///< sum over all samples of (whitened dy per sample)^2
+};
+
+/// Measures waves of one bank.
+///
+/// In white noise of standard deviation s per sample the time of a known wave cannot be told better than
+///   sigma_t = s / (rate sqrt(slope_energy))     (Cramer-Rao; Kay, Estimation Theory (1993), 3.11).
+/// In 1/f noise that holds for wave and noise whitened alike; s is then the standard deviation of the white noise that
+/// was coloured. The whitening filter's own transient after the contact is left out: (corner / signal frequency)^2 of
+/// the whole. The free ringing after the contact is summed in closed form:
+///   sum_{n>=0} (Re sum_p d_p E_p^n)^2 = 1/2 Re sum_pq [ d_p d_q / (1 - E_p E_q) + d_p d_q* / (1 - E_p E_q*) ].
+class WaveMeter {
+ public:
+  explicit WaveMeter(const ResonatorBank& bank);
+  double peak(const Contact& contact, const PoleValues& amplitudes) const;
+  WaveMeasure measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const;
+
+ private:
+  double ringing_energy(const PoleValues& slopes) const;
+  double ringing_peak(PoleValues ringing, double peak_so_far) const;
+
+  const ResonatorBank& bank_;
+  std::vector<std::complex<double>> sums_, sums_conjugate_;  // row p, column q: 1/(1 - E_p E_q), 1/(1 - E_p E_q*)
+};
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "render/strike_sound.hpp"
+#include "scene/background.hpp"
+#include "scene/schedule.hpp"
+
+namespace bouncelab::synthesis {
+
+/// The samples of a recording, segment by segment, from its schedule. A segment depends on its number only: it may be
+/// rendered on any thread, and of the schedule only what sounds in it need be there.
+class Renderer {
+ public:
+  /// All must outlive this.
+  Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule, const Levels& levels);
+
+  std::int64_t segment_frames() const { return segment_frames_; }
+  /// Before and after a segment: strikes that far away are heard in it.
+  double reach_back_s() const { return reach_back_s_; }
+  double reach_ahead_s() const { return reach_ahead_s_; }
+  /// Frames first ... first + n - 1, interleaved by channel, clipped to full scale. @param first  a multiple of
+  /// segment_frames(), n at most so many
+  std::vector<double> frames(std::int64_t first, std::int64_t n) const;
+
+ private:
+  std::vector<double> strikes_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  std::vector<double> sound_in_room(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  template <class Use>
+  void for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const;
+  void ring(std::vector<std::pair<std::int64_t, PoleValues>>& joining, PoleValues& state, std::span<double> out) const;
+
+  const SynthesisConfig& config_;
+  const StrikeSound& sound_;
+  const Schedule& schedule_;
+  Levels levels_;
+  Background background_;
+  std::int64_t segment_frames_;
+  double reach_back_s_, reach_ahead_s_;
+  double silence_;
+};
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "scene/noise.hpp"
+#include "scene/schedule.hpp"
+#include "sensor/instrument.hpp"
+
+namespace bouncelab::synthesis {
+
+/// How a strike sounds in each channel, before gain and noise; and what is true of it.
+class StrikeSound {
+ public:
+  /// The configuration must outlive this.
+  StrikeSound(const SynthesisConfig& config, std::shared_ptr<const Instrument> instrument);
+
+  const Instrument& instrument() const { return *instrument_; }
+  PoleValues amplitudes(std::size_t channel, const Strike& strike) const;
+  Contact contact(std::size_t channel, const Strike& strike) const;
+  /// Longest time from a strike to the begin of its last echo in any channel, plus a contact.
+  double largest_delay_s() const;
+
+  /// Clean peaks of strikes at gain 1 in the first channel that is not dead.
+  std::vector<double> peaks(std::span<const Strike> strikes) const;
+  /// What is true of the ball's strikes among these, for gain 1 and noise of rms 1.
+  std::vector<TrueImpact> truth(std::span<const Strike> strikes) const;
+
+ private:
+  TrueImpact true_impact(const Strike& strike) const;
+
+  const SynthesisConfig& config_;
+  std::shared_ptr<const Instrument> instrument_;
+  std::size_t wanted_channel_;
+  FlickerFilter noise_;
+};
+
+/// From gain 1 and noise of rms 1 to these levels.
+void scale_to(const Levels& levels, std::vector<TrueImpact>& truth);
+
+/// The levels that put the strongest impact at config.peak and the noise config.snr_db below the weakest.
+Levels levels_for(const SynthesisConfig& config, double weakest_peak, double strongest_peak);
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/synthesis/synthesize.hpp"
+#include "render/renderer.hpp"
+#include "render/synthesis_checks.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+/// What the first passage through the impacts finds.
+struct Survey {
+  Levels levels;
+  double weakest_impulse_ns = 0.0;
+  double duration_s = 0.0;
+};
+
+Survey survey(const NextDrop& next, const SynthesisConfig& config, const StrikeSound& sound,
+              const ProgressCallback& progress) {
+  Survey result;
+  Scheduler scheduler(config, 0.0);
+  double weakest_peak = 0.0, strongest_peak = 0.0;
+  std::int64_t drop_before = 0;
+  for (Impacts drop; next(drop); drop_before = drop.rows.front().drop) {
+    const bool is_first = scheduler.duration_s() == 0.0;
+    validate(drop, config);
+    if (!is_first && drop.rows.front().drop <= drop_before)
+      throw InvalidArgument("drop " + std::to_string(drop.rows.front().drop) + " comes after drop " +
+                            std::to_string(drop_before) + "; sort by drop and time");
+    const std::vector<Strike> strikes = scheduler.place_ball(drop);
+    for (const Strike& strike : strikes) check_contact(strike.duration_s, config);
+    const auto weakest_strike = std::min_element(
+        strikes.begin(), strikes.end(), [](const auto& a, const auto& b) { return a.impulse_ns < b.impulse_ns; });
+    result.weakest_impulse_ns =
+        is_first ? weakest_strike->impulse_ns : std::min(result.weakest_impulse_ns, weakest_strike->impulse_ns);
+    if (!config.levels) {
+      const std::vector<double> peaks = sound.peaks(strikes);
+      const auto [weakest, strongest] = std::minmax_element(peaks.begin(), peaks.end());
+      weakest_peak = is_first ? *weakest : std::min(weakest_peak, *weakest);
+      strongest_peak = std::max(strongest_peak, *strongest);
+    }
+    if (progress) progress(0.0, 0.0);
+  }
+  result.duration_s = scheduler.duration_s();
+  if (result.duration_s == 0.0) validate(Impacts{}, config);  // there are none, and it says so
+  result.levels = config.levels ? *config.levels : levels_for(config, weakest_peak, strongest_peak);
+  return result;
+}
+
+void check_file(const std::filesystem::path& out, const SynthesisConfig& config) {
+  audio::validate(out, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding});
+}
+
+/// One recording from impacts to file: the schedule holds what sounds, nothing before and little after.
+class RecordingWriter {
+ public:
+  RecordingWriter(const SynthesisConfig& config, const StrikeSound& sound, const Survey& survey,
+                  std::filesystem::path out, bool may_replace)
+      : config_(config),
+        sound_(sound),
+        survey_(survey),
+        out_(std::move(out)),
+        scheduler_(config, survey.weakest_impulse_ns),
+        renderer_(config, sound, schedule_, survey.levels),
+        n_frames_(static_cast<std::int64_t>(std::ceil(survey.duration_s * config.rate_hz))),
+        writer_(out_, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding}, n_frames_,
+                may_replace) {}
+
+  void write(const NextDrop& next, const TruthSink& truth, const ProgressCallback& progress, SynthesisResult& result) {
+    const std::int64_t batch_frames = resolved_threads(config_.n_threads) * renderer_.segment_frames();
+    for (std::int64_t first = 0; first < n_frames_; first += batch_frames) {
+      const double begin_s = static_cast<double>(first) / config_.rate_hz;
+      const double end_s = static_cast<double>(first + batch_frames) / config_.rate_hz;
+      for (Impacts drop; schedule_.duration_s < end_s + renderer_.reach_ahead_s() && next(drop);)
+        take(drop, truth, result);
+      forget(schedule_, begin_s - renderer_.reach_back_s());
+      write_batch(first, std::min(first + batch_frames, n_frames_));
+      if (progress) progress(std::min(survey_.duration_s, end_s), survey_.duration_s);
+    }
+    if (schedule_.duration_s != survey_.duration_s)
+      throw InvalidArgument("the impacts changed while they were made to sound; start again");
+    writer_.commit();
+    result.duration_s += static_cast<double>(n_frames_) / config_.rate_hz;
+  }
+
+ private:
+  void take(const Impacts& drop, const TruthSink& truth, SynthesisResult& result) {
+    const std::size_t n_before = schedule_.strikes.size();
+    scheduler_.add_drop(drop, schedule_);
+    DropTruth of_drop{out_, sound_.truth(std::span(schedule_.strikes).subspan(n_before)),
+                      std::exchange(schedule_.others, {})};
+    scale_to(survey_.levels, of_drop.impacts);
+    result.n_impacts += static_cast<std::int64_t>(of_drop.impacts.size());
+    result.n_other_sounds += static_cast<std::int64_t>(of_drop.others.size());
+    result.n_clipped += std::count_if(of_drop.impacts.begin(), of_drop.impacts.end(),
+                                      [](const TrueImpact& impact) { return impact.flags == "clipped"; });
+    if (truth) truth(of_drop);
+  }
+
+  void write_batch(std::int64_t first, std::int64_t end) {
+    const std::int64_t step = renderer_.segment_frames();
+    std::vector<std::future<std::vector<double>>> segments;
+    for (std::int64_t k = first; k < end; k += step)
+      segments.push_back(std::async(end - first <= step ? std::launch::deferred : std::launch::async,
+                                    [this, k, n = std::min(step, end - k)] { return renderer_.frames(k, n); }));
+    for (auto& segment : segments) writer_.write(segment.get());
+  }
+
+  const SynthesisConfig& config_;
+  const StrikeSound& sound_;
+  Survey survey_;
+  std::filesystem::path out_;
+  Schedule schedule_;
+  Scheduler scheduler_;
+  Renderer renderer_;
+  std::int64_t n_frames_;
+  audio::AudioWriter writer_;
+};
+
+void conclude(SynthesisResult& result, const SynthesisConfig& config, const Instrument& instrument) {
+  result.n_modes = static_cast<int>(instrument.plate().modes().size());
+  const double nyquist_hz = 0.5 * config.rate_hz;
+  std::vector<double> left_out_hz;
+  if (nyquist_hz < config.max_mode_hz) {
+    const PlateModes all(config.ground, config.max_mode_hz);
+    for (const PlateMode& mode : all.modes())
+      if (mode.frequency_hz >= nyquist_hz) left_out_hz.push_back(mode.frequency_hz);
+  }
+  if (!left_out_hz.empty()) {
+    const auto [lowest, highest] = std::minmax_element(left_out_hz.begin(), left_out_hz.end());
+    result.warnings.push_back(std::to_string(left_out_hz.size()) + " modes from " +
+                              std::to_string(std::lround(*lowest)) + " to " + std::to_string(std::lround(*highest)) +
+                              " Hz are left out: a rate of " + std::to_string(config.rate_hz) + " Hz cannot hold them");
+  }
+  if (result.n_clipped > 0)
+    result.warnings.push_back(std::to_string(result.n_clipped) + " impacts are clipped at full scale");
+}
+
+}  // namespace
+
+DropSource drops_of(const Impacts& impacts) {
+  return [&impacts]() -> NextDrop {
+    return [&impacts, first = std::size_t{0}](Impacts& drop) mutable {
+      const auto at = [](std::size_t k) { return static_cast<std::ptrdiff_t>(k); };
+      std::size_t last = first;
+      while (last < impacts.rows.size() && impacts.rows[last].drop == impacts.rows[first].drop) ++last;
+      drop.rows.assign(impacts.rows.begin() + at(first), impacts.rows.begin() + at(last));
+      drop.states.clear();
+      if (!impacts.states.empty())
+        drop.states.assign(impacts.states.begin() + at(first), impacts.states.begin() + at(last));
+      return std::exchange(first, last) != last;
+    };
+  };
+}
+
+SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop) {
+  SynthesisConfig own = config;
+  own.levels = levels;
+  own.seed = philox_block(config.seed, RandomStream::noise, 1ull << 63, static_cast<std::uint64_t>(drop))[0];
+  return own;
+}
+
+std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop) {
+  std::string number = std::to_string(drop);
+  if (number.size() < 4) number.insert(0, 4 - number.size(), '0');
+  return out.parent_path() / (out.stem().string() + "." + number + out.extension().string());
+}
+
+SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& config, const std::filesystem::path& out,
+                           bool may_replace, const TruthSink& truth, const ProgressCallback& progress) {
+  check_file(out, config);
+  const StrikeSound sound(config, make_instrument(config));
+  const Survey found = survey(drops(), config, sound, progress);
+  SynthesisResult result;
+  result.levels = found.levels;
+  RecordingWriter(config, sound, found, out, may_replace).write(drops(), truth, progress, result);
+  conclude(result, config, sound.instrument());
+  return result;
+}
+
+SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config,
+                                     const std::filesystem::path& out, bool may_replace, const TruthSink& truth,
+                                     const ProgressCallback& progress) {
+  check_file(out, config);
+  const auto instrument = make_instrument(config);
+  SynthesisResult result;
+  result.n_files = 0;
+  result.levels = survey(drops(), config, StrikeSound(config, instrument), progress).levels;
+  const NextDrop next = drops();
+  for (Impacts drop; next(drop); ++result.n_files) {
+    const std::int64_t number = drop.rows.front().drop;
+    const SynthesisConfig of_drop = config_of_drop(config, result.levels, number);
+    const StrikeSound sound(of_drop, instrument);
+    const DropSource only = drops_of(drop);
+    RecordingWriter(of_drop, sound, survey(only(), of_drop, sound, {}), path_of_drop(out, number), may_replace)
+        .write(only(), truth, {}, result);
+    if (progress) progress(static_cast<double>(result.n_impacts), 0.0);
+  }
+  conclude(result, config, *instrument);
+  return result;
+}
+
+}  // namespace bouncelab::synthesis

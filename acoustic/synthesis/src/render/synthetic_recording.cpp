@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/synthesis/synthesize.hpp"
+#include "render/renderer.hpp"
+#include "render/synthesis_checks.hpp"
+
+namespace bouncelab::synthesis {
+
+std::shared_ptr<const Instrument> make_instrument(const SynthesisConfig& config) {
+  validate(config);
+  return std::make_shared<const Instrument>(config.ground, config.sensor, config.channels, config.rate_hz,
+                                            std::min(config.max_mode_hz, 0.5 * config.rate_hz));
+}
+
+struct SyntheticRecording::State {
+  State(const Impacts& impacts, const SynthesisConfig& config_, std::shared_ptr<const Instrument> instrument)
+      : config(config_),
+        sound(config, std::move(instrument)),
+        schedule(schedule_of(impacts, config)),
+        truth(sound.truth(schedule.strikes)),
+        levels(config.levels ? *config.levels : levels_of(truth, config)),
+        renderer(config, sound, schedule, levels),
+        n_frames(static_cast<std::int64_t>(std::ceil(schedule.duration_s * config.rate_hz))) {
+    scale_to(levels, truth);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  static Schedule schedule_of(const Impacts& impacts, const SynthesisConfig& config) {
+    double weakest_ns = impulse_ns(config, impacts.rows.front());
+    for (const Impact& impact : impacts.rows) weakest_ns = std::min(weakest_ns, impulse_ns(config, impact));
+    Schedule schedule;
+    Scheduler scheduler(config, weakest_ns);
+    const NextDrop next = drops_of(impacts)();
+    for (Impacts drop; next(drop);) scheduler.add_drop(drop, schedule);
+    for (const Strike& strike : schedule.strikes) check_contact(strike.duration_s, config);
+    return schedule;
+  }
+
+  static Levels levels_of(const std::vector<TrueImpact>& unit_truth, const SynthesisConfig& config) {
+    const auto [weakest, strongest] = std::minmax_element(
+        unit_truth.begin(), unit_truth.end(), [](const auto& a, const auto& b) { return a.amplitude < b.amplitude; });
+    return levels_for(config, weakest->amplitude, strongest->amplitude);
+  }
+
+  SynthesisConfig config;
+  StrikeSound sound;
+  Schedule schedule;
+  std::vector<TrueImpact> truth;
+  Levels levels;
+  Renderer renderer;
+  std::int64_t n_frames;
+};
+
+namespace {
+
+const Impacts& checked(const Impacts& impacts, const SynthesisConfig& config) {
+  validate(config);
+  validate(impacts, config);
+  return impacts;
+}
+
+}  // namespace
+
+SyntheticRecording::SyntheticRecording(const Impacts& impacts, const SynthesisConfig& config,
+                                       std::shared_ptr<const Instrument> instrument)
+    : state_(std::make_unique<State>(checked(impacts, config), config,
+                                     instrument ? std::move(instrument) : make_instrument(config))) {}
+
+SyntheticRecording::~SyntheticRecording() = default;
+SyntheticRecording::SyntheticRecording(SyntheticRecording&&) noexcept = default;
+SyntheticRecording& SyntheticRecording::operator=(SyntheticRecording&&) noexcept = default;
+
+std::int64_t SyntheticRecording::n_frames() const { return state_->n_frames; }
+const std::vector<TrueImpact>& SyntheticRecording::truth() const { return state_->truth; }
+const std::vector<OtherSound>& SyntheticRecording::others() const { return state_->schedule.others; }
+const Levels& SyntheticRecording::levels() const { return state_->levels; }
+std::int64_t SyntheticRecording::segment_frames() const { return state_->renderer.segment_frames(); }
+
+std::int64_t SyntheticRecording::n_segments() const { return (n_frames() + segment_frames() - 1) / segment_frames(); }
+
+std::vector<double> SyntheticRecording::segment(std::int64_t index) const {
+  const std::int64_t first = index * segment_frames();
+  return state_->renderer.frames(first, std::min(segment_frames(), n_frames() - first));
+}
+
+std::vector<double> SyntheticRecording::samples() const {
+  std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(n_frames()) * state_->config.channels.size());
+  for (std::int64_t k = 0; k < n_segments(); ++k) {
+    const std::vector<double> part = segment(k);
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
+}
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/background.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+constexpr std::uint64_t kPhaseItem = 255;  // of the disturbance stream, beside those of schedule.cpp
+
+/// Adds amplitude sin(2 pi f n / rate + phase) by rotation; started anew in each call, so the error stays below 1e-11.
+void add_tone(double frequency_hz, double phase_rad, double amplitude, double rate_hz, std::int64_t first,
+              std::span<double> out) {
+  const double turns = frequency_hz / rate_hz * static_cast<double>(first);
+  double angle = 2.0 * kPi * (turns - std::floor(turns)) + phase_rad;
+  double re = std::cos(angle), im = std::sin(angle);
+  const double step_re = std::cos(2.0 * kPi * frequency_hz / rate_hz);
+  const double step_im = std::sin(2.0 * kPi * frequency_hz / rate_hz);
+  for (double& y : out) {
+    y += amplitude * im;
+    const double next = re * step_re - im * step_im;
+    im = re * step_im + im * step_re;
+    re = next;
+  }
+}
+
+}  // namespace
+
+Background::Background(const SynthesisConfig& config, const Schedule& schedule, const ConverterFilter& filter,
+                       const Levels& levels)
+    : config_(config),
+      schedule_(schedule),
+      filter_(filter),
+      levels_(levels),
+      flicker_(config.noise_corner_hz, config.rate_hz) {}
+
+void Background::add(std::size_t channel, std::int64_t first, std::span<double> out) const {
+  add_noise(channel, first, out);
+  add_hum_and_drift(first, out);
+  add_clicks(first, out);
+  for (const Burst& burst : schedule_.bursts) add_burst(burst, first, out);
+}
+
+void Background::add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const {
+  const WhiteNoise white(config_.seed, channel);
+  const std::int64_t run_in = flicker_.memory_frames();
+  if (run_in == 0) {
+    white.add(first, levels_.noise_rms, out);
+    return;
+  }
+  std::vector<double> noise(static_cast<std::size_t>(run_in) + out.size(), 0.0);
+  white.add(first - run_in, levels_.noise_rms / flicker_.rms(), noise);
+  flicker_.apply(noise);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] += noise[static_cast<std::size_t>(run_in) + k];
+}
+
+void Background::add_hum_and_drift(std::int64_t first, std::span<double> out) const {
+  const Disturbances& d = config_.disturbances;
+  Random random(config_.seed, RandomStream::disturbance, kPhaseItem);
+  const double rate_hz = config_.rate_hz;
+  for (int harmonic = 1; harmonic <= 7; ++harmonic) {
+    const double phase_rad = random.uniform(0.0, 2.0 * kPi);
+    if (d.hum_level > 0.0)
+      add_tone(harmonic * d.hum_hz, phase_rad, d.hum_level * levels_.weakest_peak / harmonic, rate_hz, first, out);
+  }
+  for (const double frequency_hz : {0.067, 0.19, 0.43}) {
+    const double phase_rad = random.uniform(0.0, 2.0 * kPi);
+    if (d.drift_level > 0.0)
+      add_tone(frequency_hz, phase_rad, d.drift_level * levels_.weakest_peak / 3.0, rate_hz, first, out);
+  }
+}
+
+void Background::add_clicks(std::int64_t first, std::span<double> out) const {
+  constexpr double kReach = ConverterFilter::kHalfWidth_samples + 2.0;
+  const double rate_hz = config_.rate_hz;
+  const auto n = static_cast<double>(out.size());
+  const auto from = std::lower_bound(schedule_.clicks.begin(), schedule_.clicks.end(),
+                                     (static_cast<double>(first) - kReach) / rate_hz,
+                                     [](const Click& click, double t_s) { return click.t_s < t_s; });
+  for (auto click = from; click != schedule_.clicks.end(); ++click) {
+    const double at = click->t_s * rate_hz - static_cast<double>(first);
+    if (at - kReach > n) break;
+    // up and, 1.5 samples later, half as far down
+    const double height = click->level * levels_.weakest_peak;
+    filter_.add(-at, height, out);
+    filter_.add(-at - 1.5, -0.5 * height, out);
+  }
+}
+
+std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std::size_t n) const {
+  const double rate_hz = config_.rate_hz;
+  const double keep = std::exp(-2.0 * kPi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
+  const double keep_low = std::exp(-2.0 * kPi * burst.lowest_hz / rate_hz);
+  // one pole above, one below the band
+  const auto filter = [=](std::span<double> samples) {
+    double passed = 0.0, low = 0.0;
+    for (double& y : samples) {
+      passed = keep * passed + (1.0 - keep) * y;
+      low = keep_low * low + (1.0 - keep_low) * passed;
+      y = passed - low;
+    }
+  };
+  const auto run_in = static_cast<std::int64_t>(std::log(1e6) / (2.0 * kPi * burst.lowest_hz) * rate_hz);
+  std::vector<double> response(static_cast<std::size_t>(run_in), 0.0);
+  response.front() = 1.0;
+  filter(response);
+  double energy = 0.0;
+  for (const double h : response) energy += h * h;
+
+  std::vector<double> sound(static_cast<std::size_t>(run_in) + n, 0.0);
+  const std::uint64_t source = 128 + burst.number % 128;
+  const auto begin = static_cast<std::int64_t>(burst.t_s * rate_hz);
+  WhiteNoise(config_.seed, source).add(begin + from - run_in, 1.0 / std::sqrt(energy), sound);
+  filter(sound);
+  sound.erase(sound.begin(), sound.begin() + run_in);
+  return sound;
+}
+
+std::vector<double> Background::whine(const Burst& burst, std::int64_t from, std::size_t n) const {
+  constexpr int kTones = 24;
+  std::vector<double> sound(n, 0.0);
+  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
+  for (int k = 0; k < kTones; ++k) {
+    const double frequency_hz = burst.lowest_hz * std::pow(burst.highest_hz / burst.lowest_hz, random.uniform());
+    add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * kPi), std::sqrt(2.0 / kTones),
+             config_.rate_hz, from, sound);
+  }
+  return sound;
+}
+
+void Background::add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const {
+  const double rate_hz = config_.rate_hz;
+  const auto begin = static_cast<std::int64_t>(std::ceil(burst.t_s * rate_hz));
+  const auto end = static_cast<std::int64_t>((burst.t_s + burst.duration_s) * rate_hz);
+  const std::int64_t lo = std::max(begin, first), hi = std::min(end, first + static_cast<std::int64_t>(out.size()));
+  if (lo >= hi) return;
+  const auto n = static_cast<std::size_t>(hi - lo);
+  const std::vector<double> sound = burst.tonal ? whine(burst, lo - begin, n) : rush(burst, lo - begin, n);
+  const double length = static_cast<double>(end - begin), level = burst.level * levels_.weakest_peak;
+  for (std::size_t k = 0; k < sound.size(); ++k) {
+    const double share = (static_cast<double>(lo - begin) + static_cast<double>(k)) / length;
+    const double edge = std::min({1.0, share / 0.1, (1.0 - share) / 0.1});
+    out[static_cast<std::size_t>(lo - first) + k] += level * edge * sound[k];
+  }
+}
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "scene/noise.hpp"
+#include "scene/schedule.hpp"
+#include "sensor/converter.hpp"
+
+namespace bouncelab::synthesis {
+
+/// Everything in a channel that is not a strike on the ground: noise, hum, drift, clicks, bursts. A function of time:
+/// any stretch may be asked for.
+class Background {
+ public:
+  /// All must outlive this.
+  Background(const SynthesisConfig& config, const Schedule& schedule, const ConverterFilter& filter,
+             const Levels& levels);
+  /// Adds frames first ... first + out.size() - 1 of one channel.
+  void add(std::size_t channel, std::int64_t first, std::span<double> out) const;
+
+ private:
+  void add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const;
+  void add_hum_and_drift(std::int64_t first, std::span<double> out) const;
+  void add_clicks(std::int64_t first, std::span<double> out) const;
+  /// Sound of rms 1 from frame `from` of the burst on.
+  std::vector<double> rush(const Burst& burst, std::int64_t from, std::size_t n) const;
+  std::vector<double> whine(const Burst& burst, std::int64_t from, std::size_t n) const;
+  void add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const;
+
+  const SynthesisConfig& config_;
+  const Schedule& schedule_;
+  const ConverterFilter& filter_;
+  Levels levels_;
+  FlickerFilter flicker_;
+};
+
+}  // namespace bouncelab::synthesis

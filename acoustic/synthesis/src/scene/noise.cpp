@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/noise.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+constexpr std::size_t kLayers = 256;
+constexpr double kTail = 3.6541528853610088;     // where the lowest layer becomes the tail
+constexpr double kLayerArea = 0.00492867323399;  // of each layer, for exp(-x^2/2)
+
+/// Right edges of the layers, widest first, and the density there.
+struct Ziggurat {
+  std::array<double, kLayers + 1> x{}, density{};
+
+  Ziggurat() {
+    x[0] = kLayerArea / std::exp(-0.5 * kTail * kTail);  // the base layer with its tail as a rectangle
+    x[1] = kTail;
+    for (std::size_t k = 2; k < kLayers; ++k)
+      x[k] = std::sqrt(-2.0 * std::log(kLayerArea / x[k - 1] + std::exp(-0.5 * x[k - 1] * x[k - 1])));
+    x[kLayers] = 0.0;
+    for (std::size_t k = 0; k <= kLayers; ++k) density[k] = std::exp(-0.5 * x[k] * x[k]);
+  }
+};
+
+const Ziggurat kZiggurat;
+
+/// In [-1, 1), from the upper 24 bits.
+double signed_uniform(std::uint32_t word) { return (static_cast<std::int32_t>(word) >> 8) * 0x1p-23; }
+
+double beyond_tail(Random& random) {
+  for (;;) {
+    const double x = random.exponential() / kTail, y = random.exponential();
+    if (2.0 * y > x * x) return kTail + x;
+  }
+}
+
+/// What the fast path could not settle: tail, wedge, or another try.
+double slow_sample(Random& random, std::uint32_t word) {
+  for (;; word = static_cast<std::uint32_t>(random.bits())) {
+    const std::size_t layer = word & (kLayers - 1);
+    const double u = signed_uniform(word), x = u * kZiggurat.x[layer];
+    if (std::abs(x) < kZiggurat.x[layer + 1]) return x;
+    if (layer == 0) return std::copysign(beyond_tail(random), u);
+    const double height =
+        kZiggurat.density[layer] + random.uniform() * (kZiggurat.density[layer + 1] - kZiggurat.density[layer]);
+    if (height < std::exp(-0.5 * x * x)) return x;
+  }
+}
+
+}  // namespace
+
+double WhiteNoise::rejected_sample(std::int64_t frame, std::uint32_t word) const {
+  Random random(seed_, RandomStream::noise, ((static_cast<std::uint64_t>(frame) + 1) << 8) | source_);
+  return slow_sample(random, word);
+}
+
+std::array<double, WhiteNoise::kBlock> WhiteNoise::block(std::int64_t index) const {
+  const std::array<std::uint64_t, 4> words =
+      philox_block(seed_, RandomStream::noise, source_, static_cast<std::uint64_t>(index));
+  const auto word_of = [&](std::size_t lane) {
+    return static_cast<std::uint32_t>(words[lane / 2] >> (32 * (lane & 1)));
+  };
+  std::array<double, kBlock> x;
+  bool settled = true;
+  for (std::size_t lane = 0; lane < kBlock; ++lane) {
+    const std::uint32_t word = word_of(lane);
+    const std::size_t layer = word & (kLayers - 1);
+    x[lane] = signed_uniform(word) * kZiggurat.x[layer];
+    settled &= std::abs(x[lane]) < kZiggurat.x[layer + 1];
+  }
+  for (std::size_t lane = 0; !settled && lane < kBlock; ++lane)
+    if (!(std::abs(x[lane]) < kZiggurat.x[(word_of(lane) & (kLayers - 1)) + 1]))
+      x[lane] =
+          rejected_sample(index * static_cast<std::int64_t>(kBlock) + static_cast<std::int64_t>(lane), word_of(lane));
+  return x;
+}
+
+void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<double> out) const {
+  constexpr auto kFrames = static_cast<std::int64_t>(kBlock);
+  std::int64_t index = first_frame >= 0 ? first_frame / kFrames : -((kFrames - 1 - first_frame) / kFrames);
+  auto lane = static_cast<std::size_t>(first_frame - index * kFrames);
+  for (std::size_t k = 0; k < out.size(); ++index, lane = 0) {
+    const std::array<double, kBlock> x = block(index);
+    for (; lane < kBlock && k < out.size(); ++lane, ++k) out[k] += rms * x[lane];
+  }
+}
+
+FlickerFilter::FlickerFilter(double corner_hz, double rate_hz) {
+  // a pole and then a zero half a ratio above it: -20 dB a decade half of the time, -10 dB on average
+  constexpr double kLowest_hz = 5.0, kRatio = 4.0;
+  const auto discrete = [rate_hz](double frequency_hz) { return std::exp(-2.0 * kPi * frequency_hz / rate_hz); };
+  for (double f = kLowest_hz; f < corner_hz; f *= kRatio) {
+    poles_.push_back(discrete(f));
+    zeros_.push_back(discrete(f * std::sqrt(kRatio)));
+    scale_ *= (1.0 + poles_.back()) / (1.0 + zeros_.back());
+  }
+  if (poles_.empty()) return;
+  memory_frames_ = static_cast<std::int64_t>(std::log(1e6) * rate_hz / (2.0 * kPi * kLowest_hz));
+  std::vector<double> response(static_cast<std::size_t>(memory_frames_), 0.0);
+  response.front() = 1.0;
+  apply(response);
+  double energy = 0.0;
+  for (const double h : response) energy += h * h;
+  rms_ = std::sqrt(energy);
+}
+
+void FlickerFilter::cascade(const std::vector<double>& poles, const std::vector<double>& zeros, double scale,
+                            std::span<double> samples) {
+  for (std::size_t k = 0; k < poles.size(); ++k) {
+    double x_before = 0.0, y = 0.0;
+    for (double& sample : samples) {
+      y = poles[k] * y + sample - zeros[k] * x_before;
+      x_before = sample;
+      sample = y;
+    }
+  }
+  for (double& sample : samples) sample *= scale;
+}
+
+void FlickerFilter::apply(std::span<double> samples) const { cascade(poles_, zeros_, scale_, samples); }
+
+void FlickerFilter::whiten(std::span<double> samples) const { cascade(zeros_, poles_, 1.0 / scale_, samples); }
+
+std::complex<double> FlickerFilter::whitening_gain(std::complex<double> z) const {
+  std::complex<double> gain = 1.0 / scale_;
+  for (std::size_t k = 0; k < poles_.size(); ++k) gain *= (z - poles_[k]) / (z - zeros_[k]);
+  return gain;
+}
+
+}  // namespace bouncelab::synthesis

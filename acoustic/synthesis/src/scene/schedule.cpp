@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+/// Items of the disturbance stream: one kind of thing a row, so that switching one off leaves the others as they were.
+enum class Item : std::uint64_t { clicks, knocks, double_hits, robot };
+
+Random random_of(const SynthesisConfig& config, Item item, std::uint64_t index = 0) {
+  return {config.seed, RandomStream::disturbance, (index << 8) | static_cast<std::uint64_t>(item)};
+}
+
+double log_uniform(Random& random, double lo, double hi) { return lo * std::pow(hi / lo, random.uniform()); }
+
+/// To the next of events that come rate_per_s times a second on average.
+double waiting_s(Random& random, double rate_per_s) {
+  return rate_per_s > 0.0 ? random.exponential() / rate_per_s : std::numeric_limits<double>::infinity();
+}
+
+template <class T>
+void sort_by_time(std::vector<T>& items, std::size_t first) {
+  std::stable_sort(items.begin() + static_cast<std::ptrdiff_t>(first), items.end(),
+                   [](const T& a, const T& b) { return a.t_s < b.t_s; });
+}
+
+}  // namespace
+
+double impulse_ns(const SynthesisConfig& config, const Impact& impact) {
+  const double impulse = mass_kg(config.ball) * (impact.v_mps + impact.v_after_mps);
+  if (impulse > 0.0) return impulse;
+  throw InvalidArgument("drop " + std::to_string(impact.drop) + ", impact " + std::to_string(impact.impact) +
+                        ": v_mps + v_after_mps is " + std::to_string(impact.v_mps + impact.v_after_mps) +
+                        "; an impact pushes the ball up");
+}
+
+Scheduler::Scheduler(const SynthesisConfig& config, double weakest_impulse_ns)
+    : config_(config),
+      weakest_impulse_ns_(weakest_impulse_ns),
+      knocks_(random_of(config, Item::knocks)),
+      clicks_(random_of(config, Item::clicks)),
+      next_knock_s_(waiting_s(knocks_, config.disturbances.knocks_per_s)),
+      next_click_s_(waiting_s(clicks_, config.disturbances.clicks_per_s)) {}
+
+std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
+  const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
+  Random random(config_.seed, RandomStream::plate, static_cast<std::uint64_t>(drop.rows.front().drop));
+  double x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+  double y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+  std::vector<Strike> strikes;
+  for (std::size_t k = 0; k < drop.rows.size(); ++k) {
+    const Impact& impact = drop.rows[k];
+    if (config_.simulated_positions && !drop.states.empty()) {
+      x_m = drop.states[k].position_m[0];
+      y_m = drop.states[k].position_m[1];
+    }
+    strikes.push_back({release_s + impact.t_s, x_m, y_m,
+                       hertz_contact_time_s(config_.ball, contact_material(config_.ground), impact.v_mps),
+                       impulse_ns(config_, impact), n_impacts_++, impact.drop, impact.impact, impact.v_mps});
+  }
+  window_end_s_ = strikes.back().t_s + config_.pause_s;
+  return strikes;
+}
+
+void Scheduler::add_drop(const Impacts& drop, Schedule& schedule) {
+  const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size();
+  const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
+  const std::vector<Strike> ball = place_ball(drop);
+  schedule.strikes.insert(schedule.strikes.end(), ball.begin(), ball.end());
+  schedule.duration_s = window_end_s_;
+  add_knocks(first_strike, schedule);
+  add_clicks(schedule);
+  add_robot({release_s, ball.back().t_s, window_end_s_}, drop.rows.front().drop, schedule);
+  sort_by_time(schedule.strikes, first_strike);
+  sort_by_time(schedule.others, first_other);
+}
+
+/// A knock of a second, softer object somewhere on the surface: longer contact, impulse around that of the weakest
+/// impact.
+void Scheduler::add_knock(double t_s, double weakest_impulse_ns, const char* kind, Random& random,
+                          Schedule& schedule) const {
+  const Ground& ground = config_.ground;
+  const double reach_m =
+      ground.disk ? 0.7 * ground.disk->radius_m : 0.45 * std::min(ground.carrier.length_x_m, ground.carrier.length_y_m);
+  Strike knock;
+  knock.t_s = t_s;
+  knock.x_m = random.uniform(-reach_m, reach_m);
+  knock.y_m = random.uniform(-reach_m, reach_m);
+  knock.duration_s = random.uniform(60e-6, 200e-6);
+  knock.impulse_ns = weakest_impulse_ns * log_uniform(random, 1.0, 8.0);
+  schedule.strikes.push_back(knock);
+  schedule.others.push_back({kind, t_s});
+}
+
+void Scheduler::add_knocks(std::size_t first_strike, Schedule& schedule) {
+  const Disturbances& d = config_.disturbances;
+  const std::size_t last_strike = schedule.strikes.size();
+  for (; next_knock_s_ < window_end_s_; next_knock_s_ += waiting_s(knocks_, d.knocks_per_s))
+    add_knock(next_knock_s_, weakest_impulse_ns_, "knock", knocks_, schedule);
+  for (std::size_t k = first_strike; k < last_strike && d.double_hit_fraction > 0.0; ++k) {
+    Random random = random_of(config_, Item::double_hits, static_cast<std::uint64_t>(schedule.strikes[k].impact_index));
+    if (random.uniform() < d.double_hit_fraction)
+      add_knock(schedule.strikes[k].t_s + random.uniform(1.5e-3, 12e-3), weakest_impulse_ns_, "knock", random,
+                schedule);
+  }
+}
+
+void Scheduler::add_clicks(Schedule& schedule) {
+  for (; next_click_s_ < window_end_s_; next_click_s_ += waiting_s(clicks_, config_.disturbances.clicks_per_s)) {
+    const double sign = clicks_.uniform() < 0.5 ? -1.0 : 1.0;
+    schedule.clicks.push_back({next_click_s_, sign * log_uniform(clicks_, 0.3, 5.0)});
+    schedule.others.push_back({"click", next_click_s_});
+  }
+}
+
+/// The cycle of the paper's set-up in shares of the pause: the ball rests, a fan blows it to its place (0.2 - 0.5), the
+/// tube touches it (0.6), the arm moves (0.65 - 0.9); the vacuum is let go at the release.
+void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& schedule) {
+  if (!config_.disturbances.robot_cycle) return;
+  Random random = random_of(config_, Item::robot, static_cast<std::uint64_t>(drop));
+  const auto add_burst = [&](const char* kind, double begin, double length, Burst burst) {
+    burst.t_s = window.last_impact_s + begin * config_.pause_s;
+    burst.duration_s = length * config_.pause_s;
+    burst.number = n_bursts_++;
+    schedule.bursts.push_back(burst);
+    schedule.others.push_back({kind, burst.t_s});
+  };
+  add_knock(window.release_s, 0.3 * weakest_impulse_ns_, "release", random, schedule);
+  add_burst("fan", 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, false, 0});
+  add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, "pickup", random, schedule);
+  add_burst("motor", 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, true, 0});
+}
+
+void forget(Schedule& schedule, double before_s) {
+  const auto drop_from = [](auto& items, const auto& keep) {
+    items.erase(items.begin(), std::find_if(items.begin(), items.end(), keep));
+  };
+  const auto begins_later = [before_s](const auto& item) { return item.t_s >= before_s; };
+  drop_from(schedule.strikes, begins_later);
+  drop_from(schedule.clicks, begins_later);
+  drop_from(schedule.bursts, [before_s](const Burst& burst) { return burst.t_s + burst.duration_s >= before_s; });
+}
+
+}  // namespace bouncelab::synthesis

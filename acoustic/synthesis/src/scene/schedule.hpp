@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+
+namespace bouncelab::synthesis {
+
+/// Something that strikes the ground: the ball or a second object.
+struct Strike {
+  double t_s = 0.0;  ///< begin of contact, from the first sample of the recording
+  double x_m = 0.0, y_m = 0.0;
+  double duration_s = 0.0;
+  double impulse_ns = 0.0;
+  std::int64_t impact_index = -1;  ///< number among all impacts of the recording; -1: not the ball
+  std::int64_t drop = 0, impact = 0;
+  double v_mps = 0.0;
+};
+
+/// An electric click, straight into the converter; level in units of the weakest wanted peak.
+struct Click {
+  double t_s = 0.0;
+  double level = 0.0;
+};
+
+/// A fan's rush (noise) or a geared motor's whine (tones): of limited duration, with soft edges.
+struct Burst {
+  double t_s = 0.0;
+  double duration_s = 0.0;
+  double level = 0.0;
+  double lowest_hz = 0.0, highest_hz = 0.0;
+  bool tonal = false;
+  std::uint64_t number = 0;  ///< in the recording: chooses tones or noise
+};
+
+/// When everything happens in a recording, or in the part of it that is looked at.
+struct Schedule {
+  double duration_s = 0.0;
+  std::vector<Strike> strikes;     ///< by time
+  std::vector<Click> clicks;       ///< by time
+  std::vector<Burst> bursts;       ///< by time
+  std::vector<OtherSound> others;  ///< by time
+};
+
+/// Takes out what begins before a time, of bursts what ends before it; others stay.
+void forget(Schedule& schedule, double before_s);
+
+/// Lays the drops one after the other: lead-in, release, impacts, pause, release ... Everything else that sounds is
+/// laid into the window of a drop, from the end of the one before to the end of its pause.
+class Scheduler {
+ public:
+  /// @param weakest_impulse_ns  of all impacts: knocks are about as strong
+  Scheduler(const SynthesisConfig& config, double weakest_impulse_ns);
+  /// The ball's strikes of the next drop. @throws InvalidArgument where an impact has no forward impulse
+  std::vector<Strike> place_ball(const Impacts& drop);
+  /// Appends the next drop with everything else that sounds in its window.
+  void add_drop(const Impacts& drop, Schedule& schedule);
+  /// End of the last drop's pause.
+  double duration_s() const { return window_end_s_; }
+
+ private:
+  struct Window {
+    double release_s, last_impact_s, end_s;
+  };
+  void add_knock(double t_s, double weakest_impulse_ns, const char* kind, Random& random, Schedule& schedule) const;
+  void add_knocks(std::size_t first_strike, Schedule& schedule);
+  void add_clicks(Schedule& schedule);
+  void add_robot(const Window& window, std::int64_t drop, Schedule& schedule);
+
+  const SynthesisConfig& config_;
+  double weakest_impulse_ns_;
+  double window_end_s_ = 0.0;
+  std::int64_t n_impacts_ = 0;
+  std::uint64_t n_bursts_ = 0;
+  Random knocks_, clicks_;
+  double next_knock_s_, next_click_s_;  // infinite: none
+};
+
+/// m (v + v_after) of an impact. @throws InvalidArgument where it is not forward
+double impulse_ns(const SynthesisConfig& config, const Impact& impact);
+
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/hertz_pulse.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab {
+namespace {
+
+/// Half the contact time in units of (largest indentation)/v: integral of dx / sqrt(1 - x^(5/2)) from 0 to 1,
+/// = (2/5) B(2/5, 1/2).
+const double kHalfDuration = 0.4 * std::beta(0.4, 0.5);
+
+double acceleration(double x) { return x > 0.0 ? -1.25 * x * std::sqrt(x) : 0.0; }
+
+/// Indentation on a grid over the first half of the contact, by Runge-Kutta, read by cubic Hermite interpolation.
+class Indentation {
+ public:
+  Indentation() {
+    double x = 0.0, v = 1.0;
+    for (std::size_t k = 0; k <= kSteps; ++k) {
+      x_[k] = x;
+      v_[k] = v;
+      const double a1 = acceleration(x), a2 = acceleration(x + 0.5 * kStep * v),
+                   a3 = acceleration(x + 0.5 * kStep * v + 0.25 * kStep * kStep * a1),
+                   a4 = acceleration(x + kStep * v + 0.5 * kStep * kStep * a2);
+      x += kStep * v + kStep * kStep / 6.0 * (a1 + a2 + a3);
+      v += kStep / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    }
+  }
+  /// @param t  in [0, kHalfDuration]
+  double operator()(double t) const {
+    const double position = t / kStep;
+    const auto k = std::min(static_cast<std::size_t>(position), kSteps - 1);
+    const double u = position - static_cast<double>(k), w = 1.0 - u;
+    return w * w * ((1.0 + 2.0 * u) * x_[k] + u * kStep * v_[k]) +
+           u * u * ((1.0 + 2.0 * w) * x_[k + 1] - w * kStep * v_[k + 1]);
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 1024;
+  const double kStep = kHalfDuration / static_cast<double>(kSteps);
+  std::array<double, kSteps + 1> x_{}, v_{};
+};
+
+}  // namespace
+
+double hertz_force(double s) {
+  if (s <= 0.0 || s >= 1.0) return 0.0;
+  static const Indentation indentation;
+  const double x = std::max(0.0, indentation(2.0 * kHalfDuration * std::min(s, 1.0 - s)));
+  // Newton: the impulse is 2 (there and back at speed 1) and the force 5/4 x^(3/2) per unit mass
+  return 1.25 * x * std::sqrt(x) * kHalfDuration;
+}
+
+PointImpulses hertz_impulses(double duration_samples) {
+  const int n = static_cast<int>(std::ceil(12.0 + 0.95 * duration_samples));
+  PointImpulses points;
+  double total = 0.0;
+  for (int k = 1; k < n; ++k) {
+    const double theta = kPi * k / n;
+    points.nodes.push_back(0.5 * (1.0 - std::cos(theta)));
+    points.weights.push_back(std::sin(theta) * hertz_force(points.nodes.back()));
+    total += points.weights.back();
+  }
+  for (double& weight : points.weights) weight /= total;
+  return points;
+}
+
+}  // namespace bouncelab

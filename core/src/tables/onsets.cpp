@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/onsets.hpp"
+
+#include <cmath>
+
+#include "bouncelab/core/error.hpp"
+#include "tables/optional_cells.hpp"
+
+namespace bouncelab {
+
+bool has_flag(std::string_view flags, std::string_view word) {
+  while (!flags.empty()) {
+    const auto bar = flags.find('|');
+    if (flags.substr(0, bar) == word) return true;
+    if (bar == std::string_view::npos) return false;
+    flags.remove_prefix(bar + 1);
+  }
+  return false;
+}
+
+void add_flag(std::string& flags, std::string_view word) {
+  if (has_flag(flags, word)) return;
+  if (!flags.empty()) flags += '|';
+  flags += word;
+}
+
+Table to_table(const Onsets& onsets) {
+  std::vector<std::string> recording, flags;
+  std::vector<std::int64_t> drop, impact;
+  std::vector<double> t, sigma, amplitude, snr;
+  for (const Onset& o : onsets) {
+    recording.push_back(o.recording);
+    drop.push_back(o.drop);
+    impact.push_back(o.impact);
+    t.push_back(o.t_s);
+    sigma.push_back(cell_of(o.sigma_t_s));
+    amplitude.push_back(cell_of(o.amplitude));
+    snr.push_back(cell_of(o.snr_db));
+    flags.push_back(o.flags);
+  }
+  return {{{"recording", std::move(recording)},
+           {"drop", std::move(drop)},
+           {"impact", std::move(impact)},
+           {"t_s", std::move(t)},
+           {"sigma_t_s", std::move(sigma)},
+           {"amplitude", std::move(amplitude)},
+           {"snr_db", std::move(snr)},
+           {"flags", std::move(flags)}}};
+}
+
+std::vector<ColumnSpec> onset_columns() {
+  return {{"recording", ColumnType::text, false}, {"drop", ColumnType::integer, false},
+          {"impact", ColumnType::integer, false}, {"t_s", ColumnType::real},
+          {"sigma_t_s", ColumnType::real, false}, {"amplitude", ColumnType::real, false},
+          {"snr_db", ColumnType::real, false},    {"flags", ColumnType::text, false}};
+}
+
+Onsets onsets_from_table(const Table& table, const std::string& name) {
+  const auto& t = *table.reals("t_s");
+  const auto* recording = table.texts("recording");
+  const auto* drop = table.integers("drop");
+  const auto* impact = table.integers("impact");
+  const auto* flags = table.texts("flags");
+  Onsets onsets;
+  onsets.reserve(t.size());
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    const std::string place = "line " + std::to_string(table.line_of(k)) + ", column t_s: ";
+    if (!std::isfinite(t[k])) throw FileError(name, place + "not a finite time");
+    Onset onset;
+    if (recording) onset.recording = (*recording)[k];
+    if (drop) onset.drop = (*drop)[k];
+    const bool goes_on =
+        !onsets.empty() && onsets.back().recording == onset.recording && onsets.back().drop == onset.drop;
+    if (goes_on && t[k] <= onsets.back().t_s)
+      throw FileError(name, place + "times must increase within a drop, but " + std::to_string(t[k]) + " follows " +
+                                std::to_string(onsets.back().t_s) + "; sort the file");
+    onset.impact = impact ? (*impact)[k] : (goes_on ? onsets.back().impact + 1 : 0);
+    onset.t_s = t[k];
+    onset.sigma_t_s = optional_cell(table.reals("sigma_t_s"), k);
+    onset.amplitude = optional_cell(table.reals("amplitude"), k);
+    onset.snr_db = optional_cell(table.reals("snr_db"), k);
+    if (flags) onset.flags = (*flags)[k];
+    onsets.push_back(std::move(onset));
+  }
+  return onsets;
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/samples.hpp"
+
+#include <cmath>
+
+#include "bouncelab/core/onsets.hpp"
+#include "tables/optional_cells.hpp"
+
+namespace bouncelab {
+
+Table to_table(const RestitutionSamples& samples) {
+  std::vector<std::string> recording, flags;
+  std::vector<std::int64_t> drop, impact;
+  std::vector<double> t, v, eps, sigma_v, sigma_eps;
+  for (const RestitutionSample& s : samples) {
+    recording.push_back(s.recording);
+    drop.push_back(s.drop);
+    impact.push_back(s.impact);
+    t.push_back(s.t_s);
+    v.push_back(s.v_mps);
+    eps.push_back(s.eps);
+    sigma_v.push_back(cell_of(s.sigma_v_mps));
+    sigma_eps.push_back(cell_of(s.sigma_eps));
+    flags.push_back(s.flags);
+  }
+  return {{{"recording", std::move(recording)},
+           {"drop", std::move(drop)},
+           {"impact", std::move(impact)},
+           {"t_s", std::move(t)},
+           {"v_mps", std::move(v)},
+           {"eps", std::move(eps)},
+           {"sigma_v_mps", std::move(sigma_v)},
+           {"sigma_eps", std::move(sigma_eps)},
+           {"flags", std::move(flags)}}};
+}
+
+std::vector<ColumnSpec> sample_columns() {
+  return {{"recording", ColumnType::text, false},
+          {"drop", ColumnType::integer, false},
+          {"impact", ColumnType::integer, false},
+          {"t_s", ColumnType::real, false},
+          {"v_mps", ColumnType::real},
+          {"eps", ColumnType::real},
+          {"sigma_v_mps", ColumnType::real, false},
+          {"sigma_eps", ColumnType::real, false},
+          {"flags", ColumnType::text, false}};
+}
+
+RestitutionSamples samples_from_table(const Table& table) {
+  const auto& v = *table.reals("v_mps");
+  const auto& eps = *table.reals("eps");
+  const auto* recording = table.texts("recording");
+  const auto* drop = table.integers("drop");
+  const auto* impact = table.integers("impact");
+  const auto* t = table.reals("t_s");
+  const auto* flags = table.texts("flags");
+  RestitutionSamples samples(v.size());
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    RestitutionSample& s = samples[k];
+    if (recording) s.recording = (*recording)[k];
+    if (drop) s.drop = (*drop)[k];
+    s.impact = impact ? (*impact)[k] : static_cast<std::int64_t>(k);
+    if (t) s.t_s = (*t)[k];
+    s.v_mps = v[k];
+    s.eps = eps[k];
+    s.sigma_v_mps = optional_cell(table.reals("sigma_v_mps"), k);
+    s.sigma_eps = optional_cell(table.reals("sigma_eps"), k);
+    if (flags) s.flags = (*flags)[k];
+    if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) add_flag(s.flags, "not_finite");
+  }
+  return samples;
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+
+namespace bouncelab::fit {
+
+/// Lines to paste into the input of a discrete-element code.
+struct Snippet {
+  std::string program;    ///< LIGGGHTS, LAMMPS, Yade, MercuryDPM
+  std::string parameter;  ///< which of its parameters is filled
+  std::string text;
+};
+
+/// The fitted law at one speed for codes that know a constant coefficient of restitution only.
+struct HandOff {
+  double v_mps = 0.0;
+  double eps = 0.0;
+  std::optional<double> se;
+  std::string warning;  ///< how far eps moves over the speeds of the data
+  std::vector<Snippet> snippets;
+};
+
+/// @param v_mps  where the simulated collisions are, within the data
+/// @return nullopt where the fit has no law, or eps is not in (0, 1] as these codes demand
+std::optional<HandOff> hand_off(const LawFit& fit, double v_mps);
+
+/// The law as a table v_mps, eps, lo95, hi95.
+Table law_table(const LawFit& fit);
+
+}  // namespace bouncelab::fit

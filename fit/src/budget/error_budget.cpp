@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/error_budget.hpp"
+
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "budget/timing_noise.hpp"
+
+namespace bouncelab::fit {
+
+const char* to_string(Effect effect) {
+  switch (effect) {
+    case Effect::absent:
+      return "absent";
+    case Effect::present:
+      return "not taken out";
+    case Effect::corrected:
+      return "taken out";
+  }
+  return "unknown";
+}
+
+namespace {
+
+/// What drag does to eps at a speed, uncorrected: two flights with the true eps between them.
+double shift_by_drag(double v_mps, double eps, const BudgetConfig& config) {
+  const double before_s = 2.0 * v_mps / config.gravity_mps2;
+  const Flight before = flight_with_drag(config.ball, config.air, before_s, config.gravity_mps2);
+  const Flight after = flight_with_drag(config.ball, config.air, eps * before_s, config.gravity_mps2);
+  return eps - after.launch_mps / before.landing_mps;
+}
+
+double shift_by_contact_time(double v_mps, double eps, const BudgetConfig& config) {
+  const double before_s = 2.0 * v_mps / config.gravity_mps2;
+  const double contact_before_s = hertz_contact_time_s(config.ball, config.plate, v_mps / eps);
+  const double contact_after_s = hertz_contact_time_s(config.ball, config.plate, v_mps);
+  return (eps * before_s + contact_after_s) / (before_s + contact_before_s) - eps;
+}
+
+/// Parts of the variance; they are scaled down where together they exceed what is there (timing stated too large).
+void add_shares(BudgetRow& row) {
+  const double ball = std::pow(row.spread_asperities.value_or(0.0), 2);
+  const auto& timing_spread = row.spread_timing_stated ? row.spread_timing_stated : row.spread_timing_lag1;
+  const double timing = std::pow(timing_spread.value_or(0.0), 2),
+               travel = row.spread_travel_time * row.spread_travel_time;
+  const double total = std::max(row.spread * row.spread, ball + timing + travel);
+  if (!(total > 0.0)) return;
+  row.share_asperities = ball / total;
+  row.share_timing = timing / total;
+  row.share_travel_time = travel / total;
+  row.share_unexplained = 1.0 - (ball + timing + travel) / total;
+}
+
+BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& law, const BudgetConfig& config,
+                     const std::optional<TimingNoise>& timing) {
+  BudgetRow row;
+  row.n = bin.size();
+  const auto n = static_cast<double>(row.n);
+  row.v_mps = bin[bin.size() / 2]->v_mps;
+  double square = 0.0, stated = 0.0, n_stated = 0.0, mean = 0.0;
+  for (const RestitutionSample* s : bin) mean += (s->eps - restitution(*law.law, s->v_mps)) / n;
+  for (const RestitutionSample* s : bin) {
+    square += std::pow(s->eps - restitution(*law.law, s->v_mps) - mean, 2);
+    if (!s->sigma_eps) continue;
+    stated += *s->sigma_eps * *s->sigma_eps;
+    n_stated += 1.0;
+  }
+  row.spread = std::sqrt(square / std::max(1.0, n - 1.0));
+  if (n_stated > 0.0) row.spread_timing_stated = std::sqrt(stated / n_stated);
+  const double eps = restitution(*law.law, row.v_mps), interval_s = 2.0 * row.v_mps / config.gravity_mps2;
+  if (timing && timing->sigma_s)
+    row.spread_timing_lag1 = *timing->sigma_s * std::sqrt(1.0 + (1.0 + eps) * (1.0 + eps) + eps * eps) / interval_s;
+  if (law.scatter) {
+    const double below = law.scatter->below(row.v_mps), above = law.scatter->above(row.v_mps);
+    row.spread_asperities = law.method == LawMethod::least_squares ? below : std::hypot(below, above);
+    row.mean_minus_peak = law.method == LawMethod::asymmetric_laplace ? above - below : 0.0;
+  }
+  const auto point = std::min_element(law.curve.begin(), law.curve.end(), [&](const auto& a, const auto& b) {
+    return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);
+  });
+  if (point != law.curve.end() && point->band95) row.se_curve = (point->band95->hi - point->band95->lo) / (2.0 * 1.96);
+  if (config.drag == Effect::present) row.shift_drag = shift_by_drag(row.v_mps, eps, config);
+  if (config.contact_time == Effect::present) row.shift_contact_time = shift_by_contact_time(row.v_mps, eps, config);
+  if (config.travel_time == Effect::present)
+    row.spread_travel_time = eps * config.kick_per_speed * row.v_mps / config.wave_speed_mps;
+  add_shares(row);
+  return row;
+}
+
+/// Power law through the spreads, by least squares in logarithms, weighted by counts; error from the rows' scatter
+/// about it.
+void fit_width(ErrorBudget& budget) {
+  const std::vector<BudgetRow>& rows = budget.rows;
+  if (rows.size() < 4) return;
+  double w = 0.0, wx = 0.0, wy = 0.0;
+  const auto y_of = [](const BudgetRow& r) { return std::log(r.spread); };
+  for (const BudgetRow& r : rows) {
+    if (!(r.spread > 0.0)) return;
+    const auto n = static_cast<double>(r.n);
+    w += n;
+    wx += n * std::log(r.v_mps);
+    wy += n * y_of(r);
+  }
+  double sxx = 0.0, sxy = 0.0, syy = 0.0;
+  for (const BudgetRow& r : rows) {
+    const double x = std::log(r.v_mps) - wx / w, y = y_of(r) - wy / w, n = static_cast<double>(r.n);
+    sxx += n * x * x;
+    sxy += n * x * y;
+    syy += n * y * y;
+  }
+  if (!(sxx > 0.0)) return;
+  const double slope = sxy / sxx, n_free = static_cast<double>(rows.size()) - 2.0;
+  const double se = std::sqrt(std::max(0.0, syy - slope * sxy) / n_free / sxx);
+  Estimate exponent = normal_estimate(slope, se);
+  exponent.ci68 =
+      Interval{slope - gsl_cdf_tdist_Pinv(0.84135, n_free) * se, slope + gsl_cdf_tdist_Pinv(0.84135, n_free) * se};
+  exponent.ci95 =
+      Interval{slope - gsl_cdf_tdist_Pinv(0.975, n_free) * se, slope + gsl_cdf_tdist_Pinv(0.975, n_free) * se};
+  budget.width_exponent = exponent;
+  for (const double v : {rows.front().v_mps, rows.back().v_mps})
+    budget.width_law.push_back({v, std::exp(wy / w + slope * (std::log(v) - wx / w)), std::nullopt});
+}
+
+}  // namespace
+
+ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config) {
+  ErrorBudget budget;
+  budget.ball = config.ball;
+  budget.effects = {
+      {"air drag", config.drag}, {"contact time", config.contact_time}, {"travel time", config.travel_time}};
+  if (!law.law || samples.empty()) return budget;
+  budget.timing = timing_noise(samples, law);
+  std::vector<const RestitutionSample*> by_speed;
+  for (const RestitutionSample& s : samples) by_speed.push_back(&s);
+  std::sort(by_speed.begin(), by_speed.end(), [](const auto* a, const auto* b) { return a->v_mps < b->v_mps; });
+  const std::size_t n = by_speed.size(), n_bins = std::clamp<std::size_t>(n / 12, 1, 12);
+  for (std::size_t j = 0; j < n_bins; ++j)
+    budget.rows.push_back(budget_row({by_speed.begin() + static_cast<std::ptrdiff_t>(j * n / n_bins),
+                                      by_speed.begin() + static_cast<std::ptrdiff_t>((j + 1) * n / n_bins)},
+                                     law, config, budget.timing));
+  fit_width(budget);
+  return budget;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/estimate.hpp"
+
+namespace bouncelab::fit {
+
+const char* to_string(FitStatus status) {
+  switch (status) {
+    case FitStatus::ok:
+      return "ok";
+    case FitStatus::not_identifiable:
+      return "not_identifiable";
+    case FitStatus::not_applicable:
+      return "not_applicable";
+    case FitStatus::not_converged:
+      return "not_converged";
+    case FitStatus::too_few_samples:
+      return "too_few_samples";
+  }
+  return "unknown";
+}
+
+Estimate normal_estimate(double value, double se) {
+  constexpr double k95 = 1.959963984540054;  // normal quantile of 0.975
+  Estimate estimate;
+  estimate.value = value;
+  estimate.se = se;
+  estimate.ci68 = Interval{value - se, value + se};
+  estimate.ci95 = Interval{value - k95 * se, value + k95 * se};
+  estimate.interval_method = "covariance";
+  return estimate;
+}
+
+}  // namespace bouncelab::fit

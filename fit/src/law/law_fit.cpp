@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/law_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "law/law_likelihood.hpp"
+#include "law/law_result.hpp"
+#include "law/maximise.hpp"
+#include "law/replicates.hpp"
+#include "law/start_values.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+constexpr std::size_t kFewest = 10;  // below: more parameters than a scatter can be judged by
+constexpr double kSpeedRatioMin = 1.2;
+constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyond a parabola
+constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
+
+std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
+  std::vector<std::size_t> order(samples.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  return order;
+}
+
+LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
+  std::map<std::pair<std::string, std::int64_t>, std::size_t> drops;
+  LawData data;
+  for (const std::size_t k : order) {
+    const RestitutionSample& s = samples[k];
+    if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps) || !(s.v_mps > 0.0))
+      throw InvalidArgument("sample " + std::to_string(k) + ": speed " + std::to_string(s.v_mps) + " m/s, eps " +
+                            std::to_string(s.eps) + ": must be finite, the speed positive; leave it out");
+    data.v_mps.push_back(s.v_mps);
+    data.eps.push_back(s.eps);
+    data.tau.push_back(std::hypot(s.sigma_eps.value_or(0.0), kResolution));
+    data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
+  }
+  return data;
+}
+
+/// Scatter families to choose from by BIC: how their widths go with speed. Never whether the sides differ: a
+/// test that misses a difference would bias the peak by it.
+std::vector<ScatterFamily> scatter_families(const LawFitConfig& config, const LawData& data) {
+  const LawMethod method = config.method;
+  constexpr std::size_t kFew = 30, kMany = 1000;
+  const double v_ref = data.v_mps[data.size() / 2];
+  ScatterKind kind = method == LawMethod::asymmetric_laplace ? ScatterKind::asymmetric_laplace
+                     : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
+                                                             : ScatterKind::normal;
+  if (data.size() < kFew && kind == ScatterKind::asymmetric_laplace) kind = ScatterKind::symmetric_laplace;
+  if (config.n_scatter_terms > 0) return {{kind, config.n_scatter_terms, v_ref}};
+  if (data.size() >= kVeryMany) return {{kind, 3, v_ref}, {kind, 6, v_ref}};
+  if (data.size() >= kMany) return {{kind, 3, v_ref}};
+  return {{kind, 1, v_ref}, {kind, 2, v_ref}, {kind, 3, v_ref}};
+}
+
+struct Candidate {
+  ScatterFamily family;
+  LawData data;  ///< with widened timing errors
+  Maximum maximum;
+  double bic = HUGE_VAL;
+};
+
+/// The metric of a poor start may be poor: once more from where it led.
+Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const Maximum maximum = maximise(function, start, likelihood.information(start));
+  return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
+}
+
+std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+  Candidate candidate{family, data, {}};
+  const Eigen::VectorXd start = start_values(data, model, family);
+  if (start.size() == 0) return std::nullopt;
+  const auto n = static_cast<double>(data.size());
+  if (family.kind != ScatterKind::normal)
+    widen(candidate.data, LawLikelihood(data, model, family), start,
+          std::sqrt(static_cast<double>(model.n_parameters()) / n));
+  const LawLikelihood likelihood(candidate.data, model, family);
+  candidate.maximum = maximise_twice(likelihood, start);
+  candidate.bic = static_cast<double>(likelihood.n_parameters()) * std::log(n) - 2.0 * candidate.maximum.loglik;
+  return candidate;
+}
+
+std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
+  std::optional<Candidate> best;
+  for (const ScatterFamily& family : scatter_families(config, data)) {
+    auto candidate = fit_family(data, model, family);
+    if (!candidate) return std::nullopt;
+    const bool better = !best || (candidate->maximum.converged && !best->maximum.converged) ||
+                        (candidate->maximum.converged == best->maximum.converged && candidate->bic < best->bic);
+    if (better) best = std::move(candidate);
+  }
+  return best;
+}
+
+/// Moves samples that no exponential tail can have put among n from `rows` to `outliers`: chance below 1e-6 for the
+/// whole set.
+bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
+                     std::vector<std::size_t>& outliers) {
+  const LawLikelihood likelihood(data, model, fit.family);
+  const ScatterModel scatter = likelihood.scatter_model(fit.maximum.x);
+  const double in_scales = std::log(static_cast<double>(data.size()) / 1e-6);
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double d = data.eps[k] - likelihood.eps_of(fit.maximum.x, k);
+    const double b = d > 0.0 ? scatter.above(data.v_mps[k]) : scatter.below(data.v_mps[k]);
+    (std::abs(d) > in_scales * b + 6.0 * data.tau[k] ? outliers : kept).push_back(rows[k]);
+  }
+  const bool any = kept.size() < rows.size();
+  rows = std::move(kept);
+  return any;
+}
+
+std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, FitStatus& status) {
+  if (data.size() < kFewest) {
+    status = FitStatus::too_few_samples;
+    return std::to_string(data.size()) + " samples: at least " + std::to_string(kFewest) + " are needed";
+  }
+  const double lo = data.v_mps[data.size() / 20], hi = data.v_mps[data.size() - 1 - data.size() / 20];
+  if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
+    status = FitStatus::not_identifiable;
+    return "all speeds lie between " + std::to_string(lo) + " and " + std::to_string(hi) +
+           " m/s: eps(v) is known there only, the constants A are not identifiable";
+  }
+  return {};
+}
+
+std::vector<std::pair<LawKind, std::vector<int>>> laws_to_compare(const LawFitConfig& config) {
+  std::vector<std::pair<LawKind, std::vector<int>>> laws{{config.kind, config.orders}};
+  for (const auto& orders : std::vector<std::vector<int>>{{2, 4, 5}, {2, 4}, {2, 4, 5, 6}})
+    if (config.kind != LawKind::series || orders != config.orders) laws.push_back({LawKind::series, orders});
+  for (const LawKind kind : {LawKind::viscoelastic, LawKind::constant})
+    if (kind != config.kind) laws.push_back({kind, {}});
+  return laws;
+}
+
+/// Other laws on the samples as the main fit left them: without its outliers, timing errors widened as for it.
+std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig& config) {
+  std::vector<LawComparison> results;
+  for (const auto& [kind, orders] : laws_to_compare(config)) {
+    const LawModel model = make_law_model(kind, orders, main.data.v_mps);
+    const LawLikelihood likelihood(main.data, model, main.family);
+    Maximum maximum = main.maximum;
+    if (!results.empty()) {
+      const Eigen::VectorXd start = start_values(main.data, model, main.family);
+      if (start.size() == 0) continue;
+      maximum = maximise_twice(likelihood, start);
+      if (!maximum.converged) continue;
+    }
+    LawComparison c;
+    for (const std::string& name : model.names()) c.name += (c.name.empty() ? "" : ", ") + name;
+    c.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
+    c.loglik = maximum.loglik;
+    c.aic = 2.0 * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
+    c.bic = std::log(static_cast<double>(main.data.size())) * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
+    results.push_back(std::move(c));
+  }
+  double aic = HUGE_VAL, bic = HUGE_VAL;
+  for (const LawComparison& c : results) aic = std::min(aic, c.aic), bic = std::min(bic, c.bic);
+  for (LawComparison& c : results) c.delta_aic = c.aic - aic, c.delta_bic = c.bic - bic;
+  return results;
+}
+
+void add_bootstrap(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const LawFitConfig& config) {
+  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed);
+  if (drawn.size() < 2) {
+    fit.notes.push_back("no bootstrap by drop: it needs 8 drops or more");
+    return;
+  }
+  const LawModel& model = likelihood.model();
+  const auto errors_of = [&](auto&& value) {
+    std::vector<double> values;
+    for (const Eigen::VectorXd& q : drawn) values.push_back(value(q));
+    return bootstrap_errors(std::move(values));
+  };
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    fit.parameters[i].estimate.bootstrap =
+        errors_of([&](const Eigen::VectorXd& q) { return model.reported(q)[static_cast<Eigen::Index>(i)]; });
+  for (NodeEstimate& node : fit.nodes)
+    node.eps.bootstrap =
+        errors_of([&](const Eigen::VectorXd& q) { return model.eps(std::span(&node.v_mps, 1), q)[0]; });
+}
+
+}  // namespace
+
+const char* to_string(LawKind kind) {
+  switch (kind) {
+    case LawKind::series:
+      return "series";
+    case LawKind::viscoelastic:
+      return "viscoelastic";
+    case LawKind::constant:
+      return "constant";
+  }
+  return "unknown";
+}
+
+const char* to_string(LawMethod method) {
+  switch (method) {
+    case LawMethod::asymmetric_laplace:
+      return "asymmetric_laplace";
+    case LawMethod::least_squares:
+      return "least_squares";
+    case LawMethod::least_absolute:
+      return "least_absolute";
+  }
+  return "unknown";
+}
+
+namespace {
+double scale_at(const std::vector<double>& c, double x) {
+  double sum = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) sum = sum * x + c[k];
+  return std::exp(sum);
+}
+}  // namespace
+
+double ScatterModel::below(double v_mps) const { return scale_at(log_below, std::log(v_mps / v_ref_mps)); }
+double ScatterModel::above(double v_mps) const { return scale_at(log_above, std::log(v_mps / v_ref_mps)); }
+
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+  LawFit fit;
+  fit.kind = config.kind;
+  fit.method = config.method;
+  if (config.n_scatter_terms > 8)
+    throw InvalidArgument("terms of the scatter " + std::to_string(config.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
+  std::vector<std::size_t> rows = by_speed(samples);
+  LawData data = law_data(samples, rows);
+  fit.n = data.size();
+  fit.message = reason_not_to_fit(data, config, fit.status);
+  if (!fit.message.empty()) return fit;
+
+  const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
+  auto candidate = best_candidate(data, model, config);
+  // outliers widen the scatter they are judged by: again until none is left
+  while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
+    data = law_data(samples, rows);
+    candidate = best_candidate(data, model, config);
+  }
+  std::sort(fit.outliers.begin(), fit.outliers.end());
+  fit.n = data.size();
+  if (!candidate) {
+    fit.status = FitStatus::not_applicable;
+    fit.message = "the median eps is not between 0.05 and 1: no viscoelastic sphere does that";
+    return fit;
+  }
+  const LawLikelihood likelihood(candidate->data, model, candidate->family);
+  describe_fit(fit, likelihood, candidate->maximum,
+               config.node_speeds_mps.empty() ? spread_speeds(data.v_mps, 3) : config.node_speeds_mps,
+               config.intervals);
+  if (!candidate->maximum.converged) return fit;
+  if (config.n_goodness > 0)
+    fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
+  if (config.n_bootstrap > 0) add_bootstrap(fit, likelihood, candidate->maximum, config);
+  if (config.compare_laws) fit.comparison = comparison(*candidate, config);
+  return fit;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "law/law_model.hpp"
+
+#include <ceres/jet.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+double term(int order, double v_mps) {
+  return kViscoelasticC[static_cast<std::size_t>(order)] * std::pow(v_mps, 0.1 * order);
+}
+
+/// Rows C_i v^(i/10): eps = 1 + rows A.
+Eigen::MatrixXd series_terms(const std::vector<int>& orders, std::span<const double> v_mps) {
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(v_mps.size()), static_cast<Eigen::Index>(orders.size()));
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    for (Eigen::Index i = 0; i < rows.cols(); ++i)
+      rows(k, i) = term(orders[static_cast<std::size_t>(i)], v_mps[static_cast<std::size_t>(k)]);
+  return rows;
+}
+
+void check_orders(const std::vector<int>& orders) {
+  std::set<int> seen;
+  for (const int order : orders)
+    if (order < 2 || order == 3 || order > 10 || !seen.insert(order).second)
+      throw InvalidArgument("order " + std::to_string(order) +
+                            " of the series: orders are distinct, among 2, 4, 5, 6, 7, 8, 9, 10");
+  if (orders.empty()) throw InvalidArgument("orders of the series: at least one is needed, e.g. 2, 4, 5");
+}
+
+}  // namespace
+
+std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power) {
+  const ceres::Jet<double, 1> x = exp(0.5 * ceres::Jet<double, 1>(log_gamma, 0)) * tenth_power;
+  const auto eps = viscoelastic_restitution(x);
+  return {eps.a, eps.v[0]};
+}
+
+Eigen::Index LawModel::n_parameters() const {
+  return kind == LawKind::series ? static_cast<Eigen::Index>(orders.size()) : 1;
+}
+
+std::vector<std::string> LawModel::names() const {
+  if (kind == LawKind::viscoelastic) return {"gamma"};
+  if (kind == LawKind::constant) return {"eps"};
+  std::vector<std::string> result;
+  for (const int order : orders) result.push_back("A" + std::to_string(order));
+  return result;
+}
+
+Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::VectorXd& q) const {
+  const auto n = static_cast<Eigen::Index>(v_mps.size());
+  if (kind == LawKind::constant) return Eigen::MatrixXd::Ones(n, 1);
+  if (kind == LawKind::series) return series_terms(orders, v_mps) * a_of_q;
+  Eigen::MatrixXd rows(n, 1);
+  for (Eigen::Index k = 0; k < n; ++k)
+    rows(k, 0) = viscoelastic_of_log_gamma(q[0], std::pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
+  return rows;
+}
+
+Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::VectorXd& q) const {
+  const auto n = static_cast<Eigen::Index>(v_mps.size());
+  if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
+  if (kind == LawKind::series) return (series_terms(orders, v_mps) * reported(q)).array() + 1.0;
+  Eigen::VectorXd values(n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    values[k] = viscoelastic_of_log_gamma(q[0], std::pow(v_mps[static_cast<std::size_t>(k)], 0.1)).first;
+  return values;
+}
+
+Eigen::VectorXd LawModel::reported(const Eigen::VectorXd& q) const {
+  if (kind == LawKind::series) return a_of_q * (q.array() - 1.0).matrix();
+  if (kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, std::exp(q[0]));
+  return q;
+}
+
+Eigen::MatrixXd LawModel::reported_jacobian(const Eigen::VectorXd& q) const {
+  if (kind == LawKind::series) return a_of_q;
+  if (kind == LawKind::viscoelastic) return Eigen::MatrixXd::Constant(1, 1, std::exp(q[0]));
+  return Eigen::MatrixXd::Ones(1, 1);
+}
+
+RestitutionLaw LawModel::law(const Eigen::VectorXd& q) const {
+  if (kind == LawKind::viscoelastic) return ViscoelasticLaw{std::exp(q[0])};
+  if (kind == LawKind::constant) return ConstantLaw{q[0]};
+  SeriesLaw series;
+  series.a.assign(static_cast<std::size_t>(*std::max_element(orders.begin(), orders.end())) + 1, 0.0);
+  const Eigen::VectorXd a = reported(q);
+  for (std::size_t i = 0; i < orders.size(); ++i)
+    series.a[static_cast<std::size_t>(orders[i])] = a[static_cast<Eigen::Index>(i)];
+  return series;
+}
+
+std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n) {
+  std::vector<double> sorted(v_mps.begin(), v_mps.end());
+  std::sort(sorted.begin(), sorted.end());
+  // the outermost twentieths may hold stray speeds
+  const double lo = sorted[sorted.size() / 20], hi = sorted[sorted.size() - 1 - sorted.size() / 20];
+  if (n == 3 && lo <= 0.25 && hi >= 1.2) return {0.25, 0.6, 1.2};
+  std::vector<double> speeds;
+  for (std::size_t j = 0; j < n; ++j)
+    speeds.push_back(n == 1 ? std::sqrt(lo * hi)
+                            : lo * std::pow(hi / lo, static_cast<double>(j) / static_cast<double>(n - 1)));
+  return speeds;
+}
+
+LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps) {
+  LawModel model;
+  model.kind = kind;
+  if (kind != LawKind::series) return model;
+  check_orders(orders);
+  model.orders = orders;
+  model.node_v_mps = spread_speeds(v_mps, orders.size());
+  model.a_of_q = series_terms(orders, model.node_v_mps).fullPivLu().inverse();
+  return model;
+}
+
+}  // namespace bouncelab::fit

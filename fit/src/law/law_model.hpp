@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+
+namespace bouncelab::fit {
+
+/// eps(v) in well-conditioned coordinates q, each of the size of eps or of its logarithm:
+///   series        q_j = eps at the j-th node speed; A is linear in q
+///   viscoelastic  q = log gamma
+///   constant      q = eps
+struct LawModel {
+  LawKind kind = LawKind::series;
+  std::vector<int> orders;
+  std::vector<double> node_v_mps;  ///< series: one per order
+  Eigen::MatrixXd a_of_q;          ///< series: A = a_of_q (q - 1)
+
+  Eigen::Index n_parameters() const;
+  std::vector<std::string> names() const;
+
+  /// Rows of d eps / d q at q for each speed; for linear models independent of q.
+  Eigen::MatrixXd jacobian(std::span<const double> v_mps, const Eigen::VectorXd& q) const;
+  Eigen::VectorXd eps(std::span<const double> v_mps, const Eigen::VectorXd& q) const;
+  bool is_linear() const { return kind != LawKind::viscoelastic; }
+
+  /// The reported parameters (A's, gamma, eps) and their derivatives by q.
+  Eigen::VectorXd reported(const Eigen::VectorXd& q) const;
+  Eigen::MatrixXd reported_jacobian(const Eigen::VectorXd& q) const;
+  RestitutionLaw law(const Eigen::VectorXd& q) const;
+};
+
+/// @param v_mps  speeds of the data, any order: the series' nodes are spread over them.
+/// @throws InvalidArgument where orders are repeated or have no coefficient
+LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps);
+
+/// eps and d eps / d log gamma. @param tenth_power  v^(1/10)
+std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power);
+
+/// n speeds for nodes: 0.25, 0.6, 1.2 where n = 3 and the data span them, else evenly in log v within the data.
+std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n);
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "law/law_result.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "law/goodness.hpp"
+#include "law/profile.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+Matrix to_matrix(const Eigen::MatrixXd& m) {
+  Matrix rows(static_cast<std::size_t>(m.rows()));
+  for (Eigen::Index i = 0; i < m.rows(); ++i)
+    for (Eigen::Index j = 0; j < m.cols(); ++j) rows[static_cast<std::size_t>(i)].push_back(m(i, j));
+  return rows;
+}
+
+Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd inverse_se = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
+}
+
+/// Covariance of theta that does not lean on the model of the scatter: H^-1 (sum over drops of score score^T) H^-1.
+///
+/// In coordinates whitened by the model's own covariance, where H is minus the unit matrix if the model holds. H by
+/// differences over one standard error: that far the kinks of single samples are smoothed out.
+/// Source: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13. nullopt for too few drops.
+std::optional<Eigen::MatrixXd> sandwich(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                        const Eigen::MatrixXd& white) {
+  const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
+  const Eigen::Index n_theta = theta.size(), n_drops = scores.cols();
+  if (n_drops < 4 * n_theta) return std::nullopt;
+  Eigen::MatrixXd curvature(n_theta, n_theta);
+  for (Eigen::Index j = 0; j < n_theta; ++j) {
+    Eigen::VectorXd ahead, behind;
+    const Eigen::VectorXd step = white.col(j);
+    likelihood(theta + step, &ahead);
+    likelihood(theta - step, &behind);
+    curvature.col(j) = 0.5 * white.transpose() * (behind - ahead);
+  }
+  curvature = 0.5 * (curvature + curvature.transpose()).eval();
+  const Eigen::LLT<Eigen::MatrixXd> llt(curvature);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const auto n = static_cast<double>(n_drops);
+  const Eigen::MatrixXd half = white * llt.solve(scores);
+  return Eigen::MatrixXd(half * half.transpose() * (n / (n - 1.0)));
+}
+
+/// n / (n - p): what p fitted parameters take from the scatter that errors are judged by.
+double small_sample_inflation(const LawFit& fit) {
+  const auto n = static_cast<double>(fit.n), p = static_cast<double>(fit.n_parameters);
+  return n / std::max(1.0, n - p);
+}
+
+/// What is known of the law's coordinates q.
+struct Knowledge {
+  Eigen::VectorXd q;
+  Eigen::MatrixXd covariance;
+  std::optional<Eigen::MatrixXd> robust;
+
+  /// Value with errors of a function whose gradient by q is `row`.
+  Estimate estimate(double value, const Eigen::RowVectorXd& row) const {
+    Estimate e = normal_estimate(value, std::sqrt(row * covariance * row.transpose()));
+    if (robust) e.se_robust = std::sqrt(row * *robust * row.transpose());
+    return e;
+  }
+};
+
+/// Fewer samples per parameter: the information matrix says little about a surface whose grain is single samples.
+constexpr std::size_t kSamplesPerParameter = 30;
+
+/// A parameter is identified when it is known to a third of itself, or its term C_i A_i v^(i/10) is known, in the
+/// middle of the data, to within the whole loss 1 - eps that the series has to explain. Constants of a series of
+/// several terms need, besides, 30 samples for each parameter of law and scatter.
+bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, double v_mps, double eps) {
+  if (!a.se || !std::isfinite(*a.se)) return false;
+  if (3.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
+  const int order = model.orders[static_cast<std::size_t>(i)];
+  const double of_term = std::abs(kViscoelasticC[static_cast<std::size_t>(order)]) * std::pow(v_mps, 0.1 * order);
+  return *a.se * of_term < std::abs(1.0 - eps);
+}
+
+/// Parameters tied to one that is not identified by a correlation above .99 are as little known as that one: the
+/// likelihood knows their sum only.
+void spread_ignorance(std::vector<NamedEstimate>& parameters, const Eigen::MatrixXd& correlation) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      for (std::size_t j = 0; j < parameters.size(); ++j) {
+        const bool tied = std::abs(correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j))) > 0.99;
+        if (!tied || parameters[i].estimate.identified || !parameters[j].estimate.identified) continue;
+        parameters[j].estimate.identified = false;
+        changed = true;
+      }
+    }
+  }
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Knowledge& known) {
+  const LawModel& model = likelihood.model();
+  const Eigen::VectorXd& q = known.q;
+  const Eigen::MatrixXd j = model.reported_jacobian(q);
+  const Eigen::MatrixXd covariance = j * known.covariance * j.transpose();
+  const Eigen::MatrixXd correlation = correlation_of(covariance);
+  const Eigen::VectorXd values = model.reported(q);
+  const auto& v = likelihood.data().v_mps;
+  const double v_middle = v[v.size() / 2];
+  const double eps_middle = model.eps(std::span(&v_middle, 1), q)[0];
+  const auto names = model.names();
+  const bool enough = fit.n >= kSamplesPerParameter * fit.n_parameters;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    Estimate a = known.estimate(values[i], j.row(i));
+    a.identified = (values.size() == 1 || enough) && is_identified(model, i, a, v_middle, eps_middle);
+    fit.parameters.push_back({names[static_cast<std::size_t>(i)], a});
+  }
+  spread_ignorance(fit.parameters, correlation);
+  std::string unknown, intervals;
+  for (const NamedEstimate& p : fit.parameters) {
+    if (p.estimate.identified) continue;
+    unknown += (unknown.empty() ? "" : ", ") + p.name;
+    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + number(p.estimate.ci95->lo) + " to " +
+                 number(p.estimate.ci95->hi);
+  }
+  fit.covariance = to_matrix(covariance);
+  fit.correlation = to_matrix(correlation);
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues();
+  if (eigenvalues.minCoeff() > 0.0) fit.condition_number = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
+  if (!unknown.empty()) {
+    fit.status = FitStatus::not_identifiable;
+    fit.message = unknown + (unknown.find(',') == std::string::npos ? " is" : " are") +
+                  " not identifiable from these " + std::to_string(fit.n) +
+                  " impacts (95 % intervals at best: " + intervals + "); quote eps(v) at the nodes";
+  }
+}
+
+void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Knowledge& known,
+                    const std::vector<double>& node_speeds_mps) {
+  const Eigen::VectorXd& q = known.q;
+  const LawModel& model = likelihood.model();
+  const Eigen::MatrixXd node_rows = model.jacobian(node_speeds_mps, q);
+  const Eigen::MatrixXd node_covariance = node_rows * known.covariance * node_rows.transpose();
+  const Eigen::VectorXd node_eps = model.eps(node_speeds_mps, q);
+  for (Eigen::Index j = 0; j < node_eps.size(); ++j)
+    fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)], known.estimate(node_eps[j], node_rows.row(j))});
+  fit.node_correlation = to_matrix(correlation_of(node_covariance));
+
+  constexpr std::size_t kPoints = 80;
+  const auto& v = likelihood.data().v_mps;
+  std::vector<double> speeds;
+  for (std::size_t k = 0; k < kPoints; ++k)
+    speeds.push_back(v.front() * std::pow(v.back() / v.front(), static_cast<double>(k) / (kPoints - 1)));
+  const Eigen::MatrixXd rows = model.jacobian(speeds, q);
+  const Eigen::VectorXd eps = model.eps(speeds, q);
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    fit.curve.push_back({speeds[k], eps[i], known.estimate(eps[i], rows.row(i)).ci95});
+  }
+}
+
+void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
+  const double n_parameters = static_cast<double>(fit.n_parameters), n = static_cast<double>(fit.n);
+  fit.loglik = maximum.loglik;
+  fit.aic = 2.0 * n_parameters - 2.0 * maximum.loglik;
+  fit.bic = n_parameters * std::log(n) - 2.0 * maximum.loglik;
+  std::vector<double> u;
+  for (std::size_t k = 0; k < fit.n; ++k) u.push_back(likelihood.probability_below(maximum.x, k));
+  if (const auto chi2 = pearson_chi2(u, fit.n_parameters)) {
+    fit.chi2 = chi2->chi2;
+    fit.ndf = chi2->ndf;
+    fit.p_value = chi2->p_value;
+  }
+  fit.residuals = residual_bins(likelihood, maximum.x);
+}
+
+/// Replaces the intervals of constants and nodes by those of the profile, where it closes.
+void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const Eigen::MatrixXd& white) {
+  const LawModel& model = likelihood.model();
+  const Eigen::Index n_law = model.n_parameters();
+  const Eigen::VectorXd q = maximum.x.head(n_law);
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const auto along = [&](const Eigen::RowVectorXd& row) {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(maximum.x.size());
+    direction.head(n_law) = row.transpose();
+    return profile_intervals(function, maximum, white, direction);
+  };
+  // one coordinate: everything reported is a monotone function of it
+  const auto one = n_law == 1 ? along(Eigen::RowVectorXd::Ones(1)) : std::nullopt;
+  const auto set = [&](Estimate& e, const Eigen::RowVectorXd& row, auto&& value_of) {
+    const auto offsets = n_law == 1 ? one : along(row);
+    if (!offsets) return;
+    const auto end = [&](double profile_offset) {
+      const double offset = profile_offset * std::sqrt(small_sample_inflation(fit));
+      return n_law == 1 ? value_of(Eigen::VectorXd::Constant(1, q[0] + offset)) : e.value + offset;
+    };
+    const auto ordered = [&](const Interval& i) {
+      const double a = end(i.lo), b = end(i.hi);
+      return Interval{std::min(a, b), std::max(a, b)};
+    };
+    e.ci68 = ordered(offsets->offset68);
+    e.ci95 = ordered(offsets->offset95);
+    e.interval_method = "profile";
+  };
+  const Eigen::MatrixXd rows = model.reported_jacobian(q);
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    set(fit.parameters[i].estimate, rows.row(static_cast<Eigen::Index>(i)),
+        [&](const Eigen::VectorXd& x) { return model.reported(x)[0]; });
+  for (NodeEstimate& node : fit.nodes)
+    set(node.eps, model.jacobian(std::span(&node.v_mps, 1), q).row(0),
+        [&](const Eigen::VectorXd& x) { return model.eps(std::span(&node.v_mps, 1), x)[0]; });
+}
+
+}  // namespace
+
+void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
+                  const std::vector<double>& node_speeds_mps, IntervalMethod intervals) {
+  fit.status = FitStatus::ok;
+  const Eigen::Index n_law = likelihood.model().n_parameters();
+  const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
+  fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
+  const double inflation = small_sample_inflation(fit);
+  Knowledge known{maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law),
+                  std::nullopt};
+  if (const auto robust = sandwich(likelihood, maximum.x, white)) known.robust = robust->topLeftCorner(n_law, n_law);
+  fit.scatter = likelihood.scatter_model(maximum.x);
+  fit.law = likelihood.model().law(known.q);
+  describe_parameters(fit, likelihood, known);
+  describe_curve(fit, likelihood, known, node_speeds_mps);
+  describe_goodness(fit, likelihood, maximum);
+  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, white);
+  if (!maximum.converged) {
+    fit.status = FitStatus::not_converged;
+    fit.message = "the search did not converge: a gain of " + number(maximum.gain_left) + " in log-likelihood is left";
+  }
+}
+
+}  // namespace bouncelab::fit

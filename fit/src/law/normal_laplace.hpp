@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace bouncelab::fit {
+
+/// exp(x^2) erfc(x), x >= 0; relative error below 1e-15.
+/// Source: Cody, Math. Comp. 23, 631 (1969), doi:10.1090/S0025-5718-1969-0247736-4.
+double scaled_erfc(double x);
+
+/// Mills ratio of the normal, R(u) = (1 - Phi(u)) / phi(u), u >= 0.
+double mills_ratio(double u);
+
+/// Asymmetric Laplace of scales b_below, b_above about 0, convolved with a normal of standard deviation tau:
+///
+///   f(d) = (T1 + T2) / (b_below + b_above),   a = 1/b_above, c = 1/b_below, z = d/tau,
+///   T1 = phi(z) R(a tau - z),   T2 = phi(z) R(c tau + z)
+///
+/// Logarithm and its derivatives; exact in both tails and for tau = 0, where the derivative at the kink is the mean
+/// of those on its two sides. Source: Reed & Jorgensen, Commun. Stat. Theory Methods 33, 1733 (2004),
+/// doi:10.1081/STA-120037438.
+struct NormalLaplace {
+  double log_density = 0.0;
+  double d_location = 0.0;   ///< by the peak, i.e. -d/dd
+  double d_log_below = 0.0;  ///< by log b_below
+  double d_log_above = 0.0;  ///< by log b_above
+};
+/// @param b_below, b_above  > 0
+/// @param tau               >= 0
+NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau);
+
+/// The two sides, with what the density needs of them.
+struct LaplaceSides {
+  double b_below = 1.0, b_above = 1.0;
+  double inverse_below = 1.0, inverse_above = 1.0;
+  double p_above = 0.5;    ///< probability of the upper side
+  double log_width = 0.0;  ///< log(b_below + b_above)
+};
+LaplaceSides laplace_sides(double b_below, double b_above);
+
+/// The same density where the sides or the timing error serve many samples. @param inverse_tau  1 / tau, tau > 0
+NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau);
+
+/// Distribution function of the same.
+double normal_laplace_cdf(double d, double b_below, double b_above, double tau);
+
+/// Expected Fisher information of one observation on (location, log b_below, log b_above): E[score score^T], by
+/// Gauss-Legendre quadrature, relative error below 1e-5; closed form for tau = 0.
+struct Information3 {
+  double ll = 0.0, lb = 0.0, la = 0.0, bb = 0.0, ba = 0.0, aa = 0.0;
+};
+Information3 normal_laplace_information(double b_below, double b_above, double tau);
+
+}  // namespace bouncelab::fit

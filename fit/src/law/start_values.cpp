@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "law/start_values.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace bouncelab::fit {
+namespace {
+
+struct SpeedBin {
+  std::size_t begin = 0, end = 0;
+  double v_mps = 0.0, median_eps = 0.0;
+};
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<SpeedBin> speed_bins(const LawData& data) {
+  const std::size_t n = data.size();
+  const std::size_t n_bins = std::clamp<std::size_t>(n / 10, 4, 40);
+  std::vector<SpeedBin> bins;
+  for (std::size_t j = 0; j < n_bins; ++j) {
+    SpeedBin bin{j * n / n_bins, (j + 1) * n / n_bins};
+    if (bin.begin == bin.end) continue;
+    bin.v_mps = data.v_mps[(bin.begin + bin.end) / 2];
+    bin.median_eps = median_of({data.eps.begin() + static_cast<std::ptrdiff_t>(bin.begin),
+                                data.eps.begin() + static_cast<std::ptrdiff_t>(bin.end)});
+    bins.push_back(bin);
+  }
+  return bins;
+}
+
+Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& model) {
+  if (model.kind == LawKind::viscoelastic) {
+    const SpeedBin& middle = bins[bins.size() / 2];
+    if (!(middle.median_eps < 1.0) || middle.median_eps < 0.05) return {};
+    double lo = -40.0, hi = 10.0;  // of log gamma; eps falls with gamma
+    for (int i = 0; i < 80; ++i) {
+      const double log_gamma = 0.5 * (lo + hi);
+      const bool too_bouncy =
+          viscoelastic_restitution(std::exp(0.5 * log_gamma) * std::pow(middle.v_mps, 0.1)) > middle.median_eps;
+      (too_bouncy ? lo : hi) = log_gamma;
+    }
+    return Eigen::VectorXd::Constant(1, lo);
+  }
+  std::vector<double> v;
+  Eigen::VectorXd eps(static_cast<Eigen::Index>(bins.size()));
+  for (std::size_t j = 0; j < bins.size(); ++j) {
+    v.push_back(bins[j].v_mps);
+    eps[static_cast<Eigen::Index>(j)] = bins[j].median_eps;
+  }
+  const Eigen::MatrixXd rows = model.jacobian(v, {});
+  const Eigen::VectorXd above_one = rows.colPivHouseholderQr().solve((eps.array() - 1.0).matrix());
+  return above_one.array() + 1.0;
+}
+
+/// Mean distances from the curve below (side -1) or above (side +1) in each bin, freed of what timing explains.
+Eigen::VectorXd log_scales(const LawData& data, const std::vector<SpeedBin>& bins, const Eigen::VectorXd& fitted,
+                           double side) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(bins.size()));
+  for (std::size_t j = 0; j < bins.size(); ++j) {
+    double sum = 0.0, timing = 0.0, n = 0.0;
+    for (std::size_t k = bins[j].begin; k < bins[j].end; ++k) {
+      const double d = side * (data.eps[k] - fitted[static_cast<Eigen::Index>(k)]);
+      timing += data.tau[k] * data.tau[k];
+      if (d <= 0.0) continue;
+      sum += d;
+      n += 1.0;
+    }
+    const double mean = n > 0.0 ? sum / n : 0.0;
+    timing /= static_cast<double>(bins[j].end - bins[j].begin);
+    // an exponential of mean b and a half-normal add in variance: 2 b^2 + tau^2 against 2 mean^2
+    const double free_of_timing = std::sqrt(std::max(mean * mean - 0.5 * timing, 0.04 * mean * mean));
+    result[static_cast<Eigen::Index>(j)] = std::log(std::max(free_of_timing, 1e-8));
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {
+  const auto bins = speed_bins(data);
+  const Eigen::VectorXd law = start_of_law(bins, model);
+  if (law.size() == 0) return {};
+  const Eigen::VectorXd fitted = model.eps(data.v_mps, law);
+  const auto n_terms = static_cast<Eigen::Index>(scatter.n_terms);
+  Eigen::MatrixXd powers(static_cast<Eigen::Index>(bins.size()), n_terms);
+  for (Eigen::Index j = 0; j < powers.rows(); ++j)
+    for (Eigen::Index i = 0; i < n_terms; ++i)
+      powers(j, i) =
+          std::pow(std::log(bins[static_cast<std::size_t>(j)].v_mps / scatter.v_ref_mps), static_cast<double>(i));
+  const auto solver = powers.colPivHouseholderQr();
+  const Eigen::VectorXd below = solver.solve(log_scales(data, bins, fitted, -1.0));
+  const Eigen::VectorXd above = solver.solve(log_scales(data, bins, fitted, 1.0));
+  Eigen::VectorXd theta(law.size() + scatter.n_parameters());
+  if (scatter.kind == ScatterKind::asymmetric_laplace)
+    theta << law, below, above;
+  else
+    theta << law, 0.5 * (below + above);
+  return theta;
+}
+
+void widen(LawData& data, const LawLikelihood& likelihood, const Eigen::VectorXd& theta, double width) {
+  const ScatterModel scatter = likelihood.scatter_model(theta);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double b = 0.5 * (scatter.below(data.v_mps[k]) + scatter.above(data.v_mps[k]));
+    data.tau[k] = std::hypot(data.tau[k], width * b);
+  }
+}
+
+}  // namespace bouncelab::fit

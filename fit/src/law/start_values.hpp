@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+
+#include "law/law_likelihood.hpp"
+
+namespace bouncelab::fit {
+
+/// Robust first guess: medians of eps in bins of equal count, curve through them by least squares; scatter from mean
+/// distances to it. Gives the whole theta of `scatter`. Empty where the law cannot be made to pass (eps >= 1 in a
+/// viscoelastic law).
+Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
+
+/// Widens every sample's timing error, in quadrature, to width * b of its speed, b by theta.
+void widen(LawData& data, const LawLikelihood& likelihood, const Eigen::VectorXd& theta, double width);
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/flight_correction.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace bouncelab::fit {
+namespace {
+
+// Gauss-Legendre on [0, 1], 6 points
+constexpr std::array<double, 6> kX{0.033765242898423975, 0.16939530676686776, 0.3806904069584015,
+                                   0.6193095930415985,   0.8306046932331322,  0.966234757101576};
+constexpr std::array<double, 6> kW{0.08566224618958517, 0.1803807865240693, 0.23395696728634552,
+                                   0.23395696728634552, 0.1803807865240693, 0.08566224618958517};
+
+struct Leg {
+  double duration_s = 0.0;
+  double height_m = 0.0;
+};
+
+/// From rest to speed v or back; drag helps to stop on the way up (sign +1) and holds up on the way down (-1).
+Leg leg(const Ball& ball, const Air& air, double v_mps, double gravity_mps2, double sign) {
+  Leg result;
+  for (std::size_t k = 0; k < kX.size(); ++k) {
+    const double v = v_mps * kX[k];
+    const double weight = v_mps * kW[k] / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
+    result.duration_s += weight;
+    result.height_m += weight * v;
+  }
+  return result;
+}
+
+}  // namespace
+
+double drag_deceleration_mps2(const Ball& ball, const Air& air, double v_mps) {
+  const double reynolds = 2.0 * ball.radius_m * v_mps * air.density_kgpm3 / air.viscosity_pas;
+  const double stokes = 4.5 * air.viscosity_pas * v_mps / (ball.material.density_kgpm3 * ball.radius_m * ball.radius_m);
+  return stokes * (1.0 + 0.15 * std::pow(reynolds, 0.687));
+}
+
+double fall_with_drag_mps(const Ball& ball, const Air& air, double height_m, double gravity_mps2) {
+  double v = std::sqrt(2.0 * gravity_mps2 * height_m);
+  // h goes nearly as v^2: the square root is nearly Newton's step
+  for (int i = 0; i < 8; ++i) {
+    const double ratio = std::sqrt(height_m / leg(ball, air, v, gravity_mps2, -1.0).height_m);
+    v *= ratio;
+    if (std::abs(ratio - 1.0) < 1e-12) break;
+  }
+  return v;
+}
+
+Flight flight_with_drag(const Ball& ball, const Air& air, double duration_s, double gravity_mps2) {
+  Flight flight;
+  flight.launch_mps = 0.5 * gravity_mps2 * duration_s;
+  for (int i = 0; i < 8; ++i) {
+    const Leg up = leg(ball, air, flight.launch_mps, gravity_mps2, 1.0);
+    flight.landing_mps = fall_with_drag_mps(ball, air, up.height_m, gravity_mps2);
+    const double total_s = up.duration_s + leg(ball, air, flight.landing_mps, gravity_mps2, -1.0).duration_s;
+    const double ratio = duration_s / total_s;
+    flight.launch_mps *= ratio;
+    if (std::abs(ratio - 1.0) < 1e-12) break;
+  }
+  return flight;
+}
+
+}  // namespace bouncelab::fit

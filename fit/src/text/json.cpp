@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace bouncelab::fit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json json_of(std::size_t n) { return n; }
+Json json_of(const Interval& i) { return {json_of(i.lo), json_of(i.hi)}; }
+
+Json json_of(const Estimate& e);
+Json json_of(const BootstrapErrors& b);
+Json json_of(const AndersonDarling& a);
+Json json_of(const ScatterModel& s);
+Json json_of(const TimingNoise& t);
+Json json_of(const HandOff& h);
+template <class T>
+Json json_of(const std::optional<T>& x) {
+  return x ? json_of(*x) : Json(nullptr);
+}
+
+Json json_of(const BootstrapErrors& b) {
+  return {
+      {"se", json_of(b.se)}, {"ci68", json_of(b.ci68)}, {"ci95", json_of(b.ci95)}, {"n_replicates", b.n_replicates}};
+}
+
+Json json_of(const AndersonDarling& a) {
+  return {{"a2", json_of(a.a2)}, {"p_value", json_of(a.p_value)}, {"n_replicates", a.n_replicates}};
+}
+
+Json comparison_of(const std::vector<LawComparison>& comparison) {
+  Json rows = Json::array();
+  for (const LawComparison& c : comparison)
+    rows.push_back({{"name", c.name},
+                    {"n_parameters", c.n_parameters},
+                    {"loglik", json_of(c.loglik)},
+                    {"aic", json_of(c.aic)},
+                    {"bic", json_of(c.bic)},
+                    {"delta_aic", json_of(c.delta_aic)},
+                    {"delta_bic", json_of(c.delta_bic)}});
+  return rows;
+}
+
+Json json_of(const Estimate& e) {
+  return {{"value", json_of(e.value)},         {"se", json_of(e.se)},       {"se_robust", json_of(e.se_robust)},
+          {"ci68", json_of(e.ci68)},           {"ci95", json_of(e.ci95)},   {"intervals", e.interval_method},
+          {"bootstrap", json_of(e.bootstrap)}, {"identified", e.identified}};
+}
+
+Json json_of(const Matrix& m) {
+  Json rows = Json::array();
+  for (const auto& row : m) {
+    Json cells = Json::array();
+    for (const double x : row) cells.push_back(json_of(x));
+    rows.push_back(std::move(cells));
+  }
+  return rows;
+}
+
+Json json_of(const ScatterModel& s) {
+  return {{"form", "log b = sum_k c_k log(v/v_ref)^k, b the mean distance from the peak"},
+          {"v_ref_mps", s.v_ref_mps},
+          {"log_below", s.log_below},
+          {"log_above", s.log_above}};
+}
+
+Json nodes_of(const LawFit& fit) {
+  Json nodes = Json::array();
+  for (const NodeEstimate& node : fit.nodes)
+    nodes.push_back({{"v_mps", node.v_mps},
+                     {"eps", json_of(node.eps.value)},
+                     {"se", json_of(node.eps.se)},
+                     {"se_robust", json_of(node.eps.se_robust)},
+                     {"ci68", json_of(node.eps.ci68)},
+                     {"ci95", json_of(node.eps.ci95)},
+                     {"bootstrap", json_of(node.eps.bootstrap)}});
+  return nodes;
+}
+
+Json curve_of(const std::vector<CurvePoint>& curve) {
+  Json points = Json::array();
+  for (const CurvePoint& p : curve)
+    points.push_back({{"v_mps", p.x},
+                      {"eps", json_of(p.y)},
+                      {"lo95", p.band95 ? json_of(p.band95->lo) : Json(nullptr)},
+                      {"hi95", p.band95 ? json_of(p.band95->hi) : Json(nullptr)}});
+  return points;
+}
+
+Json residuals_of(const LawFit& fit) {
+  Json bins = Json::array();
+  for (const ResidualBin& b : fit.residuals)
+    bins.push_back({{"v_mps", b.v_mps},
+                    {"n", b.n},
+                    {"mean_residual", json_of(b.mean_residual)},
+                    {"median_residual", json_of(b.median_residual)},
+                    {"pull", json_of(b.pull)},
+                    {"scatter_ratio", json_of(b.scatter_ratio)}});
+  return bins;
+}
+
+Json json_of(const LawFit& fit) {
+  Json j{{"status", to_string(fit.status)},
+         {"message", fit.message},
+         {"law", to_string(fit.kind)},
+         {"method", to_string(fit.method)},
+         {"n", fit.n},
+         {"n_outliers", fit.outliers.size()},
+         {"n_parameters", fit.n_parameters}};
+  for (const NamedEstimate& p : fit.parameters) j[p.name] = json_of(p.estimate);
+  Json names = Json::array();
+  for (const NamedEstimate& p : fit.parameters) names.push_back(p.name);
+  j["parameters"] = names;
+  j["correlation"] = json_of(fit.correlation);
+  j["covariance"] = json_of(fit.covariance);
+  j["condition_number"] = json_of(fit.condition_number);
+  j["nodes"] = nodes_of(fit);
+  j["node_correlation"] = json_of(fit.node_correlation);
+  j["scatter"] = json_of(fit.scatter);
+  j["loglik"] = json_of(fit.loglik);
+  j["aic"] = json_of(fit.aic);
+  j["bic"] = json_of(fit.bic);
+  j["chi2"] = json_of(fit.chi2);
+  j["ndf"] = json_of(fit.ndf);
+  j["p_value"] = json_of(fit.p_value);
+  j["anderson_darling"] = json_of(fit.anderson_darling);
+  j["curve"] = curve_of(fit.curve);
+  j["residuals"] = residuals_of(fit);
+  return j;
+}
+
+Json json_of(const ShapeFit& shape) {
+  Json parameters = Json::object();
+  for (const NamedEstimate& p : shape.parameters) parameters[p.name] = json_of(p.estimate);
+  Json expected = Json::array();
+  for (const double n : shape.expected) expected.push_back(json_of(n));
+  return {{"shape", shape.shape},
+          {"status", to_string(shape.status)},
+          {"parameters", parameters},
+          {"loglik", json_of(shape.loglik)},
+          {"delta_aic", json_of(shape.delta_aic)},
+          {"chi2", json_of(shape.chi2)},
+          {"ndf", json_of(shape.ndf)},
+          {"p_value", json_of(shape.p_value)},
+          {"expected", expected}};
+}
+
+Json json_of(const HistogramFit& h) {
+  Json shapes = Json::array();
+  for (const ShapeFit& shape : h.shapes) shapes.push_back(json_of(shape));
+  Json curve{{"eps", Json::array()}, {"density", Json::array()}};
+  for (const CurvePoint& p : h.curve) {
+    curve["eps"].push_back(p.x);
+    curve["density"].push_back(json_of(p.y));
+  }
+  return {{"status", to_string(h.status)},
+          {"message", h.message},
+          {"v_lo_mps", h.v_lo_mps},
+          {"v_hi_mps", h.v_hi_mps},
+          {"v_mps", h.v_mps},
+          {"n", h.n},
+          {"peak_eps", json_of(h.peak_eps)},
+          {"slope_rising", json_of(h.slope_rising)},
+          {"slope_falling", json_of(h.slope_falling)},
+          {"slope_ratio", json_of(h.slope_ratio)},
+          {"p_equal_slopes", json_of(h.p_equal_slopes)},
+          {"loglik", json_of(h.loglik)},
+          {"chi2", json_of(h.chi2)},
+          {"ndf", json_of(h.ndf)},
+          {"p_value", json_of(h.p_value)},
+          {"delta_aic_gaussian", json_of(h.delta_aic_gaussian)},
+          {"bins",
+           {{"eps_edges", h.bins.eps_edges},
+            {"counts", h.bins.counts},
+            {"underflow", h.bins.underflow},
+            {"overflow", h.bins.overflow}}},
+          {"curve", curve},
+          {"shapes", shapes},
+          {"verdict", h.verdict}};
+}
+
+Json json_of(const TimingNoise& t) {
+  return {{"n_pairs", t.n_pairs},
+          {"lag1_correlation", json_of(t.lag1_correlation)},
+          {"lag1_correlation_se", json_of(t.lag1_correlation_se)},
+          {"variance_s2", json_of(t.variance_s2)},
+          {"variance_se_s2", json_of(t.variance_se_s2)},
+          {"sigma_s", json_of(t.sigma_s)},
+          {"upper95_s", json_of(t.upper95_s)},
+          {"stated_s", json_of(t.stated_s)}};
+}
+
+Json json_of(const BudgetRow& r) {
+  return {{"v_mps", r.v_mps},
+          {"n", r.n},
+          {"spread", json_of(r.spread)},
+          {"spread_asperities", json_of(r.spread_asperities)},
+          {"spread_timing_stated", json_of(r.spread_timing_stated)},
+          {"spread_timing_lag1", json_of(r.spread_timing_lag1)},
+          {"spread_travel_time", json_of(r.spread_travel_time)},
+          {"share_asperities", json_of(r.share_asperities)},
+          {"share_timing", json_of(r.share_timing)},
+          {"share_travel_time", json_of(r.share_travel_time)},
+          {"share_unexplained", json_of(r.share_unexplained)},
+          {"shift_drag", json_of(r.shift_drag)},
+          {"shift_contact_time", json_of(r.shift_contact_time)},
+          {"mean_minus_peak", json_of(r.mean_minus_peak)},
+          {"se_curve", json_of(r.se_curve)}};
+}
+
+Json json_of(const ErrorBudget& budget) {
+  Json rows = Json::array();
+  for (const BudgetRow& r : budget.rows) rows.push_back(json_of(r));
+  Json effects = Json::array(), v = Json::array(), spread = Json::array();
+  for (const auto& [name, effect] : budget.effects) effects.push_back({{"name", name}, {"state", to_string(effect)}});
+  for (const CurvePoint& p : budget.width_law) {
+    v.push_back(p.x);
+    spread.push_back(json_of(p.y));
+  }
+  return {{"timing", json_of(budget.timing)},
+          {"width_exponent", json_of(budget.width_exponent)},
+          {"width_law", {{"v_mps", v}, {"spread", spread}}},
+          {"effects", effects},
+          {"rows", rows}};
+}
+
+Json json_of(const HandOff& h) {
+  Json snippets = Json::array();
+  for (const Snippet& s : h.snippets)
+    snippets.push_back({{"program", s.program}, {"parameter", s.parameter}, {"text", s.text}});
+  return {{"v_mps", h.v_mps},
+          {"eps", json_of(h.eps)},
+          {"se", json_of(h.se)},
+          {"warning", h.warning},
+          {"snippets", snippets}};
+}
+
+}  // namespace
+
+std::string to_json(const FitResult& result) {
+  Json histograms = Json::array();
+  for (const HistogramFit& h : result.histograms) histograms.push_back(json_of(h));
+  Json answers = Json::array();
+  for (const Answer& a : result.answers) answers.push_back({{"question", a.question}, {"answer", a.answer}});
+  const Json j{{"status", to_string(result.status)},
+               {"warnings", result.warnings},
+               {"answers", answers},
+               {"n_used", result.n_used},
+               {"n_left_out", result.n_left_out},
+               {"law", json_of(result.law)},
+               {"law_least_squares", json_of(result.law_least_squares)},
+               {"law_least_absolute", json_of(result.law_least_absolute)},
+               {"law_comparison", comparison_of(result.law.comparison)},
+               {"law_viscoelastic", json_of(result.law_viscoelastic)},
+               {"histograms", histograms},
+               {"budget", json_of(result.budget)},
+               {"hand_off", json_of(result.hand_off)},
+               {"density",
+                {{"v_edges_mps", result.density.v_edges_mps},
+                 {"eps_edges", result.density.eps_edges},
+                 {"counts", result.density.counts},
+                 {"n_outside", result.density.n_outside}}}};
+  return j.dump(1) + "\n";
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/histogram_fit.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/error.hpp"
+#include "law/goodness.hpp"
+#include "law/law_likelihood.hpp"
+#include "windows/shape_fit.hpp"
+#include "windows/window_fit.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
+
+/// Samples of the window, moved along the law to its centre.
+LawData window_data(const RestitutionSamples& samples, double lo, double hi, double centre, const LawFit& law) {
+  LawData data;
+  const double eps_centre = law.law ? restitution(*law.law, centre) : 0.0;
+  for (const RestitutionSample& s : samples) {
+    if (!(s.v_mps >= lo && s.v_mps < hi) || !std::isfinite(s.eps)) continue;
+    double eps = s.eps, tau = std::hypot(s.sigma_eps.value_or(0.0), kResolution);
+    if (law.law) {
+      const double residual = eps - restitution(*law.law, s.v_mps);
+      const double stretch = !law.scatter     ? 1.0
+                             : residual > 0.0 ? law.scatter->above(centre) / law.scatter->above(s.v_mps)
+                                              : law.scatter->below(centre) / law.scatter->below(s.v_mps);
+      eps = eps_centre + residual * stretch;
+      tau *= stretch;
+    }
+    data.v_mps.push_back(centre);
+    data.eps.push_back(eps);
+    data.tau.push_back(tau);
+    data.drop.push_back(0);
+  }
+  return data;
+}
+
+Bins bins_of(std::vector<double> eps) {
+  std::sort(eps.begin(), eps.end());
+  const std::size_t n = eps.size();
+  const double lo_quantile = eps[n / 200], hi_quantile = eps[n - 1 - n / 200];
+  const double margin = std::max(0.15 * (hi_quantile - lo_quantile), 1e-9);
+  const double lo = lo_quantile - margin, hi = hi_quantile + margin;
+  const auto n_bins = std::clamp<std::size_t>(static_cast<std::size_t>(1.5 * std::sqrt(static_cast<double>(n))), 8, 80);
+  Bins bins;
+  for (std::size_t k = 0; k <= n_bins; ++k)
+    bins.eps_edges.push_back(lo + (hi - lo) * static_cast<double>(k) / static_cast<double>(n_bins));
+  bins.counts.assign(n_bins, 0);
+  for (const double e : eps) {
+    if (e < lo) {
+      ++bins.underflow;
+    } else if (e >= hi) {
+      ++bins.overflow;
+    } else {
+      const auto k = static_cast<std::size_t>((e - lo) / (hi - lo) * static_cast<double>(n_bins));
+      ++bins.counts[std::min(k, n_bins - 1)];
+    }
+  }
+  return bins;
+}
+
+void fit_two_exponentials(HistogramFit& result, const LawData& data, const WindowFit& fit) {
+  const Eigen::VectorXd& theta = fit.maximum.x;
+  result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
+  if (!fit.maximum.converged) result.message = "the search did not converge";
+  result.peak_eps = peak_estimate(fit);
+  result.slope_rising = slope_estimate(fit, 1);
+  result.slope_falling = slope_estimate(fit, 2);
+  result.slope_ratio = slope_ratio_estimate(fit);
+  if (!result.slope_rising->identified || !result.slope_falling->identified) {
+    if (fit.maximum.converged) result.status = FitStatus::not_identifiable;
+    result.message = "the scatter is narrower than the timing error: its slopes are not identifiable";
+  }
+  result.loglik = fit.maximum.loglik;
+  std::vector<double> u;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    u.push_back(normal_laplace_cdf(data.eps[k] - theta[0], std::exp(theta[1]), std::exp(theta[2]), data.tau[k]));
+  if (const auto chi2 = pearson_chi2(u, 3, 1)) {
+    result.chi2 = chi2->chi2;
+    result.ndf = chi2->ndf;
+    result.p_value = chi2->p_value;
+  }
+  result.curve = density_curve(data, theta, result.bins);
+}
+
+void compare_with_other_densities(HistogramFit& result, const LawData& data, const WindowFit& fit) {
+  if (!fit.maximum.converged) return;
+  const WindowFit normal = fit_window(data, ScatterKind::normal);
+  if (normal.maximum.converged)
+    result.delta_aic_gaussian = 2.0 * (2.0 - normal.maximum.loglik) - 2.0 * (3.0 - fit.maximum.loglik);
+  const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
+  if (symmetric.maximum.converged)
+    result.p_equal_slopes = chi2_survival(std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
+  result.shapes =
+      fit_shapes(result.bins, data.tau, {fit.maximum.x[0], std::exp(fit.maximum.x[1]), std::exp(fit.maximum.x[2])});
+}
+
+/// Differences of AIC beyond which one shape is called better (Burnham & Anderson, 2002: "essentially no support").
+constexpr double kDecided = 10.0;
+
+const char* in_words(const std::string& shape) {
+  if (shape == "two_exponentials") return "two exponentials";
+  if (shape == "student_t") return "a Student t";
+  return shape == "gumbel" ? "a Gumbel" : "a normal";
+}
+
+std::string verdict(const HistogramFit& h) {
+  if (h.shapes.empty()) return {};
+  const auto best = std::min_element(h.shapes.begin(), h.shapes.end(),
+                                     [](const ShapeFit& a, const ShapeFit& b) { return a.delta_aic < b.delta_aic; });
+  std::string rivals;
+  for (const ShapeFit& s : h.shapes)
+    if (&s != &*best && s.delta_aic - best->delta_aic < kDecided)
+      rivals += (rivals.empty() ? "" : " or ") + std::string(in_words(s.shape));
+  std::string text = rivals.empty() ? std::string(in_words(best->shape)) + " describe" +
+                                          (best->shape == "two_exponentials" ? "" : "s") + " it best"
+                                    : std::string(in_words(best->shape)) + ", not to be told from " + rivals;
+  if (best->p_value && *best->p_value < 1e-3) text += ", though not within the errors";
+  if (h.p_equal_slopes && best->shape == "two_exponentials")
+    text += *h.p_equal_slopes < 1e-3 ? "; the slopes differ" : "; the slopes may be equal";
+  return text;
+}
+
+HistogramFit fit_histogram(const RestitutionSamples& samples, double centre, double width, std::size_t n_min,
+                           const LawFit& law) {
+  HistogramFit result;
+  result.v_mps = centre;
+  result.v_lo_mps = centre - 0.5 * width;
+  result.v_hi_mps = centre + 0.5 * width;
+  const LawData data = window_data(samples, result.v_lo_mps, result.v_hi_mps, centre, law);
+  result.n = data.size();
+  if (result.n > 0) result.bins = bins_of(data.eps);
+  if (result.n < std::max<std::size_t>(n_min, 5)) {
+    result.message = std::to_string(result.n) + " samples: at least " + std::to_string(n_min) + " are needed";
+    return result;
+  }
+  const WindowFit fit = fit_window(data, ScatterKind::asymmetric_laplace);
+  fit_two_exponentials(result, data, fit);
+  compare_with_other_densities(result, data, fit);
+  result.verdict = verdict(result);
+  return result;
+}
+
+/// The narrowest that gives the median window enough samples.
+double chosen_width_mps(const RestitutionSamples& samples, const std::vector<double>& centres_mps) {
+  constexpr std::size_t kEnough = 1000;
+  for (const double width : {0.02, 0.05, 0.1}) {
+    std::vector<std::size_t> counts;
+    for (const double centre : centres_mps)
+      counts.push_back(static_cast<std::size_t>(std::count_if(
+          samples.begin(), samples.end(), [&](const auto& s) { return std::abs(s.v_mps - centre) < 0.5 * width; })));
+    std::sort(counts.begin(), counts.end());
+    if (!counts.empty() && counts[counts.size() / 2] >= kEnough) return width;
+  }
+  return 0.2;
+}
+
+void check(const HistogramConfig& config) {
+  if (!(config.width_mps >= 0.0))
+    throw InvalidArgument("width of the histograms' windows " + std::to_string(config.width_mps) +
+                          " m/s: must be positive, or 0 to have it chosen");
+  for (const double centre : config.centres_mps)
+    if (!(centre > 0.0))
+      throw InvalidArgument("centre of a histogram's window " + std::to_string(centre) + " m/s: must be positive");
+}
+
+}  // namespace
+
+std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
+                                         const LawFit& law) {
+  check(config);
+  const double width = config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(samples, config.centres_mps);
+  std::vector<HistogramFit> results(config.centres_mps.size());
+  tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
+    results[i] = fit_histogram(samples, config.centres_mps[i], width, config.n_min, law);
+  });
+  return results;
+}
+
+}  // namespace bouncelab::fit

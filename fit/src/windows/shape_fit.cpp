@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "windows/shape_fit.hpp"
+
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_sf_gamma.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "bouncelab/core/units.hpp"
+#include "law/goodness.hpp"
+#include "law/maximise.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+constexpr Eigen::Index kCellsPerBin = 4;
+
+double normal_cdf(double z) { return 0.5 * std::erfc(-z * std::sqrt(0.5)); }
+
+/// Cells of equal width, four to a bin, and the timing errors that move what is in them.
+class Blur {
+ public:
+  Blur(const Bins& bins, std::vector<double> tau) : n_bins_(static_cast<Eigen::Index>(bins.counts.size())) {
+    width_ = (bins.eps_edges.back() - bins.eps_edges.front()) / static_cast<double>(n_bins_ * kCellsPerBin);
+    std::sort(tau.begin(), tau.end());
+    margin_ = static_cast<Eigen::Index>(std::min(6.0 * tau.back() / width_ + 1.0, 2000.0));
+    lo_ = bins.eps_edges.front() - static_cast<double>(margin_) * width_;
+    n_cells_ = n_bins_ * kCellsPerBin + 2 * margin_;
+    // by how many cells an edge lies above a cell's lower end, less n_cells: shares of the cell's content that end up
+    // below the edge, above it, and within the bin that begins there. Each by what is small: tails stay exact.
+    const Eigen::Index n = 2 * n_cells_ + 1 + kCellsPerBin;
+    below_ = above_ = Eigen::VectorXd::Zero(n);
+    const std::size_t n_classes = std::min<std::size_t>(16, tau.size());
+    for (std::size_t j = 0; j < n_classes; ++j) {
+      const double t = tau[(2 * j + 1) * tau.size() / (2 * n_classes)];
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double z = (static_cast<double>(k - n_cells_) - 0.5) * width_ / t;
+        below_[k] += normal_cdf(z) / static_cast<double>(n_classes);
+        above_[k] += normal_cdf(-z) / static_cast<double>(n_classes);
+      }
+    }
+    within_.resize(n - kCellsPerBin);
+    for (Eigen::Index k = 0; k < within_.size(); ++k)
+      within_[k] = k < n_cells_ ? below_[k + kCellsPerBin] - below_[k] : above_[k] - above_[k + kCellsPerBin];
+  }
+
+  Eigen::Index n_cells() const { return n_cells_; }
+  double edge(Eigen::Index cell) const { return lo_ + static_cast<double>(cell) * width_; }
+
+  /// Probabilities of underflow, bins, overflow. @param cells  of: below the cells, each cell, above them
+  Eigen::VectorXd bins_of(const Eigen::VectorXd& cells) const {
+    const auto inner = cells.segment(1, n_cells_);
+    const auto moved = [&](const Eigen::VectorXd& share, Eigen::Index bin) {
+      return inner.dot(share.segment(margin_ + bin * kCellsPerBin + 1, n_cells_).reverse());
+    };
+    Eigen::VectorXd p(n_bins_ + 2);
+    p[0] = cells[0] + moved(below_, 0);
+    for (Eigen::Index k = 0; k < n_bins_; ++k) p[k + 1] = moved(within_, k);
+    p[n_bins_ + 1] = cells[n_cells_ + 1] + moved(above_, n_bins_);
+    return p.cwiseMax(1e-290);
+  }
+
+ private:
+  Eigen::Index n_bins_, margin_ = 0, n_cells_ = 0;
+  double width_ = 0.0, lo_ = 0.0;
+  Eigen::VectorXd below_, above_, within_;
+};
+
+/// A shape: parameters of the search (location, then logarithms), and how they are reported.
+struct ShapeModel {
+  std::string name;
+  Eigen::VectorXd start;
+  /// Probability below the cells, of each cell, and above them.
+  std::function<Eigen::VectorXd(const Eigen::VectorXd& theta, const Blur& blur)> cells;
+  std::vector<std::string> parameter_names;
+  std::vector<double> signs;  ///< of log parameters: value = sign exp(+-theta)
+  double exponent = 1.0;      ///< -1: reported as the inverse (slopes)
+};
+
+/// Probability on either side of eps.
+struct Sides {
+  double below, above;
+};
+
+/// Differences of whichever side is the smaller.
+Eigen::VectorXd cells_of(const Blur& blur, const std::function<Sides(double)>& sides) {
+  Eigen::VectorXd cells(blur.n_cells() + 2);
+  Sides last = sides(blur.edge(0));
+  cells[0] = last.below;
+  for (Eigen::Index i = 0; i < blur.n_cells(); ++i) {
+    const Sides next = sides(blur.edge(i + 1));
+    cells[i + 1] = last.below < last.above ? next.below - last.below : last.above - next.above;
+    last = next;
+  }
+  cells[blur.n_cells() + 1] = last.above;
+  return cells;
+}
+
+Eigen::VectorXd two_exponentials(const Eigen::VectorXd& x, const Blur& blur) {
+  const double below = std::exp(x[1]), above = std::exp(x[2]), p_above = above / (below + above);
+  return cells_of(blur, [&](double eps) {
+    const double d = eps - x[0];
+    const double tail = d > 0.0 ? p_above * std::exp(-d / above) : (1.0 - p_above) * std::exp(d / below);
+    return d > 0.0 ? Sides{1.0 - tail, tail} : Sides{tail, 1.0 - tail};
+  });
+}
+
+Eigen::VectorXd normal(const Eigen::VectorXd& x, const Blur& blur) {
+  const double sd = std::exp(x[1]);
+  return cells_of(blur, [&](double eps) {
+    const double z = (eps - x[0]) / sd;
+    return Sides{normal_cdf(z), normal_cdf(-z)};
+  });
+}
+
+/// @param sign  +1: long tail to high eps, -1: to low eps
+Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) {
+  const double scale = std::exp(x[1]);
+  return cells_of(blur, [&](double eps) {
+    const double inner = std::exp(-sign * (eps - x[0]) / scale);
+    const double short_side = std::exp(-inner), long_side = -std::expm1(-inner);
+    return sign > 0.0 ? Sides{short_side, long_side} : Sides{long_side, short_side};
+  });
+}
+
+/// By Simpson's rule in each cell: faster than its distribution function.
+Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
+  const double scale = std::exp(x[1]), nu = std::exp(std::clamp(x[2], -0.7, 7.0));
+  const double norm =
+      std::exp(gsl_sf_lngamma(0.5 * (nu + 1.0)) - gsl_sf_lngamma(0.5 * nu)) / std::sqrt(nu * kPi) / scale;
+  const auto density = [&](double eps) {
+    const double z = (eps - x[0]) / scale;
+    return norm * std::exp(-0.5 * (nu + 1.0) * std::log1p(z * z / nu));
+  };
+  Eigen::VectorXd cells(blur.n_cells() + 2);
+  cells[0] = gsl_cdf_tdist_P((blur.edge(0) - x[0]) / scale, nu);
+  cells[blur.n_cells() + 1] = gsl_cdf_tdist_Q((blur.edge(blur.n_cells()) - x[0]) / scale, nu);
+  const double width = blur.edge(1) - blur.edge(0);
+  double left = density(blur.edge(0));
+  for (Eigen::Index i = 0; i < blur.n_cells(); ++i) {
+    const double right = density(blur.edge(i + 1));
+    cells[i + 1] = width / 6.0 * (left + 4.0 * density(blur.edge(i) + 0.5 * width) + right);
+    left = right;
+  }
+  return cells;
+}
+
+std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
+  const double sd = std::hypot(s.b_below, s.b_above), mean = s.peak + s.b_above - s.b_below;
+  constexpr double kEuler = 0.5772156649015329;
+  // the Gumbel's short side falls as exp(-exp(z)): a start that gives the outermost bins no chance has no gradient
+  const double reach = std::max(mean - bins.eps_edges.front(), bins.eps_edges.back() - mean);
+  const double scale = std::max(sd * std::sqrt(6.0) / kPi, reach / 5.0);
+  const auto start = [](std::initializer_list<double> values) {
+    Eigen::VectorXd x(static_cast<Eigen::Index>(values.size()));
+    std::copy(values.begin(), values.end(), x.begin());
+    return x;
+  };
+  const auto tail = [&](double sign) {
+    return ShapeModel{"gumbel",
+                      start({mean - sign * kEuler * scale, std::log(scale)}),
+                      [sign](const Eigen::VectorXd& x, const Blur& blur) { return gumbel(x, blur, sign); },
+                      {"mode", "scale"},
+                      {sign}};
+  };
+  return {{"two_exponentials",
+           start({s.peak, std::log(s.b_below), std::log(s.b_above)}),
+           two_exponentials,
+           {"peak_eps", "slope_rising", "slope_falling"},
+           {1.0, 1.0},
+           -1.0},
+          {"normal", start({mean, std::log(sd)}), normal, {"mean", "sd"}, {1.0}},
+          tail(-1.0),
+          tail(1.0),
+          {"student_t",
+           start({0.5 * (mean + s.peak), std::log(0.7 * sd), std::log(4.0)}),
+           student_t,
+           {"location", "scale", "nu"},
+           {1.0, 1.0}}};
+}
+
+/// Multinomial log-likelihood of the bins' counts, its gradient by differences, its information.
+struct BinnedLikelihood {
+  const ShapeModel& model;
+  const Blur& blur;
+  const Eigen::VectorXd& counts;
+
+  Eigen::MatrixXd derivatives(const Eigen::VectorXd& x) const {
+    Eigen::MatrixXd d(counts.size(), x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      Eigen::VectorXd ahead = x, behind = x;
+      const double h = i == 0 ? 1e-4 * std::exp(x[1]) : 1e-4;
+      ahead[i] += h;
+      behind[i] -= h;
+      d.col(i) = (blur.bins_of(model.cells(ahead, blur)) - blur.bins_of(model.cells(behind, blur))) / (2.0 * h);
+    }
+    return d;
+  }
+  double operator()(const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const {
+    if (!x.allFinite()) return -HUGE_VAL;
+    const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
+    if (gradient) *gradient = derivatives(x).transpose() * counts.cwiseQuotient(p);
+    return counts.dot(p.array().log().matrix());
+  }
+  Eigen::MatrixXd information(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
+    const Eigen::MatrixXd d = derivatives(x);
+    return counts.sum() * d.transpose() * p.cwiseMax(1e-12).cwiseInverse().asDiagonal() * d;
+  }
+  /// The same from the counts found: a metric for the search also where the shape is far from them.
+  Eigen::MatrixXd observed_information(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
+    const Eigen::MatrixXd d = p.cwiseInverse().asDiagonal() * derivatives(x);
+    return d.transpose() * counts.asDiagonal() * d;
+  }
+};
+
+void set_chi2(ShapeFit& fit, const Eigen::VectorXd& expected, const Eigen::VectorXd& counts) {
+  constexpr double kFewest = 5.0;
+  double e = 0.0, n = 0.0, chi2 = 0.0, last_e = 0.0, last_n = 0.0;
+  std::size_t n_groups = 0;
+  for (Eigen::Index k = 0; k < counts.size(); ++k) {
+    e += expected[k];
+    n += counts[k];
+    if (e < kFewest) continue;
+    chi2 += (n - e) * (n - e) / e;
+    ++n_groups;
+    last_e = e;
+    last_n = n;
+    e = n = 0.0;
+  }
+  if (n_groups < fit.parameters.size() + 2) return;
+  // what is left over joins the last group
+  chi2 += (n + last_n - e - last_e) * (n + last_n - e - last_e) / (e + last_e) -
+          (last_n - last_e) * (last_n - last_e) / last_e;
+  fit.chi2 = chi2;
+  fit.ndf = n_groups - 1 - fit.parameters.size();
+  fit.p_value = chi2_survival(chi2, static_cast<double>(*fit.ndf));
+}
+
+ShapeFit fit_shape(const ShapeModel& model, const Blur& blur, const Eigen::VectorXd& counts) {
+  const BinnedLikelihood likelihood{model, blur, counts};
+  const auto function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  Maximum maximum = maximise(function, model.start, likelihood.observed_information(model.start));
+  for (int i = 0; i < 4 && !maximum.converged; ++i)
+    maximum = maximise(function, maximum.x, likelihood.observed_information(maximum.x));
+  ShapeFit fit;
+  fit.shape = model.name;
+  fit.status = maximum.converged ? FitStatus::ok : FitStatus::not_converged;
+  fit.loglik = maximum.loglik;
+  const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
+  const Eigen::VectorXd se = (white * white.transpose()).diagonal().cwiseSqrt();
+  fit.parameters.push_back({model.parameter_names[0], normal_estimate(maximum.x[0], se[0])});
+  for (Eigen::Index i = 1; i < maximum.x.size(); ++i) {
+    const auto j = static_cast<std::size_t>(i);
+    const double value = model.signs[j - 1] * std::exp(model.exponent * maximum.x[i]);
+    fit.parameters.push_back({model.parameter_names[j], normal_estimate(value, std::abs(value) * se[i])});
+  }
+  const Eigen::VectorXd expected = counts.sum() * blur.bins_of(model.cells(maximum.x, blur));
+  set_chi2(fit, expected, counts);
+  fit.expected.assign(expected.begin() + 1, expected.end() - 1);
+  return fit;
+}
+
+}  // namespace
+
+std::vector<ShapeFit> fit_shapes(const Bins& bins, const std::vector<double>& tau, const ShapeStart& start) {
+  const Blur blur(bins, tau);
+  Eigen::VectorXd counts(static_cast<Eigen::Index>(bins.counts.size()) + 2);
+  counts[0] = static_cast<double>(bins.underflow);
+  std::transform(bins.counts.begin(), bins.counts.end(), counts.begin() + 1,
+                 [](std::size_t n) { return static_cast<double>(n); });
+  counts[counts.size() - 1] = static_cast<double>(bins.overflow);
+  std::vector<ShapeFit> fits;
+  for (const ShapeModel& model : shape_models(start, bins)) {
+    ShapeFit fit = fit_shape(model, blur, counts);
+    // of the two Gumbels the likelier
+    if (!fits.empty() && fits.back().shape == fit.shape) {
+      if (fit.loglik > fits.back().loglik) fits.back() = std::move(fit);
+    } else {
+      fits.push_back(std::move(fit));
+    }
+  }
+  const auto aic = [](const ShapeFit& f) { return 2.0 * static_cast<double>(f.parameters.size()) - 2.0 * f.loglik; };
+  const double reference = aic(fits.front());
+  for (ShapeFit& fit : fits) fit.delta_aic = aic(fit) - reference;
+  return fits;
+}
+
+}  // namespace bouncelab::fit

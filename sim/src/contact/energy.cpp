@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/sim/energy.hpp"
+
+#include <algorithm>
+
+namespace bouncelab::sim {
+
+KineticEnergy kinetic_energy(const Ball& ball, const Motion& motion) {
+  const double m = mass_kg(ball);
+  const Vector3 v = motion.velocity_mps;
+  return {0.5 * m * v.z * v.z, 0.5 * m * (v.x * v.x + v.y * v.y),
+          0.5 * moment_of_inertia_kgm2(ball) * norm2(motion.spin_radps)};
+}
+
+ImpactEnergy impact_energy(const Ball& ball, const Motion& before, const Motion& after) {
+  ImpactEnergy energy{kinetic_energy(ball, before), kinetic_energy(ball, after)};
+  const double gained = energy.after.total_j() - energy.before.total_j();
+  energy.dissipated_j = std::max(0.0, -gained);
+  energy.created_j = std::max(0.0, gained);
+  return energy;
+}
+
+ImpactEnergy impact_energy(const Ball& ball, const ImpactState& s) {
+  const auto vector = [](const std::array<double, 3>& a) { return Vector3{a[0], a[1], a[2]}; };
+  return impact_energy(ball, {vector(s.velocity_mps), vector(s.spin_radps)},
+                       {vector(s.velocity_after_mps), vector(s.spin_after_radps)});
+}
+
+double EnergyLedger::closure() const {
+  return (released_j + created_j - dissipated_j - drag_j - remaining_j) / released_j;
+}
+
+void EnergyLedger::add(const ImpactEnergy& impact) {
+  dissipated_j += impact.dissipated_j;
+  created_j += impact.created_j;
+  // a lossless impact gains a few ulp by rounding: that is not creation
+  n_creating += impact.created_j > 1e-14 * impact.before.total_j() ? 1 : 0;
+  gained_impact_j.vertical_j += impact.after.vertical_j - impact.before.vertical_j;
+  gained_impact_j.horizontal_j += impact.after.horizontal_j - impact.before.horizontal_j;
+  gained_impact_j.rotational_j += impact.after.rotational_j - impact.before.rotational_j;
+}
+
+void EnergyLedger::add(const EnergyLedger& other) {
+  released_j += other.released_j;
+  remaining_j += other.remaining_j;
+  dissipated_j += other.dissipated_j;
+  created_j += other.created_j;
+  drag_j += other.drag_j;
+  n_creating += other.n_creating;
+  gained_impact_j.vertical_j += other.gained_impact_j.vertical_j;
+  gained_impact_j.horizontal_j += other.gained_impact_j.horizontal_j;
+  gained_impact_j.rotational_j += other.gained_impact_j.rotational_j;
+}
+
+}  // namespace bouncelab::sim

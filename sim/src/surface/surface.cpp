@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/sim/surface.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/units.hpp"
+#include "surface/radius_law.hpp"
+
+namespace bouncelab::sim {
+namespace {
+
+Vector3 random_direction(Random& random) {
+  const double z = random.uniform(-1.0, 1.0);
+  const double azimuth = 2.0 * kPi * random.uniform();
+  const double s = std::sqrt((1.0 - z) * (1.0 + z));
+  return normalized(Vector3{s * std::cos(azimuth), s * std::sin(azimuth), z});
+}
+
+}  // namespace
+
+Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLaw& law, std::uint64_t seed,
+                     const ProgressCallback& progress) {
+  if (n_asperities < 0 || n_asperities > std::numeric_limits<std::uint32_t>::max() - 1)
+    throw InvalidArgument("surface: " + std::to_string(n_asperities) + " asperities are outside [0, 4e9]");
+  validate(law);
+  Surface surface;
+  surface.asperities.reserve(static_cast<std::size_t>(n_asperities));
+  for (std::int64_t j = 0; j < n_asperities; ++j) {
+    if (progress && j % 100'000 == 0) progress(static_cast<double>(j), static_cast<double>(n_asperities));
+    Random random(seed, RandomStream::surface, static_cast<std::uint64_t>(j));
+    const Vector3 direction = random_direction(random);
+    const double radius = draw_radius(law, random);
+    if (!(radius < 1.0))
+      throw InvalidArgument("surface: asperity " + std::to_string(j) + " drew a radius of " + std::to_string(radius) +
+                            " R by the law " + to_text(law) + "; radii must stay below R, choose smaller ones");
+    surface.asperities.push_back({direction, radius * ball.radius_m});
+  }
+  return surface;
+}
+
+Table to_table(const Surface& surface) {
+  std::vector<double> ux, uy, uz, radius_m;
+  for (const Asperity& asperity : surface.asperities) {
+    ux.push_back(asperity.direction.x);
+    uy.push_back(asperity.direction.y);
+    uz.push_back(asperity.direction.z);
+    radius_m.push_back(asperity.radius_m);
+  }
+  return {{{"ux", std::move(ux)}, {"uy", std::move(uy)}, {"uz", std::move(uz)}, {"radius_m", std::move(radius_m)}}};
+}
+
+std::vector<ColumnSpec> surface_columns() { return {{"ux"}, {"uy"}, {"uz"}, {"radius_m"}}; }
+
+Surface surface_from_table(const Table& table, const std::string& name, const Ball& ball) {
+  const auto &ux = *table.reals("ux"), &uy = *table.reals("uy"), &uz = *table.reals("uz");
+  const auto& radius_m = *table.reals("radius_m");
+  Surface surface;
+  surface.asperities.reserve(ux.size());
+  for (std::size_t k = 0; k < ux.size(); ++k) {
+    const std::string place = "line " + std::to_string(table.line_of(k));
+    const Vector3 direction{ux[k], uy[k], uz[k]};
+    const double length = norm(direction);
+    if (!(length > 1e-100 && length < 1e100))
+      throw FileError(name, place + ", columns ux, uy, uz: the direction cannot be normalised, its length is " +
+                                std::to_string(length) + "; give three finite numbers, not all 0");
+    if (!(radius_m[k] > 0.0 && radius_m[k] < ball.radius_m))
+      throw FileError(name, place + ", column radius_m: " + std::to_string(radius_m[k]) +
+                                " is outside (0, R = " + std::to_string(ball.radius_m) + " m)");
+    surface.asperities.push_back({(1.0 / length) * direction, radius_m[k]});
+  }
+  return surface;
+}
+
+}  // namespace bouncelab::sim

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Duration of contact from how a drop's impacts dull: levels made of a known response and known pulses.
+#include "contact/contact_time.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/core/random.hpp"
+#include "contact/pulse_spectrum.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+struct Ball {
+  const PulseSpectrum* pulse = &PulseSpectrum::hertz();
+  double tau_1_s = 30e-6;
+  double timbre = 0.1;  // each level by itself, at each impact
+  double drift = 0.0;   // of each level over the drop, as of a ball that wanders
+  double noise = 0.02;  // over the level of the strongest impact
+  double largest_hz = 20e3;
+};
+
+double pulse_at(const PulseSpectrum& pulse, double x) {
+  std::vector<float> value(2), slope(2);
+  pulse.tabulate(x, value, slope);
+  return value[1];
+}
+
+/// Eighty bounces from 1.3 to 0.2 m/s, 30 bands.
+BandLevels levels_of(const Ball& ball, std::uint64_t seed) {
+  constexpr int kImpacts = 80;
+  constexpr int kBands = 30;
+  Random random(seed, RandomStream::test, 11);
+  BandLevels levels;
+  std::vector<double> response, drift;
+  for (int m = 0; m < kBands; ++m) {
+    levels.f_hz.push_back(ball.largest_hz * (m + 1.0) / kBands);
+    levels.noise2.push_back(ball.noise * ball.noise);
+    response.push_back(std::exp(0.5 * random.normal()));
+    drift.push_back(ball.drift * random.normal());
+  }
+  for (int k = 0; k < kImpacts; ++k) {
+    const double v_mps = 1.3 * std::pow(0.2 / 1.3, k / (kImpacts - 1.0));
+    levels.u.push_back(std::pow(v_mps, -0.2));
+    std::vector<double> row;
+    for (std::size_t m = 0; m < levels.f_hz.size(); ++m) {
+      const double pulse = pulse_at(*ball.pulse, levels.f_hz[m] * ball.tau_1_s * levels.u.back());
+      const double timbre = 1.0 + ball.timbre * random.normal() + drift[m] * (k / (kImpacts - 1.0) - 0.5);
+      row.push_back(v_mps * response[m] * pulse * timbre + ball.noise * random.normal());
+    }
+    levels.level.push_back(row);
+  }
+  return levels;
+}
+
+struct Outcome {
+  double bias = 0.0;  // mean error over the standard error of the mean
+  double pull = 0.0;  // rms of error over standard error, of tau^2
+};
+
+/// @param of  the fit with the ball's own pulse
+Outcome over_seeds(const Ball& ball, ContactFit ContactEvidence::*of) {
+  constexpr int kTrials = 60;
+  Outcome outcome;
+  const double truth = ball.tau_1_s * ball.tau_1_s;
+  for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
+    const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, seed));
+    EXPECT_TRUE(evidence) << seed;
+    if (!evidence) return outcome;
+    const ContactFit& fit = (*evidence).*of;
+    outcome.bias += (fit.tau2_s2 - truth) / fit.sigma2_s2 / std::sqrt(kTrials);
+    outcome.pull += std::pow((fit.tau2_s2 - truth) / fit.sigma2_s2, 2) / kTrials;
+  }
+  outcome.pull = std::sqrt(outcome.pull);
+  return outcome;
+}
+
+TEST(ContactLaw, GivesBackTheDurationWithinItsStatedError) {
+  // the rms of 60 pulls scatters by 9 %, and the error is itself estimated from 30 bands, to 13 %
+  for (const double tau_1_s : {20e-6, 30e-6, 40e-6}) {
+    Ball ball;
+    ball.tau_1_s = tau_1_s;
+    const Outcome hertz = over_seeds(ball, &ContactEvidence::hertz);
+    EXPECT_NEAR(hertz.bias, 0.0, 3.0) << tau_1_s;
+    EXPECT_GT(hertz.pull, 0.7) << tau_1_s;
+    EXPECT_LT(hertz.pull, 1.35) << tau_1_s;
+    ball.pulse = &PulseSpectrum::half_sine();
+    const Outcome half_sine = over_seeds(ball, &ContactEvidence::half_sine);
+    EXPECT_NEAR(half_sine.bias, 0.0, 3.0) << tau_1_s;
+    EXPECT_LT(half_sine.pull, 1.35) << tau_1_s;
+  }
+}
+
+TEST(ContactLaw, CountsAModeThatDriftsOnceAndNotAsOftenAsItWasStruck) {
+  Ball ball;
+  ball.drift = 0.3;
+  const Outcome outcome = over_seeds(ball, &ContactEvidence::hertz);
+  EXPECT_GT(outcome.pull, 0.7);
+  EXPECT_LT(outcome.pull, 1.35);
+}
+
+TEST(ContactLaw, SaysLittleWhereTheSoundEndsFarBelowTheContact) {
+  // below 3 kHz 30 us dull a sound by 1 %
+  Ball ball;
+  ball.largest_hz = 3e3;
+  const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, 1));
+  ASSERT_TRUE(evidence);
+  EXPECT_GT(evidence->hertz.sigma2_s2, 30e-6 * 30e-6);
+  const std::optional<ContactLaw> law = pool_contacts({*evidence});
+  ASSERT_TRUE(law);
+  EXPECT_FALSE(law->is_heard);
+  EXPECT_NEAR(law->tau_1_s, 30e-6, 20e-6);  // what is known of steel balls
+}
+
+TEST(ContactLaw, ManyDropsThatEachSayLittleSayItTogether) {
+  Ball ball;
+  ball.largest_hz = 8e3;
+  std::vector<ContactEvidence> drops;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) drops.push_back(*fit_contact(levels_of(ball, seed)));
+  const std::optional<ContactLaw> one = pool_contacts({drops[0]});
+  const std::optional<ContactLaw> all = pool_contacts(drops);
+  ASSERT_TRUE(one && all);
+  EXPECT_TRUE(all->is_heard);
+  EXPECT_LT(all->sigma_s, 0.4 * one->sigma_s);
+  EXPECT_NEAR(all->tau_1_s, 30e-6, 3.0 * all->sigma_s);
+}
+
+TEST(ContactLaw, UnheardIsThatOfSteelOrForASoftSoundUnknownToHalfAPeriod) {
+  const ContactLaw steel = unheard_contact(8e3);
+  EXPECT_NEAR(steel.tau_1_s, 29e-6, steel.sigma_s);  // 3 mm of radius on glass, Hertz
+  const ContactLaw rubber = unheard_contact(300.0);
+  EXPECT_EQ(rubber.tau_1_s, 0.0);
+  EXPECT_NEAR(rubber.sigma_s, 0.5 / 300.0, 1e-12);
+}
+
+TEST(ContactLaw, IsAbsentWithoutImpactsOrBands) {
+  BandLevels few = levels_of({}, 1);
+  few.u.resize(7);
+  few.level.resize(7);
+  EXPECT_FALSE(fit_contact(few));
+  EXPECT_FALSE(fit_contact({}));
+  EXPECT_FALSE(pool_contacts({}));
+}
+
+}  // namespace
+}  // namespace bouncelab::detection

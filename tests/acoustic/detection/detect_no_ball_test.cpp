@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sounds that come in rows and are no ball: voices, hands, feet, drums, clocks. No train is invented.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "bouncelab/detection/detect.hpp"
+#include "bouncing_sound.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kRate_hz = 44100.0;
+constexpr double kDuration_s = 30.0;
+constexpr std::uint64_t kSeeds = 4;
+
+std::vector<float> room() { return std::vector<float>(static_cast<std::size_t>(kDuration_s * kRate_hz), 0.0F); }
+
+/// Noise through one resonance, dying away: a clap, a key, a step.
+void add_thud(std::vector<float>& x, double t_s, double amplitude, double f_hz, double decay_s, Random& random) {
+  const double radius = std::exp(-kPi * 0.6 * f_hz / kRate_hz);
+  const double a1 = 2.0 * radius * std::cos(2.0 * kPi * f_hz / kRate_hz);
+  double y1 = 0.0, y2 = 0.0;
+  const auto first = static_cast<std::size_t>(t_s * kRate_hz);
+  for (std::size_t n = first; n < std::min(x.size(), first + 8192); ++n) {
+    const double y = (1.0 - radius) * random.normal() + a1 * y1 - radius * radius * y2;
+    y2 = y1, y1 = y;
+    x[n] += static_cast<float>(amplitude * y * std::exp(-static_cast<double>(n - first) / kRate_hz / decay_s));
+  }
+}
+
+/// Glottal pulses of a gliding pitch through three formants, in syllables of 80 to 300 ms, some behind a burst.
+std::vector<float> speech(Random& random) {
+  constexpr double kVowels_hz[4][3] = {{730, 1090, 2440}, {270, 2290, 3010}, {300, 870, 2240}, {530, 1840, 2480}};
+  std::vector<float> x = room();
+  const double pitch_hz = random.uniform(90.0, 220.0);
+  for (double t_s = 0.3; t_s < kDuration_s - 1.0;) {
+    if (random.uniform() < 0.5) add_thud(x, t_s, random.uniform(0.1, 0.6), random.uniform(2e3, 6e3), 5e-3, random);
+    const double length_s = random.uniform(0.08, 0.3);
+    const double* vowel_hz = kVowels_hz[static_cast<int>(random.uniform(0.0, 4.0))];
+    const double glide = random.uniform(-0.3, 0.3);
+    for (double pulse_s = 0.0; pulse_s < length_s;) {
+      const double envelope = std::sin(kPi * pulse_s / length_s);
+      const auto first = static_cast<std::size_t>((t_s + pulse_s) * kRate_hz);
+      for (std::size_t n = first; n < std::min(x.size(), first + 900); ++n) {
+        const double dt = static_cast<double>(n - first) / kRate_hz;
+        for (int f = 0; f < 3; ++f)
+          x[n] += static_cast<float>(0.2 / (1 + f) * envelope * std::exp(-kPi * (60.0 + 40.0 * f) * dt) *
+                                     std::sin(2.0 * kPi * vowel_hz[f] * dt));
+      }
+      pulse_s += (1.0 + 0.01 * random.normal()) / (pitch_hz * (1.0 + glide * pulse_s / length_s));
+    }
+    t_s += length_s + (random.uniform() < 0.8 ? 0.04 * random.exponential() : random.uniform(0.2, 0.9));
+  }
+  return x;
+}
+
+/// A row of hits whose intervals grow or shrink by `tempo` and scatter by `scatter`, again and again.
+std::vector<float> rows(Random& random, double interval_s, double scatter, double tempo, int n, double f_hz,
+                        double decay_s) {
+  std::vector<float> x = room();
+  for (double t_s = 0.4; t_s < kDuration_s - 1.0; t_s += random.uniform(0.5, 1.5)) {
+    double step_s = interval_s * random.uniform(0.8, 1.2);
+    for (int k = 0; k < n && t_s < kDuration_s - 1.0; ++k, step_s *= tempo) {
+      add_thud(x, t_s, std::exp(0.3 * random.normal()), f_hz, decay_s, random);
+      t_s += step_s * (1.0 + scatter * random.normal());
+    }
+  }
+  return x;
+}
+
+std::vector<float> typing(Random& random) {
+  std::vector<float> x = room();
+  for (double t_s = 0.4; t_s < kDuration_s - 1.0;) {
+    const double amplitude = std::exp(0.4 * random.normal());
+    add_thud(x, t_s, amplitude, random.uniform(1500.0, 5000.0), 3e-3, random);
+    add_thud(x, t_s + random.uniform(0.05, 0.11), 0.4 * amplitude, random.uniform(1500.0, 5000.0), 4e-3, random);
+    t_s += 0.15 * std::exp(0.4 * random.normal()) + (random.uniform() < 0.1 ? 1.0 : 0.0);
+  }
+  return x;
+}
+
+/// Handling: bunches of four to eight sounds at random within three seconds, then quiet.
+std::vector<float> bunches(Random& random) {
+  std::vector<float> x = room();
+  for (double t_s = 0.4; t_s < kDuration_s - 5.0; t_s += 5.0) {
+    const int n = static_cast<int>(random.uniform(4.0, 9.0));
+    for (int k = 0; k < n; ++k)
+      add_thud(x, t_s + random.uniform(0.0, 3.0), std::exp(0.6 * random.normal()), random.uniform(100.0, 5000.0), 8e-3,
+               random);
+  }
+  return x;
+}
+
+template <class Make>
+void expect_no_train(const std::string& what, const Make& make) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    Random random(seed, RandomStream::test, 7);
+    std::vector<float> x = make(random);
+    test::add_noise(x, 5e-4, seed);
+    const Detection d = detect(x, kRate_hz, what);
+    EXPECT_GT(d.summary.n_candidates, 10) << what << ", seed " << seed << ": nothing was heard";
+    EXPECT_TRUE(d.onsets.empty()) << what << ", seed " << seed << ": " << d.message;
+  }
+}
+
+TEST(DetectNoBall, TakesNoSpeechForABall) {
+  expect_no_train("speech", [](Random& r) { return speech(r); });
+}
+
+TEST(DetectNoBall, TakesNoClappingForABall) {
+  expect_no_train("clapping", [](Random& r) { return rows(r, 0.35, 0.05, 1.0, 9, 1500.0, 10e-3); });
+}
+
+TEST(DetectNoBall, TakesNoStepsForABall) {
+  expect_no_train("steps", [](Random& r) { return rows(r, 0.55, 0.04, 1.0, 20, 150.0, 30e-3); });
+}
+
+TEST(DetectNoBall, TakesNoDrumRollForABall) {
+  expect_no_train("drum roll", [](Random& r) { return rows(r, 0.12, 0.02, 1.0, 25, 190.0, 80e-3); });
+}
+
+TEST(DetectNoBall, TakesNoSlowingMetronomeForABall) {
+  expect_no_train("ritardando", [](Random& r) { return rows(r, 0.4, 0.001, 1.03, 14, 2500.0, 10e-3); });
+}
+
+TEST(DetectNoBall, TakesNoTypingForABall) {
+  expect_no_train("typing", [](Random& r) { return typing(r); });
+}
+
+TEST(DetectNoBall, TakesNoHandlingForABall) {
+  expect_no_train("handling", [](Random& r) { return bunches(r); });
+}
+
+}  // namespace
+}  // namespace bouncelab::detection

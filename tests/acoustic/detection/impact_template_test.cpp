@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/impact_template.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kRate_hz = 44100.0;
+constexpr int kImpacts = 20;
+
+/// Adds a sound of three modes, ringing from t_s on.
+void strike(std::vector<float>& sound, double t_s, double amplitude, const std::vector<double>& frequencies_hz) {
+  for (auto n = static_cast<std::size_t>(std::ceil(t_s * kRate_hz)); n < sound.size(); ++n) {
+    const double s = static_cast<double>(n) / kRate_hz - t_s;
+    if (s > 0.05) break;
+    for (const double f : frequencies_hz)
+      sound[n] += static_cast<float>(amplitude * std::exp(-s / 3e-3) * std::sin(2.0 * kPi * f * s));
+  }
+}
+
+/// Twenty impacts of one ball and, louder than all, a door: what rises most is not what is to be learned.
+TEST(ImpactWave, IsThatOfMostImpactsThoughTheLoudestIsAnotherThing) {
+  std::vector<float> samples(static_cast<std::size_t>(5.5 * kRate_hz));
+  Random random(3, RandomStream::test, 0);
+  for (float& x : samples) x = static_cast<float>(1e-3 * random.normal());
+  std::vector<RoughImpact> rough;
+  for (int k = 0; k <= kImpacts; ++k) {
+    const bool is_door = k == 4;
+    const double t_s = 0.2 + 0.25 * k + 1e-4 * random.uniform();
+    strike(samples, t_s, is_door ? 0.8 : 0.2,
+           is_door ? std::vector{700.0, 1300.0, 9000.0} : std::vector{2100.0, 5300.0, 7700.0});
+    rough.push_back({t_s, is_door ? 800.0 : 200.0, 0.4e-3, false});
+  }
+  const audio::Sound sound = audio::sound_in_memory(samples, kRate_hz);
+  const auto wave = learn_impact_wave(sound, audio::learn_sound_models(sound, 48).noise, rough);
+  ASSERT_TRUE(wave);
+  EXPECT_EQ(wave->n_impacts, kImpacts);
+  EXPECT_GT(wave->correlation, 0.9);
+}
+
+}  // namespace
+}  // namespace bouncelab::detection

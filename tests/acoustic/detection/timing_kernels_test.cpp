@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The kernels of the detector's timing, one by one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "bouncelab/audio/dsp/decimate.hpp"
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/units.hpp"
+#include "contact/pulse_spectrum.hpp"
+#include "support/direct_fourier.hpp"
+#include "timing/coherence_weight.hpp"
+#include "timing/correlation_peaks.hpp"
+#include "timing/cycle_ambiguity.hpp"
+#include "timing/subband_delay.hpp"
+#include "timing/subband_jitter.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kWindow = 1024;
+
+std::vector<float> noise(std::size_t n, std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 7);
+  std::vector<float> x(n);
+  for (float& v : x) v = static_cast<float>(random.normal());
+  return x;
+}
+
+/// Eight damped modes that start softly at sample `start`; phases[m] is added to mode m.
+std::vector<float> modes(double start, const std::vector<double>& phases) {
+  std::vector<float> x(kWindow, 0.0F);
+  for (std::size_t n = 0; n < kWindow; ++n) {
+    const double t = static_cast<double>(n) - start;
+    if (t <= 0.0) continue;
+    double sum = 0.0;
+    for (std::size_t m = 0; m < 8; ++m)
+      sum += std::sin((0.2 + 0.3 * static_cast<double>(m)) * t + phases[m]) * std::exp(-t / 60.0);
+    x[n] = static_cast<float>(sum * (1.0 - std::exp(-t * t / 8.0)));
+  }
+  return x;
+}
+
+const std::vector<double> kNoPhases(8, 0.0);
+
+TEST(Products, CorrelateIsThePlainSumAtAnyLength) {
+  for (const std::size_t n : {1U, 7U, 32U, 100U}) {
+    const std::vector<float> x = noise(n + 20, n);
+    const std::vector<float> taps = noise(21, n + 1);
+    std::vector<float> out(n);
+    audio::correlate(x, taps, out);
+    for (std::size_t k = 0; k < n; ++k) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j < taps.size(); ++j) sum += static_cast<double>(taps[j]) * x[k + j];
+      EXPECT_NEAR(out[k], sum, 1e-5);  // single precision over 21 terms of size 1
+    }
+  }
+}
+
+TEST(Products, CorrelateGivesTheSameBytesWhereverAnOutputStands) {
+  // with and without wide registers: the last of 100 outputs are computed one by one, as are those of a span of one
+  for (std::size_t n_taps = 1; n_taps <= 100; ++n_taps) {
+    const std::vector<float> x = noise(100 + n_taps, n_taps);
+    const std::vector<float> taps = noise(n_taps, n_taps + 1);
+    std::vector<float> out(100);
+    audio::correlate(x, taps, out);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      float alone = 0.0F;
+      audio::correlate(std::span(x).subspan(k), taps, std::span(&alone, 1));
+      ASSERT_EQ(out[k], alone) << n_taps << " taps, output " << k;
+    }
+  }
+}
+
+TEST(Fourier, KeepsSumsOfProducts) {
+  audio::Fourier fourier(kWindow);
+  const std::vector<float> a = modes(100.0, kNoPhases);
+  const std::vector<float> b = modes(103.5, kNoPhases);
+  const audio::Spectrum z = audio::product_conj(fourier.forward(a), fourier.forward(b));
+  const double sum = std::accumulate(z.re.begin(), z.re.end(), 0.0);
+  EXPECT_NEAR(sum, audio::dot(a, b), 1e-3 * audio::dot(a, a));  // but for the mean, which the spectrum leaves out
+}
+
+TEST(Fourier, PhasorsMoveAWaveByFractionsOfASample) {
+  // a packet that is band-limited and has no mean, to far below single precision
+  const auto packet = [](double centre) {
+    std::vector<float> x(kWindow);
+    for (std::size_t n = 0; n < kWindow; ++n) {
+      const double t = static_cast<double>(n) - centre;
+      x[n] = static_cast<float>(std::exp(-t * t / 200.0) * std::sin(1.3 * t + 0.4));
+    }
+    return x;
+  };
+  audio::Fourier fourier(kWindow);
+  const audio::Spectrum at_500 = fourier.forward(packet(500.0));
+  const std::vector<float> moved =
+      fourier.inverse(audio::product(at_500, audio::phasors(at_500.size(), -2.0 * kPi / kWindow * 0.37)));
+  const std::vector<float> direct = packet(500.37);
+  double error2 = 0.0;
+  for (std::size_t n = 0; n < kWindow; ++n) error2 += std::pow(moved[n] - direct[n], 2);
+  EXPECT_LT(std::sqrt(error2 / audio::dot(direct, direct)), 1e-5);  // phasors to 1e-6
+}
+
+TEST(CoherentShare, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
+  // a wave of 30 dB a bin below bin 200, noise above, in the sums of 16 impacts each
+  constexpr std::size_t kBins = 513;
+  Random random(1, RandomStream::test, 13);
+  audio::Spectrum sums[2];
+  for (audio::Spectrum& sum : sums)
+    for (std::size_t k = 0; k < kBins; ++k) {
+      const double wave = k < 200 ? 30.0 : 0.0;
+      sum.re.push_back(static_cast<float>(16.0 * wave + 4.0 * random.normal()));
+      sum.im.push_back(static_cast<float>(4.0 * random.normal()));
+    }
+  const std::vector<float> share = coherent_share(sums[0], 16.0, sums[1], 16.0);
+  for (std::size_t k = 0; k < 190; ++k) EXPECT_GT(share[k], 0.99F) << k;
+  double of_noise = 0.0;
+  for (std::size_t k = 210; k < kBins; ++k) of_noise += share[k] / static_cast<double>(kBins - 210);
+  EXPECT_LT(of_noise, 0.03);
+}
+
+TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
+  audio::Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  const BandClocks clocks = equal_clocks(wave);
+  const double level = 0.2;
+  const double bound = level / std::sqrt(wave.information(0, wave.wave().size()));
+  double squares = 0.0;
+  double stated = 0.0;
+  constexpr int kTrials = 200;
+  for (int k = 0; k < kTrials; ++k) {
+    std::vector<float> x = modes(100.0, kNoPhases);
+    const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(k) + 100);
+    for (std::size_t n = 0; n < kWindow; ++n)
+      x[n] = (x[n] + static_cast<float>(level) * w[n]) / static_cast<float>(level);
+    const ClockReading r = read_clocks(wave, clocks, fourier.forward(x), 0.3);
+    squares += r.shift * r.shift / kTrials;
+    stated += r.variance / kTrials;
+  }
+  // the rms of 200 trials scatters by 5 %; three of that
+  EXPECT_NEAR(std::sqrt(squares) / bound, 1.0, 0.15);
+  EXPECT_NEAR(std::sqrt(stated) / bound, 1.0, 0.15);
+}
+
+TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
+  // modes struck with random phases: each looks like a shift of its own, and the errors are far above the noise
+  audio::Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  BandClocks clocks = equal_clocks(wave);
+  Random random(3, RandomStream::test, 9);
+  const auto impact = [&](std::uint64_t seed) {
+    std::vector<double> phases(8);
+    for (double& p : phases) p = 0.1 * random.normal();
+    std::vector<float> x = modes(100.0, phases);
+    const std::vector<float> w = noise(kWindow, seed);
+    for (std::size_t n = 0; n < kWindow; ++n) x[n] = (x[n] + 0.01F * w[n]) / 0.01F;
+    return read_clocks(wave, clocks, fourier.forward(x), 0.0);
+  };
+  std::vector<ClockReading> readings;
+  for (std::uint64_t k = 0; k < 60; ++k) readings.push_back(impact(k));
+  learn_jitter(readings, wave, clocks);
+  double pull2 = 0.0;
+  constexpr int kTrials = 200;
+  for (std::uint64_t k = 0; k < kTrials; ++k) {
+    const ClockReading r = impact(1000 + k);
+    pull2 += r.shift * r.shift / r.variance / kTrials;
+  }
+  EXPECT_GT(std::sqrt(pull2), 0.8);
+  EXPECT_LT(std::sqrt(pull2), 1.25);
+}
+
+TEST(BandClocks, MeanHasTheVarianceOfItsCovariances) {
+  // by the full matrix: cov_jk = rho^|j-k| sqrt(J_j J_k), and noise on the diagonal
+  BandClocks clocks;
+  clocks.jitter2 = {1.0, 4.0, 0.1, 2.0, 0.0};
+  clocks.noise.assign(5, 1.0);
+  clocks.correlation = 0.6;
+  const std::vector<double> noise{0.5, 1.0, 0.02, 3.0, 1.5};
+  const auto covariance = [&](std::size_t j, std::size_t k) {
+    const double lag = std::abs(static_cast<double>(j) - static_cast<double>(k));
+    return std::pow(0.6, lag) * std::sqrt(clocks.jitter2[j] * clocks.jitter2[k]) + (j == k ? noise[j] : 0.0);
+  };
+  const MeanOfClocks mean = mean_of_clocks(clocks, noise);
+  double independent = 0.0, variance = 0.0;
+  for (std::size_t j = 0; j < 5; ++j) {
+    double with = 0.0;
+    for (std::size_t k = 0; k < 5; ++k) with += mean.weight[k] * covariance(j, k);
+    variance += mean.weight[j] * with;
+    independent += mean.weight[j] * mean.weight[j] * covariance(j, j);
+    EXPECT_NEAR(mean.with[j], with / (mean.weight[j] * covariance(j, j)), 1e-12) << j;
+  }
+  EXPECT_NEAR(mean.variance, variance, 1e-12);
+  EXPECT_NEAR(mean.dependence, variance / independent, 1e-12);
+}
+
+TEST(BandClocks, FindNoJitterWhereThereIsOnlyNoise) {
+  audio::Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  constexpr float kLevel = 0.2F;
+  const double bound = kLevel / std::sqrt(wave.information(0, wave.wave().size()));
+  double mean = 0.0;
+  constexpr int kDrops = 40;
+  for (int drop = 0; drop < kDrops; ++drop) {
+    BandClocks clocks = equal_clocks(wave);
+    std::vector<ClockReading> readings;
+    for (int k = 0; k < 32; ++k) {
+      std::vector<float> x = modes(100.0, kNoPhases);
+      const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(1000 * drop + k) + 7);
+      for (std::size_t n = 0; n < kWindow; ++n) x[n] = x[n] / kLevel + w[n];
+      readings.push_back(read_clocks(wave, clocks, fourier.forward(x), 0.0));
+    }
+    learn_jitter(readings, wave, clocks);
+    std::vector<float> quiet = modes(100.0, kNoPhases);
+    for (float& v : quiet) v /= kLevel;
+    const double variance = read_clocks(wave, clocks, fourier.forward(quiet), 0.0).variance;
+    // where they agree chi2 is 0, and the scale 8 / (8 + n - 1)
+    const double stated = std::sqrt(variance * (8.0 + static_cast<double>(clocks.n()) - 1.0) / 8.0) / bound;
+    mean += stated / kDrops;
+  }
+  // 32 impacts know eight jitters of 0 to a fifth of the noise each, and none is below 0; that they know their
+  // correlation no better than a chance of 0.1 must not add to it
+  EXPECT_NEAR(mean, 1.0, 0.05);
+}
+
+std::vector<ImpactPlaces> train(double lead) {
+  std::vector<ImpactPlaces> impacts;
+  double t_s = 0.0;
+  double flight_s = 0.15;
+  for (int k = 0; k < 30; ++k) {
+    impacts.push_back({k, {{t_s, 0.0}, {t_s + 0.4e-3, lead}, {t_s - 0.4e-3, lead}}});
+    t_s += flight_s;
+    flight_s *= 0.95 + 2e-4 * std::sin(7.0 * k);
+  }
+  return impacts;
+}
+
+TEST(CycleChoice, PutsASlippedImpactBackWhereTheTrainIsSmooth) {
+  // of three places the least likely by sound
+  std::vector<ImpactPlaces> impacts = train(20.0);
+  std::vector<Place>& places = impacts[12].places;
+  std::swap(places[0].t_s, places[2].t_s);
+  places[1].lead = 0.5;
+  places[2].lead = 1.0;
+  const std::vector<PlaceChoice> choices = choose_places(impacts);
+  for (std::size_t k = 0; k < impacts.size(); ++k) EXPECT_EQ(choices[k].place, k == 12 ? 2U : 0U) << k;
+  EXPECT_GT(choices[12].lead[0], 5.0);
+  EXPECT_GT(choices[12].lead[1], 5.0);
+  EXPECT_EQ(choices[12].lead[2], 0.0);
+}
+
+TEST(CycleChoice, LeavesAloneWhatTheSoundHasSettled) {
+  std::vector<ImpactPlaces> impacts = train(20.0);
+  for (std::size_t k = 12; k < impacts.size(); ++k) impacts[k].places[0].t_s -= 10e-3;  // a single loss
+  for (const PlaceChoice& choice : choose_places(impacts)) EXPECT_EQ(choice.place, 0U);
+}
+
+TEST(FindPlaces, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
+  // a packet of 20 samples a cycle, 3 cycles long, in noise as loud: its neighbours 20 and 40 samples off on both sides
+  const auto packet = [](double centre) {
+    std::vector<float> x(kWindow);
+    for (std::size_t n = 0; n < kWindow; ++n) {
+      const double t = static_cast<double>(n) - centre;
+      x[n] = static_cast<float>(std::exp(-t * t / 1800.0) * std::sin(2.0 * kPi * t / 20.0));
+    }
+    return x;
+  };
+  audio::Fourier fourier(kWindow);
+  const WaveTemplate wave(fourier.forward(packet(500.0)), kWindow);
+  const std::vector<WavePlace> places = find_places(wave, fourier.forward(packet(506.0)), -50.0, 50.0);
+  ASSERT_GE(places.size(), 5U);
+  EXPECT_NEAR(places[0].shift, 6.0, 0.5);
+  for (std::size_t k = 1; k < 5; ++k) {
+    EXPECT_NEAR(std::abs(places[k].shift - 6.0), k < 3 ? 20.0 : 40.0, 1.0) << k;
+    EXPECT_LE(places[k].gain, places[k - 1].gain) << k;
+  }
+  // energy (1 - r^2) / 2 with r = exp(-20^2 / 3600), the packet's correlation with itself a cycle later
+  EXPECT_NEAR((places[0].gain - places[1].gain) / wave.energy(), 0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
+}
+
+TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
+  constexpr double kRate_hz = 48e3;
+  std::vector<float> x(48000);
+  const auto tone = [](double f_hz, double t_s) { return std::sin(2.0 * kPi * f_hz * t_s); };
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const double t_s = static_cast<double>(n) / kRate_hz;
+    x[n] = static_cast<float>(tone(700.0, t_s) + tone(6100.0, t_s));
+  }
+  const audio::Sound low = audio::low_band(audio::sound_in_memory(x, kRate_hz), 12);
+  EXPECT_DOUBLE_EQ(low.rate_hz, 4000.0);
+  std::vector<float> y(static_cast<std::size_t>(low.n_samples));
+  low.read(0, y);
+  for (std::size_t n = 100; n + 100 < y.size(); ++n)
+    EXPECT_NEAR(y[n], tone(700.0, static_cast<double>(n) / low.rate_hz), 0.01);  // 40 dB stop band
+}
+
+TEST(PulseSpectrum, OfAHalfSineIsTheClosedForm) {
+  std::vector<float> value(300), slope(300);
+  PulseSpectrum::half_sine().tabulate(0.0097, value, slope);
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const double x = 0.0097 * static_cast<double>(k);
+    if (std::abs(x - 0.5) < 0.02) continue;
+    EXPECT_NEAR(value[k], std::cos(kPi * x) / (1.0 - 4.0 * x * x), 2e-5) << x;
+  }
+}
+
+TEST(PulseSpectrum, SlopeIsTheDerivativeOfTheValue) {
+  std::vector<float> value(300), slope(300);
+  PulseSpectrum::hertz().tabulate(0.01, value, slope);
+  for (std::size_t k = 1; k + 1 < value.size(); ++k)
+    EXPECT_NEAR(slope[k], (value[k + 1] - value[k - 1]) / 0.02, 2e-3);  // P''' h^2 / 6 with P''' below 30
+}
+
+TEST(PulseSpectrum, HertzIsShorterThanAHalfSineOfTheSameDuration) {
+  // a pulse that starts like s^(3/2) is the more compact one: its spectrum falls more slowly
+  std::vector<float> hertz(100), sine(100), slope(100);
+  PulseSpectrum::hertz().tabulate(0.01, hertz, slope);
+  PulseSpectrum::half_sine().tabulate(0.01, sine, slope);
+  for (std::size_t k = 5; k < 100; ++k) EXPECT_GT(hertz[k], sine[k]);
+}
+
+}  // namespace
+}  // namespace bouncelab::detection

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/synthesis/synthesize.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sndfile.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/synthesis/hard_cases.hpp"
+#include "few_impacts.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(HardCases, EachIsARecordingOfTheSameImpacts) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  const Impacts two = impacts({0.05, 0.15});
+  const std::vector<double> plain = SyntheticRecording(two, config).samples();
+  for (const HardCase& hard : hard_cases()) {
+    const SyntheticRecording recording(two, with_hard_case(config, hard.name));
+    ASSERT_EQ(recording.truth().size(), 2u) << hard.name;
+    EXPECT_EQ(recording.truth()[1].t_s, 0.1 + 0.15) << hard.name;
+    EXPECT_NE(recording.samples(), plain) << hard.name;
+  }
+  EXPECT_THROW(with_hard_case(config, "impossible"), InvalidArgument);
+}
+
+TruthSink collect(std::vector<DropTruth>& all) {
+  return [&all](const DropTruth& drop) { all.push_back(drop); };
+}
+
+class SynthesizeFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("bouncelab_synthesize_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directory(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string bytes(const fs::path& path) const {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  fs::path folder_;
+};
+
+TEST_F(SynthesizeFile, SameBytesForAnyNumberOfThreads) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  config.lead_in_s = 9.0;
+  const Impacts two = impacts({0.1, 0.3});
+  for (const std::string extension : {".wav", ".flac"}) {
+    config.n_threads = 1;
+    synthesize(drops_of(two), config, folder_ / ("one" + extension), false);
+    config.n_threads = 4;
+    synthesize(drops_of(two), config, folder_ / ("four" + extension), false);
+    EXPECT_GT(bytes(folder_ / ("one" + extension)).size(), 900000u);
+    EXPECT_EQ(bytes(folder_ / ("one" + extension)), bytes(folder_ / ("four" + extension)));
+  }
+}
+
+TEST_F(SynthesizeFile, DropByDropItHoldsTheSamplesAndTheTruthOfTheWhole) {
+  SynthesisConfig config = with_hard_case(quiet(), "rough");
+  config.encoding = audio::SampleEncoding::float32;
+  config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
+  Impacts five;
+  for (int drop = 0; drop < 5; ++drop)
+    for (int k = 0; k < 4; ++k) five.rows.push_back(impact(3 * drop, k, 0.1 + 0.05 * k, 1.0 - 0.1 * k - 0.05 * drop));
+  const SyntheticRecording whole(five, config);
+  ASSERT_GE(whole.n_segments(), 4) << "drops begin in several segments";
+  for (const int n_threads : {1, 3}) {
+    config.n_threads = n_threads;
+    std::vector<DropTruth> truth;
+    synthesize(drops_of(five), config, folder_ / "a.wav", true, collect(truth));
+    SF_INFO info{};
+    SNDFILE* file = sf_open((folder_ / "a.wav").c_str(), SFM_READ, &info);
+    ASSERT_NE(file, nullptr);
+    ASSERT_EQ(info.frames, whole.n_frames());
+    std::vector<float> samples(static_cast<std::size_t>(info.frames * 2));
+    sf_read_float(file, samples.data(), static_cast<sf_count_t>(samples.size()));
+    sf_close(file);
+    const std::vector<double> expected = whole.samples();
+    for (std::size_t k = 0; k < samples.size(); ++k) ASSERT_EQ(samples[k], static_cast<float>(expected[k])) << k;
+
+    ASSERT_EQ(truth.size(), 5u);
+    std::size_t n_others = 0;
+    for (std::size_t drop = 0; drop < 5; ++drop) {
+      ASSERT_EQ(truth[drop].impacts.size(), 4u);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const TrueImpact &a = truth[drop].impacts[k], &b = whole.truth()[4 * drop + k];
+        EXPECT_EQ(a.drop, 3 * static_cast<std::int64_t>(drop));
+        EXPECT_EQ(a.t_s, b.t_s);
+        EXPECT_EQ(a.sigma_t_s, b.sigma_t_s);
+        EXPECT_EQ(a.amplitude, b.amplitude);
+      }
+      for (const OtherSound& other : truth[drop].others) EXPECT_EQ(other.t_s, whole.others().at(n_others++).t_s);
+    }
+    EXPECT_EQ(n_others, whole.others().size());
+  }
+}
+
+TEST_F(SynthesizeFile, OneFileADropHasTheSameTruthAndItsOwnNoise) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  Impacts two = impacts({0.1, 0.3});
+  two.rows.push_back(impact(1, 0, 0.1, 0.4));
+  two.rows.push_back(impact(1, 1, 0.2, 0.3));
+  std::vector<DropTruth> together, apart;
+  synthesize(drops_of(two), config, folder_ / "all.wav", false, collect(together));
+  const SynthesisResult result =
+      synthesize_each_drop(drops_of(two), config, folder_ / "drop.wav", false, collect(apart));
+  EXPECT_EQ(result.n_files, 2);
+  EXPECT_EQ(result.n_impacts, 4);
+  ASSERT_EQ(together.size(), 2u);
+  ASSERT_EQ(apart.size(), 2u);
+  EXPECT_EQ(apart[1].recording, folder_ / "drop.0001.wav");
+  EXPECT_TRUE(fs::exists(apart[1].recording));
+  for (std::size_t k = 0; k < 4; ++k) {
+    const TrueImpact &a = together[k / 2].impacts[k % 2], &b = apart[k / 2].impacts[k % 2];
+    EXPECT_EQ(a.drop, b.drop);
+    EXPECT_NEAR(a.amplitude, b.amplitude, 1e-6 * a.amplitude) << "levels are common; peaks depend on the sample grid";
+    EXPECT_NEAR(a.sigma_t_s, b.sigma_t_s, 1e-3 * a.sigma_t_s);
+  }
+  EXPECT_NEAR(apart[1].impacts[0].t_s, config.lead_in_s + 0.1, 1e-15);
+}
+
+TEST_F(SynthesizeFile, AnInterruptionLeavesNothing) {
+  SynthesisConfig config = quiet();
+  config.lead_in_s = 9.0;
+  const Impacts one = impacts({0.1});
+  for (const double when : {-1.0, 0.0}) {  // during the survey; after the first segments
+    const auto stop = [when](double done, double) {
+      if (done > when) throw Interrupted();
+    };
+    EXPECT_THROW(synthesize(drops_of(one), config, folder_ / "a.wav", false, {}, stop), Interrupted);
+  }
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(SynthesizeFile, TheTruthReadsAsOnsets) {
+  SynthesisConfig config = quiet();
+  const Impacts two = impacts({0.1, 0.3});
+  std::vector<DropTruth> truth;
+  synthesize(drops_of(two), config, folder_ / "a.wav", false, collect(truth));
+  const std::vector<TrueImpact>& hits = truth.at(0).impacts;
+  {
+    std::ofstream out(folder_ / "truth.csv");
+    write_csv(out, truth_table(hits, "a.wav"));
+  }
+  const std::string name = (folder_ / "truth.csv").string();
+  const Onsets onsets = onsets_from_table(read_csv(name, onset_columns()), name);
+  ASSERT_EQ(onsets.size(), 2u);
+  EXPECT_EQ(onsets[1].recording, "a.wav");
+  EXPECT_EQ(onsets[1].impact, 1);
+  EXPECT_EQ(onsets[1].t_s, hits[1].t_s);
+  EXPECT_EQ(onsets[1].sigma_t_s, hits[1].sigma_t_s);
+}
+
+TEST_F(SynthesizeFile, ARateTooLowForTheModesSaysWhichAreLeftOut) {
+  SynthesisConfig config = quiet();
+  config.rate_hz = 44100;
+  const Impacts one = impacts({0.1});
+  const SynthesisResult result = synthesize(drops_of(one), config, folder_ / "a.wav", false);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], testing::HasSubstr("modes from 22"));
+  EXPECT_THAT(result.warnings[0], testing::HasSubstr("44100 Hz"));
+}
+
+std::string refusal(const Impacts& what, const SynthesisConfig& config) {
+  try {
+    SyntheticRecording recording(what, config);
+  } catch (const InvalidArgument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SynthesisBadInput, IsRefusedByNameAndValue) {
+  const SynthesisConfig good = quiet();
+  SynthesisConfig config = good;
+  config.snr_db = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("snr_db is nan"));
+  config = good;
+  config.rate_hz = 4000;
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("rate_hz is 4000"));
+  config = good;
+  config.channels.clear();
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("channels"));
+  config.channels = {Channel{0.2, 0.0, 0.0, 1.0}};
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("sensor x_m is 0.2"));
+  EXPECT_THAT(refusal({}, good), testing::HasSubstr("no impacts"));
+  EXPECT_THAT(refusal(impacts({0.3, 0.1}), good), testing::HasSubstr("drop 0, impact 1: t_s 0.1"));
+  EXPECT_THAT(refusal(impacts({0.1}, -1.0), good), testing::HasSubstr("v_mps is -1"));
+  Impacts away = impacts({0.1});
+  away.states.resize(1);
+  away.states[0].position_m = {0.16, 0.0, 0.003};
+  EXPECT_THAT(refusal(away, good), testing::HasSubstr("x = 0.16"));
+  config = good;
+  config.disturbances.robot_cycle = true;
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("pause_s"));
+}
+
+}  // namespace
+}  // namespace bouncelab::synthesis

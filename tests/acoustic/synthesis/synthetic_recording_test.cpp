@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <iterator>
+#include <limits>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/units.hpp"
+#include "few_impacts.hpp"
+#include "scene/noise.hpp"
+#include "sensor/reverberation.hpp"
+#include "support/direct_fourier.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+using Complex = std::complex<double>;
+
+TEST(Synthesis, TheSameImpactAtSixtyFourFractionsOfASampleIsTheSameWaveShiftedInPhase) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  const auto spectrum_at = [&](double offset_samples) {
+    std::vector<double> x =
+        SyntheticRecording(impacts({0.05 + offset_samples / config.rate_hz}), config, instrument).samples();
+    x.resize(1 << 15, 0.0);  // 0.34 s: what is left of the ringing is below 1e-8
+    return fourier(x);
+  };
+  const std::vector<Complex> reference = spectrum_at(0.0);
+  const auto n = static_cast<double>(1 << 15);
+  for (int k = 1; k < 64; ++k) {
+    const double offset = k / 64.0;
+    const std::vector<Complex> shifted = spectrum_at(offset);
+    // least squares of the residual shift: phase = -2 pi f d, weight |f X|^2
+    double numerator = 0.0, denominator = 0.0, difference = 0.0, energy = 0.0;
+    for (std::size_t f = 1; f < reference.size() / 2; ++f) {
+      const double radians = 2.0 * kPi * static_cast<double>(f) / n;
+      const Complex aligned = shifted[f] * std::polar(1.0, radians * offset);
+      numerator += radians * std::imag(std::conj(aligned) * reference[f]);
+      denominator += radians * radians * std::norm(reference[f]);
+      difference += std::norm(aligned - reference[f]);
+      energy += std::norm(reference[f]);
+    }
+    EXPECT_LT(std::abs(numerator / denominator), 1e-5) << "shift left, in samples, at offset " << offset;
+    // what folds back past the converter's 100 dB, and the filter table's 1e-8
+    EXPECT_LT(std::sqrt(difference / energy), 2e-5) << offset;
+  }
+}
+
+TEST(Synthesis, BothSidesOfTheSoundAreWhereTheTruthSays) {
+  SynthesisConfig config = quiet();
+  const SyntheticRecording recording(impacts({0.05, 0.15}), config);
+  const std::vector<double> x = recording.samples();
+  for (const TrueImpact& hit : recording.truth()) {
+    const auto at = static_cast<std::size_t>((hit.t_s + hit.travel_time_s) * config.rate_hz);
+    // the converter's precursor is below 1% beyond six samples; two samples of a pulse starting like s^1.5 are small
+    if (hit.impact == 0) {
+      EXPECT_LT(rms(std::span(x).subspan(at - 100, 94)), 0.01 * hit.amplitude);
+    }
+    EXPECT_GT(rms(std::span(x).subspan(at, 40)), 0.05 * hit.amplitude);
+    double largest = 0.0;
+    for (std::size_t k = at; k < at + 4000; ++k) largest = std::max(largest, std::abs(x[k]));
+    EXPECT_NEAR(largest, hit.amplitude, (hit.impact == 0 ? 1e-9 : 0.02)) << "the second rides on the first's ringing";
+  }
+  EXPECT_NEAR(recording.truth()[0].t_s, 0.15, 1e-15);
+  EXPECT_NEAR(recording.truth()[1].t_s - recording.truth()[0].t_s, 0.10, 1e-15);
+}
+
+TEST(Synthesis, ImpactsAddUp) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  // 0.7 ms apart: both within one head; and 40 ms
+  const Impacts both = impacts({0.05, 0.0507, 0.0907});
+  std::vector<double> sum(SyntheticRecording(both, config, instrument).samples().size(), 0.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::vector<double> one = SyntheticRecording(impacts({both.rows[k].t_s}), config, instrument).samples();
+    for (std::size_t j = 0; j < std::min(one.size(), sum.size()); ++j) sum[j] += one[j];
+  }
+  const std::vector<double> together = SyntheticRecording(both, config, instrument).samples();
+  for (std::size_t j = 0; j < 30000; ++j) ASSERT_NEAR(together[j], sum[j], 1e-9) << j;  // 1e-12 noise, 1e-11 silence
+}
+
+TEST(Synthesis, TheMomentumIsHeard) {
+  // quasi-static: at equal contact time the wave is proportional to m v (1 + eps)
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  Impacts soft = impacts({0.05}), hard = impacts({0.05});
+  soft.rows[0].v_after_mps = 0.0;
+  hard.rows[0].v_after_mps = 1.0;
+  EXPECT_NEAR(SyntheticRecording(hard, config, instrument).truth()[0].amplitude /
+                  SyntheticRecording(soft, config, instrument).truth()[0].amplitude,
+              2.0, 1e-12);
+}
+
+TEST(Synthesis, SamplesDependNeitherOnThreadsNorOnSegments) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  config.noise_corner_hz = 300.0;
+  config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
+  std::vector<double> times_s;
+  for (int k = 0; k < 60; ++k) times_s.push_back(0.1 + 0.1 * k);
+  const Impacts many = impacts(times_s);
+  const SyntheticRecording one(many, config);
+  config.n_threads = 3;
+  const SyntheticRecording three(many, config);
+  ASSERT_GE(one.n_segments(), 3);
+  EXPECT_EQ(three.segment(2), one.segment(2));
+  EXPECT_EQ(one.samples(), three.samples());
+}
+
+TEST(Synthesis, AcrossASegmentsBorderTheWaveGoesOn) {
+  // at 8 kHz the converter hears an impact 4 ms ahead
+  for (const int rate_hz : {8000, 96000}) {
+    SynthesisConfig config = quiet();
+    config.rate_hz = rate_hz;
+    config.max_mode_hz = 4e3;
+    config.levels = Levels{1e-4, 1e-12, 1.0};
+    const std::int64_t border = SyntheticRecording(impacts({0.05}), config).segment_frames();
+    const double border_s = static_cast<double>(border) / rate_hz;
+    const Impacts around = impacts({border_s - 0.1 - 0.01, border_s - 0.1 - 0.0001, border_s - 0.1 + 0.0015});
+    const std::vector<double> across = SyntheticRecording(around, config).samples();
+    config.lead_in_s += 0.25;  // the same sound, elsewhere in its segment
+    const std::vector<double> within = SyntheticRecording(around, config).samples();
+    const auto shift = static_cast<std::size_t>(rate_hz / 4);
+    for (auto k = static_cast<std::size_t>(border - rate_hz / 50); k < static_cast<std::size_t>(border + rate_hz / 50);
+         ++k)
+      ASSERT_NEAR(across[k], within[k + shift], 1e-9) << rate_hz << " Hz, " << k;
+  }
+}
+
+TEST(Synthesis, NoiseIsAsLoudAsTheSnrSays) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 20.0;
+  config.lead_in_s = 3.0;
+  for (const double corner_hz : {0.0, 1000.0}) {
+    config.noise_corner_hz = corner_hz;
+    Impacts two = impacts({0.05, 0.15});
+    two.rows[1].v_mps = 0.3;
+    two.rows[1].v_after_mps = 0.29;
+    const SyntheticRecording recording(two, config);
+    const std::vector<double> x = recording.samples();
+    const double weakest = recording.truth()[1].amplitude;
+    EXPECT_NEAR(recording.truth()[1].snr_db, 20.0, 1e-9);
+    EXPECT_NEAR(recording.truth()[0].amplitude, config.peak, 1e-12);
+    // 288,000 samples: 0.13% white; a 5 Hz floor leaves some 30 independent values of its slowest third, 10%
+    EXPECT_NEAR(rms(std::span(x).first(288000)) / (0.1 * weakest), 1.0, corner_hz > 0.0 ? 0.15 : 0.006);
+  }
+}
+
+/// Rms error of a matched filter that knows the wave and whitens the noise, over the bound that the truth states.
+double matched_filter_error_over_bound(double corner_hz, int n_trials) {
+  SynthesisConfig config = quiet();
+  config.noise_corner_hz = corner_hz;
+  config.lead_in_s = corner_hz > 0.0 ? 0.2 : 0.02;  // the whitening filter has to settle
+  config.pause_s = 0.12;                            // what rings on is exp(-20) of the information
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const auto instrument = make_instrument(config);
+  const FlickerFilter noise(corner_hz, config.rate_hz);
+  const auto wave_at = [&](double offset_samples) {
+    return SyntheticRecording(impacts({0.01 + offset_samples / config.rate_hz}), config, instrument).samples();
+  };
+  // the slope from the wave moved by +-0.05 samples: error (omega 0.05)^2 / 6, at most 0.3%
+  constexpr double kMove_samples = 0.05;
+  const std::vector<double> ahead = wave_at(-kMove_samples), behind = wave_at(kMove_samples), wave = wave_at(0.0);
+  std::vector<double> slope(wave.size());
+  for (std::size_t k = 0; k < wave.size(); ++k) slope[k] = (ahead[k] - behind[k]) / (2.0 * kMove_samples);
+  noise.whiten(slope);
+  double energy = 0.0;
+  for (const double s : slope) energy += s * s;
+  config.levels->noise_rms = 0.03 * *std::max_element(wave.begin(), wave.end());
+  double sum_of_squares = 0.0, bound_s = 0.0;
+  for (int trial = 0; trial < n_trials; ++trial) {
+    config.seed = static_cast<std::uint64_t>(trial) + 1;
+    const SyntheticRecording recording(impacts({0.01}), config, instrument);
+    bound_s = recording.truth()[0].sigma_t_s;
+    std::vector<double> rest = recording.samples();
+    for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= wave[k];
+    noise.whiten(rest);
+    // one Newton step from the truth: errors are hundredths of a sample, where the likelihood is a parabola
+    double shift = 0.0;
+    for (std::size_t k = 0; k < rest.size(); ++k) shift += rest[k] * slope[k] / energy;
+    sum_of_squares += shift * shift;
+  }
+  return std::sqrt(sum_of_squares / n_trials) / config.rate_hz / bound_s;
+}
+
+TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBound) {
+  const double ratio = matched_filter_error_over_bound(0.0, 2000);
+  RecordProperty("error_over_bound", std::to_string(ratio));
+  EXPECT_NEAR(ratio, 1.0, 0.05) << "an rms from 2000 trials is known to 1.6%";
+}
+
+TEST(Synthesis, SoItDoesInFlickerNoise) {
+  const double ratio = matched_filter_error_over_bound(500.0, 400);
+  RecordProperty("error_over_bound", std::to_string(ratio));
+  EXPECT_NEAR(ratio, 1.0, 0.10) << "an rms from 400 trials is known to 3.5%";
+}
+
+TEST(Synthesis, AfterTheContactThereIsNothingButTheModesOfTheTable) {
+  SynthesisConfig config = quiet();
+  config.max_mode_hz = 4.5e3;
+  Impacts off_centre = impacts({0.05});  // where no mode has a node
+  off_centre.states.resize(1);
+  off_centre.states[0].position_m = {0.03, 0.02, 0.003};
+  config.levels = SyntheticRecording(off_centre, config).levels();
+  config.levels->noise_rms = 1e-30;
+  const std::vector<double> x = SyntheticRecording(off_centre, config).samples();
+  const PlateModes plate(config.ground, config.max_mode_hz);
+  ASSERT_GE(plate.modes().size(), 5u);
+  // each factor 1 - 2 Re(E) z^-1 + |E|^2 z^-2 takes out one damped sinusoid of exactly this frequency and decay
+  const auto without = [](std::vector<double> y, double decay_per_s, double radps, double rate_hz) {
+    const Complex e = std::exp(Complex{-decay_per_s, radps} / rate_hz);
+    for (std::size_t k = y.size(); k-- > 2;) y[k] += -2.0 * e.real() * y[k - 1] + std::norm(e) * y[k - 2];
+    return y;
+  };
+  // from 6 ms after the impact, when the sensor's resonance has gone, until a resonator is put to rest at 1e-11; every
+  // eighth sample, or modes below 4.5 kHz would hardly differ from one another
+  constexpr std::size_t kStride = 8;
+  std::vector<double> decimated;
+  for (std::size_t k = 15000; k < 16000; k += kStride) decimated.push_back(x[k]);
+  const auto left_over = [&](std::size_t spared) {
+    std::vector<double> y = decimated;
+    const double rate_hz = static_cast<double>(config.rate_hz) / kStride;
+    for (std::size_t k = 0; k < plate.modes().size(); ++k)
+      if (k != spared) y = without(y, plate.modes()[k].decay_per_s, 2.0 * kPi * plate.modes()[k].frequency_hz, rate_hz);
+    y = without(y, 2.0 * kPi * config.sensor.highpass_hz, 0.0, rate_hz);  // the AC coupling
+    return rms(std::span(y).subspan(20)) / rms(decimated);
+  };
+  EXPECT_LT(left_over(plate.modes().size()), 1e-12) << "rounding, raised by up to 4 by each of eight factors";
+  for (std::size_t k = 0; k < plate.modes().size(); ++k)
+    EXPECT_GT(left_over(k), 1e-7) << "mode " << k << " is not heard";
+}
+
+TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
+  for (const double decay_60db_s : {0.15, 0.6}) {
+    constexpr double kRate_hz = 48000.0;
+    const ReverberationTail tail({-15.0, decay_60db_s}, kRate_hz);
+    std::vector<double> x(static_cast<std::size_t>(3.0 * kRate_hz), 0.0);
+    x[0] = 1.0;
+    tail.add_to(x);
+    const auto energy_from = [&](double t_s) {
+      double sum = 0.0;
+      for (auto k = static_cast<std::size_t>(t_s * kRate_hz); k < x.size(); ++k) sum += k == 0 ? 0.0 : x[k] * x[k];
+      return 10.0 * std::log10(sum);
+    };
+    EXPECT_NEAR(energy_from(0.0), -15.0, 0.05);
+    // 30 dB in half the time; the first echoes are few, so 1.5 dB
+    EXPECT_NEAR(energy_from(0.05) - energy_from(0.05 + 0.5 * decay_60db_s), 30.0, 1.5);
+  }
+}
+
+TEST(Synthesis, TheTimbreChangesAsTheBallWanders) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  Impacts here = impacts({0.05}), there = impacts({0.05});
+  here.states.resize(1);
+  there.states.resize(1);
+  there.states[0].position_m = {0.02, 0.01, 0.003};
+  const auto instrument = make_instrument(config);
+  const SyntheticRecording a(here, config, instrument), b(there, config, instrument);
+  const std::vector<double> x = a.samples(), y = b.samples();
+  double xy = 0.0, xx = 0.0, yy = 0.0;
+  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) {
+    xy += x[k] * y[k];
+    xx += x[k] * x[k];
+    yy += y[k] * y[k];
+  }
+  EXPECT_LT(std::abs(xy) / std::sqrt(xx * yy), 0.9);
+  EXPECT_EQ(b.truth()[0].x_m, 0.02);
+  const double nearer_m = std::hypot(0.115, 0.065) - std::hypot(0.095, 0.055);
+  EXPECT_NEAR(a.truth()[0].travel_time_s - b.truth()[0].travel_time_s, nearer_m / rayleigh_speed_mps(kGlass), 1e-15);
+  EXPECT_NEAR(1e6 * 0.01 / rayleigh_speed_mps(kGlass), 3.25, 0.1) << "3 to 5 us per cm (PHYSICS.md 5)";
+}
+
+TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 40.0;
+  config.pause_s = 3.0;
+  const Impacts three = impacts({0.1, 0.3, 0.5});
+  const SyntheticRecording plain(three, config);
+  config.disturbances = {0.5, 50.0, 0.2, 3.0, 2.0, 1.0, true, 0.0, 0.0};
+  const SyntheticRecording rough(three, config);
+  ASSERT_EQ(rough.truth().size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rough.truth()[k].t_s, plain.truth()[k].t_s);
+  const auto n_of = [&](const std::string& kind) {
+    return std::count_if(rough.others().begin(), rough.others().end(), [&](const auto& o) { return o.kind == kind; });
+  };
+  EXPECT_GE(n_of("knock"), 3) << "every impact has its double hit";
+  EXPECT_EQ(n_of("release"), 1);
+  EXPECT_EQ(n_of("fan"), 1);
+  EXPECT_EQ(n_of("motor"), 1);
+  EXPECT_EQ(n_of("pickup"), 1);
+  EXPECT_GT(n_of("click"), 0);
+  EXPECT_TRUE(plain.others().empty());
+  EXPECT_EQ(rough.samples(), rough.samples());
+  EXPECT_GT(rms(rough.samples()), rms(plain.samples()));
+}
+
+TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 40.0;
+  config.peak = 2.0;
+  config.channels = {Channel{0.1, 0.0, 0.0, 0.0}, Channel{}};
+  const SyntheticRecording recording(impacts({0.05}), config);
+  const std::vector<double> x = recording.samples();
+  double largest[2] = {0.0, 0.0};
+  for (std::size_t k = 0; k < x.size(); ++k) largest[k % 2] = std::max(largest[k % 2], std::abs(x[k]));
+  EXPECT_LT(largest[0], 6.0 * recording.levels().noise_rms);
+  EXPECT_EQ(largest[1], 1.0);
+  EXPECT_TRUE(has_flag(recording.truth()[0].flags, "clipped"));
+}
+
+TEST(Synthesis, EveryPresetSensorAndRateMakesASound) {
+  for (const GroundPreset preset : {GroundPreset::glass, GroundPreset::sic, GroundPreset::vitreloy})
+    for (const bool by_air : {false, true})
+      for (const int rate_hz : {8000, 44100, 192000, 2000000}) {
+        SynthesisConfig config = quiet();
+        config.pause_s = 0.05;
+        config.ground = ground_preset(preset);
+        config.rate_hz = rate_hz;
+        if (by_air) {
+          config.sensor = microphone();
+          config.channels = {Channel{0.1, 0.1, 0.2, 1.0}};
+        }
+        const SyntheticRecording recording(impacts({0.05}), config);
+        EXPECT_NEAR(recording.truth()[0].amplitude, 0.5, 1e-12);
+        EXPECT_GT(rms(recording.samples()), 1e-3);
+        EXPECT_EQ(recording.n_frames(), static_cast<std::int64_t>(std::ceil((0.1 + 0.05 + 0.05) * rate_hz - 1e-6)));
+      }
+}
+
+}  // namespace
+}  // namespace bouncelab::synthesis

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "commands/convert_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "bouncelab/audio/annotations.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/output_file.hpp"
+#include "files/provenance.hpp"
+#include "files/table_file.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { table, audacity, sonic_visualiser, praat, cues };
+
+Format format_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".csv" || is_hdf5(path) || is_json_lines(path)) return Format::table;
+  if (extension == ".txt") return Format::audacity;
+  if (extension == ".svl") return Format::sonic_visualiser;
+  if (extension == ".textgrid") return Format::praat;
+  if (extension == ".wav" || extension == ".rf64") return Format::cues;
+  throw InvalidArgument(path.string() + ": no format has the extension '" + extension +
+                        "'; use .csv, .jsonl, .h5, .txt (Audacity), .svl, .TextGrid or .wav");
+}
+
+std::string content_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in || fs::is_directory(path))
+    throw FileError(path.string(), fs::exists(path) ? "cannot be opened for reading" : "no such file");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+audio::Marks read_marks(const fs::path& path, Format format) {
+  const std::string name = path.string();
+  if (format == Format::cues) return audio::read_cues(path);
+  const std::string text = content_of(path);
+  if (format == Format::sonic_visualiser) return audio::parse_sonic_visualiser_layer(text, name);
+  return format == Format::praat ? audio::parse_text_grid(text, name) : audio::parse_audacity_labels(text, name);
+}
+
+Onsets read_onsets(const ConvertOptions& options) {
+  const Format format = format_of(options.input);
+  if (format != Format::table) {
+    audio::Marks marks = read_marks(options.input, format);
+    if (marks.marks.empty()) throw FileError(options.input, "holds no marks");
+    if (!options.recording.empty()) marks.recording = options.recording;
+    return audio::onsets_of(marks, options.renumber);
+  }
+  Onsets onsets = onsets_from_table(read_table(options.input, onset_columns()), options.input);
+  if (!options.recording.empty()) {
+    std::erase_if(onsets,
+                  [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.recording; });
+    for (Onset& onset : onsets) onset.recording = options.recording;
+  }
+  if (onsets.empty())
+    throw FileError(options.input, "holds no onsets" +
+                                       (options.recording.empty() ? std::string() : " of '" + options.recording + "'"));
+  return onsets;
+}
+
+/// What a format of marks needs of the recording. @throws FileError with the remedy
+audio::AudioFormat audio_format(const audio::Marks& marks, const std::string& out) {
+  if (marks.recording.empty())
+    throw InvalidArgument(out +
+                          ": this format needs the recording (its rate, or a copy of it); name it with --recording");
+  return audio::AudioReader(marks.recording).format();
+}
+
+void write_marks(const fs::path& out, const audio::Marks& marks, const ConvertOptions& options, const Run& run) {
+  std::vector<fs::path> inputs{options.input};
+  const Format format = format_of(out);
+  if (format == Format::cues) {
+    if (marks.recording.empty()) audio_format(marks, out.string());
+    if (marks.recording != options.input) inputs.emplace_back(marks.recording);
+    OutputFile file(out, run.common.force);
+    audio::copy_with_cues(marks.recording, marks, file.temporary_path(), out.string());
+    file.commit();
+    write_provenance(run, out, inputs);
+    return;
+  }
+  std::string text;
+  if (format == Format::audacity) text = audio::audacity_labels(marks);
+  if (format == Format::sonic_visualiser) {
+    const audio::AudioFormat audio = audio_format(marks, out.string());
+    text = audio::sonic_visualiser_layer(marks, static_cast<int>(audio.rate_hz), audio.n_frames);
+  }
+  if (format == Format::praat) {
+    const bool known = !marks.recording.empty() && fs::exists(marks.recording);
+    const audio::AudioFormat audio = known ? audio_format(marks, out.string()) : audio::AudioFormat{};
+    text = audio::text_grid(marks, known ? static_cast<double>(audio.n_frames) / audio.rate_hz : 0.0);
+  }
+  write_text(run, out, text, inputs);
+}
+
+}  // namespace
+
+Outcome run_convert(const ConvertOptions& options, Run& run) {
+  for (const std::string& out : options.outputs) {
+    format_of(out);
+    check_may_write(run, out);
+  }
+  const Onsets onsets = read_onsets(options);
+  for (const std::string& out : options.outputs) {
+    if (format_of(out) == Format::table)
+      write_table(run, out, to_table(onsets), {options.input});
+    else
+      write_marks(out, audio::marks_of(onsets), options, run);
+  }
+  const auto n_by_hand =
+      std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return has_flag(onset.flags, "by_hand"); });
+  Outcome outcome;
+  outcome.summary = {{"n_onsets", onsets.size()}, {"n_by_hand", n_by_hand}};
+  outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", onsets.size(), n_by_hand);
+  return outcome;
+}
+
+Command add_convert_command(CLI::App& app) {
+  auto options = std::make_shared<ConvertOptions>();
+  CLI::App* command = app.add_subcommand(
+      "convert",
+      "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
+      "By extension: .csv, .jsonl (JSON Lines), .h5; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+      "(Praat),\n"
+      ".wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset, so nothing is\n"
+      "lost on the way. A mark that was moved by more than the format resolves (Audacity 0.5 us; .svl and cues half a\n"
+      "sample; .TextGrid 1 ns), or made, counts as it stands, without standard error, flagged by_hand.");
+  command->footer(
+      "Example: bouncelab convert onsets.csv --to marks.txt\n"
+      "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv");
+  command->add_option("input", options->input, "Onsets or marks")->required();
+  command->add_option("--to", options->outputs, "Files to write")
+      ->required()
+      ->expected(1, 100)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--recording", options->recording,
+                      "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark");
+  command->add_flag("--renumber", options->renumber,
+                    "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out");
+  return {command, [options](Run& run) { return run_convert(*options, run); }};
+}
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/impact_file.hpp"
+
+#include <memory>
+#include <utility>
+
+#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "files/table_file.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+/// Whole drops from a CSV file: rows are read in pieces that begin with a drop.
+class CsvDrops {
+ public:
+  explicit CsvDrops(const std::filesystem::path& path) : name_(path.string()), reader_(path, impact_columns()) {}
+
+  bool next(Impacts& drop) {
+    while (!at_end_ && (first_ == rows_.rows.size() || rows_.rows[first_].drop == rows_.rows.back().drop)) read_more();
+    if (first_ == rows_.rows.size()) return false;
+    std::size_t last = first_;
+    while (last < rows_.rows.size() && rows_.rows[last].drop == rows_.rows[first_].drop) ++last;
+    drop = stretch(first_, last);
+    first_ = last;
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kPiece_rows = 4096;
+
+  Impacts stretch(std::size_t first, std::size_t last) const {
+    const auto part = [&](const auto& values) {
+      return std::decay_t<decltype(values)>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                            values.begin() + static_cast<std::ptrdiff_t>(last));
+    };
+    return {part(rows_.rows), rows_.states.empty() ? std::vector<ImpactState>{} : part(rows_.states)};
+  }
+  /// Appends a piece to what is left of the one before.
+  void read_more() {
+    const Table table = reader_.next(kPiece_rows);
+    at_end_ = table.n_rows() < kPiece_rows;
+    const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
+    const Impacts more = impacts_from_table(table, name_, before);
+    rows_ = stretch(first_, rows_.rows.size());
+    first_ = 0;
+    rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());
+    rows_.states.insert(rows_.states.end(), more.states.begin(), more.states.end());
+  }
+
+  std::string name_;
+  CsvReader reader_;
+  Impacts rows_;
+  std::size_t first_ = 0;
+  bool at_end_ = false;
+};
+
+}  // namespace
+
+synthesis::DropSource impact_file(const std::filesystem::path& path) {
+  if (is_hdf5(path) || is_json_lines(path)) {
+    const auto all = std::make_shared<Impacts>(impacts_from_table(read_table(path, impact_columns()), path.string()));
+    return [all] { return [all, next = synthesis::drops_of(*all)()](Impacts& drop) { return next(drop); }; };
+  }
+  return [path]() -> synthesis::NextDrop {
+    return [drops = std::make_shared<CsvDrops>(path)](Impacts& drop) { return drops->next(drop); };
+  };
+}
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "bouncelab/synthesis/synthesize.hpp"
+
+namespace bouncelab::cli {
+
+/// The drops of an impacts table, read as they are asked for; other formats than CSV are read as a whole.
+/// @throws FileError, while drops are taken
+synthesis::DropSource impact_file(const std::filesystem::path& path);
+
+}  // namespace bouncelab::cli
