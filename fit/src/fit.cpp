@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/onsets.hpp"
 #include "text/words.hpp"
 
 namespace bouncelab::fit {
@@ -14,7 +13,7 @@ namespace {
 std::string reason_to_leave_out(const RestitutionSample& s) {
   if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) return "not_finite";
   if (!(s.v_mps > 0.0)) return "speed_not_positive";
-  return s.flags.substr(0, s.flags.find('|'));
+  return std::string(s.flags.first_word());
 }
 
 RestitutionSamples usable_samples(const RestitutionSamples& samples, FitResult& result) {

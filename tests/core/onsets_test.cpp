@@ -11,14 +11,14 @@ namespace bouncelab {
 namespace {
 
 TEST(Onsets, RoundTripThroughTheTableKeepsWhatIsNotKnown) {
-  const Onsets onsets{{"a.wav", 0, 0, 0.5, 1e-6, 0.3, std::nullopt, "clipped"},
-                      {"a.wav", 0, 1, 0.7, std::nullopt, 0.2, 30.0, ""}};
+  const Onsets onsets{{"a.wav", 0, 0, 0.5, 1e-6, 0.3, std::nullopt, {Flag::clipped}},
+                      {"a.wav", 0, 1, 0.7, std::nullopt, 0.2, 30.0, {}}};
   const Onsets back = onsets_from_table(to_table(onsets), "a.csv");
   ASSERT_EQ(back.size(), 2u);
   EXPECT_EQ(back[0].sigma_t_s, 1e-6);
   EXPECT_FALSE(back[0].snr_db.has_value());
   EXPECT_FALSE(back[1].sigma_t_s.has_value());
-  EXPECT_EQ(back[0].flags, "clipped");
+  EXPECT_EQ(back[0].flags, Flags{Flag::clipped});
   EXPECT_EQ(back[1].impact, 1);
 }
 
@@ -41,17 +41,6 @@ TEST(Onsets, TimesThatGoBackAreNamedByLine) {
 TEST(Onsets, ANewDropMayStartAtAnEarlierTime) {
   const Table table{{{"drop", std::vector<std::int64_t>{0, 0, 1}}, {"t_s", std::vector<double>{0.1, 0.3, 0.2}}}};
   EXPECT_EQ(onsets_from_table(table, "t.csv").size(), 3u);
-}
-
-TEST(Flags, AreWholeWords) {
-  std::string flags;
-  add_flag(flags, "overlap");
-  add_flag(flags, "clipped");
-  add_flag(flags, "overlap");
-  EXPECT_EQ(flags, "overlap|clipped");
-  EXPECT_TRUE(has_flag(flags, "clipped"));
-  EXPECT_FALSE(has_flag(flags, "clip"));
-  EXPECT_FALSE(has_flag("", ""));
 }
 
 TEST(Impacts, StatesSurviveTheRoundTrip) {

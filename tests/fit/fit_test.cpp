@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/fit.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,13 +33,16 @@ TEST(FitAll, LeavesOutAndCountsWhatIsFlaggedOrNotANumber) {
   auto samples = testing::independent_samples({}, 500, 0.2, 1.4, 0.0);
   samples[3].eps = std::numeric_limits<double>::quiet_NaN();
   samples[4].v_mps = 0.0;
-  samples[5].flags = "missing_impact";
-  samples[6].flags = "missing_impact|other";
+  samples[5].flags = {Flag::missing_impact};
+  samples[6].flags = Flags::from_text("missing_impact|other");
+  samples[7].flags = Flags::from_text("a_word_of_somebody_else");
   const auto result = fit_all(samples, {});
-  EXPECT_EQ(result.n_used, 496u);
+  EXPECT_EQ(result.n_used, 495u);
   EXPECT_EQ(result.n_left_out.at("not_finite"), 1u);
   EXPECT_EQ(result.n_left_out.at("speed_not_positive"), 1u);
   EXPECT_EQ(result.n_left_out.at("missing_impact"), 2u);
+  EXPECT_EQ(result.n_left_out.at("a_word_of_somebody_else"), 1u);
+  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("a_word_of_somebody_else")));
 }
 
 TEST(FitAll, OutliersOfTheLawTouchNoOtherFit) {

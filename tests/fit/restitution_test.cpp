@@ -104,13 +104,24 @@ TEST(Restitution, KeepsDropsApart) {
 
 TEST(Restitution, BreaksTheChainAtADoubtfulOnsetAndNowhereElse) {
   auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
-  onsets[5].flags = "clipped|doubtful";
+  onsets[5].flags = {Flag::clipped, Flag::doubtful};
   const auto r = restitution_samples(onsets, {});
   // of 10 samples the three that use onset 5 are gone; a flag that does not touch the time breaks nothing
   ASSERT_EQ(r.samples.size(), 7u);
   EXPECT_EQ(n_clean(r.samples), 7u);
   for (const auto& s : r.samples) EXPECT_NEAR(s.eps, 0.9, 1e-12);
-  EXPECT_EQ(r.counts.breaks.at("doubtful"), 1u);
+  EXPECT_EQ(r.counts.breaks.at(Flag::doubtful), 1u);
+}
+
+TEST(Restitution, UsesOverlappingAndClippedOnsetsWithTheirStandardErrors) {
+  auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
+  onsets[5].flags = {Flag::overlap};
+  onsets[7].flags = {Flag::clipped};
+  onsets[9].flags = Flags::from_text("a_word_of_somebody_else");
+  const auto r = restitution_samples(onsets, {});
+  EXPECT_EQ(n_clean(r.samples), 10u);
+  EXPECT_TRUE(r.counts.breaks.empty());
+  for (const auto& s : r.samples) EXPECT_TRUE(s.sigma_eps.has_value());
 }
 
 TEST(Restitution, FlagsAMissedImpact) {
@@ -120,7 +131,7 @@ TEST(Restitution, FlagsAMissedImpact) {
   ASSERT_EQ(r.samples.size(), 27u);
   // the two samples that use the doubled interval, and only they
   EXPECT_EQ(n_clean(r.samples), 25u);
-  EXPECT_EQ(r.counts.breaks.at("missing_impact"), 1u);
+  EXPECT_EQ(r.counts.breaks.at(Flag::missing_impact), 1u);
   for (const auto& s : r.samples) {
     if (s.flags.empty()) {
       EXPECT_NEAR(s.eps, 0.95, 1e-12);
@@ -141,7 +152,7 @@ TEST(Restitution, FlagsAnInventedImpactWhereverItSplitsTheFlight) {
     auto times = geometric_times(0.2, 0.95, 30);
     times.insert(times.begin() + 13, times[12] + fraction * (times[13] - times[12]));
     const auto r = restitution_samples(onsets_at(times), {});
-    EXPECT_EQ(r.counts.breaks.at("extra_impact"), 1u) << fraction;
+    EXPECT_EQ(r.counts.breaks.at(Flag::extra_impact), 1u) << fraction;
     EXPECT_GE(n_clean(r.samples), 24u) << fraction;
     for (const auto& s : r.samples) {
       if (s.flags.empty()) {

@@ -60,7 +60,7 @@ TEST(TravelTime, AnImpactWithoutAPositionBreaksTheChainThereAndNowhereElse) {
   RestitutionConfig config;
   config.travel_time = w.travel;
   const auto result = restitution_samples(w.heard, config);
-  EXPECT_EQ(result.counts.breaks.at("no_position"), 1u);
+  EXPECT_EQ(result.counts.breaks.at(Flag::no_position), 1u);
   EXPECT_EQ(result.samples.size(), restitution_samples(w.true_times, {}).samples.size() - 3);
 }
 

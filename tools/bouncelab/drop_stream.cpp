@@ -69,6 +69,13 @@ Json column(const std::vector<Row>& rows, std::optional<double> Row::*member) {
   return values;
 }
 
+template <class Row>
+Json column(const std::vector<Row>& rows, Flags Row::*member) {
+  Json values = Json::array();
+  for (const Row& row : rows) values.push_back((row.*member).text());
+  return values;
+}
+
 template <class Row, class Value>
 void take(const Json& values, std::vector<Row>& rows, Value Row::*member) {
   for (std::size_t k = 0; k < rows.size(); ++k) rows[k].*member = values.at(k).get<Value>();
@@ -78,6 +85,11 @@ template <class Row>
 void take(const Json& values, std::vector<Row>& rows, std::optional<double> Row::*member) {
   for (std::size_t k = 0; k < rows.size(); ++k)
     if (!values.at(k).is_null()) rows[k].*member = values.at(k).get<double>();
+}
+
+template <class Row>
+void take(const Json& values, std::vector<Row>& rows, Flags Row::*member) {
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k].*member = Flags::from_text(values.at(k).get<std::string>());
 }
 
 // the numbers of an impact that a journal keeps; `use` gets name and member
@@ -230,7 +242,7 @@ Onsets true_onsets_of(const std::vector<HeardDrop>& drops, const std::string& ba
   for (const HeardDrop& drop : drops) {
     const std::string name = recording_name(ball, drop.drop);
     for (const synthesis::TrueImpact& t : drop.truth)
-      all.push_back({name, t.drop, t.impact, t.t_s, std::nullopt, t.amplitude, t.snr_db, ""});
+      all.push_back({name, t.drop, t.impact, t.t_s, std::nullopt, t.amplitude, t.snr_db, {}});
   }
   return all;
 }

@@ -149,8 +149,8 @@ void conclude(Detection& d) {
   }
 }
 
-std::int64_t count_flag(const Onsets& onsets, const char* flag) {
-  return std::count_if(onsets.begin(), onsets.end(), [&](const Onset& onset) { return has_flag(onset.flags, flag); });
+std::int64_t count_flag(const Onsets& onsets, Flag flag) {
+  return std::count_if(onsets.begin(), onsets.end(), [&](const Onset& onset) { return onset.flags.has(flag); });
 }
 
 /// What the user should know of the onsets before he believes them.
@@ -159,10 +159,10 @@ std::vector<std::string> warnings_for(const Detection& d, double heard_rate_hz) 
   std::vector<std::string> warnings;
   if (d.onsets.empty()) return warnings;
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
-  if (const auto n = count_flag(d.onsets, "clipped"); n > 0)
+  if (const auto n = count_flag(d.onsets, Flag::clipped); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "are clipped: timed by the wave clipped alike; record with less gain");
-  if (const auto n = count_flag(d.onsets, "doubtful"); n > 0)
+  if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "may be a cycle of their sound off (flag doubtful, sigma_t_s says how far)");
   if (heard_rate_hz < 0.5 * kLowRates_hz.front())

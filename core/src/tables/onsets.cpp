@@ -8,22 +8,6 @@
 
 namespace bouncelab {
 
-bool has_flag(std::string_view flags, std::string_view word) {
-  while (!flags.empty()) {
-    const auto bar = flags.find('|');
-    if (flags.substr(0, bar) == word) return true;
-    if (bar == std::string_view::npos) return false;
-    flags.remove_prefix(bar + 1);
-  }
-  return false;
-}
-
-void add_flag(std::string& flags, std::string_view word) {
-  if (has_flag(flags, word)) return;
-  if (!flags.empty()) flags += '|';
-  flags += word;
-}
-
 Table to_table(const Onsets& onsets) {
   std::vector<std::string> recording, flags;
   std::vector<std::int64_t> drop, impact;
@@ -36,7 +20,7 @@ Table to_table(const Onsets& onsets) {
     sigma.push_back(cell_of(o.sigma_t_s));
     amplitude.push_back(cell_of(o.amplitude));
     snr.push_back(cell_of(o.snr_db));
-    flags.push_back(o.flags);
+    flags.push_back(o.flags.text());
   }
   return {{{"recording", std::move(recording)},
            {"drop", std::move(drop)},
@@ -79,7 +63,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name) {
     onset.sigma_t_s = optional_cell(table.reals("sigma_t_s"), k);
     onset.amplitude = optional_cell(table.reals("amplitude"), k);
     onset.snr_db = optional_cell(table.reals("snr_db"), k);
-    if (flags) onset.flags = (*flags)[k];
+    if (flags) onset.flags = Flags::from_text((*flags)[k]);
     onsets.push_back(std::move(onset));
   }
   return onsets;

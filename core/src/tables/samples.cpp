@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "bouncelab/core/onsets.hpp"
 #include "tables/optional_cells.hpp"
 
 namespace bouncelab {
@@ -21,7 +20,7 @@ Table to_table(const RestitutionSamples& samples) {
     eps.push_back(s.eps);
     sigma_v.push_back(cell_of(s.sigma_v_mps));
     sigma_eps.push_back(cell_of(s.sigma_eps));
-    flags.push_back(s.flags);
+    flags.push_back(s.flags.text());
   }
   return {{{"recording", std::move(recording)},
            {"drop", std::move(drop)},
@@ -65,8 +64,8 @@ RestitutionSamples samples_from_table(const Table& table) {
     s.eps = eps[k];
     s.sigma_v_mps = optional_cell(table.reals("sigma_v_mps"), k);
     s.sigma_eps = optional_cell(table.reals("sigma_eps"), k);
-    if (flags) s.flags = (*flags)[k];
-    if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) add_flag(s.flags, "not_finite");
+    if (flags) s.flags = Flags::from_text((*flags)[k]);
+    if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) s.flags.add(Flag::not_finite);
   }
   return samples;
 }

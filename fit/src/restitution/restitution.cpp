@@ -11,18 +11,11 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr const char* kBreakingFlags[] = {"doubtful", "inferred", "overlap_merged", "no_position"};
-
-const char* breaking_flag(const Onset& onset) {
-  for (const char* flag : kBreakingFlags)
-    if (has_flag(onset.flags, flag)) return flag;
-  return nullptr;
-}
-
-/// Where an unbroken piece of a drop ends before onset k, and why; nullptr: it goes on.
-const char* break_before(std::span<const Onset> drop, std::size_t k) {
-  if (drop[k].impact != drop[k - 1].impact + 1) return "missing_impact";
-  return nullptr;
+/// The flag for which an onset's time cannot be used.
+std::optional<Flag> breaking_flag(const Onset& onset) {
+  for (const Flag flag : {Flag::doubtful, Flag::inferred, Flag::no_position})
+    if (onset.flags.has(flag)) return flag;
+  return std::nullopt;
 }
 
 std::optional<double> sigma_of_eps(const Onset& before, const Onset& here, const Onset& after, double eps, double t_s) {
@@ -122,12 +115,12 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& 
     const double ratio = ratios[k] / m;
     if (ratio < factor && ratio > 1.0 / factor) continue;
     const bool missed = ratio > 1.0;
-    const char* reason = missed ? "missing_impact" : "extra_impact";
+    const Flag reason = missed ? Flag::missing_impact : Flag::extra_impact;
     ++counts.breaks[reason];
     const std::size_t first = !missed && k > 0 && adjacent(drop, k - 1, k) ? k - 1 : k;
     const std::size_t last = k + (missed ? 1 : 2);
     for (std::size_t j = first; j <= last && adjacent(drop, first, j); ++j) {
-      add_flag(drop[j].flags, reason);
+      drop[j].flags.add(reason);
       k = std::max(k, j);
     }
   }
@@ -148,16 +141,14 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
     if (k > 0 && drop[k].t_s <= drop[k - 1].t_s)
       throw InvalidArgument("onset " + std::to_string(drop[k].impact) + " of drop " + std::to_string(drop[k].drop) +
                             ": times must increase within a drop; sort the onsets");
-    if (const char* flag = breaking_flag(drop[k])) {
-      ++counts.breaks[flag];
+    if (const std::optional<Flag> flag = breaking_flag(drop[k])) {
+      ++counts.breaks[*flag];
       close_piece(k);
       piece_begin = k + 1;
-    } else if (k > piece_begin) {
-      if (const char* reason = break_before(drop, k)) {
-        ++counts.breaks[reason];
-        close_piece(k);
-        piece_begin = k;
-      }
+    } else if (k > piece_begin && drop[k].impact != drop[k - 1].impact + 1) {
+      ++counts.breaks[Flag::missing_impact];
+      close_piece(k);
+      piece_begin = k;
     }
   }
   close_piece(drop.size());

@@ -14,7 +14,7 @@ Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {
   for (Onset& onset : onsets) {
     const auto found = travel.position_m.find({onset.drop, onset.impact});
     if (found == travel.position_m.end()) {
-      add_flag(onset.flags, "no_position");
+      onset.flags.add(Flag::no_position);
       continue;
     }
     const auto& [x_m, y_m] = found->second;

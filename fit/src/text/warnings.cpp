@@ -81,12 +81,15 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
         words("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
 }
 
-/// Flags are the detector's or the intervals' and counted there; rows that no flag explains are the table's.
+/// Rows that a flag of the detector or of the intervals excludes were counted where the flag was set. Rows that are
+/// excluded by their values, or by a word that nothing of ours writes, were not.
 void warn_of_rows_left_out(const FitResult& result, std::vector<std::string>& warnings) {
   for (const auto& [reason, first] : result.first_left_out) {
-    if (reason != "not_finite" && reason != "speed_not_positive") continue;
-    std::string in_words = reason;
-    std::replace(in_words.begin(), in_words.end(), '_', ' ');
+    const std::optional<Flag> flag = flag_named(reason);
+    if (flag && *flag != Flag::not_finite) continue;
+    std::string in_words = "flag " + reason;
+    if (flag) in_words = "not finite";
+    if (reason == "speed_not_positive") in_words = "speed not positive";
     warnings.push_back(words("%zu of the samples left out: %s; the first is number %zu", result.n_left_out.at(reason),
                              in_words.c_str(), first));
   }

@@ -31,7 +31,7 @@ Onsets some_onsets() {
     if (k % 3 != 0) onset.sigma_t_s = 1e-7 / (k + 1.0);
     if (k % 4 != 0) onset.amplitude = 1.0 / (k + 7.0);
     if (k % 5 != 0) onset.snr_db = -3.0 + k / 7.0;
-    if (k % 7 == 0) onset.flags = "clipped|doubtful";
+    if (k % 7 == 0) onset.flags = {Flag::clipped, Flag::doubtful};
     onsets.push_back(onset);
   }
   return onsets;
@@ -85,10 +85,10 @@ TEST(Marks, AMarkThatWasMovedOrMadeCountsAsItStands) {
   EXPECT_EQ(corrected[0].t_s, 0.01);
   EXPECT_EQ(corrected[0].drop, 0);
   EXPECT_EQ(corrected[4].t_s, onsets[3].t_s + 1e-4);
-  EXPECT_EQ(corrected[4].flags, "by_hand");
+  EXPECT_EQ(corrected[4].flags, Flags{Flag::by_hand});
   EXPECT_FALSE(corrected[4].sigma_t_s || corrected[4].amplitude || corrected[4].snr_db);
   EXPECT_EQ(corrected[12].t_s, between_s);
-  EXPECT_EQ(corrected[12].flags, "by_hand");
+  EXPECT_EQ(corrected[12].flags, Flags{Flag::by_hand});
   for (std::size_t k = 1; k < 42; ++k)
     EXPECT_GT(corrected[k].impact, corrected[k - 1].impact) << "two came in: all move up";
   EXPECT_EQ(corrected[42].impact, onsets[40].impact) << "the next drop keeps its numbers";
@@ -119,7 +119,7 @@ TEST(Marks, ReadsWhatTheEditorsThemselvesWrite) {
       parse_audacity_labels("0.500000\t0.500000\t0.0 clipped\r\n\\\t100.0\t900.0\r\n1.25\t1.5\thit\r\n", "a");
   ASSERT_EQ(audacity.marks.size(), 2u);
   const Onsets onsets = onsets_of(audacity, false);
-  EXPECT_EQ(onsets[0].flags, "clipped");
+  EXPECT_EQ(onsets[0].flags, Flags{Flag::clipped});
   EXPECT_EQ(onsets[1].t_s, 1.25);
   EXPECT_EQ(onsets[1].impact, 1);
 

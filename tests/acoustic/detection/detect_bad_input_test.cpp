@@ -106,7 +106,7 @@ TEST(DetectBadInput, TimesClippedImpactsByTheWaveLimitedAsTheyAre) {
   const Detection d = detect(x, kRate_hz, "clipped");
   const std::vector<double> truth = test::impact_times(b);
   ASSERT_EQ(d.onsets.size(), truth.size());
-  EXPECT_TRUE(has_flag(d.onsets.front().flags, "clipped"));
+  EXPECT_TRUE(d.onsets.front().flags.has(Flag::clipped));
   EXPECT_FALSE(d.warnings.empty());
   // A line in v^(-1/5) is taken off: this sound has no contacts, but the few whole impacts do not rule out steel's.
   const auto n = static_cast<double>(truth.size());

@@ -315,7 +315,7 @@ TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {
   for (std::size_t k = 0; k < x.size(); ++k) largest[k % 2] = std::max(largest[k % 2], std::abs(x[k]));
   EXPECT_LT(largest[0], 6.0 * recording.levels().noise_rms);
   EXPECT_EQ(largest[1], 1.0);
-  EXPECT_TRUE(has_flag(recording.truth()[0].flags, "clipped"));
+  EXPECT_TRUE(recording.truth()[0].flags.has(Flag::clipped));
 }
 
 TEST(Synthesis, EveryPresetSensorAndRateMakesASound) {

@@ -124,7 +124,7 @@ Outcome run_convert(const ConvertOptions& options, Run& run) {
       write_marks(out, audio::marks_of(onsets), options, run);
   }
   const auto n_by_hand =
-      std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return has_flag(onset.flags, "by_hand"); });
+      std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return onset.flags.has(Flag::by_hand); });
   Outcome outcome;
   outcome.summary = {{"n_onsets", onsets.size()}, {"n_by_hand", n_by_hand}};
   outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", onsets.size(), n_by_hand);

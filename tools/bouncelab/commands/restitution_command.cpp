@@ -40,18 +40,20 @@ std::string describe(const fit::RestitutionCounts& counts) {
     line += fmt::format("; corrected for contact time, eps {:+.2g} in the mean", *counts.mean_shift_contact_time);
   if (counts.rms_shift_travel_time)
     line += fmt::format("; corrected for travel time, eps by {:.2g} rms", *counts.rms_shift_travel_time);
-  for (const auto& [reason, n] : counts.breaks) line += fmt::format("; chain broken {} times: {}", n, reason);
+  for (const auto& [reason, n] : counts.breaks) line += fmt::format("; chain broken {} times: {}", n, name_of(reason));
   if (counts.n_flagged > 0) line += fmt::format("; {} samples flagged, the fit leaves them out", counts.n_flagged);
   return line;
 }
 
 Json to_json(const fit::RestitutionCounts& counts) {
+  Json breaks = Json::object();
+  for (const auto& [reason, n] : counts.breaks) breaks[std::string(name_of(reason))] = n;
   return {{"n_onsets", counts.n_onsets},
           {"n_drops", counts.n_drops},
           {"n_samples", counts.n_samples},
           {"n_flagged", counts.n_flagged},
           {"eps_median", counts.eps_median ? Json(*counts.eps_median) : Json(nullptr)},
-          {"breaks", counts.breaks}};
+          {"breaks", breaks}};
 }
 
 Outcome run_restitution(const RestitutionOptions& options, Run& run) {

@@ -29,7 +29,8 @@ Json to_json(const detection::WavePreview& preview) {
             {"envelope", {{"t_s", preview.column_t_s}, {"lo", preview.lo}, {"hi", preview.hi}}}};
   wave["marks"] = Json::array();
   for (const Onset& mark : preview.marks)
-    wave["marks"].push_back({{"t_s", mark.t_s}, {"drop", mark.drop}, {"impact", mark.impact}, {"flags", mark.flags}});
+    wave["marks"].push_back(
+        {{"t_s", mark.t_s}, {"drop", mark.drop}, {"impact", mark.impact}, {"flags", mark.flags.text()}});
   wave["excerpts"] = Json::array();
   for (const detection::WaveExcerpt& excerpt : preview.excerpts) wave["excerpts"].push_back(to_json(excerpt));
   return wave;

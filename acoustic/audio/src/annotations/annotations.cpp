@@ -14,8 +14,6 @@
 namespace bouncelab::audio {
 namespace {
 
-constexpr const char* kByHand = "by_hand";
-
 /// An onset as its label tells it; the time where the label says one.
 struct Labelled {
   Onset onset;
@@ -40,7 +38,7 @@ std::optional<Labelled> read_label(const std::string& label) {
     const auto equals = word.find('=');
     const std::string key = word.substr(0, equals);
     if (equals == std::string::npos) {
-      result.onset.flags = word;
+      result.onset.flags = Flags::from_text(word);
       continue;
     }
     double value = 0.0;
@@ -55,7 +53,7 @@ std::optional<Labelled> read_label(const std::string& label) {
 
 std::string label_of(const Onset& onset) {
   std::string text = std::to_string(onset.drop) + "." + std::to_string(onset.impact);
-  if (!onset.flags.empty()) text += " " + onset.flags;
+  if (!onset.flags.empty()) text += " " + onset.flags.text();
   text += " t_s=" + number_text(onset.t_s);
   if (onset.sigma_t_s) text += " sigma_t_s=" + number_text(*onset.sigma_t_s);
   if (onset.amplitude) text += " amplitude=" + number_text(*onset.amplitude);
@@ -73,7 +71,7 @@ Onset onset_of(const Mark& mark, const Labelled& labelled, double resolution_s) 
   moved.drop = onset.drop;
   moved.impact = onset.impact;
   moved.t_s = mark.t_s;
-  moved.flags = kByHand;
+  moved.flags = {Flag::by_hand};
   return moved;
 }
 
@@ -118,7 +116,7 @@ Onsets onsets_of(const Marks& marks, bool renumber) {
     } else {
       onset.t_s = mark.t_s;
       onset.drop = drop.value_or(0);
-      onset.flags = kByHand;
+      onset.flags = {Flag::by_hand};
     }
     onset.recording = marks.recording;
     onsets.push_back(std::move(onset));

@@ -124,10 +124,10 @@ Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const Impact
     onset.amplitude = from.timed.amplitude * wave->peak;
     onset.snr_db = 20.0 * std::log10(*onset.amplitude / std::sqrt(heard.noise.quiet_variance));
   }
-  if (!std::isinf(clip_level(heard.whole, onset.t_s))) add_flag(onset.flags, "clipped");
-  if (from.overlap) add_flag(onset.flags, "overlap");
-  if (from.inferred) add_flag(onset.flags, "inferred");
-  if (from.doubtful) add_flag(onset.flags, "doubtful");
+  if (!std::isinf(clip_level(heard.whole, onset.t_s))) onset.flags.add(Flag::clipped);
+  if (from.overlap) onset.flags.add(Flag::overlap);
+  if (from.inferred) onset.flags.add(Flag::inferred);
+  if (from.doubtful) onset.flags.add(Flag::doubtful);
   return onset;
 }
 

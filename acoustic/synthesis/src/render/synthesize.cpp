@@ -99,7 +99,7 @@ class RecordingWriter {
     result.n_impacts += static_cast<std::int64_t>(of_drop.impacts.size());
     result.n_other_sounds += static_cast<std::int64_t>(of_drop.others.size());
     result.n_clipped += std::count_if(of_drop.impacts.begin(), of_drop.impacts.end(),
-                                      [](const TrueImpact& impact) { return impact.flags == "clipped"; });
+                                      [](const TrueImpact& impact) { return impact.flags.has(Flag::clipped); });
     if (truth) truth(of_drop);
   }
 

@@ -14,7 +14,7 @@ Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recor
   for (const TrueImpact& row : truth) {
     drop.push_back(row.drop);
     impact.push_back(row.impact);
-    flags.push_back(row.flags);
+    flags.push_back(row.flags.text());
   }
   return {{{"recording", std::vector<std::string>(truth.size(), recording)},
            {"drop", std::move(drop)},

@@ -6,6 +6,7 @@
 #include "bouncelab/core/ball.hpp"             // material, mass, Hertz contact time
 #include "bouncelab/core/csv.hpp"              // tables as files
 #include "bouncelab/core/error.hpp"            // what is thrown
+#include "bouncelab/core/flags.hpp"            // of onsets and samples
 #include "bouncelab/core/impacts.hpp"          // simulate writes, synthesize reads
 #include "bouncelab/core/onsets.hpp"           // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"      // whole or not at all

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -20,16 +20,11 @@ struct Onset {
   std::optional<double> sigma_t_s;  ///< standard error of t_s against the other times of its drop
   std::optional<double> amplitude;  ///< peak of the impact's sound, full scale = 1
   std::optional<double> snr_db;     ///< amplitude over noise rms
-  std::string flags;                ///< words joined by '|': clipped, overlap, inferred, doubtful, ...
+  Flags flags;
 };
 
 /// Onsets ordered by recording (in the order given), then time.
 using Onsets = std::vector<Onset>;
-
-/// Is `word` one of the words of `flags`?
-bool has_flag(std::string_view flags, std::string_view word);
-/// Adds a word unless it is there.
-void add_flag(std::string& flags, std::string_view word);
 
 /// The `onsets` table of INTERFACE.md.
 Table to_table(const Onsets& onsets);

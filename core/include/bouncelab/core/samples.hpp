@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -20,7 +21,7 @@ struct RestitutionSample {
   double eps = 0.0;                   ///< coefficient of restitution; may exceed 1, never clamped
   std::optional<double> sigma_v_mps;  ///< standard error of v
   std::optional<double> sigma_eps;    ///< standard error of eps from the timing alone; absent = not known
-  std::string flags;                  ///< words joined by '|'
+  Flags flags;                        ///< the fit leaves out a sample that has any
 };
 
 /// Samples ordered by recording, drop, time.

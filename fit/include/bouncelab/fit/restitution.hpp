@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <string>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/units.hpp"
@@ -35,8 +35,8 @@ struct RestitutionCounts {
   std::size_t n_samples = 0;
   std::size_t n_flagged = 0;         ///< samples that carry a flag; they stay in the table and out of the fit
   std::optional<double> eps_median;  ///< of the samples without a flag; absent where there are none
-  /// Places where the chain of one drop was broken, by reason: `doubtful`, `inferred`, `missing_impact`, ...
-  std::map<std::string, std::size_t> breaks;
+  /// Places where the chain of one drop was broken, by reason
+  std::map<Flag, std::size_t> breaks;
   /// What the corrections, where switched on, added to eps in the mean.
   std::optional<double> mean_shift_drag, mean_shift_contact_time;
   std::optional<double> rms_shift_travel_time;  ///< its mean is nearly zero: the ball goes to and fro
@@ -58,7 +58,8 @@ struct Restitution {
 /// absent where one of the three is. Neighbours share onsets: lag one correlates by about -2/3, lag two by +1/6.
 ///
 /// A sample needs three successive impacts. The chain of a drop is broken, there and nowhere else, by an onset
-/// flagged `doubtful`, `inferred`, `overlap_merged` or `no_position`, and by a jump in the column `impact`. Where the
+/// flagged `doubtful`, `inferred` or `no_position`, and by a jump in the column `impact`. An onset flagged `overlap` or
+/// `clipped` breaks nothing: the detector times it with a standard error of its own. Where the
 /// ratio of two neighbouring intervals leaves the median ratio m of its drop by more than a factor sqrt(1 + m), an
 /// impact was missed (or one invented) between them: the factor is half-way, on a log scale, to what one missing impact
 /// does. Such a sample and its neighbours that share the wrong interval stay in the table, flagged `missing_impact` or

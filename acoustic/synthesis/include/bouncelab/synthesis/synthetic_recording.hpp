@@ -10,6 +10,7 @@
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/synthesis/disturbances.hpp"
@@ -58,7 +59,7 @@ struct TrueImpact {
   double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s: what a detector hears
   double x_m = 0.0, y_m = 0.0;  ///< point of contact
   double v_mps = 0.0;           ///< normal impact speed
-  std::string flags;            ///< clipped
+  Flags flags;                  ///< clipped or none
 };
 
 /// A sound that is not an impact of the ball: finding it is a false alarm.
