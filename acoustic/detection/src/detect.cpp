@@ -33,9 +33,9 @@ constexpr double kConvincing = 40.0;  // log odds of trains, about a dozen impac
 
 /// What one channel has to say.
 struct Hearing {
-  audio::Sound sound;  // in the band that was heard best
+  audio::AudioSource sound;  // in the band that was heard best
   int channel = 0;
-  audio::SoundModels models;
+  audio::ArModels models;
   std::vector<Candidate> candidates;
   std::vector<Train> trains;
 
@@ -76,12 +76,12 @@ bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Tr
   return false;
 }
 
-Hearing hear(const audio::Sound& sound, int channel, const ProgressCallback& progress) {
+Hearing hear(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
   Hearing h;
   h.sound = sound;
   h.channel = channel;
-  h.models = audio::learn_sound_models(sound, kOrder);
-  h.candidates = find_candidates(sound, h.models.all, progress);
+  h.models = audio::learn_ar_models(sound, kOrder);
+  h.candidates = find_candidates(sound, h.models.signal, progress);
   h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz);
   if (leaves_doubt(h.candidates, h.trains))
     h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz, read_timbres(sound, h.candidates));
@@ -91,12 +91,12 @@ Hearing hear(const audio::Sound& sound, int channel, const ProgressCallback& pro
 
 /// Hears the channel in its whole band and, where that leaves doubt, in the low bands of soft balls. A lower band knows
 /// the times less well: it must have more to say.
-Hearing hear_in_bands(const audio::Sound& sound, int channel, const ProgressCallback& progress) {
+Hearing hear_in_bands(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
   Hearing best = hear(sound, channel, progress);
   for (const double rate_hz : kLowRates_hz) {
     const int factor = static_cast<int>(sound.rate_hz / rate_hz);
     if (factor < 2 || best.log_odds() > kConvincing) continue;
-    Hearing low = hear(audio::low_band(sound, factor), channel, progress);
+    Hearing low = hear(audio::decimate(sound, factor), channel, progress);
     if (low.log_odds() > best.log_odds() + kMoreToSay) best = std::move(low);
   }
   return best;
@@ -190,7 +190,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
     Hearing h = hear_in_bands(sound_of(channel), channel, progress);
     if (channel == first || h.log_odds() > best.log_odds()) best = std::move(h);
   }
-  const audio::Sound sound = sound_of(best.channel);
+  const audio::AudioSource sound = sound_of(best.channel);
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;
   d.summary.channel = best.channel;
@@ -216,7 +216,7 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
   audio::AudioReader reader(recording);
-  return detect_in([&](int channel) { return reader.sound(channel); }, reader.format().n_channels, recording.string(),
+  return detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels, recording.string(),
                    config, progress);
 }
 
@@ -224,7 +224,7 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
                  const ProgressCallback& progress) {
   if (!(rate_hz >= kLowestRate_hz && rate_hz <= kHighestRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
-  const audio::Sound sound = audio::sound_in_memory(samples, rate_hz);
+  const audio::AudioSource sound = audio::source_in_memory(samples, rate_hz);
   return detect_in([&](int) { return sound; }, 1, name, config, progress);
 }
 

@@ -51,36 +51,36 @@ void expect_same(const Onsets& a, const Onsets& b) {
   }
 }
 
-TEST(Marks, TextFormatsGiveBackEveryBit) {
+TEST(Annotations, TextFormatsGiveBackEveryBit) {
   const Onsets onsets = some_onsets();
-  const Marks marks = marks_of(onsets);
-  expect_same(onsets_of(parse_audacity_labels(audacity_labels(marks), "a.txt"), false), onsets);
+  const Annotations annotations = annotations_of(onsets);
+  expect_same(onsets_of(parse_audacity_labels(audacity_labels(annotations), "a.txt"), false), onsets);
   const Onsets from_layer =
-      onsets_of(parse_sonic_visualiser_layer(sonic_visualiser_layer(marks, kRate_hz, 500000), "a.svl"), false);
+      onsets_of(parse_sonic_visualiser_layer(sonic_visualiser_layer(annotations, kRate_hz, 500000), "a.svl"), false);
   expect_same(from_layer, onsets);
   EXPECT_EQ(from_layer.front().recording, onsets.front().recording);
-  const Onsets from_grid = onsets_of(parse_text_grid(text_grid(marks, 12.0), "a.TextGrid"), false);
+  const Onsets from_grid = onsets_of(parse_text_grid(text_grid(annotations, 12.0), "a.TextGrid"), false);
   expect_same(from_grid, onsets);
   EXPECT_EQ(from_grid.front().recording, onsets.front().recording);
 }
 
-TEST(Marks, AnEditorThatRoundsToItsOwnResolutionLosesNothing) {
+TEST(Annotations, AnEditorThatRoundsToItsOwnResolutionLosesNothing) {
   const Onsets onsets = some_onsets();
-  Marks marks = marks_of(onsets);
-  for (Mark& mark : marks.marks) mark.t_s = std::round(mark.t_s * 1e6) / 1e6;  // what Audacity writes
-  marks.resolution_s = 1e-6;
-  expect_same(onsets_of(marks, false), onsets);
+  Annotations annotations = annotations_of(onsets);
+  for (Annotation& point : annotations.points) point.t_s = std::round(point.t_s * 1e6) / 1e6;  // what Audacity writes
+  annotations.resolution_s = 1e-6;
+  expect_same(onsets_of(annotations, false), onsets);
 }
 
-TEST(Marks, AMarkThatWasMovedOrMadeCountsAsItStands) {
+TEST(Annotations, AMarkThatWasMovedOrMadeCountsAsItStands) {
   const Onsets onsets = some_onsets();
-  Marks marks = marks_of(onsets);
-  marks.resolution_s = 1e-6;
-  marks.marks[3].t_s += 1e-4;
+  Annotations annotations = annotations_of(onsets);
+  annotations.resolution_s = 1e-6;
+  annotations.points[3].t_s += 1e-4;
   const double between_s = 0.5 * (onsets[10].t_s + onsets[11].t_s);
-  marks.marks.push_back({between_s, "here too"});
-  marks.marks.push_back({0.01, ""});
-  const Onsets corrected = onsets_of(marks, false);
+  annotations.points.push_back({between_s, "here too"});
+  annotations.points.push_back({0.01, ""});
+  const Onsets corrected = onsets_of(annotations, false);
   ASSERT_EQ(corrected.size(), 62u);
   EXPECT_EQ(corrected[0].t_s, 0.01);
   EXPECT_EQ(corrected[0].drop, 0);
@@ -94,57 +94,57 @@ TEST(Marks, AMarkThatWasMovedOrMadeCountsAsItStands) {
   EXPECT_EQ(corrected[42].impact, onsets[40].impact) << "the next drop keeps its numbers";
 }
 
-TEST(Marks, AMarkThatWasMissingTakesTheFreeNumber) {
-  Marks marks = marks_of(some_onsets());
-  marks.resolution_s = 1e-6;
-  const Onsets before = onsets_of(marks, false);
+TEST(Annotations, AMarkThatWasMissingTakesTheFreeNumber) {
+  Annotations annotations = annotations_of(some_onsets());
+  annotations.resolution_s = 1e-6;
+  const Onsets before = onsets_of(annotations, false);
   ASSERT_EQ(before[31].impact, before[30].impact + 2);
-  marks.marks.push_back({0.5 * (before[30].t_s + before[31].t_s), "missed"});
-  const Onsets after = onsets_of(marks, false);
+  annotations.points.push_back({0.5 * (before[30].t_s + before[31].t_s), "missed"});
+  const Onsets after = onsets_of(annotations, false);
   for (std::size_t k = 1; k <= 40; ++k) EXPECT_EQ(after[k].impact, after[k - 1].impact + 1);
 }
 
-TEST(Marks, AfterOneWasTakenAwayTheRestIsNumberedAnewOnRequest) {
-  Marks marks = marks_of(some_onsets());
-  marks.marks.erase(marks.marks.begin() + 10);
-  EXPECT_EQ(onsets_of(marks, false)[10].impact, 11);
-  const Onsets renumbered = onsets_of(marks, true);
+TEST(Annotations, AfterOneWasTakenAwayTheRestIsNumberedAnewOnRequest) {
+  Annotations annotations = annotations_of(some_onsets());
+  annotations.points.erase(annotations.points.begin() + 10);
+  EXPECT_EQ(onsets_of(annotations, false)[10].impact, 11);
+  const Onsets renumbered = onsets_of(annotations, true);
   for (std::size_t k = 0; k < 39; ++k) EXPECT_EQ(renumbered[k].impact, static_cast<std::int64_t>(k));
   EXPECT_EQ(renumbered[39].drop, 1);
   EXPECT_EQ(renumbered[39].impact, 0);
 }
 
-TEST(Marks, ReadsWhatTheEditorsThemselvesWrite) {
-  const Marks audacity =
+TEST(Annotations, ReadsWhatTheEditorsThemselvesWrite) {
+  const Annotations audacity =
       parse_audacity_labels("0.500000\t0.500000\t0.0 clipped\r\n\\\t100.0\t900.0\r\n1.25\t1.5\thit\r\n", "a");
-  ASSERT_EQ(audacity.marks.size(), 2u);
+  ASSERT_EQ(audacity.points.size(), 2u);
   const Onsets onsets = onsets_of(audacity, false);
   EXPECT_EQ(onsets[0].flags, Flags{Flag::clipped});
   EXPECT_EQ(onsets[1].t_s, 1.25);
   EXPECT_EQ(onsets[1].impact, 1);
 
-  const Marks layer = parse_sonic_visualiser_layer(
+  const Annotations layer = parse_sonic_visualiser_layer(
       "<?xml version=\"1.0\"?>\n<!DOCTYPE sonic-visualiser>\n<sv>\n<data>\n<model id='7' name='a' sampleRate='48000' "
       "start='96' "
       "type='sparse' />\n<dataset id=\"6\" dimensions=\"1\">\n<point frame=\"96000\" label=\"New &amp; "
       "Point\"/>\n<point\n "
       "label=\"\"  frame=\"120000\" ></point></dataset></data></sv>",
       "a");
-  ASSERT_EQ(layer.marks.size(), 2u);
-  EXPECT_EQ(layer.marks[0].t_s, 2.0);
-  EXPECT_EQ(layer.marks[0].label, "New & Point");
-  EXPECT_EQ(layer.marks[1].t_s, 2.5);
+  ASSERT_EQ(layer.points.size(), 2u);
+  EXPECT_EQ(layer.points[0].t_s, 2.0);
+  EXPECT_EQ(layer.points[0].label, "New & Point");
+  EXPECT_EQ(layer.points[1].t_s, 2.5);
 
   // short text, an interval tier first
-  const Marks grid = parse_text_grid(
+  const Annotations grid = parse_text_grid(
       "File type = \"ooTextFile\"\nObject class = "
       "\"TextGrid\"\n\n0\n2.3\n<exists>\n2\n\"IntervalTier\"\n\"words\"\n0\n2.3\n1\n0\n2.3\n"
       "\"a \"\"b\"\"\"\n\"TextTier\"\n\"bell\"\n0\n2.3\n2\n0.5\n\"\"\n1.75\n\"two\nlines\"\n",
       "a");
-  ASSERT_EQ(grid.marks.size(), 2u);
+  ASSERT_EQ(grid.points.size(), 2u);
   EXPECT_EQ(grid.recording, "bell");
-  EXPECT_EQ(grid.marks[1].t_s, 1.75);
-  EXPECT_EQ(grid.marks[1].label, "two\nlines");
+  EXPECT_EQ(grid.points[1].t_s, 1.75);
+  EXPECT_EQ(grid.points[1].label, "two\nlines");
 }
 
 template <class Call>
@@ -157,7 +157,7 @@ std::string refusal(const Call& call) {
   return "";
 }
 
-TEST(Marks, WhatIsNotMarksIsNamed) {
+TEST(Annotations, WhatIsNotMarksIsNamed) {
   using testing::HasSubstr;
   EXPECT_THAT(refusal([] { parse_audacity_labels("0.1\t0.1\tx\nbounce at 0.2\n", "a.txt"); }),
               HasSubstr("a.txt: line 2"));
@@ -170,13 +170,13 @@ TEST(Marks, WhatIsNotMarksIsNamed) {
               HasSubstr("cut off"));
   EXPECT_THAT(refusal([] { parse_text_grid("once upon a time", "a.TextGrid"); }), HasSubstr("TextGrid"));
   EXPECT_THAT(refusal([] { parse_text_grid("\xFE\xFF\0F", "a.TextGrid"); }), HasSubstr("UTF-8"));
-  const std::string grid = text_grid(marks_of(some_onsets()), 9.0);
+  const std::string grid = text_grid(annotations_of(some_onsets()), 9.0);
   EXPECT_THAT(refusal([&] { parse_text_grid(grid.substr(0, grid.size() / 2), "a.TextGrid"); }), HasSubstr("cut off"));
-  EXPECT_THAT(refusal([] { marks_of({}); }), HasSubstr("no onsets"));
+  EXPECT_THAT(refusal([] { annotations_of({}); }), HasSubstr("no onsets"));
   EXPECT_THAT(refusal([] {
                 Onsets two = some_onsets();
                 two.back().recording = "b.wav";
-                marks_of(two);
+                annotations_of(two);
               }),
               HasSubstr("--recording"));
 }
@@ -219,21 +219,21 @@ TEST_F(Cues, ACopyOfTheRecordingHoldsThemAndItsSamplesAreUntouched) {
     const fs::path original = folder_ / ("a" + extension), marked = folder_ / ("b" + extension),
                    again = folder_ / ("c" + extension);
     write_sound(original.filename(), SampleEncoding::pcm24);
-    copy_with_cues(original, marks_of(onsets), marked, "b");
+    copy_with_cues(original, annotations_of(onsets), marked, "b");
     expect_same(onsets_of(read_cues(marked), false), onsets);
     SF_INFO info, before;
     EXPECT_EQ(samples(marked, info), samples(original, before));
     EXPECT_EQ(info.format, before.format);
     EXPECT_EQ(info.frames, 400001);
     // cues are replaced, not added
-    copy_with_cues(marked, marks_of(onsets), again, "c");
+    copy_with_cues(marked, annotations_of(onsets), again, "c");
     EXPECT_EQ(bytes(again), bytes(marked));
   }
 }
 
 TEST_F(Cues, OtherProgramsReadThem) {
   write_sound("a.wav", SampleEncoding::pcm16);
-  copy_with_cues(folder_ / "a.wav", marks_of(some_onsets()), folder_ / "b.wav", "b.wav");
+  copy_with_cues(folder_ / "a.wav", annotations_of(some_onsets()), folder_ / "b.wav", "b.wav");
   SF_INFO info{};
   SNDFILE* file = sf_open((folder_ / "b.wav").c_str(), SFM_READ, &info);
   ASSERT_NE(file, nullptr);
@@ -253,24 +253,24 @@ TEST_F(Cues, ManyThousandAreNoProblem) {
     onset.t_s = 4e-4 * k + 1e-5;
     many.push_back(onset);
   }
-  copy_with_cues(folder_ / "a.wav", marks_of(many), folder_ / "b.wav", "b.wav");
+  copy_with_cues(folder_ / "a.wav", annotations_of(many), folder_ / "b.wav", "b.wav");
   expect_same(onsets_of(read_cues(folder_ / "b.wav"), false), many);
 }
 
 TEST_F(Cues, OtherFilesAreRefused) {
   write_sound("a.flac", SampleEncoding::pcm16);
   write_sound("a.wav", SampleEncoding::pcm16);
-  const Marks marks = marks_of(some_onsets());
-  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.flac", marks, folder_ / "b.wav", "b.wav"); }),
+  const Annotations annotations = annotations_of(some_onsets());
+  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.flac", annotations, folder_ / "b.wav", "b.wav"); }),
               testing::HasSubstr("neither WAV nor RF64"));
   EXPECT_THAT(refusal([&] { read_cues(folder_ / "a.wav"); }), testing::HasSubstr("no cue points"));
   EXPECT_THAT(refusal([&] { read_cues(folder_ / "none.wav"); }), testing::HasSubstr("none.wav"));
-  Marks far = marks;
-  far.marks[0].t_s = 1e6;
+  Annotations far = annotations;
+  far.points[0].t_s = 1e6;
   EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", far, folder_ / "b.wav", "b.wav"); }),
               testing::HasSubstr("1000000"));
   fs::resize_file(folder_ / "a.wav", 1000);
-  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", marks, folder_ / "b.wav", "b.wav"); }),
+  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", annotations, folder_ / "b.wav", "b.wav"); }),
               testing::HasSubstr("cut off"));
 }
 

@@ -108,7 +108,7 @@ TEST_F(AudioWriterTest, SamplesAreKnownAsTheyWillBeReadBackBeforeAnythingIsWritt
     writer.commit();
     std::vector<float> read(samples.size());
     AudioReader reader(path);
-    reader.sound(0).read(0, read);
+    reader.source(0).read(0, read);
     EXPECT_EQ(as_read_back(samples, encoding), read);
   }
 }

@@ -40,8 +40,8 @@ TEST(ImpactWave, IsThatOfMostImpactsThoughTheLoudestIsAnotherThing) {
            is_door ? std::vector{700.0, 1300.0, 9000.0} : std::vector{2100.0, 5300.0, 7700.0});
     rough.push_back({t_s, is_door ? 800.0 : 200.0, 0.4e-3, false});
   }
-  const audio::Sound sound = audio::sound_in_memory(samples, kRate_hz);
-  const auto wave = learn_impact_wave(sound, audio::learn_sound_models(sound, 48).noise, rough);
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const auto wave = learn_impact_wave(sound, audio::learn_ar_models(sound, 48).noise, rough);
   ASSERT_TRUE(wave);
   EXPECT_EQ(wave->n_impacts, kImpacts);
   EXPECT_GT(wave->correlation, 0.9);

@@ -38,10 +38,10 @@ TEST(ImpactTimer, IsAsCertainOfAnImpactThatItFindsFarOff) {
   // looked for at 1.5 ms too late the impact loses its beginning to the window's edge; cut again it has it back, and
   // no other place is as likely
   const std::vector<float> samples = recording();
-  const audio::Sound sound = audio::sound_in_memory(samples, kRate_hz);
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   std::vector<RoughImpact> rough;
   for (int k = 0; k < kImpacts; ++k) rough.push_back({time_of(k), 200.0, 0.4e-3, false});
-  const auto wave = learn_impact_wave(sound, audio::learn_sound_models(sound, 48).noise, rough);
+  const auto wave = learn_impact_wave(sound, audio::learn_ar_models(sound, 48).noise, rough);
   ASSERT_TRUE(wave);
   ImpactTimer timer(sound, *wave);
   const TimedImpact near = timer.time(time_of(10), 1e-4, time_of(11));

@@ -33,7 +33,7 @@ std::vector<float> wave() {
 }
 
 ImpactWave learned() {
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   ImpactWave learned;
   learned.whitener = {1.0F};
   learned.wave = WaveTemplate(fourier.forward(wave()), kWindow);
@@ -45,9 +45,9 @@ ImpactWave learned() {
 
 /// The learned wave, of u = 1, as an impact of u has it, `start` samples into the recording.
 void add(std::vector<float>& sound, const ImpactWave& learned, double amplitude, double u, double start) {
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   const double begin = start - kContact;
-  audio::Spectrum w = audio::turned(learned.wave.wave(), -learned.wave.omega() * (begin - std::floor(begin)));
+  audio::Spectrum w = audio::phase_shifted(learned.wave.wave(), -learned.wave.omega() * (begin - std::floor(begin)));
   std::vector<float> here(w.size()), reference(w.size()), slope(w.size());
   PulseSpectrum::hertz().tabulate(kRate_hz / kWindow * kTau_1_s * u, here, slope);
   PulseSpectrum::hertz().tabulate(kRate_hz / kWindow * kTau_1_s, reference, slope);
@@ -90,7 +90,7 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
       onset.timed.amplitude = 0.5 * amplitude;
       onsets.push_back(onset);
     }
-    part_overlapping(audio::sound_in_memory(sound, kRate_hz), wave, law, u, 1.0, onsets);
+    part_overlapping(audio::source_in_memory(sound, kRate_hz), wave, law, u, 1.0, onsets);
     for (int k = 0; k < kImpacts; ++k) {
       // the bound of the wave as learned; a duller one is told worse
       const double bound_s = 1.0 / amplitude / std::sqrt(wave.wave.information(0, kWindow / 2)) / kRate_hz;
@@ -125,7 +125,7 @@ TEST(Overlaps, ImpactsThatRingAloneStayWhereTheyAre) {
   TrainOnset onset;
   onset.timed.t_s = 0.02;
   std::vector<TrainOnset> onsets = {onset};
-  part_overlapping(audio::sound_in_memory(sound, kRate_hz), learned(), std::nullopt, {1.0}, 1.0, onsets);
+  part_overlapping(audio::source_in_memory(sound, kRate_hz), learned(), std::nullopt, {1.0}, 1.0, onsets);
   EXPECT_EQ(onsets[0].timed.t_s, 0.02);
 }
 

@@ -77,8 +77,8 @@ TEST(Products, CorrelateGivesTheSameBytesWhereverAnOutputStands) {
   }
 }
 
-TEST(Fourier, KeepsSumsOfProducts) {
-  audio::Fourier fourier(kWindow);
+TEST(RealFft, KeepsSumsOfProducts) {
+  audio::RealFft fourier(kWindow);
   const std::vector<float> a = modes(100.0, kNoPhases);
   const std::vector<float> b = modes(103.5, kNoPhases);
   const audio::Spectrum z = audio::product_conj(fourier.forward(a), fourier.forward(b));
@@ -86,7 +86,7 @@ TEST(Fourier, KeepsSumsOfProducts) {
   EXPECT_NEAR(sum, audio::dot(a, b), 1e-3 * audio::dot(a, a));  // but for the mean, which the spectrum leaves out
 }
 
-TEST(Fourier, PhasorsMoveAWaveByFractionsOfASample) {
+TEST(RealFft, PhasorsMoveAWaveByFractionsOfASample) {
   // a packet that is band-limited and has no mean, to far below single precision
   const auto packet = [](double centre) {
     std::vector<float> x(kWindow);
@@ -96,10 +96,10 @@ TEST(Fourier, PhasorsMoveAWaveByFractionsOfASample) {
     }
     return x;
   };
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   const audio::Spectrum at_500 = fourier.forward(packet(500.0));
   const std::vector<float> moved =
-      fourier.inverse(audio::product(at_500, audio::phasors(at_500.size(), -2.0 * kPi / kWindow * 0.37)));
+      fourier.inverse(audio::product(at_500, audio::phase_ramp(at_500.size(), -2.0 * kPi / kWindow * 0.37)));
   const std::vector<float> direct = packet(500.37);
   double error2 = 0.0;
   for (std::size_t n = 0; n < kWindow; ++n) error2 += std::pow(moved[n] - direct[n], 2);
@@ -125,7 +125,7 @@ TEST(CoherentShare, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
 }
 
 TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
   const BandClocks clocks = equal_clocks(wave);
   const double level = 0.2;
@@ -149,7 +149,7 @@ TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
 
 TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
   // modes struck with random phases: each looks like a shift of its own, and the errors are far above the noise
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
   BandClocks clocks = equal_clocks(wave);
   Random random(3, RandomStream::test, 9);
@@ -199,7 +199,7 @@ TEST(BandClocks, MeanHasTheVarianceOfItsCovariances) {
 }
 
 TEST(BandClocks, FindNoJitterWhereThereIsOnlyNoise) {
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
   constexpr float kLevel = 0.2F;
   const double bound = kLevel / std::sqrt(wave.information(0, wave.wave().size()));
@@ -269,7 +269,7 @@ TEST(FindPlaces, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
     }
     return x;
   };
-  audio::Fourier fourier(kWindow);
+  audio::RealFft fourier(kWindow);
   const WaveTemplate wave(fourier.forward(packet(500.0)), kWindow);
   const std::vector<WavePlace> places = find_places(wave, fourier.forward(packet(506.0)), -50.0, 50.0);
   ASSERT_GE(places.size(), 5U);
@@ -290,7 +290,7 @@ TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
     const double t_s = static_cast<double>(n) / kRate_hz;
     x[n] = static_cast<float>(tone(700.0, t_s) + tone(6100.0, t_s));
   }
-  const audio::Sound low = audio::low_band(audio::sound_in_memory(x, kRate_hz), 12);
+  const audio::AudioSource low = audio::decimate(audio::source_in_memory(x, kRate_hz), 12);
   EXPECT_DOUBLE_EQ(low.rate_hz, 4000.0);
   std::vector<float> y(static_cast<std::size_t>(low.n_samples));
   low.read(0, y);

@@ -15,7 +15,7 @@ TEST(WavePreview, KeepsTheExtremesOfEverySampleInItsColumn) {
   std::vector<float> x(100003, 0.0F);
   x[50000] = 0.9F;
   x[70001] = -0.8F;
-  const WavePreview p = wave_preview(audio::sound_in_memory(x, 1e5), "x", 0, {});
+  const WavePreview p = wave_preview(audio::source_in_memory(x, 1e5), "x", 0, {});
   ASSERT_EQ(p.hi.size(), p.lo.size());
   ASSERT_LE(p.hi.size(), 2000U);
   const auto highest = std::max_element(p.hi.begin(), p.hi.end());
@@ -39,7 +39,7 @@ TEST(WavePreview, ShowsMarksInTheirExcerptsAndCutsAtTheEnds) {
   }
   onsets.push_back(onsets.back());
   onsets.back().recording = "another";
-  const WavePreview p = wave_preview(audio::sound_in_memory(x, 1e5), "x", 0, onsets);
+  const WavePreview p = wave_preview(audio::source_in_memory(x, 1e5), "x", 0, onsets);
   EXPECT_EQ(p.marks.size(), 4U);
   ASSERT_EQ(p.excerpts.size(), 4U);
   EXPECT_EQ(p.excerpts[0].t0_s, 0.0);
@@ -60,7 +60,7 @@ TEST(WavePreview, OfOneDropShowsItsStretchAlone) {
     onset.t_s = t_s;
     onsets.push_back(onset);
   }
-  const audio::Sound sound = audio::sound_in_memory(x, 1e5);
+  const audio::AudioSource sound = audio::source_in_memory(x, 1e5);
   const WavePreview p = drop_preview(sound, "x", 0, onsets, 1);
   EXPECT_EQ(p.marks.size(), 3U);
   EXPECT_NEAR(p.column_t_s.front(), 0.9,
@@ -72,7 +72,7 @@ TEST(WavePreview, OfOneDropShowsItsStretchAlone) {
 
 TEST(WavePreview, OfFewerSamplesThanColumnsHasAColumnASample) {
   const std::vector<float> x{0.1F, -0.2F, 0.3F};
-  const WavePreview p = wave_preview(audio::sound_in_memory(x, 1e4), "x", 0, {});
+  const WavePreview p = wave_preview(audio::source_in_memory(x, 1e4), "x", 0, {});
   ASSERT_EQ(p.lo.size(), 3U);
   EXPECT_EQ(p.lo[1], p.hi[1]);
 }

@@ -47,7 +47,7 @@ std::string content_of(const fs::path& path) {
   return text.str();
 }
 
-audio::Marks read_marks(const fs::path& path, Format format) {
+audio::Annotations read_annotations(const fs::path& path, Format format) {
   const std::string name = path.string();
   if (format == Format::cues) return audio::read_cues(path);
   const std::string text = content_of(path);
@@ -58,10 +58,10 @@ audio::Marks read_marks(const fs::path& path, Format format) {
 Onsets read_onsets(const ConvertOptions& options) {
   const Format format = format_of(options.input);
   if (format != Format::table) {
-    audio::Marks marks = read_marks(options.input, format);
-    if (marks.marks.empty()) throw FileError(options.input, "holds no marks");
-    if (!options.recording.empty()) marks.recording = options.recording;
-    return audio::onsets_of(marks, options.renumber);
+    audio::Annotations annotations = read_annotations(options.input, format);
+    if (annotations.points.empty()) throw FileError(options.input, "holds no marks");
+    if (!options.recording.empty()) annotations.recording = options.recording;
+    return audio::onsets_of(annotations, options.renumber);
   }
   Onsets onsets = onsets_from_table(read_table(options.input, onset_columns()), options.input);
   if (!options.recording.empty()) {
@@ -76,35 +76,36 @@ Onsets read_onsets(const ConvertOptions& options) {
 }
 
 /// What a format of marks needs of the recording. @throws FileError with the remedy
-audio::AudioFormat audio_format(const audio::Marks& marks, const std::string& out) {
-  if (marks.recording.empty())
+audio::AudioFormat audio_format(const audio::Annotations& annotations, const std::string& out) {
+  if (annotations.recording.empty())
     throw InvalidArgument(out +
                           ": this format needs the recording (its rate, or a copy of it); name it with --recording");
-  return audio::AudioReader(marks.recording).format();
+  return audio::AudioReader(annotations.recording).format();
 }
 
-void write_marks(const fs::path& out, const audio::Marks& marks, const ConvertOptions& options, const Run& run) {
+void write_annotations(const fs::path& out, const audio::Annotations& annotations, const ConvertOptions& options,
+                       const Run& run) {
   std::vector<fs::path> inputs{options.input};
   const Format format = format_of(out);
   if (format == Format::cues) {
-    if (marks.recording.empty()) audio_format(marks, out.string());
-    if (marks.recording != options.input) inputs.emplace_back(marks.recording);
+    if (annotations.recording.empty()) audio_format(annotations, out.string());
+    if (annotations.recording != options.input) inputs.emplace_back(annotations.recording);
     OutputFile file(out, run.common.force);
-    audio::copy_with_cues(marks.recording, marks, file.temporary_path(), out.string());
+    audio::copy_with_cues(annotations.recording, annotations, file.temporary_path(), out.string());
     file.commit();
     write_provenance(run, out, inputs);
     return;
   }
   std::string text;
-  if (format == Format::audacity) text = audio::audacity_labels(marks);
+  if (format == Format::audacity) text = audio::audacity_labels(annotations);
   if (format == Format::sonic_visualiser) {
-    const audio::AudioFormat audio = audio_format(marks, out.string());
-    text = audio::sonic_visualiser_layer(marks, static_cast<int>(audio.rate_hz), audio.n_frames);
+    const audio::AudioFormat audio = audio_format(annotations, out.string());
+    text = audio::sonic_visualiser_layer(annotations, static_cast<int>(audio.rate_hz), audio.n_frames);
   }
   if (format == Format::praat) {
-    const bool known = !marks.recording.empty() && fs::exists(marks.recording);
-    const audio::AudioFormat audio = known ? audio_format(marks, out.string()) : audio::AudioFormat{};
-    text = audio::text_grid(marks, known ? static_cast<double>(audio.n_frames) / audio.rate_hz : 0.0);
+    const bool known = !annotations.recording.empty() && fs::exists(annotations.recording);
+    const audio::AudioFormat audio = known ? audio_format(annotations, out.string()) : audio::AudioFormat{};
+    text = audio::text_grid(annotations, known ? static_cast<double>(audio.n_frames) / audio.rate_hz : 0.0);
   }
   write_text(run, out, text, inputs);
 }
@@ -121,7 +122,7 @@ Outcome run_convert(const ConvertOptions& options, Run& run) {
     if (format_of(out) == Format::table)
       write_table(run, out, to_table(onsets), {options.input});
     else
-      write_marks(out, audio::marks_of(onsets), options, run);
+      write_annotations(out, audio::annotations_of(onsets), options, run);
   }
   const auto n_by_hand =
       std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return onset.flags.has(Flag::by_hand); });

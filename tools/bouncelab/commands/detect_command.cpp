@@ -165,7 +165,8 @@ Outcome run_detect(const DetectOptions& options, Run& run, std::vector<detection
   conclude(options.recordings, found, outcome);
   if (all.empty()) return outcome;
   write_table(run, options.out, to_table(all), inputs);
-  if (!options.labels.empty()) write_text(run, options.labels, audio::audacity_labels(audio::marks_of(all)), inputs);
+  if (!options.labels.empty())
+    write_text(run, options.labels, audio::audacity_labels(audio::annotations_of(all)), inputs);
   if (keep != nullptr) *keep = std::move(found);
   return outcome;
 }

@@ -84,7 +84,7 @@ void write_diagnostics(const Run& run, const std::vector<std::string>& recording
     if (d.wave) one["wave"] = to_json(*d.wave);
     if (d.noise) one["noise"] = {{"frequency_hz", d.noise->frequency_hz}, {"psd", d.noise->psd}};
     audio::AudioReader reader(recordings[k]);
-    const audio::Sound sound = reader.sound(d.summary.channel);
+    const audio::AudioSource sound = reader.source(d.summary.channel);
     for (std::int64_t drop = 0; drop < d.summary.n_drops && n_shown < kDropsShown; ++drop, ++n_shown) {
       Json shown = to_json(detection::drop_preview(sound, recordings[k], d.summary.channel, d.onsets, drop));
       shown["intervals"] = intervals_of(samples, recordings[k], drop, law, gravity_mps2);

@@ -62,15 +62,15 @@ std::string label_of(const Onset& onset) {
 }
 
 /// The onset of a mark that tells its place; as it was, or as somebody moved it.
-Onset onset_of(const Mark& mark, const Labelled& labelled, double resolution_s) {
+Onset onset_of(const Annotation& point, const Labelled& labelled, double resolution_s) {
   Onset onset = labelled.onset;
-  onset.t_s = labelled.t_s.value_or(mark.t_s);
+  onset.t_s = labelled.t_s.value_or(point.t_s);
   // a time read back from text is off by its last bit
-  if (std::abs(onset.t_s - mark.t_s) <= 0.5 * resolution_s + 1e-14 * std::abs(mark.t_s)) return onset;
+  if (std::abs(onset.t_s - point.t_s) <= 0.5 * resolution_s + 1e-14 * std::abs(point.t_s)) return onset;
   Onset moved;
   moved.drop = onset.drop;
   moved.impact = onset.impact;
-  moved.t_s = mark.t_s;
+  moved.t_s = point.t_s;
   moved.flags = {Flag::by_hand};
   return moved;
 }
@@ -87,38 +87,39 @@ void number_upwards(Onsets& onsets, bool renumber) {
 
 }  // namespace
 
-Marks marks_of(const Onsets& onsets) {
+Annotations annotations_of(const Onsets& onsets) {
   if (onsets.empty()) throw InvalidArgument("there are no onsets to mark");
-  Marks result;
+  Annotations result;
   result.recording = onsets.front().recording;
   for (const Onset& onset : onsets) {
     if (onset.recording != result.recording)
       throw InvalidArgument("onsets of several recordings ('" + result.recording + "', '" + onset.recording +
                             "' ...); marks belong to one: choose it with --recording");
-    result.marks.push_back({onset.t_s, label_of(onset)});
+    result.points.push_back({onset.t_s, label_of(onset)});
   }
   return result;
 }
 
-Onsets onsets_of(const Marks& marks, bool renumber) {
-  if (marks.marks.empty()) throw InvalidArgument("there are no marks");
-  std::vector<Mark> by_time = marks.marks;
-  std::stable_sort(by_time.begin(), by_time.end(), [](const Mark& a, const Mark& b) { return a.t_s < b.t_s; });
+Onsets onsets_of(const Annotations& annotations, bool renumber) {
+  if (annotations.points.empty()) throw InvalidArgument("there are no marks");
+  std::vector<Annotation> by_time = annotations.points;
+  std::stable_sort(by_time.begin(), by_time.end(),
+                   [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });
   Onsets onsets;
   std::optional<std::int64_t> drop;
   std::size_t n_before_any_drop = 0;
-  for (const Mark& mark : by_time) {
+  for (const Annotation& point : by_time) {
     Onset onset;
-    if (const auto labelled = read_label(mark.label)) {
-      onset = onset_of(mark, *labelled, marks.resolution_s);
+    if (const auto labelled = read_label(point.label)) {
+      onset = onset_of(point, *labelled, annotations.resolution_s);
       if (!drop) n_before_any_drop = onsets.size();
       drop = onset.drop;
     } else {
-      onset.t_s = mark.t_s;
+      onset.t_s = point.t_s;
       onset.drop = drop.value_or(0);
       onset.flags = {Flag::by_hand};
     }
-    onset.recording = marks.recording;
+    onset.recording = annotations.recording;
     onsets.push_back(std::move(onset));
   }
   for (std::size_t k = 0; k < n_before_any_drop; ++k) onsets[k].drop = onsets[n_before_any_drop].drop;

@@ -66,23 +66,23 @@ class FreeStanding {
 
 }  // namespace
 
-std::string text_grid(const Marks& marks, double duration_s) {
+std::string text_grid(const Annotations& annotations, double duration_s) {
   double end_s = duration_s;
-  for (const Mark& mark : marks.marks) end_s = std::max(end_s, mark.t_s);
+  for (const Annotation& point : annotations.points) end_s = std::max(end_s, point.t_s);
   const std::string limits = "xmin = 0\n", end = "xmax = " + plain_number_text(end_s) + "\n";
   std::string text =
       "File type = \"ooTextFile\"\nObject class = \"TextGrid\"\n\n" + limits + end +
       "tiers? <exists>\nsize = 1\nitem []:\n    item [1]:\n        class = \"TextTier\"\n        name = " +
-      quoted(marks.recording) + "\n        " + limits + "        " + end +
-      "        points: size = " + std::to_string(marks.marks.size()) + "\n";
-  for (std::size_t k = 0; k < marks.marks.size(); ++k)
+      quoted(annotations.recording) + "\n        " + limits + "        " + end +
+      "        points: size = " + std::to_string(annotations.points.size()) + "\n";
+  for (std::size_t k = 0; k < annotations.points.size(); ++k)
     text += "        points [" + std::to_string(k + 1) +
-            "]:\n            number = " + plain_number_text(marks.marks[k].t_s) +
-            "\n            mark = " + quoted(marks.marks[k].label) + "\n";
+            "]:\n            number = " + plain_number_text(annotations.points[k].t_s) +
+            "\n            mark = " + quoted(annotations.points[k].label) + "\n";
   return text;
 }
 
-Marks parse_text_grid(const std::string& text, const std::string& name) {
+Annotations parse_text_grid(const std::string& text, const std::string& name) {
   if (text.rfind("\xFE\xFF", 0) == 0 || text.rfind("\xFF\xFE", 0) == 0)
     throw FileError(name, "is UTF-16; in Praat choose Preferences, Text writing preferences, UTF-8, and save it again");
   FreeStanding in(text, name);
@@ -93,18 +93,18 @@ Marks parse_text_grid(const std::string& text, const std::string& name) {
   const auto n_tiers = static_cast<std::int64_t>(in.number());
   for (std::int64_t tier = 0; tier < n_tiers; ++tier) {
     const bool has_points = in.text() == "TextTier";
-    Marks result;
+    Annotations result;
     result.recording = in.text();
     result.resolution_s = 1e-9;
     in.number();
     in.number();
     const auto n = static_cast<std::int64_t>(in.number());
     for (std::int64_t k = 0; k < n; ++k) {
-      Mark mark;
-      mark.t_s = in.number();
+      Annotation point;
+      point.t_s = in.number();
       if (!has_points) in.number();
-      mark.label = in.text();
-      if (has_points) result.marks.push_back(std::move(mark));
+      point.label = in.text();
+      if (has_points) result.points.push_back(std::move(point));
     }
     if (has_points) return result;
   }

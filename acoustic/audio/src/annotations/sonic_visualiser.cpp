@@ -69,25 +69,25 @@ double number_of(const Attributes& attributes, const std::string& key, const std
 
 }  // namespace
 
-std::string sonic_visualiser_layer(const Marks& marks, int rate_hz, std::int64_t n_frames) {
+std::string sonic_visualiser_layer(const Annotations& annotations, int rate_hz, std::int64_t n_frames) {
   const std::string rate = std::to_string(rate_hz);
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE sonic-visualiser>\n<sv>\n  <data>\n"
       "    <model id=\"1\" name=\"" +
-      escaped(marks.recording) + "\" sampleRate=\"" + rate + "\" start=\"0\" end=\"" + std::to_string(n_frames) +
+      escaped(annotations.recording) + "\" sampleRate=\"" + rate + "\" start=\"0\" end=\"" + std::to_string(n_frames) +
       "\" type=\"sparse\" dimensions=\"1\" resolution=\"1\" notifyOnAdd=\"true\" dataset=\"0\" />\n"
       "    <dataset id=\"0\" dimensions=\"1\">\n";
-  for (const Mark& mark : marks.marks)
-    text += "      <point frame=\"" + std::to_string(std::llround(mark.t_s * rate_hz)) + "\" label=\"" +
-            escaped(mark.label) + "\" />\n";
+  for (const Annotation& point : annotations.points)
+    text += "      <point frame=\"" + std::to_string(std::llround(point.t_s * rate_hz)) + "\" label=\"" +
+            escaped(point.label) + "\" />\n";
   return text +
          "    </dataset>\n  </data>\n  <display>\n    <layer id=\"2\" type=\"timeinstants\" name=\"Impacts\" "
          "model=\"1\" "
          "plotStyle=\"0\" colourName=\"Purple\" colour=\"#c832ff\" darkBackground=\"false\" />\n  </display>\n</sv>\n";
 }
 
-Marks parse_sonic_visualiser_layer(const std::string& text, const std::string& name) {
-  Marks result;
+Annotations parse_sonic_visualiser_layer(const std::string& text, const std::string& name) {
+  Annotations result;
   double rate_hz = 0.0;
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
     const std::size_t end = text.find_first_of(" \t\r\n/>", at + 1);
@@ -102,7 +102,7 @@ Marks parse_sonic_visualiser_layer(const std::string& text, const std::string& n
     }
     if (element != "point") continue;
     if (rate_hz <= 0.0) throw FileError(name, "has points before a model with a positive sampleRate");
-    result.marks.push_back({number_of(attributes, "frame", name) / rate_hz, attributes["label"]});
+    result.points.push_back({number_of(attributes, "frame", name) / rate_hz, attributes["label"]});
   }
   if (rate_hz <= 0.0) throw FileError(name, "is not a layer of Sonic Visualiser: no model with a sampleRate");
   result.resolution_s = 1.0 / rate_hz;

@@ -67,7 +67,7 @@ class RiffFile {
     return bytes;
   }
   std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.size); }
-  bool is_marks(const Chunk& chunk) {
+  bool is_cue_chunk(const Chunk& chunk) {
     return chunk.id == "cue " || (chunk.id == "LIST" && chunk.size >= 4 && read(chunk.begin, 4) == "adtl");
   }
   int rate_hz() {
@@ -103,14 +103,14 @@ std::string chunk_bytes(const char* id, const std::string& content) {
   return bytes;
 }
 
-std::string cue_chunks(const Marks& marks, int rate_hz, const std::string& name) {
+std::string cue_chunks(const Annotations& annotations, int rate_hz, const std::string& name) {
   std::string cues, labels = "adtl";
-  put(cues, static_cast<std::uint32_t>(marks.marks.size()));
+  put(cues, static_cast<std::uint32_t>(annotations.points.size()));
   std::uint32_t number = 0;
-  for (const Mark& mark : marks.marks) {
-    const double frame = std::round(mark.t_s * rate_hz);
+  for (const Annotation& point : annotations.points) {
+    const double frame = std::round(point.t_s * rate_hz);
     if (!(frame >= 0.0 && frame <= static_cast<double>(kIn32Bits)))
-      throw FileError(name, "a mark at " + std::to_string(mark.t_s) +
+      throw FileError(name, "a mark at " + std::to_string(point.t_s) +
                                 " s lies outside what a cue point can say (2^32 frames); use labels of another format");
     ++number;
     put(cues, number);
@@ -121,46 +121,46 @@ std::string cue_chunks(const Marks& marks, int rate_hz, const std::string& name)
     put(cues, static_cast<std::uint32_t>(frame));
     std::string label;
     put(label, number);
-    labels += chunk_bytes("labl", label + mark.label + '\0');
+    labels += chunk_bytes("labl", label + point.label + '\0');
   }
   return chunk_bytes("cue ", cues) + chunk_bytes("LIST", labels);
 }
 
 }  // namespace
 
-Marks read_cues(const std::filesystem::path& path) {
+Annotations read_cues(const std::filesystem::path& path) {
   RiffFile file(path);
-  Marks result;
+  Annotations result;
   const int rate_hz = file.rate_hz();
   result.recording = path.string();
   result.resolution_s = 1.0 / rate_hz;
   std::map<std::uint32_t, std::string> labels;
   std::string cues;
   for (const Chunk& chunk : file.chunks()) {
-    if (!file.is_marks(chunk)) continue;
+    if (!file.is_cue_chunk(chunk)) continue;
     if (chunk.id == "cue ")
       cues = file.content(chunk);
     else
       read_labels(file.content(chunk), labels);
   }
   for (std::size_t at = 4; at + 24 <= cues.size(); at += 24)
-    result.marks.push_back(
+    result.points.push_back(
         {static_cast<double>(get<std::uint32_t>(cues, at + 20)) / rate_hz, labels[get<std::uint32_t>(cues, at)]});
-  if (result.marks.empty()) throw FileError(file.name(), "holds no cue points");
+  if (result.points.empty()) throw FileError(file.name(), "holds no cue points");
   return result;
 }
 
-void copy_with_cues(const std::filesystem::path& recording, const Marks& marks, const std::filesystem::path& out,
-                    const std::string& name) {
+void copy_with_cues(const std::filesystem::path& recording, const Annotations& annotations,
+                    const std::filesystem::path& out, const std::string& name) {
   RiffFile file(recording);
-  const std::string cues = cue_chunks(marks, file.rate_hz(), name);
+  const std::string cues = cue_chunks(annotations, file.rate_hz(), name);
   std::ofstream to(out, std::ios::binary | std::ios::trunc);
   to << file.read(0, 12);
   std::uint64_t length = 12;
   std::optional<std::uint64_t> ds64_at;
   constexpr std::uint64_t kPiece = 1 << 20;
   for (const Chunk& chunk : file.chunks()) {
-    if (file.is_marks(chunk)) continue;
+    if (file.is_cue_chunk(chunk)) continue;
     if (chunk.id == "ds64") ds64_at = length + 8;
     const std::uint64_t begin = chunk.begin - 8, size = 8 + chunk.size;
     for (std::uint64_t done = 0; done < size; done += kPiece)

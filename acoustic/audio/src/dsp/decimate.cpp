@@ -28,14 +28,14 @@ std::vector<float> low_pass(int factor) {
 
 }  // namespace
 
-Sound low_band(const Sound& sound, int factor) {
-  const auto read = [sound, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
+AudioSource decimate(const AudioSource& source, int factor) {
+  const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
     std::vector<float> x(out.size() * static_cast<std::size_t>(factor) + taps.size());
-    read_padded(sound, first * factor - 8 * factor, x);
+    read_padded(source, first * factor - 8 * factor, x);
     for (std::size_t n = 0; n < out.size(); ++n)
       out[n] = static_cast<float>(dot(taps, std::span(x).subspan(n * static_cast<std::size_t>(factor), taps.size())));
   };
-  return {sound.rate_hz / factor, sound.n_samples / factor, read, {}, 0};
+  return {source.rate_hz / factor, source.n_samples / factor, read, {}, 0};
 }
 
 }  // namespace bouncelab::audio

@@ -19,8 +19,8 @@ constexpr std::int64_t kMostBlocks = 48;
 constexpr double kRidge = 1e-8;
 
 /// Blocks spread evenly over the recording; all of it where it is short.
-std::vector<std::int64_t> block_starts(const Sound& sound, std::int64_t length) {
-  const std::int64_t n_all = (sound.n_samples + length - 1) / length;
+std::vector<std::int64_t> block_starts(const AudioSource& source, std::int64_t length) {
+  const std::int64_t n_all = (source.n_samples + length - 1) / length;
   const std::int64_t n = std::min(n_all, kMostBlocks);
   std::vector<std::int64_t> starts;
   for (std::int64_t k = 0; k < n; ++k) starts.push_back(k * n_all / n * length);
@@ -44,8 +44,8 @@ struct Frame {
   std::vector<double> r;
 };
 
-std::size_t frame_length(const Sound& sound, std::size_t order) {
-  return std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * sound.rate_hz));
+std::size_t frame_length(const AudioSource& source, std::size_t order) {
+  return std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * source.rate_hz));
 }
 
 /// sum_k x[k] x[k + lag] for lag = 0 ... n_lags - 1, in single precision over stretches of 128.
@@ -61,17 +61,17 @@ std::vector<double> autocorrelation(std::span<const float> x, std::size_t n, std
   return r;
 }
 
-std::vector<Frame> frames_of(const Sound& sound, std::size_t order) {
-  const std::size_t n_frame = frame_length(sound, order);
+std::vector<Frame> frames_of(const AudioSource& source, std::size_t order) {
+  const std::size_t n_frame = frame_length(source, order);
   const std::vector<float> window = hann(n_frame);
   std::vector<Frame> frames;
   // at least four frames a block, however high the rate
   const std::int64_t length = std::max(kBlock, 4 * static_cast<std::int64_t>(n_frame));
   std::vector<float> block(static_cast<std::size_t>(length) + 1);
   std::vector<float> x(n_frame + rounded_up(order + 1), 0.0F);
-  for (const std::int64_t start : block_starts(sound, length)) {
-    read_padded(sound, start - 1, block);
-    const auto n_here = static_cast<std::size_t>(std::min(length, sound.n_samples - start));
+  for (const std::int64_t start : block_starts(source, length)) {
+    read_padded(source, start - 1, block);
+    const auto n_here = static_cast<std::size_t>(std::min(length, source.n_samples - start));
     for (std::size_t at = 1; at + n_frame <= n_here; at += n_frame) {
       for (std::size_t k = 0; k < n_frame; ++k) x[k] = window[k] * (block[at + k] - block[at + k - 1]);
       Frame frame{0.0, autocorrelation(x, n_frame, order + 1)};
@@ -94,9 +94,9 @@ double filtered_variance(const std::vector<double>& filter, const std::vector<do
 
 /// The model of a signal whose difference has the autocorrelation r.
 /// @param quiet  autocorrelation of the difference in the quiet parts
-Autoregression model_of(const std::vector<double>& r, const std::vector<double>& quiet) {
+ArModel model_of(const std::vector<double>& r, const std::vector<double>& quiet) {
   const std::vector<double> a = prediction_error_filter(r);
-  Autoregression model;
+  ArModel model;
   model.quiet_variance = std::max(0.0, filtered_variance(a, quiet));
   model.filter.resize(a.size() + 1);
   for (std::size_t k = 0; k <= a.size(); ++k)
@@ -106,9 +106,9 @@ Autoregression model_of(const std::vector<double>& r, const std::vector<double>&
 
 }  // namespace
 
-SoundModels learn_sound_models(const Sound& sound, int order) {
+ArModels learn_ar_models(const AudioSource& source, int order) {
   const auto n_lags = static_cast<std::size_t>(order);
-  std::vector<Frame> frames = frames_of(sound, n_lags);
+  std::vector<Frame> frames = frames_of(source, n_lags);
   std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.energy < b.energy; });
   const std::size_t n_quiet = std::min(frames.size(), frames.size() / 10 + 1);
   std::vector<double> all(n_lags + 1, 0.0);
@@ -119,7 +119,7 @@ SoundModels learn_sound_models(const Sound& sound, int order) {
       if (k < n_quiet) quiet[lag] += frames[k].r[lag] * frames[k].energy / static_cast<double>(n_quiet);
     }
   // a Hann window leaves 3/8 of the power
-  const double n_effective = 0.375 * static_cast<double>(frame_length(sound, n_lags));
+  const double n_effective = 0.375 * static_cast<double>(frame_length(source, n_lags));
   for (double& r : quiet) r /= n_effective;
   return {model_of(all, quiet), model_of(quiet, quiet)};
 }
@@ -145,7 +145,7 @@ std::vector<double> prediction_error_filter(const std::vector<double>& r) {
   return a;
 }
 
-void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out) {
+void read_innovations(const AudioSource& source, const ArModel& model, std::int64_t first, std::span<float> out) {
   constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
   const std::size_t order = model.filter.size() - 1;
   const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
@@ -153,16 +153,16 @@ void read_innovations(const Sound& sound, const Autoregression& model, std::int6
   for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, out.size() - at);
     const std::int64_t begin = first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order);
-    std::span<const float> here = held_stretch(sound, begin, n + order);
+    std::span<const float> here = resident_span(source, begin, n + order);
     if (here.empty()) {
-      read_padded(sound, begin, std::span(x).first(n + order));
+      read_padded(source, begin, std::span(x).first(n + order));
       here = std::span(x).first(n + order);
     }
     correlate(here, taps, out.subspan(at, n));
   }
 }
 
-double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz) {
+double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
   std::complex<double> response = 0.0;
   const double phase = -2.0 * kPi * frequency_hz / rate_hz;
   for (std::size_t k = 0; k < model.filter.size(); ++k)

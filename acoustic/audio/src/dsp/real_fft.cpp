@@ -154,8 +154,8 @@ struct Steps {
 };
 
 /// a[k] exp(i k angle), block by block.
-BOUNCELAB_VECTOR_CLONES void turn(const float* a_re, const float* a_im, const Steps& steps, float* __restrict re,
-                                  float* __restrict im, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void phase_shift(const float* a_re, const float* a_im, const Steps& steps, float* __restrict re,
+                                         float* __restrict im, std::size_t n) {
   double block_c = 1.0;  // n / 32 roundings of doubles: nothing to a float
   double block_s = 0.0;
   for (std::size_t k = 0; k < n; k += Steps::kBlock) {
@@ -187,9 +187,9 @@ Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
 
 }  // namespace
 
-Fourier::Fourier(std::size_t n) : n_(n), half_(&half_of(n)) { assert(n >= 4 && n % 2 == 0); }
+RealFft::RealFft(std::size_t n) : n_(n), half_(&half_of(n)) { assert(n >= 4 && n % 2 == 0); }
 
-Spectrum Fourier::forward(std::span<const float> x) {
+Spectrum RealFft::forward(std::span<const float> x) {
   assert(x.size() <= n_);
   const std::size_t h = n_ / 2;
   const Half& half = *static_cast<const Half*>(half_);
@@ -206,7 +206,7 @@ Spectrum Fourier::forward(std::span<const float> x) {
   return spectrum;
 }
 
-std::vector<float> Fourier::inverse(const Spectrum& spectrum) {
+std::vector<float> RealFft::inverse(const Spectrum& spectrum) {
   const std::size_t h = n_ / 2;
   const Half& half = *static_cast<const Half*>(half_);
   Room& room = room_for(n_);
@@ -225,24 +225,18 @@ std::vector<float> Fourier::inverse(const Spectrum& spectrum) {
   return {room.out, room.out + n_};
 }
 
-std::size_t power_of_two(std::size_t n) {
-  std::size_t power = 4;
-  while (power < n) power *= 2;
-  return power;
-}
-
-Spectrum turned(const Spectrum& a, double angle) {
+Spectrum phase_shifted(const Spectrum& a, double angle) {
   Spectrum out{std::vector<float>(a.size()), std::vector<float>(a.size())};
-  turn(a, angle, out);
+  phase_shift(a, angle, out);
   return out;
 }
 
-void turn(const Spectrum& a, double angle, Spectrum& out) {
-  turn(a.re.data(), a.im.data(), Steps(angle), out.re.data(), out.im.data(), a.size());
+void phase_shift(const Spectrum& a, double angle, Spectrum& out) {
+  phase_shift(a.re.data(), a.im.data(), Steps(angle), out.re.data(), out.im.data(), a.size());
 }
 
-Spectrum phasors(std::size_t n, double angle) {
-  return turned({std::vector<float>(n, 1.0F), std::vector<float>(n, 0.0F)}, angle);
+Spectrum phase_ramp(std::size_t n, double angle) {
+  return phase_shifted({std::vector<float>(n, 1.0F), std::vector<float>(n, 0.0F)}, angle);
 }
 
 Spectrum product_conj(const Spectrum& a, const Spectrum& b) { return multiplied(a, -1.0F, b); }

@@ -5,9 +5,10 @@
 
 namespace bouncelab::audio {
 
-WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n) {
+WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
+                       std::size_t n) {
   WhiteWindow window{first, std::vector<float>(n)};
-  read_innovations(sound, {whitener, 0.0}, first, window.sound);
+  read_innovations(source, {whitener, 0.0}, first, window.sound);
   return window;
 }
 

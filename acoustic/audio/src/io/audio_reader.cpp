@@ -69,7 +69,7 @@ void check_promised_length(SNDFILE* file, const std::string& name) {
     const double held = std::atof(line.c_str() + correction + 11);
     if (promised > held && promised < 4294967000.0)
       throw FileError(name, "the header promises " + std::to_string(static_cast<long long>(promised)) +
-                                " bytes of sound, the file holds " + std::to_string(static_cast<long long>(held)) +
+                                " bytes of source, the file holds " + std::to_string(static_cast<long long>(held)) +
                                 "; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
   }
 }
@@ -239,18 +239,18 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
   }
 }
 
-Sound AudioReader::sound(int channel) {
+AudioSource AudioReader::source(int channel) {
   State& s = *state_;
-  Sound sound{s.format.rate_hz,
-              s.format.n_frames,
-              [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); },
-              {},
-              0};
+  AudioSource source{s.format.rate_hz,
+                     s.format.n_frames,
+                     [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); },
+                     {},
+                     0};
   if (s.format.n_channels == 1 && s.is_held_whole()) {
     if (s.buffered.size() == 0) s.fill_buffer(0);
-    sound.held = {s.buffered.begin(), s.buffered.end()};
+    source.resident = {s.buffered.begin(), s.buffered.end()};
   }
-  return sound;
+  return source;
 }
 
 }  // namespace bouncelab::audio

@@ -9,7 +9,7 @@
 
 namespace bouncelab::audio {
 
-Sound sound_in_memory(std::span<const float> samples, double rate_hz) {
+AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
   if (!(rate_hz > 0.0) || !std::isfinite(rate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be finite and positive");
   const auto bad = std::find_if(samples.begin(), samples.end(), [](float x) { return !std::isfinite(x); });
@@ -23,19 +23,19 @@ Sound sound_in_memory(std::span<const float> samples, double rate_hz) {
           samples, 0};
 }
 
-std::span<const float> held_stretch(const Sound& sound, std::int64_t first, std::size_t n) {
-  const std::int64_t offset = first - sound.held_first;
-  const bool all = offset >= 0 && offset + static_cast<std::int64_t>(n) <= std::ssize(sound.held);
-  return all ? sound.held.subspan(static_cast<std::size_t>(offset), n) : std::span<const float>{};
+std::span<const float> resident_span(const AudioSource& source, std::int64_t first, std::size_t n) {
+  const std::int64_t offset = first - source.resident_first;
+  const bool all = offset >= 0 && offset + static_cast<std::int64_t>(n) <= std::ssize(source.resident);
+  return all ? source.resident.subspan(static_cast<std::size_t>(offset), n) : std::span<const float>{};
 }
 
-void read_padded(const Sound& sound, std::int64_t first, std::span<float> out) {
+void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out) {
   const std::int64_t last = first + static_cast<std::int64_t>(out.size());
   const std::int64_t lo = std::clamp<std::int64_t>(0, first, last);
-  const std::int64_t hi = std::clamp<std::int64_t>(sound.n_samples, lo, last);
+  const std::int64_t hi = std::clamp<std::int64_t>(source.n_samples, lo, last);
   std::fill(out.begin(), out.begin() + (lo - first), 0.0F);
   std::fill(out.begin() + (hi - first), out.end(), 0.0F);
-  if (hi > lo) sound.read(lo, out.subspan(lo - first, hi - lo));
+  if (hi > lo) source.read(lo, out.subspan(lo - first, hi - lo));
 }
 
 }  // namespace bouncelab::audio

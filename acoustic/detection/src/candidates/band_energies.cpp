@@ -2,6 +2,7 @@
 #include "candidates/band_energies.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -32,10 +33,9 @@ std::vector<int> octaves(std::size_t n_bins, double bin_hz) {
 
 }  // namespace
 
-std::vector<Timbre> read_timbres(const audio::Sound& sound, const std::vector<Candidate>& candidates) {
-  const std::size_t n =
-      std::max<std::size_t>(16, audio::power_of_two(static_cast<std::size_t>(kWindow_s * sound.rate_hz)));
-  audio::Fourier fourier(n);
+std::vector<Timbre> read_timbres(const audio::AudioSource& sound, const std::vector<Candidate>& candidates) {
+  const std::size_t n = std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kWindow_s * sound.rate_hz)));
+  audio::RealFft fourier(n);
   const std::vector<int> octave = octaves(n / 2, sound.rate_hz / static_cast<double>(n));
   std::vector<float> window;
   for (std::size_t k = 0; k < n; ++k)

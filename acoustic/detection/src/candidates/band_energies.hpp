@@ -18,7 +18,7 @@ struct Timbre {
 };
 
 /// Of the 12 ms after each candidate against the 12 ms before it, differenced, under half a Hann window.
-std::vector<Timbre> read_timbres(const audio::Sound& sound, const std::vector<Candidate>& candidates);
+std::vector<Timbre> read_timbres(const audio::AudioSource& sound, const std::vector<Candidate>& candidates);
 
 /// Probability that two sounds are of one kind (a ball's impacts, one voice, one pair of hands) where half of all pairs
 /// are: how far their spectra differ beside their loudness. Of one kind they scatter by 4 dB an octave, of two by 11

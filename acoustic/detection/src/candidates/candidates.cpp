@@ -58,7 +58,7 @@ BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, 
 /// Innovations of one block of hops with margins, and their running energy from hop to hop.
 class Block {
  public:
-  Block(const audio::Sound& sound, const audio::Autoregression& model, std::int64_t hop)
+  Block(const audio::AudioSource& sound, const audio::ArModel& model, std::int64_t hop)
       : sound_(sound),
         model_(model),
         hop_(hop),
@@ -143,8 +143,8 @@ class Block {
     std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);
   }
 
-  const audio::Sound& sound_;
-  const audio::Autoregression& model_;
+  const audio::AudioSource& sound_;
+  const audio::ArModel& model_;
   std::int64_t hop_;
   double floor_;
   std::int64_t first_hop_ = 0;  // of the margin
@@ -274,7 +274,7 @@ void find_in_block(const Block& block, double rate_hz, std::int64_t hop, std::in
 
 }  // namespace
 
-std::vector<Candidate> find_candidates(const audio::Sound& sound, const audio::Autoregression& model,
+std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model,
                                        const ProgressCallback& progress) {
   std::vector<Candidate> candidates;
   if (model.quiet_variance <= 0.0) return candidates;

@@ -24,7 +24,7 @@ struct Candidate {
 /// twice the ratio is chi-squared with one degree of freedom; the threshold lets through about one false candidate in 3
 /// s. The background is what rings just before, so that a weak impact counts as much on silence as on the tail of a
 /// strong one.
-std::vector<Candidate> find_candidates(const audio::Sound& sound, const audio::Autoregression& model,
+std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model,
                                        const ProgressCallback& progress);
 
 }  // namespace bouncelab::detection

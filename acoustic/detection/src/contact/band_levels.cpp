@@ -73,7 +73,8 @@ double centre_bin(const WaveTemplate& wave, const Band& band) {
 
 }  // namespace
 
-BandLevels read_levels(const audio::Sound& sound, const ImpactWave& wave, const std::vector<SpeedAndTime>& impacts) {
+BandLevels read_levels(const audio::AudioSource& sound, const ImpactWave& wave,
+                       const std::vector<SpeedAndTime>& impacts) {
   BandLevels levels;
   const std::size_t n_window = wave.wave.n_window();
   const std::vector<Band> bands = choose_bands(wave);
@@ -81,15 +82,15 @@ BandLevels read_levels(const audio::Sound& sound, const ImpactWave& wave, const 
     levels.f_hz.push_back(sound.rate_hz / static_cast<double>(n_window) * centre_bin(wave.wave, band));
     levels.noise2.push_back(band.noise / band.energy);
   }
-  audio::Fourier fourier(n_window);
+  audio::RealFft fourier(n_window);
   for (const SpeedAndTime& impact : thin(impacts)) {
     const double position = impact.t_s * sound.rate_hz - wave.contact_index;
     const auto first = static_cast<std::int64_t>(std::floor(position));
     audio::WhiteWindow window = audio::read_white(sound, wave.whitener, first, n_window);
     std::fill(window.sound.begin() + static_cast<std::ptrdiff_t>(wave.n_wave), window.sound.end(), 0.0F);
-    const audio::Spectrum z =
-        audio::product(audio::product_conj(wave.wave.wave(), fourier.forward(window.sound)),
-                       audio::phasors(n_window / 2 + 1, wave.wave.omega() * (position - static_cast<double>(first))));
+    const audio::Spectrum z = audio::product(
+        audio::product_conj(wave.wave.wave(), fourier.forward(window.sound)),
+        audio::phase_ramp(n_window / 2 + 1, wave.wave.omega() * (position - static_cast<double>(first))));
     const bool is_learned = std::any_of(wave.learned_t_s.begin(), wave.learned_t_s.end(),
                                         [&](double t_s) { return std::abs(t_s - impact.t_s) < kSameImpact_s; });
     std::vector<double> row;

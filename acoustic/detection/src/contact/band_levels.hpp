@@ -27,6 +27,7 @@ struct BandLevels {
 /// most 192 impacts. Bands that are quieter than half of their neighbours are left out, since they hold the skirts of
 /// others' modes, and bands in which the wave itself is mostly noise. An impact that the wave was learned from finds
 /// its own noise there again; so much is taken off.
-BandLevels read_levels(const audio::Sound& sound, const ImpactWave& wave, const std::vector<SpeedAndTime>& impacts);
+BandLevels read_levels(const audio::AudioSource& sound, const ImpactWave& wave,
+                       const std::vector<SpeedAndTime>& impacts);
 
 }  // namespace bouncelab::detection

@@ -15,7 +15,7 @@ constexpr double kBefore_s = 3e-3;
 constexpr double kAfter_s = 8e-3;
 
 /// Extremes of the samples begin ... end - 1 in columns.
-void fill_envelope(const audio::Sound& sound, std::int64_t begin, std::int64_t end, WavePreview& preview) {
+void fill_envelope(const audio::AudioSource& sound, std::int64_t begin, std::int64_t end, WavePreview& preview) {
   const std::int64_t n = end - begin, n_columns = std::min(kColumns, n);
   std::vector<float> block;
   for (std::int64_t c = 0; c < n_columns; ++c) {
@@ -37,7 +37,7 @@ void fill_envelope(const audio::Sound& sound, std::int64_t begin, std::int64_t e
   }
 }
 
-WaveExcerpt excerpt_around(const audio::Sound& sound, const Onset& centre, const Onsets& marks) {
+WaveExcerpt excerpt_around(const audio::AudioSource& sound, const Onset& centre, const Onsets& marks) {
   const auto first = std::max<std::int64_t>(0, std::llround((centre.t_s - kBefore_s) * sound.rate_hz));
   const auto last = std::min<std::int64_t>(sound.n_samples, std::llround((centre.t_s + kAfter_s) * sound.rate_hz));
   WaveExcerpt excerpt;
@@ -54,7 +54,7 @@ WaveExcerpt excerpt_around(const audio::Sound& sound, const Onset& centre, const
 }
 
 /// Early, middle and late ones of one drop.
-void add_excerpts(const audio::Sound& sound, const Onsets& of_drop, const Onsets& marks, WavePreview& preview) {
+void add_excerpts(const audio::AudioSource& sound, const Onsets& of_drop, const Onsets& marks, WavePreview& preview) {
   if (of_drop.empty()) return;
   std::size_t previous = of_drop.size();
   for (const double part : {0.0, 1.0 / 3, 2.0 / 3, 1.0}) {
@@ -72,7 +72,7 @@ Onsets only(const Onsets& onsets, const std::string& recording, std::optional<st
   return chosen;
 }
 
-WavePreview preview_of(const audio::Sound& sound, const std::string& recording, int channel) {
+WavePreview preview_of(const audio::AudioSource& sound, const std::string& recording, int channel) {
   WavePreview preview;
   preview.recording = recording;
   preview.rate_hz = sound.rate_hz;
@@ -83,7 +83,8 @@ WavePreview preview_of(const audio::Sound& sound, const std::string& recording, 
 
 }  // namespace
 
-WavePreview wave_preview(const audio::Sound& sound, const std::string& recording, int channel, const Onsets& onsets) {
+WavePreview wave_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
+                         const Onsets& onsets) {
   WavePreview preview = preview_of(sound, recording, channel);
   fill_envelope(sound, 0, sound.n_samples, preview);
   preview.marks = only(onsets, recording, std::nullopt);
@@ -93,8 +94,8 @@ WavePreview wave_preview(const audio::Sound& sound, const std::string& recording
   return preview;
 }
 
-WavePreview drop_preview(const audio::Sound& sound, const std::string& recording, int channel, const Onsets& onsets,
-                         std::int64_t drop) {
+WavePreview drop_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
+                         const Onsets& onsets, std::int64_t drop) {
   WavePreview preview = preview_of(sound, recording, channel);
   preview.marks = only(onsets, recording, drop);
   if (preview.marks.empty())
@@ -111,7 +112,7 @@ WavePreview drop_preview(const audio::Sound& sound, const std::string& recording
 
 WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets) {
   audio::AudioReader reader(recording);
-  return wave_preview(reader.sound(channel), recording.string(), channel, onsets);
+  return wave_preview(reader.source(channel), recording.string(), channel, onsets);
 }
 
 }  // namespace bouncelab::detection

@@ -35,7 +35,7 @@ BOUNCELAB_VECTOR_CLONES float largest(const float* x, std::size_t n) {
 
 std::vector<WavePlace> find_places(const WaveTemplate& wave, const audio::Spectrum& sound, double from, double to) {
   // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
-  audio::Fourier twice(2 * wave.n_window());
+  audio::RealFft twice(2 * wave.n_window());
   const std::vector<float> products = twice.inverse(audio::product_conj(wave.wave(), sound));
   const auto n = static_cast<std::int64_t>(products.size());
   const std::int64_t lowest = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);

@@ -2,6 +2,7 @@
 #include "timing/impact_template.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -32,7 +33,9 @@ constexpr std::size_t kFewestHalved = 4;  // below, halves say nothing
 constexpr double kLeastCorrelation = 0.5;
 constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
 
-std::int64_t samples(double duration_s, const audio::Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
+std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
+  return std::llround(duration_s * sound.rate_hz);
+}
 
 /// One impact to learn from.
 struct Row {
@@ -80,11 +83,11 @@ std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts, do
 
 class Learner {
  public:
-  Learner(const audio::Sound& sound, const std::vector<RoughImpact>& impacts, ImpactWave& learned)
+  Learner(const audio::AudioSource& sound, const std::vector<RoughImpact>& impacts, ImpactWave& learned)
       : sound_(sound), impacts_(impacts), learned_(learned) {
     const double wave_s = wave_length_s(impacts);
     chosen_ = choose_rows(impacts, wave_s);
-    n_window_ = audio::power_of_two(static_cast<std::size_t>(samples(kBefore_s + wave_s + 2.0 * kSearch_s, sound)));
+    n_window_ = std::bit_ceil(static_cast<std::size_t>(samples(kBefore_s + wave_s + 2.0 * kSearch_s, sound)));
     learned.n_wave = std::min(n_window_, static_cast<std::size_t>(samples(kBefore_s + wave_s, sound)));
     fourier_.emplace(n_window_);
   }
@@ -132,7 +135,7 @@ class Learner {
     std::vector<double> r(kResidualOrder + 1, 0.0);
     for (const Row& row : rows_) {
       const std::vector<float> placed =
-          fourier_->inverse(audio::turned(learned_.wave.wave(), -learned_.wave.omega() * row.position));
+          fourier_->inverse(audio::phase_shifted(learned_.wave.wave(), -learned_.wave.omega() * row.position));
       std::vector<float> x = row.window.sound;
       for (std::size_t n = 0; n < n_window_; ++n) x[n] -= static_cast<float>(row.reading.amplitude) * placed[n];
       const double energy = audio::dot(x, x) + 1e-30;
@@ -189,7 +192,7 @@ class Learner {
     for (const Row& row : rows_) {
       if (row.correlation < kLeastCorrelation || n >= kMostHeard) continue;
       audio::read_padded(sound_, row.window.first, x);
-      const audio::Spectrum moved = audio::turned(fourier_->forward(x), learned_.wave.omega() * row.position);
+      const audio::Spectrum moved = audio::phase_shifted(fourier_->forward(x), learned_.wave.omega() * row.position);
       const std::vector<float> y = fourier_->inverse(moved);
       for (std::size_t k = 0; k < n_window_; ++k) {
         const double value = y[k] / row.reading.amplitude;
@@ -244,7 +247,7 @@ class Learner {
   void begin_from(const Row& row) {
     const double omega = 2.0 * kPi / static_cast<double>(n_window_);
     learned_.clocks = {};
-    hold(faded(audio::turned(row.spectrum, omega * row.position), 1.0));
+    hold(faded(audio::phase_shifted(row.spectrum, omega * row.position), 1.0));
   }
 
   /// Average of the rows that sound alike, each as heavy as its amplitude.
@@ -258,7 +261,7 @@ class Learner {
       if (row.correlation < kLeastCorrelation) continue;
       const double a = row.reading.amplitude;
       const std::size_t half = n_rows++ % 2;
-      audio::add_scaled(sums[half], audio::turned(row.spectrum, omega * row.position), a);
+      audio::add_scaled(sums[half], audio::phase_shifted(row.spectrum, omega * row.position), a);
       weights[half] += a * a;
     }
     audio::Spectrum sum = sums[0];
@@ -318,17 +321,17 @@ class Learner {
     return static_cast<double>(first - mean_.begin());
   }
 
-  const audio::Sound& sound_;
+  const audio::AudioSource& sound_;
   const std::vector<RoughImpact>& impacts_;
   ImpactWave& learned_;
   std::vector<std::size_t> chosen_;
   std::size_t n_window_ = 0;
-  std::optional<audio::Fourier> fourier_;
+  std::optional<audio::RealFft> fourier_;
   std::vector<Row> rows_;
   std::vector<float> mean_;
 };
 
-std::vector<float> white(const audio::Autoregression& noise) {
+std::vector<float> white(const audio::ArModel& noise) {
   std::vector<float> filter = noise.filter;
   const auto scale = static_cast<float>(1.0 / std::sqrt(noise.quiet_variance));
   for (float& c : filter) c *= scale;
@@ -337,7 +340,7 @@ std::vector<float> white(const audio::Autoregression& noise) {
 
 }  // namespace
 
-std::optional<ImpactWave> learn_impact_wave(const audio::Sound& sound, const audio::Autoregression& noise,
+std::optional<ImpactWave> learn_impact_wave(const audio::AudioSource& sound, const audio::ArModel& noise,
                                             const std::vector<RoughImpact>& impacts) {
   if (impacts.size() < 3 || !(noise.quiet_variance > 0.0)) return std::nullopt;
   ImpactWave learned;

@@ -44,7 +44,7 @@ struct ImpactWave {
 
 /// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again; then
 /// the noise and the jitter of its clocks. Absent where no three impacts sound alike.
-std::optional<ImpactWave> learn_impact_wave(const audio::Sound& sound, const audio::Autoregression& noise,
+std::optional<ImpactWave> learn_impact_wave(const audio::AudioSource& sound, const audio::ArModel& noise,
                                             const std::vector<RoughImpact>& impacts);
 
 /// Share of an impact's sound that the wave explains, as a correlation 0 ... 1.

@@ -19,7 +19,9 @@ constexpr double kFine = 1.12;
 constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
 constexpr int kMostCuts = 2;     // of two places each may look likelier once from the other's window
 
-std::int64_t samples(double duration_s, const audio::Sound& sound) { return std::llround(duration_s * sound.rate_hz); }
+std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
+  return std::llround(duration_s * sound.rate_hz);
+}
 
 /// Variance of what the noise adds to the product with the wave, per unit of the wave's energy: 1 were the whitener
 /// perfect, more where it also makes white what the wave leaves unexplained.
@@ -41,7 +43,7 @@ double lead(const WavePlace& best, const WavePlace& other, double misfit) {
 
 }  // namespace
 
-ImpactTimer::ImpactTimer(const audio::Sound& sound, const ImpactWave& wave)
+ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactWave& wave)
     : sound_(sound), wave_(wave), fourier_(wave.wave.n_window()), noise_(noise_in_product(wave)) {}
 
 ImpactTimer::Mask ImpactTimer::beginning(std::size_t n_fit) const {
@@ -69,12 +71,12 @@ WaveTemplate ImpactTimer::clipped_wave(double amplitude, double shift, const Mas
   const std::size_t n = wave_.wave.n_window();
   const std::size_t reach = wave_.whitener.size() - 1;  // so far a sample is heard of in whitened sound
   const audio::Spectrum heard = fourier_.forward(std::vector<float>(wave_.heard.begin(), wave_.heard.end()));
-  const std::vector<float> placed = fourier_.inverse(audio::turned(heard, -wave_.wave.omega() * shift));
+  const std::vector<float> placed = fourier_.inverse(audio::phase_shifted(heard, -wave_.wave.omega() * shift));
   std::vector<float> raw(n + reach, 0.0F);
   const float level = wave_.clip_level;
   for (std::size_t k = 0; k < n; ++k)
     raw[k + reach] = std::clamp(static_cast<float>(amplitude) * placed[k], -level, level);
-  const audio::Sound sound = audio::sound_in_memory(raw, sound_.rate_hz);
+  const audio::AudioSource sound = audio::source_in_memory(raw, sound_.rate_hz);
   std::vector<float> white = audio::read_white(sound, wave_.whitener, static_cast<std::int64_t>(reach), n).sound;
   std::fill(white.begin() + static_cast<std::ptrdiff_t>(wave_.n_wave), white.end(), 0.0F);
   multiply(white, mask);
@@ -113,7 +115,7 @@ std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
     if (ringing.wave.empty()) {
       const double shift =
           ringing.impact.t_s * sound_.rate_hz - wave_.contact_index - static_cast<double>(ringing.first);
-      ringing.wave = fourier_.inverse(audio::turned(wave_.wave.wave(), -wave_.wave.omega() * shift));
+      ringing.wave = fourier_.inverse(audio::phase_shifted(wave_.wave.wave(), -wave_.wave.omega() * shift));
     }
     const auto a = static_cast<float>(ringing.impact.amplitude);
     for (std::int64_t k = std::max<std::int64_t>(0, -offset);
@@ -126,7 +128,7 @@ std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
 
 WaveTemplate ImpactTimer::masked_wave(double shift, const Mask& mask) {
   const audio::Spectrum& whole = wave_.wave.wave();
-  std::vector<float> placed = fourier_.inverse(audio::turned(whole, -wave_.wave.omega() * shift));
+  std::vector<float> placed = fourier_.inverse(audio::phase_shifted(whole, -wave_.wave.omega() * shift));
   multiply(placed, mask);
   return {fourier_.forward(placed), wave_.wave.n_window()};
 }

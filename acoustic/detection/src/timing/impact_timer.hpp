@@ -27,7 +27,7 @@ struct TimedImpact {
 class ImpactTimer {
  public:
   /// @param sound, wave  kept by reference
-  ImpactTimer(const audio::Sound& sound, const ImpactWave& wave);
+  ImpactTimer(const audio::AudioSource& sound, const ImpactWave& wave);
 
   /// The most likely impact within reach_s of t_s. Does not remember it.
   /// @param until_s  sound from here on belongs to the next impact
@@ -73,9 +73,9 @@ class ImpactTimer {
   /// The wave as far as it counts.
   WaveTemplate masked_wave(double shift, const Mask& mask);
 
-  const audio::Sound& sound_;
+  const audio::AudioSource& sound_;
   const ImpactWave& wave_;
-  audio::Fourier fourier_;
+  audio::RealFft fourier_;
   double noise_;
   std::vector<Ringing> heard_;
 };

@@ -18,7 +18,7 @@ constexpr double kLeastPulse = 0.1;  // of P; near its first zero nothing is kno
 
 class Parter {
  public:
-  Parter(const audio::Sound& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law, double u_0,
+  Parter(const audio::AudioSource& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law, double u_0,
          const std::vector<double>& u, std::vector<TrainOnset>& onsets)
       : sound_(sound),
         wave_(wave),
@@ -71,7 +71,7 @@ class Parter {
     if (!p.sound.empty()) return p;
     p.first = static_cast<std::int64_t>(std::floor(begin(k)));
     const double shift = begin(k) - static_cast<double>(p.first);
-    p.sound = fourier_.inverse(audio::turned(wave_at(u_[k]), -wave_.wave.omega() * shift));
+    p.sound = fourier_.inverse(audio::phase_shifted(wave_at(u_[k]), -wave_.wave.omega() * shift));
     const auto a = static_cast<float>(std::max(0.0, onsets_[k].timed.amplitude));
     for (float& x : p.sound) x *= a;
     return p;
@@ -124,20 +124,20 @@ class Parter {
     return std::abs(t.t_s - before_s) / t.sigma_s;
   }
 
-  const audio::Sound& sound_;
+  const audio::AudioSource& sound_;
   const ImpactWave& wave_;
   double tau_1_s_;
   double u_0_;
   const std::vector<double>& u_;
   std::vector<TrainOnset>& onsets_;
   std::int64_t n_;
-  audio::Fourier fourier_;
+  audio::RealFft fourier_;
   std::vector<Placed> placed_;
 };
 
 }  // namespace
 
-void part_overlapping(const audio::Sound& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law,
+void part_overlapping(const audio::AudioSource& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law,
                       const std::vector<double>& u, double u_0, std::vector<TrainOnset>& onsets) {
   const bool is_needed = std::any_of(onsets.begin(), onsets.end(), [](const TrainOnset& o) { return o.overlap; });
   if (is_needed) Parter(sound, wave, law, u_0, u, onsets).run();

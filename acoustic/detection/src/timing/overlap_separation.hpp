@@ -16,7 +16,7 @@ namespace bouncelab::detection {
 /// that the wave was learned from: each is given the wave times P(f tau_1 u) / P(f tau_1 u_0), with Hertz's pulse.
 /// @param u    v^(-1/5) of each onset; 0 = not known
 /// @param u_0  of the learned wave
-void part_overlapping(const audio::Sound& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law,
+void part_overlapping(const audio::AudioSource& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law,
                       const std::vector<double>& u, double u_0, std::vector<TrainOnset>& onsets);
 
 }  // namespace bouncelab::detection

@@ -27,7 +27,7 @@ struct TimedDrop {
 
 /// Where the converter reached its limit within 5 ms of t_s: three successive samples of the same value, the largest
 /// around. Infinity where it did not.
-float clip_level(const audio::Sound& sound, double t_s) {
+float clip_level(const audio::AudioSource& sound, double t_s) {
   constexpr double kAround_s = 5e-3;
   std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
   audio::read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
@@ -57,7 +57,7 @@ void add_rough(const HeardRecording& heard, const Train& train, std::vector<Roug
   }
 }
 
-std::optional<ImpactWave> learn(const audio::Sound& band, const HeardRecording& heard,
+std::optional<ImpactWave> learn(const audio::AudioSource& band, const HeardRecording& heard,
                                 const std::vector<RoughImpact>& rough) {
   std::optional<ImpactWave> wave = learn_impact_wave(band, heard.noise, rough);
   // a wave learned from clipped impacts is clipped alike: then what is beyond the limit fits, and left out it would not
@@ -66,14 +66,15 @@ std::optional<ImpactWave> learn(const audio::Sound& band, const HeardRecording& 
   return wave;
 }
 
-std::optional<ImpactWave> wave_of_train(const audio::Sound& band, const HeardRecording& heard, const Train& train) {
+std::optional<ImpactWave> wave_of_train(const audio::AudioSource& band, const HeardRecording& heard,
+                                        const Train& train) {
   std::vector<RoughImpact> rough;
   add_rough(heard, train, rough);
   return learn(band, heard, rough);
 }
 
 /// The sound around a train, read once into memory where it is no longer than a few minutes.
-audio::Sound held(const audio::Sound& sound, double begin_s, double end_s, std::vector<float>& room) {
+audio::AudioSource held(const audio::AudioSource& sound, double begin_s, double end_s, std::vector<float>& room) {
   constexpr double kAround_s = 0.2;
   constexpr std::int64_t kMost = 1 << 24;  // samples, 64 MB
   const std::int64_t first =
@@ -81,7 +82,7 @@ audio::Sound held(const audio::Sound& sound, double begin_s, double end_s, std::
   const std::int64_t last =
       std::clamp<std::int64_t>(std::llround((end_s + kAround_s) * sound.rate_hz), first, sound.n_samples);
   const auto n = static_cast<std::size_t>(last - first);
-  if (last - first > kMost || last == first || !audio::held_stretch(sound, first, n).empty()) return sound;
+  if (last - first > kMost || last == first || !audio::resident_span(sound, first, n).empty()) return sound;
   room.resize(n);
   sound.read(first, room);
   return {sound.rate_hz, sound.n_samples,
@@ -162,8 +163,8 @@ double reference_u(const std::vector<SpeedAndTime>& impacts) {
   return sum / weight;
 }
 
-TimedDrop time_drop(const audio::Sound& band, const HeardRecording& heard, const Train& train, const ImpactWave* wave,
-                    double end_s) {
+TimedDrop time_drop(const audio::AudioSource& band, const HeardRecording& heard, const Train& train,
+                    const ImpactWave* wave, double end_s) {
   TimedDrop drop;
   std::vector<TrainOnset> onsets =
       wave != nullptr ? time_train(band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
@@ -195,7 +196,7 @@ struct Reference {
 
 /// Each drop's wave was learned by itself and has its own idea of where contact begins, by a sample or two: moves a
 /// drop whose impacts sound like it to what the reference wave says of its strongest impacts.
-void set_to(const Reference& reference, const ImpactWave& own, const audio::Sound& band, TimedDrop& drop) {
+void set_to(const Reference& reference, const ImpactWave& own, const audio::AudioSource& band, TimedDrop& drop) {
   constexpr std::size_t kHeard = 5;
   constexpr double kReach_s = 0.2e-3;
   constexpr double kAlike = 0.9;  // of the correlation with its own wave: the same modes were struck
@@ -265,7 +266,7 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
                              : static_cast<double>(heard.band.n_samples) / heard.band.rate_hz;
     const double begin_s = heard.candidates[train.impacts.front().candidate].t_s;
     const double last_s = heard.candidates[train.impacts.back().candidate].t_s;
-    const audio::Sound band = held(heard.band, begin_s, last_s, room);
+    const audio::AudioSource band = held(heard.band, begin_s, last_s, room);
     const HeardRecording here{band, heard.band.rate_hz == heard.whole.rate_hz ? band : heard.whole, heard.noise,
                               heard.candidates, heard.trains};
     const std::optional<ImpactWave> own =

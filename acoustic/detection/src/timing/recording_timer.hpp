@@ -15,9 +15,9 @@ namespace bouncelab::detection {
 
 /// What the timing needs to know of a recording. Refers to what it is made from.
 struct HeardRecording {
-  const audio::Sound& band;   ///< the sound in the band in which the trains were heard
-  const audio::Sound& whole;  ///< the whole band
-  const audio::Autoregression& noise;
+  const audio::AudioSource& band;   ///< the sound in the band in which the trains were heard
+  const audio::AudioSource& whole;  ///< the whole band
+  const audio::ArModel& noise;
   const std::vector<Candidate>& candidates;
   const std::vector<Train>& trains;
 };

@@ -38,7 +38,7 @@ struct Sums {
 
 /// @param moved  room of the size of z
 Sums sums_at(const audio::Spectrum& z, const BandClocks& clocks, double omega, double shift, audio::Spectrum& moved) {
-  audio::turn(z, omega * shift, moved);
+  audio::phase_shift(z, omega * shift, moved);
   Sums sums{};
   for (std::size_t j = 0; j < clocks.n(); ++j) {
     const std::size_t from = clocks.edge[j];

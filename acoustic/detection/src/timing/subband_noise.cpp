@@ -34,9 +34,9 @@ Quiet power_of(const audio::Spectrum& sound, const WaveTemplate& wave, const Ban
 
 }  // namespace
 
-double learn_noise(const audio::Sound& sound, const std::vector<float>& whitener,
+double learn_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
                    const std::vector<std::int64_t>& begins, const WaveTemplate& wave, BandClocks& clocks) {
-  audio::Fourier fourier(wave.n_window());
+  audio::RealFft fourier(wave.n_window());
   std::vector<Quiet> windows;
   for (const std::int64_t begin : begins) {
     const std::int64_t first = begin - static_cast<std::int64_t>(wave.n_window());

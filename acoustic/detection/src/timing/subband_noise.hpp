@@ -15,7 +15,7 @@ namespace bouncelab::detection {
 /// of the windows that end where impacts begin; in the others something still rings.
 /// @return  sum of squares of such a window, averaged
 /// @param begins  samples at which the windows of impacts begin, not empty
-double learn_noise(const audio::Sound& sound, const std::vector<float>& whitener,
+double learn_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
                    const std::vector<std::int64_t>& begins, const WaveTemplate& wave, BandClocks& clocks);
 
 }  // namespace bouncelab::detection

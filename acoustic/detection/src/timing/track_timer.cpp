@@ -42,7 +42,7 @@ double threshold(double n_lags) { return std::log(n_lags) + 4.6; }
 
 class TrainTimer {
  public:
-  TrainTimer(const audio::Sound& sound, const ImpactWave& wave, double end_s)
+  TrainTimer(const audio::AudioSource& sound, const ImpactWave& wave, double end_s)
       : timer_(sound, wave),
         wave_(wave),
         sound_(sound),
@@ -273,7 +273,7 @@ class TrainTimer {
 
   ImpactTimer timer_;
   const ImpactWave& wave_;
-  const audio::Sound& sound_;
+  const audio::AudioSource& sound_;
   double wave_s_;
   double end_s_;
   double shortest_interval_s_;
@@ -283,7 +283,7 @@ class TrainTimer {
 
 }  // namespace
 
-std::vector<TrainOnset> time_train(const audio::Sound& sound, const ImpactWave& wave, const Train& train,
+std::vector<TrainOnset> time_train(const audio::AudioSource& sound, const ImpactWave& wave, const Train& train,
                                    const std::vector<Candidate>& candidates, double end_s) {
   TrainTimer timer(sound, wave, end_s);
   std::int64_t last_impact = -1;

@@ -36,8 +36,8 @@ class AudioReader {
   /// @throws InvalidArgument outside the file; FileError where it ends early or a sample is not finite
   void read(std::int64_t first, int channel, std::span<float> out);
 
-  /// One channel as Sound; refers to this reader, which must outlive it.
-  Sound sound(int channel);
+  /// One channel as an AudioSource; it refers to this reader, which must outlive it.
+  AudioSource source(int channel);
 
  private:
   struct State;

@@ -40,11 +40,12 @@ struct WavePreview {
 };
 
 /// @param onsets  of this recording (others are passed over by their name)
-WavePreview wave_preview(const audio::Sound& sound, const std::string& recording, int channel, const Onsets& onsets);
+WavePreview wave_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
+                         const Onsets& onsets);
 /// One drop of it: the stretch from a tenth of the drop before its first impact to a tenth after its last (10 ms to 0.5
 /// s each), with excerpts of that drop. @throws InvalidArgument where there is no such drop
-WavePreview drop_preview(const audio::Sound& sound, const std::string& recording, int channel, const Onsets& onsets,
-                         std::int64_t drop);
+WavePreview drop_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
+                         const Onsets& onsets, std::int64_t drop);
 /// @throws FileError where the recording cannot be read
 WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets);
 

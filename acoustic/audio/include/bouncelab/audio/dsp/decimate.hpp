@@ -9,6 +9,6 @@ namespace bouncelab::audio {
 /// factor. A Hann-windowed sinc of 16 factor + 1 taps: -6 dB at 0.8 of the new Nyquist frequency, below -40 dB above
 /// it. Soft balls, whose sound ends below 1.5 kHz, are heard better without the noise above.
 /// @param factor  >= 1
-Sound low_band(const Sound& sound, int factor);
+AudioSource decimate(const AudioSource& source, int factor);
 
 }  // namespace bouncelab::audio

@@ -11,15 +11,15 @@ namespace bouncelab::audio {
 
 /// Prediction error filter of an autoregressive model: u[n] = sum_k filter[k] x[n-k], filter[0] = 1. What rings freely
 /// and what hums is predicted from the past and vanishes from u; what an impact adds does not.
-struct Autoregression {
+struct ArModel {
   std::vector<float> filter;
   double quiet_variance = 0.0;  ///< of u in the quiet tenth of the recording; 0 only in digital silence
 };
 
 /// What a recording is made of, as autoregressive models.
-struct SoundModels {
-  Autoregression all;    ///< noise and ringing alike
-  Autoregression noise;  ///< the quiet tenth alone
+struct ArModels {
+  ArModel signal;  ///< noise and ringing alike
+  ArModel noise;   ///< the quiet tenth alone
 };
 
 /// Learned from frames of 10 ms over all of the recording (at most 2^18.6 samples of it, evenly spread), each weighted
@@ -27,16 +27,16 @@ struct SoundModels {
 /// them. Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
 /// @param order  of the model, before the difference; >= 1
 /// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
-SoundModels learn_sound_models(const Sound& sound, int order);
+ArModels learn_ar_models(const AudioSource& source, int order);
 
 /// Prediction error filter for a given autocorrelation, filter[0] = 1, by Levinson's recursion.
 std::vector<double> prediction_error_filter(const std::vector<double>& autocorrelation);
 
 /// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
-void read_innovations(const Sound& sound, const Autoregression& model, std::int64_t first, std::span<float> out);
+void read_innovations(const AudioSource& source, const ArModel& model, std::int64_t first, std::span<float> out);
 
 /// One-sided power spectral density of the quiet parts, 2 variance / (rate |sum_k filter[k] exp(-2 pi i f k /
 /// rate)|^2).
-double quiet_psd(const Autoregression& model, double rate_hz, double frequency_hz);
+double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz);
 
 }  // namespace bouncelab::audio

@@ -14,16 +14,16 @@ struct Spectrum {
   std::size_t size() const { return re.size(); }
 };
 
-/// Real Fourier transform of one length. Costs nothing to make.
+/// Fourier transform of a real signal of one length. Costs nothing to make.
 ///
 ///   X[k] = sqrt(2/n) sum_j x[j] exp(-2 pi i j k / n)
 ///
 /// X[0] and X[n/2] are set to 0, so that Re sum_k conj(X[k]) Y[k] = sum_j x[j] y[j] for what has neither, and noise of
 /// variance 1 has variance 1 in each real and imaginary part.
-class Fourier {
+class RealFft {
  public:
   /// @param n  even, >= 4
-  explicit Fourier(std::size_t n);
+  explicit RealFft(std::size_t n);
   std::size_t size() const { return n_; }
   /// @param x  at most n samples; what is missing is 0
   Spectrum forward(std::span<const float> x);
@@ -35,16 +35,13 @@ class Fourier {
   const void* half_ = nullptr;  // plans and tables, shared and kept
 };
 
-/// Smallest power of two that is >= n.
-std::size_t power_of_two(std::size_t n);
-
 /// a[k] exp(i k angle), the phasor to 1e-6: the signal earlier by angle n / (2 pi) samples, n those of its transform.
-Spectrum turned(const Spectrum& a, double angle);
+Spectrum phase_shifted(const Spectrum& a, double angle);
 /// The same into a spectrum of the same size.
-void turn(const Spectrum& a, double angle, Spectrum& out);
+void phase_shift(const Spectrum& a, double angle, Spectrum& out);
 
 /// exp(i k angle) for k = 0 ... n-1, to 1e-6.
-Spectrum phasors(std::size_t n, double angle);
+Spectrum phase_ramp(std::size_t n, double angle);
 
 /// conj(a) b
 Spectrum product_conj(const Spectrum& a, const Spectrum& b);

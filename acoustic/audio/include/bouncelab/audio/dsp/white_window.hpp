@@ -14,6 +14,7 @@ struct WhiteWindow {
   std::int64_t first = 0;  ///< sample of the recording at which it begins
   std::vector<float> sound;
 };
-WhiteWindow read_white(const Sound& sound, const std::vector<float>& whitener, std::int64_t first, std::size_t n);
+WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
+                       std::size_t n);
 
 }  // namespace bouncelab::audio
