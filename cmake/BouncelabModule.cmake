@@ -14,6 +14,7 @@ function(bouncelab_add_module name)
   target_sources(bouncelab_${name}
     PRIVATE ${arg_SOURCES}
     PUBLIC FILE_SET HEADERS BASE_DIRS ${CMAKE_CURRENT_SOURCE_DIR}/include FILES ${arg_HEADERS})
+  set_property(GLOBAL APPEND PROPERTY BOUNCELAB_PUBLIC_INCLUDE_DIRS ${CMAKE_CURRENT_SOURCE_DIR}/include)
   target_include_directories(bouncelab_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(bouncelab_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
   install(TARGETS bouncelab_${name} EXPORT bouncelab_${name}
