@@ -7,7 +7,8 @@
 namespace bouncelab::cli_test {
 namespace {
 
-/// Every error here: one line that names the file and the place, the exit code of INTERFACE, and not one new file.
+/// Every error here: one line that names the file and the place, the exit code of docs/formats.md, and not one new
+/// file.
 class BadInput : public ProgramTest {
  protected:
   void expect_refused(const std::string& arguments, int exit_code, const std::vector<std::string>& words) {

@@ -19,7 +19,7 @@ TEST(RestitutionLaw, ClosedFormsOfTheCoefficientsHold) {
 }
 
 TEST(RestitutionLaw, PaperConstantsGiveThePublishedCurve) {
-  // PHYSICS.md 4, five printed digits: half a unit of the last
+  // docs/physics.md 4, five printed digits: half a unit of the last
   const SeriesLaw paper;
   const double v[] = {0.15, 0.3, 0.5, 0.7, 1.0, 1.4};
   const double eps[] = {0.98348, 0.98169, 0.97988, 0.97835, 0.97633, 0.97393};
@@ -73,7 +73,7 @@ TEST(RestitutionLaw, BadParametersAreRefused) {
 }
 
 TEST(Ball, HertzContactOfThePapersBallOnGlassLastsTensOfMicroseconds) {
-  // PHYSICS.md 5: 26 to 44 us between 1.4 m/s and small speeds
+  // docs/physics.md 5: 26 to 44 us between 1.4 m/s and small speeds
   EXPECT_NEAR(hertz_contact_time_s(Ball{}, kGlass, 1.4) * 1e6, 26.0, 1.5);
   EXPECT_NEAR(hertz_contact_time_s(Ball{}, kGlass, 0.2) / hertz_contact_time_s(Ball{}, kGlass, 1.0),
               std::pow(0.2, -0.2), 1e-12);

@@ -45,10 +45,10 @@ TEST(Calibration, TheFitKeepsItsWordUnderTimingNoise) {
 }
 
 TEST(Calibration, BoundIsThatOfThePaperSizedRun) {
-  // PHYSICS: 220,000 points, normal scatter of sd .005 at all speeds: .0013, .0061, .013 for A. Here the information of
-  // the location is that of a Laplace: with sides known it would be twice the normal's, with sides unknown it is the
-  // same for equal sides (var 2 b^2/n against a spread of sqrt(2) b). Scatter goes as 1/v, so only the order is
-  // compared.
+  // docs/physics.md: 220,000 points, normal scatter of sd .005 at all speeds: .0013, .0061, .013 for A. Here the
+  // information of the location is that of a Laplace: with sides known it would be twice the normal's, with sides
+  // unknown it is the same for equal sides (var 2 b^2/n against a spread of sqrt(2) b). Scatter goes as 1/v, so only
+  // the order is compared.
   CalibrationConfig config;
   config.n_samples = 220000;
   config.n_seeds = 2;

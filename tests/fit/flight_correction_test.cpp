@@ -109,7 +109,7 @@ TEST(Restitution, DragTakenOutLeavesLessThanAnyExperimentCanTell) {
 }
 
 TEST(Restitution, DragBiasIsThatOfTheTable) {
-  // PHYSICS: -1e-4, -3.6e-4, -6.3e-4, -9.6e-4 at .3, .7, 1.0, 1.3 m/s
+  // docs/physics.md: -1e-4, -3.6e-4, -6.3e-4, -9.6e-4 at .3, .7, 1.0, 1.3 m/s
   const RestitutionLaw law = SeriesLaw{};
   const auto raw = restitution_samples(times_of(law, true, false), {});
   const double expected[4][2] = {{0.3, -1e-4}, {0.7, -3.6e-4}, {1.0, -6.3e-4}, {1.3, -9.6e-4}};

@@ -82,7 +82,7 @@ TEST(SimulatorToFit, CorrectionsLeaveABiasBelowOneStandardError) {
 
 TEST(SimulatorToFit, WhatIsNotTakenOutIsInTheBudget) {
   const fit::FitResult result = analysed({true, true, 3e-6}, false);
-  // eps(1.2 m/s) is low by the drag's 8.5e-4 of PHYSICS' table, and the budget says by how much
+  // eps(1.2 m/s) is low by the drag's 8.5e-4 of docs/physics.md 5, and the budget says by how much
   const fit::NodeEstimate& fast = result.law.nodes.at(2);
   const double bias = fast.eps.value - restitution(SeriesLaw{}, fast.v_mps);
   EXPECT_LT(bias, -6e-4);

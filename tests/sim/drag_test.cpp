@@ -56,7 +56,7 @@ TEST(Drag, FlightAgreesWithAnAdaptiveIntegrator) {
 }
 
 TEST(Drag, BiasesTheIntervalMethodAsComputedIndependently) {
-  // PHYSICS.md 5: eps from intervals is low by 1e-4, 3.6e-4, 6.3e-4, 9.6e-4 at 0.3, 0.7, 1.0, 1.3 m/s; two digits
+  // docs/physics.md 5: eps from intervals is low by 1e-4, 3.6e-4, 6.3e-4, 9.6e-4 at 0.3, 0.7, 1.0, 1.3 m/s; two digits
   // given.
   const double at_mps[] = {0.3, 0.7, 1.0, 1.3}, bias[] = {-1e-4, -3.6e-4, -6.3e-4, -9.6e-4};
   for (int k = 0; k < 4; ++k) {

@@ -43,7 +43,7 @@ struct Impacts {
   std::vector<ImpactState> states;  ///< empty, or one for each row
 };
 
-/// The `impacts` table of INTERFACE.md; with the state columns where states are present.
+/// The `impacts` table of docs/formats.md; with the state columns where states are present.
 Table to_table(const Impacts& impacts);
 
 /// Columns that impacts_from_table understands: `drop`, `impact`, `t_s`, `v_mps` and `v_after_mps` are required.

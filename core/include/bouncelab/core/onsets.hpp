@@ -26,7 +26,7 @@ struct Onset {
 /// Onsets ordered by recording (in the order given), then time.
 using Onsets = std::vector<Onset>;
 
-/// The `onsets` table of INTERFACE.md.
+/// The `onsets` table of docs/formats.md.
 Table to_table(const Onsets& onsets);
 /// Columns that onsets_from_table understands; only `t_s` is required (drop 0, numbered in order, where not said).
 std::vector<ColumnSpec> onset_columns();

@@ -27,7 +27,7 @@ struct RestitutionSample {
 /// Samples ordered by recording, drop, time.
 using RestitutionSamples = std::vector<RestitutionSample>;
 
-/// The `samples` table of INTERFACE.md.
+/// The `samples` table of docs/formats.md.
 Table to_table(const RestitutionSamples& samples);
 /// Columns that samples_from_table understands; `v_mps` and `eps` are required.
 std::vector<ColumnSpec> sample_columns();
