@@ -23,16 +23,16 @@ namespace bouncelab::detection {
 namespace {
 
 // enough poles for the loudest twenty-odd modes of a plate; more buys nothing on noise
-constexpr int kOrder = 48;
+constexpr int kArOrder = 48;
 // sampling rates of the low bands: rubber ends at 1.5 kHz, a basketball's thump at 200 Hz
-constexpr std::array<double, 2> kLowRates_hz{4e3, 1e3};
-constexpr double kMoreToSay = 1.5;  // log odds: of three bands one is best by chance
+constexpr std::array<double, 2> kLowBandRates_hz{4e3, 1e3};
+constexpr double kBandSelectionMargin = 1.5;  // log odds: of three bands one is best by chance
 constexpr double kLowestRate_hz = 4e3;
 constexpr double kHighestRate_hz = 4e6;
-constexpr double kConvincing = 40.0;  // log odds of trains, about a dozen impacts
+constexpr double kConclusiveLogOdds = 40.0;  // log odds of trains, about a dozen impacts
 
 /// What one channel has to say.
-struct Hearing {
+struct ChannelDetection {
   audio::AudioSource sound;  // in the band that was heard best
   int channel = 0;
   audio::ArModels models;
@@ -48,13 +48,13 @@ struct Hearing {
 
 /// Whether there may be other trains than these, or none: one is not beyond doubt, or enough of what is as loud is
 /// left.
-bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Train>& trains) {
+bool may_miss_tracks(const std::vector<Candidate>& candidates, const std::vector<Train>& trains) {
   constexpr double kAsLoud = 0.25;
   constexpr std::size_t kFewImpacts = 4;
   constexpr double kShortTrain_s = 5.0;
   std::vector<double> own;
   for (const Train& train : trains) {
-    if (train.log_odds < kConvincing) return true;
+    if (train.log_odds < kConclusiveLogOdds) return true;
     for (const TrainImpact& impact : train.impacts) own.push_back(candidates[impact.candidate].amplitude);
   }
   if (own.empty()) return true;
@@ -76,36 +76,36 @@ bool leaves_doubt(const std::vector<Candidate>& candidates, const std::vector<Tr
   return false;
 }
 
-Hearing hear(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
-  Hearing h;
+ChannelDetection detect_channel(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
+  ChannelDetection h;
   h.sound = sound;
   h.channel = channel;
-  h.models = audio::learn_ar_models(sound, kOrder);
+  h.models = audio::learn_ar_models(sound, kArOrder);
   h.candidates = find_candidates(sound, h.models.signal, progress);
   h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz);
-  if (leaves_doubt(h.candidates, h.trains))
-    h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz, read_timbres(sound, h.candidates));
+  if (may_miss_tracks(h.candidates, h.trains))
+    h.trains = find_trains(h.candidates, 2.0 / sound.rate_hz, measure_band_energies(sound, h.candidates));
   begin_at_first_arrivals(h.candidates, h.trains);
   return h;
 }
 
 /// Hears the channel in its whole band and, where that leaves doubt, in the low bands of soft balls. A lower band knows
 /// the times less well: it must have more to say.
-Hearing hear_in_bands(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
-  Hearing best = hear(sound, channel, progress);
-  for (const double rate_hz : kLowRates_hz) {
+ChannelDetection select_band(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
+  ChannelDetection best = detect_channel(sound, channel, progress);
+  for (const double rate_hz : kLowBandRates_hz) {
     const int factor = static_cast<int>(sound.rate_hz / rate_hz);
-    if (factor < 2 || best.log_odds() > kConvincing) continue;
-    Hearing low = hear(audio::decimate(sound, factor), channel, progress);
-    if (low.log_odds() > best.log_odds() + kMoreToSay) best = std::move(low);
+    if (factor < 2 || best.log_odds() > kConclusiveLogOdds) continue;
+    ChannelDetection low = detect_channel(audio::decimate(sound, factor), channel, progress);
+    if (low.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(low);
   }
   return best;
 }
 
 /// Standard deviation of the innovations in the quiet tenth: noise without hum and drift.
-double quiet_rms(const Hearing& h) { return std::sqrt(h.models.noise.quiet_variance); }
+double noise_rms(const ChannelDetection& h) { return std::sqrt(h.models.noise.quiet_variance); }
 
-NoiseSpectrum noise_spectrum(const Hearing& h) {
+NoiseSpectrum noise_spectrum(const ChannelDetection& h) {
   constexpr int kPoints = 256;
   NoiseSpectrum spectrum;
   for (int k = 1; k <= kPoints; ++k) {  // zero is left out: the model takes the difference first
@@ -115,7 +115,7 @@ NoiseSpectrum noise_spectrum(const Hearing& h) {
   return spectrum;
 }
 
-void summarize_trains(const Hearing& h, RecordingSummary& summary) {
+void summarize_tracks(const ChannelDetection& h, RecordingSummary& summary) {
   summary.n_candidates = static_cast<std::int64_t>(h.candidates.size());
   summary.n_drops = static_cast<std::int64_t>(h.trains.size());
   std::vector<double> eps;
@@ -133,7 +133,7 @@ void summarize_trains(const Hearing& h, RecordingSummary& summary) {
   summary.restitution_median = *middle;
 }
 
-void conclude(Detection& d) {
+void set_status(Detection& d) {
   if (!d.onsets.empty()) {
     d.status = DetectionStatus::ok;
     d.message = std::to_string(d.onsets.size()) + " impacts in " + std::to_string(d.summary.n_drops) +
@@ -154,8 +154,8 @@ std::int64_t count_flag(const Onsets& onsets, Flag flag) {
 }
 
 /// What the user should know of the onsets before he believes them.
-/// @param heard_rate_hz  sampling rate of the band in which the impacts were heard
-std::vector<std::string> warnings_for(const Detection& d, double heard_rate_hz) {
+/// @param band_rate_hz  sampling rate of the band in which the impacts were heard
+std::vector<std::string> warnings_for(const Detection& d, double band_rate_hz) {
   std::vector<std::string> warnings;
   if (d.onsets.empty()) return warnings;
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
@@ -165,9 +165,9 @@ std::vector<std::string> warnings_for(const Detection& d, double heard_rate_hz) 
   if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "may be a cycle of their sound off (flag doubtful, sigma_t_s says how far)");
-  if (heard_rate_hz < 0.5 * kLowRates_hz.front())
+  if (band_rate_hz < 0.5 * kLowBandRates_hz.front())
     warnings.push_back("the impacts were heard below 500 Hz only: times to a millisecond or two at best");
-  else if (heard_rate_hz < d.summary.rate_hz)
+  else if (band_rate_hz < d.summary.rate_hz)
     warnings.push_back("the impacts were heard below 2 kHz only: times to a fraction of a millisecond at best");
   if (!d.summary.contact_time_at_1_mps_s)
     warnings.push_back(
@@ -183,11 +183,11 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
     throw InvalidArgument("channel " + std::to_string(*config.channel) + ": " + name + " has channels 0 to " +
                           std::to_string(n_channels - 1));
   Detection d;
-  Hearing best;
+  ChannelDetection best;
   const int first = config.channel.value_or(0);
   const int last = config.channel ? first + 1 : n_channels;
   for (int channel = first; channel < last; ++channel) {
-    Hearing h = hear_in_bands(sound_of(channel), channel, progress);
+    ChannelDetection h = select_band(sound_of(channel), channel, progress);
     if (channel == first || h.log_odds() > best.log_odds()) best = std::move(h);
   }
   const audio::AudioSource sound = sound_of(best.channel);
@@ -198,15 +198,15 @@ Detection detect_in(const SoundOfChannel& sound_of, int n_channels, const std::s
                              : n_channels == 1 ? "the only one"
                                                : "its impacts form the clearest trains";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
-  d.summary.noise_rms = quiet_rms(best);
-  summarize_trains(best, d.summary);
+  d.summary.noise_rms = noise_rms(best);
+  summarize_tracks(best, d.summary);
   TimedRecording timed = time_recording({best.sound, sound, best.models.noise, best.candidates, best.trains}, name);
   d.onsets = std::move(timed.onsets);
   d.wave = std::move(timed.wave);
   d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
   d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
-  conclude(d);
+  set_status(d);
   d.warnings = warnings_for(d, best.sound.rate_hz);
   return d;
 }
@@ -237,9 +237,9 @@ std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordin
   in_parallel(recordings.size(), resolved_threads(n_threads), [&](std::size_t k) {
     try {
       found[k] = detect(recordings[k], config);
-    } catch (const FileError& trouble) {
+    } catch (const FileError& error) {
       found[k].status = DetectionStatus::unreadable;
-      found[k].message = trouble.what();
+      found[k].message = error.what();
     }
     const std::lock_guard lock(mutex);
     if (progress) progress(n_done += 1.0, static_cast<double>(recordings.size()));

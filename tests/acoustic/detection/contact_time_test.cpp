@@ -43,10 +43,10 @@ BandLevels levels_of(const Ball& ball, std::uint64_t seed) {
   }
   for (int k = 0; k < kImpacts; ++k) {
     const double v_mps = 1.3 * std::pow(0.2 / 1.3, k / (kImpacts - 1.0));
-    levels.u.push_back(std::pow(v_mps, -0.2));
+    levels.contact_scaling.push_back(std::pow(v_mps, -0.2));
     std::vector<double> row;
     for (std::size_t m = 0; m < levels.f_hz.size(); ++m) {
-      const double pulse = pulse_at(*ball.pulse, levels.f_hz[m] * ball.tau_1_s * levels.u.back());
+      const double pulse = pulse_at(*ball.pulse, levels.f_hz[m] * ball.tau_1_s * levels.contact_scaling.back());
       const double timbre = 1.0 + ball.timbre * random.normal() + drift[m] * (k / (kImpacts - 1.0) - 0.5);
       row.push_back(v_mps * response[m] * pulse * timbre + ball.noise * random.normal());
     }
@@ -77,7 +77,7 @@ Outcome over_seeds(const Ball& ball, ContactFit ContactEvidence::*of) {
   return outcome;
 }
 
-TEST(ContactLaw, GivesBackTheDurationWithinItsStatedError) {
+TEST(ContactTime, GivesBackTheDurationWithinItsStatedError) {
   // the rms of 60 pulls scatters by 9 %, and the error is itself estimated from 30 bands, to 13 %
   for (const double tau_1_s : {20e-6, 30e-6, 40e-6}) {
     Ball ball;
@@ -93,7 +93,7 @@ TEST(ContactLaw, GivesBackTheDurationWithinItsStatedError) {
   }
 }
 
-TEST(ContactLaw, CountsAModeThatDriftsOnceAndNotAsOftenAsItWasStruck) {
+TEST(ContactTime, CountsAModeThatDriftsOnceAndNotAsOftenAsItWasStruck) {
   Ball ball;
   ball.drift = 0.3;
   const Outcome outcome = over_seeds(ball, &ContactEvidence::hertz);
@@ -101,7 +101,7 @@ TEST(ContactLaw, CountsAModeThatDriftsOnceAndNotAsOftenAsItWasStruck) {
   EXPECT_LT(outcome.pull, 1.35);
 }
 
-TEST(ContactLaw, SaysLittleWhereTheSoundEndsFarBelowTheContact) {
+TEST(ContactTime, SaysLittleWhereTheSoundEndsFarBelowTheContact) {
   // below 3 kHz 30 us dull a sound by 1 %
   Ball ball;
   ball.largest_hz = 3e3;
@@ -110,11 +110,11 @@ TEST(ContactLaw, SaysLittleWhereTheSoundEndsFarBelowTheContact) {
   EXPECT_GT(evidence->hertz.sigma2_s2, 30e-6 * 30e-6);
   const std::optional<ContactLaw> law = pool_contacts({*evidence});
   ASSERT_TRUE(law);
-  EXPECT_FALSE(law->is_heard);
+  EXPECT_FALSE(law->is_significant);
   EXPECT_NEAR(law->tau_1_s, 30e-6, 20e-6);  // what is known of steel balls
 }
 
-TEST(ContactLaw, ManyDropsThatEachSayLittleSayItTogether) {
+TEST(ContactTime, ManyDropsThatEachSayLittleSayItTogether) {
   Ball ball;
   ball.largest_hz = 8e3;
   std::vector<ContactEvidence> drops;
@@ -122,22 +122,22 @@ TEST(ContactLaw, ManyDropsThatEachSayLittleSayItTogether) {
   const std::optional<ContactLaw> one = pool_contacts({drops[0]});
   const std::optional<ContactLaw> all = pool_contacts(drops);
   ASSERT_TRUE(one && all);
-  EXPECT_TRUE(all->is_heard);
+  EXPECT_TRUE(all->is_significant);
   EXPECT_LT(all->sigma_s, 0.4 * one->sigma_s);
   EXPECT_NEAR(all->tau_1_s, 30e-6, 3.0 * all->sigma_s);
 }
 
-TEST(ContactLaw, UnheardIsThatOfSteelOrForASoftSoundUnknownToHalfAPeriod) {
-  const ContactLaw steel = unheard_contact(8e3);
+TEST(ContactTime, UnheardIsThatOfSteelOrForASoftSoundUnknownToHalfAPeriod) {
+  const ContactLaw steel = assumed_contact(8e3);
   EXPECT_NEAR(steel.tau_1_s, 29e-6, steel.sigma_s);  // 3 mm of radius on glass, Hertz
-  const ContactLaw rubber = unheard_contact(300.0);
+  const ContactLaw rubber = assumed_contact(300.0);
   EXPECT_EQ(rubber.tau_1_s, 0.0);
   EXPECT_NEAR(rubber.sigma_s, 0.5 / 300.0, 1e-12);
 }
 
-TEST(ContactLaw, IsAbsentWithoutImpactsOrBands) {
+TEST(ContactTime, IsAbsentWithoutImpactsOrBands) {
   BandLevels few = levels_of({}, 1);
-  few.u.resize(7);
+  few.contact_scaling.resize(7);
   few.level.resize(7);
   EXPECT_FALSE(fit_contact(few));
   EXPECT_FALSE(fit_contact({}));

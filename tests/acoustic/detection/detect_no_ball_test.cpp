@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sounds that come in rows and are no ball: voices, hands, feet, drums, clocks. No train is invented.
+// Sounds that come in rows and are no ball: voices, hands, feet, drums, subbands. No train is invented.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -111,7 +111,7 @@ TEST(Detect, TakesNoClockForABall) {
   std::vector<float> x(20 * 48000);
   for (int k = 0; k < 38; ++k) test::add_impact(x, 48e3, 0.5 + 0.5 * k, 0.5);
   test::add_noise(x, 1e-3, 1);
-  EXPECT_TRUE(detect(x, 48e3, "clock").onsets.empty());
+  EXPECT_TRUE(detect(x, 48e3, "subband").onsets.empty());
 }
 
 TEST(Detect, NamesTheSampleThatIsNotFinite) {

@@ -28,7 +28,7 @@ void strike(std::vector<float>& sound, double t_s, double amplitude, const std::
 }
 
 /// Twenty impacts of one ball and, louder than all, a door: what rises most is not what is to be learned.
-TEST(ImpactWave, IsThatOfMostImpactsThoughTheLoudestIsAnotherThing) {
+TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsAnotherThing) {
   std::vector<float> samples(static_cast<std::size_t>(5.5 * kRate_hz));
   Random random(3, RandomStream::test, 0);
   for (float& x : samples) x = static_cast<float>(1e-3 * random.normal());
@@ -41,7 +41,7 @@ TEST(ImpactWave, IsThatOfMostImpactsThoughTheLoudestIsAnotherThing) {
     rough.push_back({t_s, is_door ? 800.0 : 200.0, 0.4e-3, false});
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  const auto wave = learn_impact_wave(sound, audio::learn_ar_models(sound, 48).noise, rough);
+  const auto wave = estimate_template(sound, audio::learn_ar_models(sound, 48).noise, rough);
   ASSERT_TRUE(wave);
   EXPECT_EQ(wave->n_impacts, kImpacts);
   EXPECT_GT(wave->correlation, 0.9);

@@ -41,14 +41,14 @@ TEST(ImpactTimer, IsAsCertainOfAnImpactThatItFindsFarOff) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   std::vector<RoughImpact> rough;
   for (int k = 0; k < kImpacts; ++k) rough.push_back({time_of(k), 200.0, 0.4e-3, false});
-  const auto wave = learn_impact_wave(sound, audio::learn_ar_models(sound, 48).noise, rough);
+  const auto wave = estimate_template(sound, audio::learn_ar_models(sound, 48).noise, rough);
   ASSERT_TRUE(wave);
   ImpactTimer timer(sound, *wave);
   const TimedImpact near = timer.time(time_of(10), 1e-4, time_of(11));
   const TimedImpact far = timer.time(time_of(10) + 1.5e-3, 4e-3, time_of(11));
   EXPECT_NEAR(far.t_s, near.t_s, 0.1 * near.sigma_s);
-  EXPECT_NEAR(far.gain / near.gain, 1.0, 0.01);
-  ASSERT_FALSE(near.gain < 10.0 * kSettled);
+  EXPECT_NEAR(far.log_likelihood_ratio / near.log_likelihood_ratio, 1.0, 0.01);
+  ASSERT_FALSE(near.log_likelihood_ratio < 10.0 * kUnambiguousLogOdds);
   EXPECT_TRUE(far.others.empty());
 }
 

@@ -32,19 +32,19 @@ std::vector<float> wave() {
   return x;
 }
 
-ImpactWave learned() {
+ImpactTemplate learned() {
   audio::RealFft fourier(kWindow);
-  ImpactWave learned;
+  ImpactTemplate learned;
   learned.whitener = {1.0F};
-  learned.wave = WaveTemplate(fourier.forward(wave()), kWindow);
-  learned.clocks = equal_clocks(learned.wave);
-  learned.n_wave = kWindow;
+  learned.wave = MatchedFilter(fourier.forward(wave()), kWindow);
+  learned.subbands = split_into_subbands(learned.wave);
+  learned.n_template = kWindow;
   learned.contact_index = kContact;
   return learned;
 }
 
 /// The learned wave, of u = 1, as an impact of u has it, `start` samples into the recording.
-void add(std::vector<float>& sound, const ImpactWave& learned, double amplitude, double u, double start) {
+void add(std::vector<float>& sound, const ImpactTemplate& learned, double amplitude, double u, double start) {
   audio::RealFft fourier(kWindow);
   const double begin = start - kContact;
   audio::Spectrum w = audio::phase_shifted(learned.wave.wave(), -learned.wave.omega() * (begin - std::floor(begin)));
@@ -68,7 +68,7 @@ struct Outcome {
 /// Twelve impacts, 250 samples apart, u from 1.2 to 1.7.
 /// @param amplitude  over noise
 Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
-  const ImpactWave wave = learned();
+  const ImpactTemplate wave = learned();
   constexpr int kTrials = 20;
   constexpr int kImpacts = 12;
   Outcome outcome;
@@ -77,20 +77,20 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
     std::vector<float> sound(6000, 0.0F);
     for (float& x : sound) x = static_cast<float>(random.normal());
     std::vector<double> truth_s, u;
-    std::vector<TrainOnset> onsets;
+    std::vector<TimedTrackImpact> onsets;
     for (int k = 0; k < kImpacts; ++k) {
       const double start = 1000.0 + 250.3 * k;
       u.push_back(1.2 + 0.5 * k / kImpacts);
       add(sound, wave, amplitude, u.back(), start);
       truth_s.push_back(start / kRate_hz);
-      TrainOnset onset;
+      TimedTrackImpact onset;
       onset.impact = k;
       onset.overlap = true;
       onset.timed.t_s = truth_s.back() + 0.3 / kRate_hz * random.normal();  // as the beginnings alone have it
       onset.timed.amplitude = 0.5 * amplitude;
       onsets.push_back(onset);
     }
-    part_overlapping(audio::source_in_memory(sound, kRate_hz), wave, law, u, 1.0, onsets);
+    separate_overlaps(audio::source_in_memory(sound, kRate_hz), wave, law, u, 1.0, onsets);
     for (int k = 0; k < kImpacts; ++k) {
       // the bound of the wave as learned; a duller one is told worse
       const double bound_s = 1.0 / amplitude / std::sqrt(wave.wave.information(0, kWindow / 2)) / kRate_hz;
@@ -104,7 +104,7 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
   return outcome;
 }
 
-TEST(Overlaps, ImpactsThatRingIntoEachOtherAreTimedAsIfEachWereAlone) {
+TEST(OverlapSeparation, ImpactsThatRingIntoEachOtherAreTimedAsIfEachWereAlone) {
   const Outcome outcome = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 30.0);
   // dulling costs a third of what the wave knows of its time, the neighbours' own freedom some more
   EXPECT_LT(outcome.ratio, 2.0);
@@ -112,7 +112,7 @@ TEST(Overlaps, ImpactsThatRingIntoEachOtherAreTimedAsIfEachWereAlone) {
   EXPECT_LT(outcome.pull, 1.25);
 }
 
-TEST(Overlaps, SlowImpactsSoundDullerWhichIsWhatLetsTheirNeighboursBeTimed) {
+TEST(OverlapSeparation, SlowImpactsSoundDullerWhichIsWhatLetsTheirNeighboursBeTimed) {
   // at 50 dB over noise what is wrongly taken away is louder than noise
   const Outcome knowing = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 300.0);
   const Outcome not_knowing = time_chatter(std::nullopt, 300.0);
@@ -120,12 +120,12 @@ TEST(Overlaps, SlowImpactsSoundDullerWhichIsWhatLetsTheirNeighboursBeTimed) {
   EXPECT_GT(not_knowing.ratio, 2.0 * knowing.ratio);
 }
 
-TEST(Overlaps, ImpactsThatRingAloneStayWhereTheyAre) {
+TEST(OverlapSeparation, ImpactsThatRingAloneStayWhereTheyAre) {
   std::vector<float> sound(4000, 0.0F);
-  TrainOnset onset;
+  TimedTrackImpact onset;
   onset.timed.t_s = 0.02;
-  std::vector<TrainOnset> onsets = {onset};
-  part_overlapping(audio::source_in_memory(sound, kRate_hz), learned(), std::nullopt, {1.0}, 1.0, onsets);
+  std::vector<TimedTrackImpact> onsets = {onset};
+  separate_overlaps(audio::source_in_memory(sound, kRate_hz), learned(), std::nullopt, {1.0}, 1.0, onsets);
   EXPECT_EQ(onsets[0].timed.t_s, 0.02);
 }
 

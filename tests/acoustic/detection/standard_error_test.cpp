@@ -105,7 +105,7 @@ double pull_of(Drop drop, int n_seeds) {
 }
 
 // Of 240 errors the rms is known to 1/sqrt(480) = 4.6 %; that each drop's sigma rests on what 32 of its impacts and a
-// handful of clocks show, to about 15 %, adds 8 %. Where only noise errs there is little to be learned: three times
+// handful of subbands show, to about 15 %, adds 8 %. Where only noise errs there is little to be learned: three times
 // 5 %. Elsewhere the bar, which is two and a half times both together.
 constexpr int kSeeds = 4;
 

@@ -106,7 +106,7 @@ TEST(RealFft, PhasorsMoveAWaveByFractionsOfASample) {
   EXPECT_LT(std::sqrt(error2 / audio::dot(direct, direct)), 1e-5);  // phasors to 1e-6
 }
 
-TEST(CoherentShare, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
+TEST(CoherenceWeight, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
   // a wave of 30 dB a bin below bin 200, noise above, in the sums of 16 impacts each
   constexpr std::size_t kBins = 513;
   Random random(1, RandomStream::test, 13);
@@ -117,17 +117,17 @@ TEST(CoherentShare, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
       sum.re.push_back(static_cast<float>(16.0 * wave + 4.0 * random.normal()));
       sum.im.push_back(static_cast<float>(4.0 * random.normal()));
     }
-  const std::vector<float> share = coherent_share(sums[0], 16.0, sums[1], 16.0);
+  const std::vector<float> share = coherence_weight(sums[0], 16.0, sums[1], 16.0);
   for (std::size_t k = 0; k < 190; ++k) EXPECT_GT(share[k], 0.99F) << k;
   double of_noise = 0.0;
   for (std::size_t k = 210; k < kBins; ++k) of_noise += share[k] / static_cast<double>(kBins - 210);
   EXPECT_LT(of_noise, 0.03);
 }
 
-TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
+TEST(SubbandDelay, ReadAKnownWaveAtTheCramerRaoBound) {
   audio::RealFft fourier(kWindow);
-  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
-  const BandClocks clocks = equal_clocks(wave);
+  const MatchedFilter wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  const Subbands subbands = split_into_subbands(wave);
   const double level = 0.2;
   const double bound = level / std::sqrt(wave.information(0, wave.wave().size()));
   double squares = 0.0;
@@ -138,7 +138,7 @@ TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
     const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(k) + 100);
     for (std::size_t n = 0; n < kWindow; ++n)
       x[n] = (x[n] + static_cast<float>(level) * w[n]) / static_cast<float>(level);
-    const ClockReading r = read_clocks(wave, clocks, fourier.forward(x), 0.3);
+    const DelayEstimate r = estimate_delay(wave, subbands, fourier.forward(x), 0.3);
     squares += r.shift * r.shift / kTrials;
     stated += r.variance / kTrials;
   }
@@ -147,11 +147,11 @@ TEST(BandClocks, ReadAKnownWaveAtTheCramerRaoBound) {
   EXPECT_NEAR(std::sqrt(stated) / bound, 1.0, 0.15);
 }
 
-TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
+TEST(SubbandDelay, LearnFromTheirDisagreementWhatNoResidualShows) {
   // modes struck with random phases: each looks like a shift of its own, and the errors are far above the noise
   audio::RealFft fourier(kWindow);
-  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
-  BandClocks clocks = equal_clocks(wave);
+  const MatchedFilter wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  Subbands subbands = split_into_subbands(wave);
   Random random(3, RandomStream::test, 9);
   const auto impact = [&](std::uint64_t seed) {
     std::vector<double> phases(8);
@@ -159,67 +159,67 @@ TEST(BandClocks, LearnFromTheirDisagreementWhatNoResidualShows) {
     std::vector<float> x = modes(100.0, phases);
     const std::vector<float> w = noise(kWindow, seed);
     for (std::size_t n = 0; n < kWindow; ++n) x[n] = (x[n] + 0.01F * w[n]) / 0.01F;
-    return read_clocks(wave, clocks, fourier.forward(x), 0.0);
+    return estimate_delay(wave, subbands, fourier.forward(x), 0.0);
   };
-  std::vector<ClockReading> readings;
+  std::vector<DelayEstimate> readings;
   for (std::uint64_t k = 0; k < 60; ++k) readings.push_back(impact(k));
-  learn_jitter(readings, wave, clocks);
+  estimate_jitter(readings, wave, subbands);
   double pull2 = 0.0;
   constexpr int kTrials = 200;
   for (std::uint64_t k = 0; k < kTrials; ++k) {
-    const ClockReading r = impact(1000 + k);
+    const DelayEstimate r = impact(1000 + k);
     pull2 += r.shift * r.shift / r.variance / kTrials;
   }
   EXPECT_GT(std::sqrt(pull2), 0.8);
   EXPECT_LT(std::sqrt(pull2), 1.25);
 }
 
-TEST(BandClocks, MeanHasTheVarianceOfItsCovariances) {
+TEST(SubbandDelay, MeanHasTheVarianceOfItsCovariances) {
   // by the full matrix: cov_jk = rho^|j-k| sqrt(J_j J_k), and noise on the diagonal
-  BandClocks clocks;
-  clocks.jitter2 = {1.0, 4.0, 0.1, 2.0, 0.0};
-  clocks.noise.assign(5, 1.0);
-  clocks.correlation = 0.6;
+  Subbands subbands;
+  subbands.jitter2 = {1.0, 4.0, 0.1, 2.0, 0.0};
+  subbands.noise.assign(5, 1.0);
+  subbands.correlation = 0.6;
   const std::vector<double> noise{0.5, 1.0, 0.02, 3.0, 1.5};
   const auto covariance = [&](std::size_t j, std::size_t k) {
     const double lag = std::abs(static_cast<double>(j) - static_cast<double>(k));
-    return std::pow(0.6, lag) * std::sqrt(clocks.jitter2[j] * clocks.jitter2[k]) + (j == k ? noise[j] : 0.0);
+    return std::pow(0.6, lag) * std::sqrt(subbands.jitter2[j] * subbands.jitter2[k]) + (j == k ? noise[j] : 0.0);
   };
-  const MeanOfClocks mean = mean_of_clocks(clocks, noise);
+  const SubbandMean mean = subband_mean(subbands, noise);
   double independent = 0.0, variance = 0.0;
   for (std::size_t j = 0; j < 5; ++j) {
     double with = 0.0;
     for (std::size_t k = 0; k < 5; ++k) with += mean.weight[k] * covariance(j, k);
     variance += mean.weight[j] * with;
     independent += mean.weight[j] * mean.weight[j] * covariance(j, j);
-    EXPECT_NEAR(mean.with[j], with / (mean.weight[j] * covariance(j, j)), 1e-12) << j;
+    EXPECT_NEAR(mean.relative_covariance[j], with / (mean.weight[j] * covariance(j, j)), 1e-12) << j;
   }
   EXPECT_NEAR(mean.variance, variance, 1e-12);
-  EXPECT_NEAR(mean.dependence, variance / independent, 1e-12);
+  EXPECT_NEAR(mean.design_effect, variance / independent, 1e-12);
 }
 
-TEST(BandClocks, FindNoJitterWhereThereIsOnlyNoise) {
+TEST(SubbandDelay, FindNoJitterWhereThereIsOnlyNoise) {
   audio::RealFft fourier(kWindow);
-  const WaveTemplate wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  const MatchedFilter wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
   constexpr float kLevel = 0.2F;
   const double bound = kLevel / std::sqrt(wave.information(0, wave.wave().size()));
   double mean = 0.0;
   constexpr int kDrops = 40;
   for (int drop = 0; drop < kDrops; ++drop) {
-    BandClocks clocks = equal_clocks(wave);
-    std::vector<ClockReading> readings;
+    Subbands subbands = split_into_subbands(wave);
+    std::vector<DelayEstimate> readings;
     for (int k = 0; k < 32; ++k) {
       std::vector<float> x = modes(100.0, kNoPhases);
       const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(1000 * drop + k) + 7);
       for (std::size_t n = 0; n < kWindow; ++n) x[n] = x[n] / kLevel + w[n];
-      readings.push_back(read_clocks(wave, clocks, fourier.forward(x), 0.0));
+      readings.push_back(estimate_delay(wave, subbands, fourier.forward(x), 0.0));
     }
-    learn_jitter(readings, wave, clocks);
+    estimate_jitter(readings, wave, subbands);
     std::vector<float> quiet = modes(100.0, kNoPhases);
     for (float& v : quiet) v /= kLevel;
-    const double variance = read_clocks(wave, clocks, fourier.forward(quiet), 0.0).variance;
+    const double variance = estimate_delay(wave, subbands, fourier.forward(quiet), 0.0).variance;
     // where they agree chi2 is 0, and the scale 8 / (8 + n - 1)
-    const double stated = std::sqrt(variance * (8.0 + static_cast<double>(clocks.n()) - 1.0) / 8.0) / bound;
+    const double stated = std::sqrt(variance * (8.0 + static_cast<double>(subbands.n()) - 1.0) / 8.0) / bound;
     mean += stated / kDrops;
   }
   // 32 impacts know eight jitters of 0 to a fifth of the noise each, and none is below 0; that they know their
@@ -227,39 +227,39 @@ TEST(BandClocks, FindNoJitterWhereThereIsOnlyNoise) {
   EXPECT_NEAR(mean, 1.0, 0.05);
 }
 
-std::vector<ImpactPlaces> train(double lead) {
-  std::vector<ImpactPlaces> impacts;
+std::vector<ImpactHypotheses> train(double log_odds_margin) {
+  std::vector<ImpactHypotheses> impacts;
   double t_s = 0.0;
   double flight_s = 0.15;
   for (int k = 0; k < 30; ++k) {
-    impacts.push_back({k, {{t_s, 0.0}, {t_s + 0.4e-3, lead}, {t_s - 0.4e-3, lead}}});
+    impacts.push_back({k, {{t_s, 0.0}, {t_s + 0.4e-3, log_odds_margin}, {t_s - 0.4e-3, log_odds_margin}}});
     t_s += flight_s;
     flight_s *= 0.95 + 2e-4 * std::sin(7.0 * k);
   }
   return impacts;
 }
 
-TEST(CycleChoice, PutsASlippedImpactBackWhereTheTrainIsSmooth) {
+TEST(CycleAmbiguity, PutsASlippedImpactBackWhereTheTrainIsSmooth) {
   // of three places the least likely by sound
-  std::vector<ImpactPlaces> impacts = train(20.0);
-  std::vector<Place>& places = impacts[12].places;
+  std::vector<ImpactHypotheses> impacts = train(20.0);
+  std::vector<DelayHypothesis>& places = impacts[12].places;
   std::swap(places[0].t_s, places[2].t_s);
-  places[1].lead = 0.5;
-  places[2].lead = 1.0;
-  const std::vector<PlaceChoice> choices = choose_places(impacts);
+  places[1].log_odds_margin = 0.5;
+  places[2].log_odds_margin = 1.0;
+  const std::vector<CycleChoice> choices = resolve_cycle_slips(impacts);
   for (std::size_t k = 0; k < impacts.size(); ++k) EXPECT_EQ(choices[k].place, k == 12 ? 2U : 0U) << k;
-  EXPECT_GT(choices[12].lead[0], 5.0);
-  EXPECT_GT(choices[12].lead[1], 5.0);
-  EXPECT_EQ(choices[12].lead[2], 0.0);
+  EXPECT_GT(choices[12].log_odds_margin[0], 5.0);
+  EXPECT_GT(choices[12].log_odds_margin[1], 5.0);
+  EXPECT_EQ(choices[12].log_odds_margin[2], 0.0);
 }
 
-TEST(CycleChoice, LeavesAloneWhatTheSoundHasSettled) {
-  std::vector<ImpactPlaces> impacts = train(20.0);
+TEST(CycleAmbiguity, LeavesAloneWhatTheSoundHasSettled) {
+  std::vector<ImpactHypotheses> impacts = train(20.0);
   for (std::size_t k = 12; k < impacts.size(); ++k) impacts[k].places[0].t_s -= 10e-3;  // a single loss
-  for (const PlaceChoice& choice : choose_places(impacts)) EXPECT_EQ(choice.place, 0U);
+  for (const CycleChoice& choice : resolve_cycle_slips(impacts)) EXPECT_EQ(choice.place, 0U);
 }
 
-TEST(FindPlaces, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
+TEST(CorrelationPeaks, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
   // a packet of 20 samples a cycle, 3 cycles long, in noise as loud: its neighbours 20 and 40 samples off on both sides
   const auto packet = [](double centre) {
     std::vector<float> x(kWindow);
@@ -270,16 +270,17 @@ TEST(FindPlaces, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
     return x;
   };
   audio::RealFft fourier(kWindow);
-  const WaveTemplate wave(fourier.forward(packet(500.0)), kWindow);
-  const std::vector<WavePlace> places = find_places(wave, fourier.forward(packet(506.0)), -50.0, 50.0);
+  const MatchedFilter wave(fourier.forward(packet(500.0)), kWindow);
+  const std::vector<CorrelationPeak> places = find_correlation_peaks(wave, fourier.forward(packet(506.0)), -50.0, 50.0);
   ASSERT_GE(places.size(), 5U);
   EXPECT_NEAR(places[0].shift, 6.0, 0.5);
   for (std::size_t k = 1; k < 5; ++k) {
     EXPECT_NEAR(std::abs(places[k].shift - 6.0), k < 3 ? 20.0 : 40.0, 1.0) << k;
-    EXPECT_LE(places[k].gain, places[k - 1].gain) << k;
+    EXPECT_LE(places[k].log_likelihood_ratio, places[k - 1].log_likelihood_ratio) << k;
   }
   // energy (1 - r^2) / 2 with r = exp(-20^2 / 3600), the packet's correlation with itself a cycle later
-  EXPECT_NEAR((places[0].gain - places[1].gain) / wave.energy(), 0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
+  EXPECT_NEAR((places[0].log_likelihood_ratio - places[1].log_likelihood_ratio) / wave.energy(),
+              0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
 }
 
 TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {

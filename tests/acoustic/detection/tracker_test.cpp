@@ -29,7 +29,7 @@ std::vector<Candidate> turned_down_at_first(std::uint64_t seed, std::vector<doub
   return candidates;
 }
 
-TEST(Trains, BeginWithTheFirstImpactThoughItIsFaint) {
+TEST(Tracker, BeginWithTheFirstImpactThoughItIsFaint) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<double> impacts_s;
     const std::vector<Candidate> candidates = turned_down_at_first(seed, impacts_s);
@@ -63,7 +63,7 @@ std::vector<Candidate> with_echoes(const EchoingDrop& d, Random random) {
   return candidates;
 }
 
-TEST(Trains, BeginWithTheFirstImpactAndNotWithItsEcho) {
+TEST(Tracker, BeginWithTheFirstImpactAndNotWithItsEcho) {
   // eps grows as the ball slows down, so that the interval from the echo on fits the mean of all as well
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const EchoingDrop drop{30, 0.55, 0.905, 0.035 / 29.0, 0.003, 9e-3, 0.5};
@@ -74,7 +74,7 @@ TEST(Trains, BeginWithTheFirstImpactAndNotWithItsEcho) {
   }
 }
 
-TEST(Trains, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
+TEST(Tracker, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
   int n_begun = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const EchoingDrop drop{6, 0.6, 0.68, 0.008, 0.01, 12e-3, 0.6};
@@ -85,7 +85,7 @@ TEST(Trains, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
   EXPECT_GE(n_begun, 36);  // 26 where an echo is as good a first impact as its source
 }
 
-TEST(Trains, KnowABallFromItsOtherDrop) {
+TEST(Tracker, KnowABallFromItsOtherDrop) {
   // a drop of eight impacts, then one of four among other sounds and with an echo each
   int n_found = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {

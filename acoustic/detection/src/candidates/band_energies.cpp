@@ -27,13 +27,14 @@ std::vector<int> octaves(std::size_t n_bins, double bin_hz) {
   for (std::size_t k = 0; k < n_bins; ++k)
     octave.push_back(static_cast<double>(k) * bin_hz < kLowest_hz
                          ? -1
-                         : std::min(kTimbreBands - 1, std::ilogb(static_cast<double>(k) * bin_hz / kLowest_hz)));
+                         : std::min(kEnergyBands - 1, std::ilogb(static_cast<double>(k) * bin_hz / kLowest_hz)));
   return octave;
 }
 
 }  // namespace
 
-std::vector<Timbre> read_timbres(const audio::AudioSource& sound, const std::vector<Candidate>& candidates) {
+std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
+                                                const std::vector<Candidate>& candidates) {
   const std::size_t n = std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kWindow_s * sound.rate_hz)));
   audio::RealFft fourier(n);
   const std::vector<int> octave = octaves(n / 2, sound.rate_hz / static_cast<double>(n));
@@ -43,45 +44,45 @@ std::vector<Timbre> read_timbres(const audio::AudioSource& sound, const std::vec
   std::vector<float> x(2 * n + 1);
   std::vector<float> part(n);
   const auto powers = [&] {
-    std::array<float, kTimbreBands> power{};
+    std::array<float, kEnergyBands> power{};
     const audio::Spectrum spectrum = fourier.forward(part);
     for (std::size_t k = 0; k < octave.size(); ++k)
       if (octave[k] >= 0) power[octave[k]] += spectrum.re[k] * spectrum.re[k] + spectrum.im[k] * spectrum.im[k];
     return power;
   };
-  std::vector<Timbre> timbres(candidates.size());
+  std::vector<BandEnergies> band_energies(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     audio::read_padded(sound, std::llround(candidates[c].t_s * sound.rate_hz) - static_cast<std::int64_t>(n) - 1, x);
     for (std::size_t k = 0; k < n; ++k) part[k] = window[k] * (x[n + k + 1] - x[n + k]);
     const auto after = powers();
     for (std::size_t k = 0; k < n; ++k) part[k] = window[k] * (x[n - k] - x[n - k - 1]);
     const auto before = powers();
-    for (int b = 0; b < kTimbreBands; ++b) {
+    for (int b = 0; b < kEnergyBands; ++b) {
       const float added = std::max(0.0F, after[b] - before[b]);
-      timbres[c].level[b] = std::log(std::max(added, kNoticed * before[b]) + 1e-20F);
-      timbres[c].audible[b] = added / (after[b] + before[b] + 1e-20F);
+      band_energies[c].log_power[b] = std::log(std::max(added, kNoticed * before[b]) + 1e-20F);
+      band_energies[c].added_share[b] = added / (after[b] + before[b] + 1e-20F);
     }
   }
-  return timbres;
+  return band_energies;
 }
 
-float probability_alike(const Timbre& a, const Timbre& b) {
+float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
   float weight = 1e-6F;
   float louder = 0.0F;
-  for (int k = 0; k < kTimbreBands; ++k) {
-    const float both = a.audible[k] * b.audible[k];
+  for (int k = 0; k < kEnergyBands; ++k) {
+    const float both = a.added_share[k] * b.added_share[k];
     weight += both;
-    louder += both * (b.level[k] - a.level[k]);
+    louder += both * (b.log_power[k] - a.log_power[k]);
   }
   louder /= weight;
   constexpr float kCurvature = 0.5F / (kAlikeScatter * kAlikeScatter) - 0.5F / (kOtherScatter * kOtherScatter);
   static const float gain = std::log(kOtherScatter / kAlikeScatter);
   float sum = -gain;  // for the loudness, which was taken from them
-  for (int k = 0; k < kTimbreBands; ++k) {
-    const float both = a.audible[k] * b.audible[k];
-    const float difference = b.level[k] - a.level[k] - louder;
+  for (int k = 0; k < kEnergyBands; ++k) {
+    const float both = a.added_share[k] * b.added_share[k];
+    const float difference = b.log_power[k] - a.log_power[k] - louder;
     // where one is not heard it may be as faint as it likes: the louder one's being heard is enough
-    const float louder_heard = difference > 0.0F ? b.audible[k] : difference < 0.0F ? a.audible[k] : 0.0F;
+    const float louder_heard = difference > 0.0F ? b.added_share[k] : difference < 0.0F ? a.added_share[k] : 0.0F;
     sum += std::max(both, louder_heard) * std::max(kLeastOfBand, gain - kCurvature * difference * difference);
   }
   return 1.0F / (1.0F + std::exp(std::clamp(-kShare * sum, -kMostLogOdds, kMostLogOdds)));

@@ -38,19 +38,19 @@ struct Band {
   double own_noise = 0.0;  // level that an impact of amplitude 1 the wave was learned from owes to its own noise
 };
 
-double noise_at(const BandClocks& clocks, std::size_t bin) {
-  std::size_t clock = 0;
-  while (clock + 1 < clocks.n() && clocks.edge[clock + 1] <= bin) ++clock;
-  return clocks.noise[clock];
+double noise_at(const Subbands& subbands, std::size_t bin) {
+  std::size_t subband = 0;
+  while (subband + 1 < subbands.n() && subbands.edge[subband + 1] <= bin) ++subband;
+  return subbands.noise[subband];
 }
 
-std::vector<Band> choose_bands(const ImpactWave& wave) {
+std::vector<Band> choose_bands(const ImpactTemplate& wave) {
   const std::size_t n_bins = wave.wave.wave().size() - 1;
   const std::size_t width = std::max(kLeastBins, n_bins / kMostBands);
   std::vector<Band> all;
   for (std::size_t b = 1; b + width <= n_bins; b += width) {
-    Band band{b, b + width, wave.wave.energy(b, b + width) + 1e-30, noise_at(wave.clocks, b + width / 2), 0.0};
-    band.own_noise = 2.0 * band.noise * static_cast<double>(width) / (wave.learned_weight * band.energy);
+    Band band{b, b + width, wave.wave.energy(b, b + width) + 1e-30, noise_at(wave.subbands, b + width / 2), 0.0};
+    band.own_noise = 2.0 * band.noise * static_cast<double>(width) / (wave.training_weight * band.energy);
     all.push_back(band);
   }
   std::vector<Band> chosen;
@@ -65,7 +65,7 @@ std::vector<Band> choose_bands(const ImpactWave& wave) {
   return chosen;
 }
 
-double centre_bin(const WaveTemplate& wave, const Band& band) {
+double centre_bin(const MatchedFilter& wave, const Band& band) {
   double moment = 0.0;
   for (std::size_t k = band.from; k < band.to; ++k) moment += static_cast<double>(k) * wave.energy(k, k + 1);
   return moment / band.energy;
@@ -73,7 +73,7 @@ double centre_bin(const WaveTemplate& wave, const Band& band) {
 
 }  // namespace
 
-BandLevels read_levels(const audio::AudioSource& sound, const ImpactWave& wave,
+BandLevels read_levels(const audio::AudioSource& sound, const ImpactTemplate& wave,
                        const std::vector<SpeedAndTime>& impacts) {
   BandLevels levels;
   const std::size_t n_window = wave.wave.n_window();
@@ -87,11 +87,11 @@ BandLevels read_levels(const audio::AudioSource& sound, const ImpactWave& wave,
     const double position = impact.t_s * sound.rate_hz - wave.contact_index;
     const auto first = static_cast<std::int64_t>(std::floor(position));
     audio::WhiteWindow window = audio::read_white(sound, wave.whitener, first, n_window);
-    std::fill(window.sound.begin() + static_cast<std::ptrdiff_t>(wave.n_wave), window.sound.end(), 0.0F);
+    std::fill(window.sound.begin() + static_cast<std::ptrdiff_t>(wave.n_template), window.sound.end(), 0.0F);
     const audio::Spectrum z = audio::product(
         audio::product_conj(wave.wave.wave(), fourier.forward(window.sound)),
         audio::phase_ramp(n_window / 2 + 1, wave.wave.omega() * (position - static_cast<double>(first))));
-    const bool is_learned = std::any_of(wave.learned_t_s.begin(), wave.learned_t_s.end(),
+    const bool is_learned = std::any_of(wave.training_t_s.begin(), wave.training_t_s.end(),
                                         [&](double t_s) { return std::abs(t_s - impact.t_s) < kSameImpact_s; });
     std::vector<double> row;
     for (const Band& band : bands) {
@@ -99,7 +99,7 @@ BandLevels read_levels(const audio::AudioSource& sound, const ImpactWave& wave,
                                               z.re.begin() + static_cast<std::ptrdiff_t>(band.to), 0.0);
       row.push_back(in_phase / band.energy - (is_learned ? impact.amplitude * band.own_noise : 0.0));
     }
-    levels.u.push_back(std::pow(impact.v_mps, -0.2));
+    levels.contact_scaling.push_back(std::pow(impact.v_mps, -0.2));
     levels.level.push_back(std::move(row));
   }
   return levels;

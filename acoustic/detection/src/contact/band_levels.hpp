@@ -19,7 +19,7 @@ struct SpeedAndTime {
 struct BandLevels {
   std::vector<double> f_hz;                ///< middle of each band's energy
   std::vector<double> noise2;              ///< variance that noise adds to a level, by band
-  std::vector<double> u;                   ///< v^(-1/5), by impact
+  std::vector<double> contact_scaling;     ///< v^(-1/5), by impact
   std::vector<std::vector<double>> level;  ///< by impact and band, in units of the wave
 };
 
@@ -27,7 +27,7 @@ struct BandLevels {
 /// most 192 impacts. Bands that are quieter than half of their neighbours are left out, since they hold the skirts of
 /// others' modes, and bands in which the wave itself is mostly noise. An impact that the wave was learned from finds
 /// its own noise there again; so much is taken off.
-BandLevels read_levels(const audio::AudioSource& sound, const ImpactWave& wave,
+BandLevels read_levels(const audio::AudioSource& sound, const ImpactTemplate& wave,
                        const std::vector<SpeedAndTime>& impacts);
 
 }  // namespace bouncelab::detection

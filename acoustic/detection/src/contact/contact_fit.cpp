@@ -32,11 +32,11 @@ class Fitter {
   Fitter(const BandLevels& levels, const PulseSpectrum& pulse)
       : l_(levels),
         pulse_(&pulse),
-        n_(levels.u.size()),
+        n_(levels.contact_scaling.size()),
         m_(levels.f_hz.size()),
         level_over_pulse_(n_, m_),
         one_over_pulse_(n_, m_),
-        duller_(n_, m_),
+        dlogp_dtau2_(n_, m_),
         weight_(n_, m_, 1.0),
         weighed_(n_, m_),
         relative_(n_, m_),
@@ -44,10 +44,10 @@ class Fitter {
         gain_(n_, 1.0),
         response_(m_, 1.0),
         timbre2_(m_, 0.1),
-        disturbed_(n_, 1.0),
-        within_(m_, false),
-        counts_(m_, 0.0) {
-    slowest_u_ = *std::max_element(l_.u.begin(), l_.u.end());
+        row_inflation_(n_, 1.0),
+        is_active_(m_, false),
+        active_mask_(m_, 0.0) {
+    largest_scaling_ = *std::max_element(l_.contact_scaling.begin(), l_.contact_scaling.end());
     for (std::size_t k = 0; k < n_; ++k)
       gain_[k] = std::max(std::accumulate(l_.level[k].begin(), l_.level[k].end(), 0.0) / static_cast<double>(m_), 1e-9);
   }
@@ -68,7 +68,7 @@ class Fitter {
         adjust();
         weigh();
       }
-      const auto [shift, sigma] = opinion();
+      const auto [shift, sigma] = pooled_estimate();
       if (!std::isfinite(shift) || !std::isfinite(sigma) || !(sigma > 0.0)) return std::nullopt;
       fit = {tau_1_s * tau_1_s + shift, sigma, {}};
       const double next_s = std::sqrt(std::max(fit.tau2_s2, kShortest_s * kShortest_s));
@@ -83,30 +83,31 @@ class Fitter {
   /// P and the change of ln P with tau_1^2, for each level; bands beyond the law's reach weigh nothing.
   void expect(double tau_1_s) {
     for (std::size_t m = 0; m < m_; ++m) {
-      const double largest = l_.f_hz[m] * tau_1_s * slowest_u_;
-      if (!has_run_) within_[m] = pulse_->at(largest).value > kLeastPulse && largest < 1.5;
-      counts_[m] = within_[m] ? 1.0 : 0.0;
+      const double largest = l_.f_hz[m] * tau_1_s * largest_scaling_;
+      if (!has_run_) is_active_[m] = pulse_->at(largest).value > kLeastPulse && largest < 1.5;
+      active_mask_[m] = is_active_[m] ? 1.0 : 0.0;
     }
     for (std::size_t k = 0; k < n_; ++k) {
       for (std::size_t m = 0; m < m_; ++m) {
-        const auto [value, slope] = pulse_->at(l_.f_hz[m] * l_.u[k] * tau_1_s);
+        const auto [value, slope] = pulse_->at(l_.f_hz[m] * l_.contact_scaling[k] * tau_1_s);
         one_over_pulse_[k][m] = value;
-        duller_[k][m] = slope;
+        dlogp_dtau2_[k][m] = slope;
       }
-      compare_pulses(l_.level[k].data(), l_.f_hz.data(), 0.5 * l_.u[k] / tau_1_s, counts_.data(), one_over_pulse_[k],
-                     duller_[k], level_over_pulse_[k], weight_[k], m_);
+      compare_pulses(l_.level[k].data(), l_.f_hz.data(), 0.5 * l_.contact_scaling[k] / tau_1_s, active_mask_.data(),
+                     one_over_pulse_[k], dlogp_dtau2_[k], level_over_pulse_[k], weight_[k], m_);
     }
   }
 
-  /// @param one_over_pulse, duller  hold P and its slope before
+  /// @param one_over_pulse, dlogp_dtau2  hold P and its slope before
   BOUNCELAB_VECTOR_CLONES static void compare_pulses(const double* level, const double* f_hz, double half_u_over_tau,
                                                      const double* counts, double* __restrict one_over_pulse,
-                                                     double* __restrict duller, double* __restrict level_over_pulse,
-                                                     double* __restrict weight, std::size_t n) {
+                                                     double* __restrict dlogp_dtau2,
+                                                     double* __restrict level_over_pulse, double* __restrict weight,
+                                                     std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
       const double one_over = 1.0 / (one_over_pulse[m] > 0.02 ? one_over_pulse[m] : 0.02);
       one_over_pulse[m] = one_over;
-      duller[m] *= half_u_over_tau * f_hz[m] * one_over;
+      dlogp_dtau2[m] *= half_u_over_tau * f_hz[m] * one_over;
       level_over_pulse[m] = level[m] * one_over;
       weight[m] = counts[m] * (weight[m] > 1e-12 ? weight[m] : 1e-12);
     }
@@ -125,7 +126,7 @@ class Fitter {
         add_scaled(sums.data(), 1.0 / gain_[k], weighed_[k], m_);
       }
       for (std::size_t m = 0; m < m_; ++m)
-        if (within_[m]) response_[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * response_[m]);
+        if (is_active_[m]) response_[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * response_[m]);
     }
   }
 
@@ -159,11 +160,11 @@ class Fitter {
   void learn_timbre() {
     Values sum(m_, 0.0), weights(m_, 1e-300);
     for (std::size_t k = 0; k < n_; ++k)
-      add_excess(relative_[k], noise2_[k], timbre2_.data(), disturbed_[k], sum.data(), weights.data(), m_);
+      add_excess(relative_[k], noise2_[k], timbre2_.data(), row_inflation_[k], sum.data(), weights.data(), m_);
     std::vector<double> sorted;
     for (std::size_t m = 0; m < m_; ++m) {
-      sum[m] = within_[m] ? std::max(sum[m] / weights[m], kLeastTimbre * kLeastTimbre) : 0.0;
-      if (within_[m]) sorted.push_back(sum[m]);
+      sum[m] = is_active_[m] ? std::max(sum[m] / weights[m], kLeastTimbre * kLeastTimbre) : 0.0;
+      if (is_active_[m]) sorted.push_back(sum[m]);
     }
     if (sorted.empty()) return;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
@@ -171,13 +172,13 @@ class Fitter {
   }
 
   BOUNCELAB_VECTOR_CLONES static void add_excess(const double* relative, const double* noise2, const double* timbre2,
-                                                 double disturbed, double* __restrict sum, double* __restrict weights,
-                                                 std::size_t n) {
+                                                 double row_inflation, double* __restrict sum,
+                                                 double* __restrict weights, std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
       const double size2 = timbre2[m] + noise2[m];
       const double weight = 1.0 / (size2 * size2);
       const double largest = 2.0 * kFar * kFar * size2;
-      const double square = relative[m] * relative[m] / disturbed;
+      const double square = relative[m] * relative[m] / row_inflation;
       sum[m] += ((square < largest ? square : largest) - noise2[m]) * weight;
       weights[m] += weight;
     }
@@ -187,11 +188,12 @@ class Fitter {
   void learn_disturbances() {
     constexpr double kTypical = 1.3;  // mean of squares that noise alone hardly exceeds
     constexpr double kPrior = 4.0;    // bands that a typical impact is worth
-    const double n = std::accumulate(counts_.begin(), counts_.end(), 0.0);
+    const double n = std::accumulate(active_mask_.begin(), active_mask_.end(), 0.0);
     Values squares(m_);
     for (std::size_t k = 0; k < n_; ++k) {
       square(relative_[k], noise2_[k], timbre2_.data(), squares.data(), m_);
-      disturbed_[k] = std::max(1.0, (dot(squares.data(), counts_.data(), m_) + kPrior) / (n + kPrior) / kTypical);
+      row_inflation_[k] =
+          std::max(1.0, (dot(squares.data(), active_mask_.data(), m_) + kPrior) / (n + kPrior) / kTypical);
     }
   }
 
@@ -204,21 +206,21 @@ class Fitter {
     }
   }
 
-  double size2(std::size_t k, std::size_t m) const { return (timbre2_[m] + noise2_[k][m]) * disturbed_[k]; }
+  double size2(std::size_t k, std::size_t m) const { return (timbre2_[m] + noise2_[k][m]) * row_inflation_[k]; }
 
   void weigh() {
     compare();
     learn_timbre();
     learn_disturbances();
     for (std::size_t k = 0; k < n_; ++k)
-      weigh(relative_[k], noise2_[k], timbre2_.data(), counts_.data(), disturbed_[k], weight_[k], m_);
+      weigh(relative_[k], noise2_[k], timbre2_.data(), active_mask_.data(), row_inflation_[k], weight_[k], m_);
   }
 
   BOUNCELAB_VECTOR_CLONES static void weigh(const double* relative, const double* noise2, const double* timbre2,
-                                            const double* counts, double disturbed, double* __restrict weight,
+                                            const double* counts, double row_inflation, double* __restrict weight,
                                             std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
-      const double size2 = (timbre2[m] + noise2[m]) * disturbed;
+      const double size2 = (timbre2[m] + noise2[m]) * row_inflation;
       const double near = kFar * std::sqrt(size2) / (std::abs(relative[m]) + 1e-300);
       weight[m] = counts[m] * (near < 1.0 ? near : 1.0) / size2;
     }
@@ -228,7 +230,7 @@ class Fitter {
   std::vector<double> log_likelihood() const {
     std::vector<double> by_band;
     for (std::size_t m = 0; m < m_; ++m) {
-      if (!within_[m]) continue;
+      if (!is_active_[m]) continue;
       double sum = 0.0;
       for (std::size_t k = 0; k < n_; ++k)
         sum -= 0.5 * (std::log(size2(k, m)) + std::min(std::pow(relative_[k][m], 2) / size2(k, m), 9.0));
@@ -237,52 +239,52 @@ class Fitter {
     return by_band;
   }
 
-  struct Opinion {
+  struct PooledEstimate {
     double shift = 0.0;
     double sigma = INFINITY;
   };
 
   /// By how much tau_1^2 is to be raised: the mean of what the bands say, weighed by how well each knows it and by how
   /// far they disagree.
-  Opinion opinion() const {
-    TwoWayTable regressor = duller_;
-    TwoWayTable rest = relative_;
-    sweep(regressor, weight_);
-    sweep(rest, weight_);
-    std::vector<double> says, variance;
+  PooledEstimate pooled_estimate() const {
+    BandTable regressor = dlogp_dtau2_;
+    BandTable rest = relative_;
+    demean_two_way(regressor, weight_);
+    demean_two_way(rest, weight_);
+    std::vector<double> per_band, variance;
     for (std::size_t m = 0; m < m_; ++m) {
       double xy = 0.0, xx = 0.0;
       for (std::size_t k = 0; k < n_; ++k) {
         xy += weight_[k][m] * regressor[k][m] * rest[k][m];
         xx += weight_[k][m] * regressor[k][m] * regressor[k][m];
       }
-      if (!within_[m] || !(xx > 0.0)) continue;
-      says.push_back(xy / xx);
+      if (!is_active_[m] || !(xx > 0.0)) continue;
+      per_band.push_back(xy / xx);
       variance.push_back(1.0 / xx);
     }
-    return says.size() < kLeastBands ? Opinion{} : pooled(says, variance);
+    return per_band.size() < kLeastBands ? PooledEstimate{} : pooled(per_band, variance);
   }
 
   /// Mean of values whose variances are known up to a factor, far-off ones counting less.
-  static Opinion pooled(const std::vector<double>& says, const std::vector<double>& variance) {
-    std::vector<double> robust(says.size(), 1.0);
-    Opinion mean;
+  static PooledEstimate pooled(const std::vector<double>& per_band, const std::vector<double>& variance) {
+    std::vector<double> robust(per_band.size(), 1.0);
+    PooledEstimate mean;
     double inflation = 1.0;
     for (int round = 0; round < 10; ++round) {
       double sum = 0.0, weights = 0.0;
-      for (std::size_t m = 0; m < says.size(); ++m)
-        sum += robust[m] / variance[m] * says[m], weights += robust[m] / variance[m];
+      for (std::size_t m = 0; m < per_band.size(); ++m)
+        sum += robust[m] / variance[m] * per_band[m], weights += robust[m] / variance[m];
       mean.shift = sum / weights;
       double chi2 = 0.0, n = 0.0;
-      for (std::size_t m = 0; m < says.size(); ++m) {
-        chi2 += robust[m] * std::pow(says[m] - mean.shift, 2) / variance[m];
+      for (std::size_t m = 0; m < per_band.size(); ++m) {
+        chi2 += robust[m] * std::pow(per_band[m] - mean.shift, 2) / variance[m];
         n += robust[m];
       }
       inflation = std::max(1.0, chi2 / std::max(n - 2.0, 1.0));  // the gains have taken up one more
       mean.sigma = std::sqrt(inflation / weights);
-      for (std::size_t m = 0; m < says.size(); ++m)
+      for (std::size_t m = 0; m < per_band.size(); ++m)
         robust[m] =
-            std::min(1.0, kFar / (std::abs(says[m] - mean.shift) / std::sqrt(inflation * variance[m]) + 1e-300));
+            std::min(1.0, kFar / (std::abs(per_band[m] - mean.shift) / std::sqrt(inflation * variance[m]) + 1e-300));
     }
     return mean;
   }
@@ -291,19 +293,19 @@ class Fitter {
   const PulseSpectrum* pulse_;
   std::size_t n_;
   std::size_t m_;
-  double slowest_u_ = 0.0;
-  TwoWayTable level_over_pulse_, one_over_pulse_, duller_, weight_;
-  TwoWayTable weighed_, relative_, noise2_;
-  Values gain_, response_, timbre2_, disturbed_;
-  std::vector<bool> within_;
-  Values counts_;  // 1 for bands within, else 0
+  double largest_scaling_ = 0.0;
+  BandTable level_over_pulse_, one_over_pulse_, dlogp_dtau2_, weight_;
+  BandTable weighed_, relative_, noise2_;
+  Values gain_, response_, timbre2_, row_inflation_;
+  std::vector<bool> is_active_;
+  Values active_mask_;  // 1 for bands within, else 0
   bool has_run_ = false;
 };
 
 }  // namespace
 
 std::optional<ContactEvidence> fit_contact(const BandLevels& levels) {
-  if (levels.u.size() < kLeastImpacts || levels.f_hz.size() < kLeastBands) return std::nullopt;
+  if (levels.contact_scaling.size() < kLeastImpacts || levels.f_hz.size() < kLeastBands) return std::nullopt;
   Fitter fitter(levels, PulseSpectrum::hertz());
   const std::optional<ContactFit> hertz = fitter.run(kFirstGuess_s);
   if (!hertz) return std::nullopt;

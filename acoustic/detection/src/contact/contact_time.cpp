@@ -69,9 +69,11 @@ ContactLaw law_of(const ContactFit& fit) {
 
 }  // namespace
 
-double contact_delay(double v_mps, double reference_u) { return 0.5 * (std::pow(v_mps, -0.2) - reference_u); }
+double contact_delay(double v_mps, double reference_scaling) {
+  return 0.5 * (std::pow(v_mps, -0.2) - reference_scaling);
+}
 
-ContactLaw unheard_contact(double rms_hz) {
+ContactLaw assumed_contact(double rms_hz) {
   if (rms_hz < kSoft_hz) return {0.0, 0.5 / rms_hz};
   return {kUsual_s, kUsualSpread_s, kUsual_s};
 }
@@ -87,7 +89,7 @@ std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drop
   law.sigma_s = std::sqrt(share * a.sigma_s * a.sigma_s + (1.0 - share) * b.sigma_s * b.sigma_s +
                           share * (1.0 - share) * std::pow(a.tau_1_s - b.tau_1_s, 2));
   law.hertz_tau_1_s = a.tau_1_s;
-  law.is_heard = heard[0].tau2_s2 > kCertain * heard[0].sigma2_s2;
+  law.is_significant = heard[0].tau2_s2 > kCertain * heard[0].sigma2_s2;
   return law;
 }
 

@@ -25,16 +25,16 @@ struct ContactEvidence {
 
 /// Duration of contact tau = tau_1 v^(-1/5) (Hertz), as the recording itself shows it.
 struct ContactLaw {
-  double tau_1_s = 0.0;        ///< at 1 m/s
-  double sigma_s = 0.0;        ///< its standard error
-  double hertz_tau_1_s = 0.0;  ///< under Hertz's pulse alone
-  bool is_heard = false;       ///< the sound alone tells it, to four standard errors
+  double tau_1_s = 0.0;         ///< at 1 m/s
+  double sigma_s = 0.0;         ///< its standard error
+  double hertz_tau_1_s = 0.0;   ///< under Hertz's pulse alone
+  bool is_significant = false;  ///< the sound alone tells it, to four standard errors
 };
 
-/// How much later than the start of contact, against a wave of v^(-1/5) = reference_u, a wave places an impact, per
-/// tau_1: the centres of the pulses coincide, their beginnings differ by half the difference of the durations,
-/// (v^(-1/5) - reference_u) / 2.
-double contact_delay(double v_mps, double reference_u);
+/// How much later than the start of contact, against a wave of v^(-1/5) = reference_scaling, a wave places an impact,
+/// per tau_1: the centres of the pulses coincide, their beginnings differ by half the difference of the durations,
+/// (v^(-1/5) - reference_scaling) / 2.
+double contact_delay(double v_mps, double reference_scaling);
 
 /// A contact of duration tau multiplies the plate's response by P(f tau), the spectrum of its force pulse. A longer
 /// contact at lower speed thus dulls the sound, which over a drop gives tau:
@@ -50,7 +50,7 @@ std::optional<ContactEvidence> fit_contact(const BandLevels& levels);
 /// Where the sound tells nothing of the duration: what is known of steel balls; of a ball that sounds below 3 kHz only
 /// that its contact is of the order of half a period, 0 +- 1 / (2 rms_hz).
 /// @param rms_hz  root mean square frequency of the wave; positive
-ContactLaw unheard_contact(double rms_hz);
+ContactLaw assumed_contact(double rms_hz);
 
 /// One ball, one law: the mean over drops under each pulse, and with what is known of steel balls on glass, 35 +- 20
 /// us, unless the sound contradicts it; the pulse that is more likely counts, or the mean of both where the sound

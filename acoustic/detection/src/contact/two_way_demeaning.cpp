@@ -25,14 +25,14 @@ BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* 
   for (std::size_t m = 0; m < n; ++m) product[m] = a[m] * b[m];
 }
 
-std::vector<double> sums_of_rows(const TwoWayTable& x) {
+std::vector<double> sums_of_rows(const BandTable& x) {
   const std::vector<double> ones(x.n_bands(), 1.0);
   std::vector<double> sums(x.n_impacts());
   for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = dot(x[k], ones.data(), x.n_bands());
   return sums;
 }
 
-std::vector<double> sums_of_columns(const TwoWayTable& x) {
+std::vector<double> sums_of_columns(const BandTable& x) {
   std::vector<double> sums(x.n_bands(), 0.0);
   for (std::size_t k = 0; k < x.n_impacts(); ++k) add_scaled(sums.data(), 1.0, x[k], x.n_bands());
   return sums;
@@ -43,9 +43,9 @@ namespace {
 /// One round of taking off weighted means of rows, then of columns.
 /// @param per_row, per_column  1 / sum of the weights
 /// @return sum of squares of the means of columns
-BOUNCELAB_VECTOR_CLONES double sweep_once(double* __restrict x, const double* __restrict weight, const double* per_row,
-                                          const double* per_column, double* __restrict means, std::size_t n_rows,
-                                          std::size_t n) {
+BOUNCELAB_VECTOR_CLONES double demean_once(double* __restrict x, const double* __restrict weight, const double* per_row,
+                                           const double* per_column, double* __restrict means, std::size_t n_rows,
+                                           std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) means[m] = 0.0;
   for (std::size_t k = 0; k < n_rows; ++k) {
     double* row = x + k * n;
@@ -74,7 +74,7 @@ BOUNCELAB_VECTOR_CLONES double sweep_once(double* __restrict x, const double* __
 
 }  // namespace
 
-void sweep(TwoWayTable& x, const TwoWayTable& weight) {
+void demean_two_way(BandTable& x, const BandTable& weight) {
   constexpr int kSweeps = 12;
   constexpr double kLeft = 1e-12;  // of the squares that the first sweep finds
   std::vector<double> per_row = sums_of_rows(weight);
@@ -85,7 +85,7 @@ void sweep(TwoWayTable& x, const TwoWayTable& weight) {
   double first = 0.0;
   for (int round = 0; round < kSweeps; ++round) {
     const double squares =
-        sweep_once(x[0], weight[0], per_row.data(), per_column.data(), means.data(), x.n_impacts(), x.n_bands());
+        demean_once(x[0], weight[0], per_row.data(), per_column.data(), means.data(), x.n_impacts(), x.n_bands());
     if (round == 0) first = squares;
     if (squares <= kLeft * first) break;
   }

@@ -7,10 +7,10 @@
 namespace bouncelab::detection {
 
 /// Values by impact and band.
-class TwoWayTable {
+class BandTable {
  public:
-  TwoWayTable() = default;
-  TwoWayTable(std::size_t n_impacts, std::size_t n_bands, double value = 0.0)
+  BandTable() = default;
+  BandTable(std::size_t n_impacts, std::size_t n_bands, double value = 0.0)
       : n_bands_(n_bands), values_(n_impacts * n_bands, value) {}
   bool empty() const { return values_.empty(); }
   std::size_t n_impacts() const { return values_.size() / n_bands_; }
@@ -28,10 +28,10 @@ double dot(const double* a, const double* b, std::size_t n);
 void add_scaled(double* to, double factor, const double* x, std::size_t n);
 void multiply(const double* a, const double* b, double* product, std::size_t n);
 
-std::vector<double> sums_of_rows(const TwoWayTable& x);
-std::vector<double> sums_of_columns(const TwoWayTable& x);
+std::vector<double> sums_of_rows(const BandTable& x);
+std::vector<double> sums_of_columns(const BandTable& x);
 
 /// Takes off weighted means of rows and columns until hardly any is left: to 1e-6 of the first.
-void sweep(TwoWayTable& x, const TwoWayTable& weight);
+void demean_two_way(BandTable& x, const BandTable& weight);
 
 }  // namespace bouncelab::detection

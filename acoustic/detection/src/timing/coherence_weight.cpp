@@ -11,8 +11,8 @@ constexpr double kByChance = 0.5;   // of 17 bins of noise: one and a half stand
 
 }  // namespace
 
-std::vector<float> coherent_share(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,
-                                  double weight_b) {
+std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,
+                                    double weight_b) {
   const std::size_t n = a.size();
   std::vector<double> common(n + 1, 0.0), all(n + 1, 0.0);  // running sums
   const double weight = weight_a + weight_b;

@@ -13,6 +13,7 @@ namespace bouncelab::detection {
 /// @param a, b    sums of weighted spectra, over one half of the recordings each
 /// @param weight_a, weight_b  sums of the squared weights; positive
 /// Source: Wiener 1949; Bendat & Piersol, Random Data (2010), 6.1 (coherence).
-std::vector<float> coherent_share(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b, double weight_b);
+std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,
+                                    double weight_b);
 
 }  // namespace bouncelab::detection

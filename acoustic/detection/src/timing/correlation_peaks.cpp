@@ -33,7 +33,8 @@ BOUNCELAB_VECTOR_CLONES float largest(const float* x, std::size_t n) {
 
 }  // namespace
 
-std::vector<WavePlace> find_places(const WaveTemplate& wave, const audio::Spectrum& sound, double from, double to) {
+std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& wave, const audio::Spectrum& sound,
+                                                    double from, double to) {
   // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
   audio::RealFft twice(2 * wave.n_window());
   const std::vector<float> products = twice.inverse(audio::product_conj(wave.wave(), sound));
@@ -60,9 +61,9 @@ std::vector<WavePlace> find_places(const WaveTemplate& wave, const audio::Spectr
   const double scale = 0.5 * static_cast<double>(wave.n_window()) / wave.energy();
   const auto place = [&](const Peak& peak) {
     const double height = std::max(0.0, peak.height);
-    return WavePlace{0.5 * static_cast<double>(peak.at), scale * height * height};
+    return CorrelationPeak{0.5 * static_cast<double>(peak.at), scale * height * height};
   };
-  std::vector<WavePlace> places{place(best)};
+  std::vector<CorrelationPeak> places{place(best)};
   for (const Peak& peak : peaks) places.push_back(place(peak));
   return places;
 }

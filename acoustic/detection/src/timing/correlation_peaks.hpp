@@ -8,13 +8,14 @@
 namespace bouncelab::detection {
 
 /// Where a wave may lie.
-struct WavePlace {
+struct CorrelationPeak {
   double shift = 0.0;
-  double gain = 0.0;  ///< log likelihood ratio against no impact, noise variance 1
+  double log_likelihood_ratio = 0.0;  ///< log likelihood ratio against no impact, noise variance 1
 };
 
 /// Shifts from ... to, in steps of a half, at which the likelihood, maximised over a positive amplitude, has a
 /// local maximum: the best first, then at most seven others in falling order.
-std::vector<WavePlace> find_places(const WaveTemplate& wave, const audio::Spectrum& sound, double from, double to);
+std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& wave, const audio::Spectrum& sound,
+                                                    double from, double to);
 
 }  // namespace bouncelab::detection

@@ -26,9 +26,10 @@ std::optional<double> log_eps(double before_s, double here_s, double after_s) {
   return std::log((after_s - here_s) / (here_s - before_s));
 }
 
-class Chooser {
+class CycleResolver {
  public:
-  explicit Chooser(const std::vector<ImpactPlaces>& impacts) : c_(impacts), centre_(c_.size()), width_(c_.size(), 0.0) {
+  explicit CycleResolver(const std::vector<ImpactHypotheses>& impacts)
+      : c_(impacts), centre_(c_.size()), width_(c_.size(), 0.0) {
     std::vector<std::optional<double>> eps(c_.size());
     for (std::size_t k = 1; k + 1 < c_.size(); ++k)
       if (is_triple(k)) eps[k] = log_eps(time(k - 1, 0), time(k, 0), time(k + 1, 0));
@@ -46,15 +47,15 @@ class Chooser {
     }
   }
 
-  std::vector<PlaceChoice> run() {
-    std::vector<std::size_t> best = most_probable();
-    std::vector<PlaceChoice> choices(c_.size());
+  std::vector<CycleChoice> run() {
+    std::vector<std::size_t> best = viterbi();
+    std::vector<CycleChoice> choices(c_.size());
     for (std::size_t k = 0; k < c_.size(); ++k) {
       choices[k].place = best[k];
       const double here = cost_around(best, k);
       for (std::size_t place = 0; place < n_places(k); ++place) {
         best[k] = place;
-        choices[k].lead.push_back(cost_around(best, k) - here);
+        choices[k].log_odds_margin.push_back(cost_around(best, k) - here);
       }
       best[k] = choices[k].place;
     }
@@ -69,8 +70,8 @@ class Chooser {
   double time(std::size_t k, std::size_t place) const { return c_[k].places[place].t_s; }
   /// What the sound alone has settled is not up for choice.
   double sound_cost(std::size_t k, std::size_t place) const {
-    const double lead = c_[k].places[place].lead;
-    return lead < kSettled ? lead : 1e6;
+    const double log_odds_margin = c_[k].places[place].log_odds_margin;
+    return log_odds_margin < kUnambiguousLogOdds ? log_odds_margin : 1e6;
   }
 
   /// Of the two intervals that meet at impact k.
@@ -90,7 +91,7 @@ class Chooser {
   }
 
   /// Viterbi over pairs (place of k - 1, place of k).
-  std::vector<std::size_t> most_probable() const {
+  std::vector<std::size_t> viterbi() const {
     const std::size_t n = c_.size();
     std::vector<std::vector<std::size_t>> from(n);  // by pair (place of k - 1, place of k): the place of k - 2
     std::vector<double> cost;
@@ -118,18 +119,18 @@ class Chooser {
     return place;
   }
 
-  const std::vector<ImpactPlaces>& c_;
+  const std::vector<ImpactHypotheses>& c_;
   std::vector<double> centre_;
   std::vector<double> width_;  // 0 where nothing is known
 };
 
 }  // namespace
 
-std::vector<PlaceChoice> choose_places(const std::vector<ImpactPlaces>& impacts) {
-  if (impacts.size() >= kLeastImpacts) return Chooser(impacts).run();
-  std::vector<PlaceChoice> as_heard(impacts.size());
+std::vector<CycleChoice> resolve_cycle_slips(const std::vector<ImpactHypotheses>& impacts) {
+  if (impacts.size() >= kLeastImpacts) return CycleResolver(impacts).run();
+  std::vector<CycleChoice> as_heard(impacts.size());
   for (std::size_t k = 0; k < impacts.size(); ++k)
-    for (const Place& place : impacts[k].places) as_heard[k].lead.push_back(place.lead);
+    for (const DelayHypothesis& place : impacts[k].places) as_heard[k].log_odds_margin.push_back(place.log_odds_margin);
   return as_heard;
 }
 

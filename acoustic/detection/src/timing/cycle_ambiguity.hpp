@@ -8,28 +8,29 @@
 namespace bouncelab::detection {
 
 /// Log odds from which the sound alone decides.
-inline constexpr double kSettled = 15.0;
+inline constexpr double kUnambiguousLogOdds = 15.0;
 
 /// A time at which an impact may have been.
-struct Place {
+struct DelayHypothesis {
   double t_s = 0.0;
-  double lead = 0.0;  ///< log odds of the most likely place against this one, as the sound alone has them, >= 0
+  double log_odds_margin =
+      0.0;  ///< log odds of the most likely place against this one, as the sound alone has them, >= 0
 };
 
 /// An impact of a train that may have been at one of several times, cycles of its wave apart.
-struct ImpactPlaces {
+struct ImpactHypotheses {
   std::int64_t impact = 0;
-  std::vector<Place> places;  ///< the most likely first
+  std::vector<DelayHypothesis> places;  ///< the most likely first
 };
 
-struct PlaceChoice {
+struct CycleChoice {
   std::size_t place = 0;
-  std::vector<double> lead;  ///< log odds of the chosen against each place, sound and train together
+  std::vector<double> log_odds_margin;  ///< log odds of the chosen against each place, sound and train together
 };
 
 /// Decides between the places by the smoothness of the train: ln(T_{k+1}/T_k) scatters about the median of its
 /// neighbours like Student's t with four degrees of freedom, whose width the train shows itself. The most probable
 /// sequence, by dynamic programming; the odds of each impact with its neighbours as chosen.
-std::vector<PlaceChoice> choose_places(const std::vector<ImpactPlaces>& impacts);
+std::vector<CycleChoice> resolve_cycle_slips(const std::vector<ImpactHypotheses>& impacts);
 
 }  // namespace bouncelab::detection

@@ -28,7 +28,7 @@ constexpr std::size_t kMostLearned = 32;
 constexpr std::size_t kMostHeard = 12;  // of those whose sound is shown
 constexpr int kRounds = 2;
 constexpr std::size_t kResidualOrder = 32;
-constexpr std::size_t kFewestClocks = 3;
+constexpr std::size_t kMinSubbands = 3;
 constexpr std::size_t kFewestHalved = 4;  // below, halves say nothing
 constexpr double kLeastCorrelation = 0.5;
 constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
@@ -38,12 +38,12 @@ std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
 }
 
 /// One impact to learn from.
-struct Row {
+struct TrainingImpact {
   audio::WhiteWindow window;
   audio::Spectrum spectrum;
   double total = 0.0;     // sum of squares
   double position = 0.0;  // of the wave within the window
-  ClockReading reading;
+  DelayEstimate reading;
   double correlation = 1.0;
 };
 
@@ -59,7 +59,7 @@ double wave_length_s(const std::vector<RoughImpact>& impacts) {
 }
 
 /// Strong impacts that ring alone; where none does, the strong ones.
-std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts, double wave_s) {
+std::vector<std::size_t> choose_training_impacts(const std::vector<RoughImpact>& impacts, double wave_s) {
   std::vector<std::size_t> alone;
   std::vector<std::size_t> all;
   for (std::size_t k = 0; k < impacts.size(); ++k) {
@@ -81,27 +81,27 @@ std::vector<std::size_t> choose_rows(const std::vector<RoughImpact>& impacts, do
   return chosen;
 }
 
-class Learner {
+class TemplateEstimator {
  public:
-  Learner(const audio::AudioSource& sound, const std::vector<RoughImpact>& impacts, ImpactWave& learned)
+  TemplateEstimator(const audio::AudioSource& sound, const std::vector<RoughImpact>& impacts, ImpactTemplate& learned)
       : sound_(sound), impacts_(impacts), learned_(learned) {
     const double wave_s = wave_length_s(impacts);
-    chosen_ = choose_rows(impacts, wave_s);
+    chosen_ = choose_training_impacts(impacts, wave_s);
     n_window_ = std::bit_ceil(static_cast<std::size_t>(samples(kBefore_s + wave_s + 2.0 * kSearch_s, sound)));
-    learned.n_wave = std::min(n_window_, static_cast<std::size_t>(samples(kBefore_s + wave_s, sound)));
+    learned.n_template = std::min(n_window_, static_cast<std::size_t>(samples(kBefore_s + wave_s, sound)));
     fourier_.emplace(n_window_);
   }
 
-  void read_rows() {
-    std::vector<Row> before = std::move(rows_);
-    rows_.clear();
+  void read_training_windows() {
+    std::vector<TrainingImpact> before = std::move(training_);
+    training_.clear();
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      Row row;
+      TrainingImpact row;
       const std::int64_t first =
           before.empty() ? samples(impacts_[chosen_[k]].t_s - kBefore_s, sound_) : before[k].window.first;
       if (!before.empty()) row = std::move(before[k]);
       cut(row, first);
-      rows_.push_back(std::move(row));
+      training_.push_back(std::move(row));
     }
   }
 
@@ -111,15 +111,16 @@ class Learner {
     constexpr std::size_t kMostStarts = 5;
     std::size_t best_start = 0;
     std::ptrdiff_t most_alike = -1;
-    for (std::size_t start = 0; start < std::min(kMostStarts, rows_.size()); ++start) {
-      begin_from(rows_[start]);
+    for (std::size_t start = 0; start < std::min(kMostStarts, training_.size()); ++start) {
+      begin_from(training_[start]);
       align_and_average(kRounds);
-      const std::ptrdiff_t n_alike = std::count_if(rows_.begin(), rows_.end(),
-                                                   [](const Row& row) { return row.correlation >= kLeastCorrelation; });
-      if (2 * n_alike >= std::ssize(rows_)) return;
+      const std::ptrdiff_t n_alike = std::count_if(training_.begin(), training_.end(), [](const TrainingImpact& row) {
+        return row.correlation >= kLeastCorrelation;
+      });
+      if (2 * n_alike >= std::ssize(training_)) return;
       if (n_alike > most_alike) most_alike = n_alike, best_start = start;
     }
-    begin_from(rows_[best_start]);
+    begin_from(training_[best_start]);
     align_and_average(kRounds);
   }
 
@@ -133,7 +134,7 @@ class Learner {
   /// are struck differently each time where the recording is cleaner than the wave is constant.
   void whiten_residuals() {
     std::vector<double> r(kResidualOrder + 1, 0.0);
-    for (const Row& row : rows_) {
+    for (const TrainingImpact& row : training_) {
       const std::vector<float> placed =
           fourier_->inverse(audio::phase_shifted(learned_.wave.wave(), -learned_.wave.omega() * row.position));
       std::vector<float> x = row.window.sound;
@@ -149,25 +150,25 @@ class Learner {
     learned_.whitener = std::move(both);
   }
 
-  void learn_clocks() {
-    learned_.clocks = equal_clocks(learned_.wave);
+  void estimate_subbands() {
+    learned_.subbands = split_into_subbands(learned_.wave);
     std::vector<std::int64_t> begins;
-    for (const Row& row : rows_) begins.push_back(row.window.first);
-    const double quiet = learn_noise(sound_, learned_.whitener, begins, learned_.wave, learned_.clocks);
+    for (const TrainingImpact& row : training_) begins.push_back(row.window.first);
+    const double quiet = estimate_noise(sound_, learned_.whitener, begins, learned_.wave, learned_.subbands);
     for (int round = 0; round < 2; ++round) {
       align(false);
-      std::vector<ClockReading> readings;
-      for (const Row& row : rows_)
+      std::vector<DelayEstimate> readings;
+      for (const TrainingImpact& row : training_)
         if (row.correlation >= kLeastCorrelation) readings.push_back(row.reading);
-      learn_jitter(readings, learned_.wave, learned_.clocks);
-      if (learned_.clocks.n() < kFewestClocks) doubt_few_clocks(quiet);
+      estimate_jitter(readings, learned_.wave, learned_.subbands);
+      if (learned_.subbands.n() < kMinSubbands) add_unexplained_jitter(quiet);
       average();
     }
   }
 
   void describe() {
     std::vector<double> correlations;
-    for (const Row& row : rows_) {
+    for (const TrainingImpact& row : training_) {
       correlations.push_back(row.correlation);
       if (row.correlation >= kLeastCorrelation) ++learned_.n_impacts;
     }
@@ -175,11 +176,11 @@ class Learner {
     std::nth_element(correlations.begin(), middle, correlations.end());
     learned_.correlation = *middle;
     learned_.contact_index = begin_of_wave();
-    for (const Row& row : rows_) {
+    for (const TrainingImpact& row : training_) {
       if (row.correlation < kLeastCorrelation) continue;
       const double begin = static_cast<double>(row.window.first) + row.position + learned_.contact_index;
-      learned_.learned_t_s.push_back(begin / sound_.rate_hz);
-      learned_.learned_weight += row.reading.amplitude * row.reading.amplitude;
+      learned_.training_t_s.push_back(begin / sound_.rate_hz);
+      learned_.training_weight += row.reading.amplitude * row.reading.amplitude;
     }
   }
 
@@ -189,7 +190,7 @@ class Learner {
     std::vector<double> squares(n_window_, 0.0);
     std::vector<float> x(n_window_);
     double n = 0.0;
-    for (const Row& row : rows_) {
+    for (const TrainingImpact& row : training_) {
       if (row.correlation < kLeastCorrelation || n >= kMostHeard) continue;
       audio::read_padded(sound_, row.window.first, x);
       const audio::Spectrum moved = audio::phase_shifted(fourier_->forward(x), learned_.wave.omega() * row.position);
@@ -201,36 +202,37 @@ class Learner {
       }
       n += 1.0;
     }
-    learned_.heard.resize(learned_.n_wave);
-    learned_.spread.resize(learned_.n_wave);
-    for (std::size_t k = 0; k < learned_.n_wave; ++k) {
-      learned_.heard[k] = sum[k] / n;
-      learned_.spread[k] = std::sqrt(std::max(0.0, squares[k] / n - learned_.heard[k] * learned_.heard[k]));
-      learned_.peak = std::max(learned_.peak, std::abs(learned_.heard[k]));
+    learned_.waveform.resize(learned_.n_template);
+    learned_.spread.resize(learned_.n_template);
+    for (std::size_t k = 0; k < learned_.n_template; ++k) {
+      learned_.waveform[k] = sum[k] / n;
+      learned_.spread[k] = std::sqrt(std::max(0.0, squares[k] / n - learned_.waveform[k] * learned_.waveform[k]));
+      learned_.peak = std::max(learned_.peak, std::abs(learned_.waveform[k]));
     }
   }
 
  private:
-  /// One or two clocks cannot disagree: what of the impacts neither the wave nor noise explains is taken for phases
-  /// that differ, half of it, in each clock.
+  /// One or two subbands cannot disagree: what of the impacts neither the wave nor noise explains is taken for phases
+  /// that differ, half of it, in each subband.
   /// @param quiet  sum of squares of a window without impact
-  void doubt_few_clocks(double quiet) {
+  void add_unexplained_jitter(double quiet) {
     std::vector<double> unexplained;  // over what the wave explains
-    for (const Row& row : rows_)
+    for (const TrainingImpact& row : training_)
       if (row.correlation >= kLeastCorrelation)
-        unexplained.push_back(std::max(0.0, row.total - 2.0 * row.reading.gain - quiet) / (2.0 * row.reading.gain));
+        unexplained.push_back(std::max(0.0, row.total - 2.0 * row.reading.log_likelihood_ratio - quiet) /
+                              (2.0 * row.reading.log_likelihood_ratio));
     if (unexplained.empty()) return;
     const auto middle = unexplained.begin() + static_cast<std::ptrdiff_t>(unexplained.size() / 2);
     std::nth_element(unexplained.begin(), middle, unexplained.end());
     const double phase2 = 0.5 * *middle;
-    BandClocks& clocks = learned_.clocks;
-    for (std::size_t j = 0; j < clocks.n(); ++j)
-      clocks.jitter2[j] =
-          std::max(clocks.jitter2[j], phase2 * learned_.wave.energy(clocks.edge[j], clocks.edge[j + 1]) /
-                                          (learned_.wave.information(clocks.edge[j], clocks.edge[j + 1]) + 1e-30));
+    Subbands& subbands = learned_.subbands;
+    for (std::size_t j = 0; j < subbands.n(); ++j)
+      subbands.jitter2[j] = std::max(subbands.jitter2[j],
+                                     phase2 * learned_.wave.energy(subbands.edge[j], subbands.edge[j + 1]) /
+                                         (learned_.wave.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
   }
 
-  void cut(Row& row, std::int64_t first) {
+  void cut(TrainingImpact& row, std::int64_t first) {
     row.window = audio::read_white(sound_, learned_.whitener, first, n_window_);
     row.spectrum = fourier_->forward(row.window.sound);
     row.total = audio::dot(row.window.sound, row.window.sound);
@@ -244,9 +246,9 @@ class Learner {
     }
   }
 
-  void begin_from(const Row& row) {
+  void begin_from(const TrainingImpact& row) {
     const double omega = 2.0 * kPi / static_cast<double>(n_window_);
-    learned_.clocks = {};
+    learned_.subbands = {};
     hold(faded(audio::phase_shifted(row.spectrum, omega * row.position), 1.0));
   }
 
@@ -257,7 +259,7 @@ class Learner {
     double weights[2] = {0.0, 0.0};
     std::size_t n_rows = 0;
     const double omega = 2.0 * kPi / static_cast<double>(n_window_);
-    for (const Row& row : rows_) {
+    for (const TrainingImpact& row : training_) {
       if (row.correlation < kLeastCorrelation) continue;
       const double a = row.reading.amplitude;
       const std::size_t half = n_rows++ % 2;
@@ -268,7 +270,7 @@ class Learner {
     audio::add_scaled(sum, sums[1], 1.0);
     audio::Spectrum wave = faded(sum, weights[0] + weights[1]);
     if (n_rows >= kFewestHalved) {
-      const std::vector<float> share = coherent_share(sums[0], weights[0], sums[1], weights[1]);
+      const std::vector<float> share = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
       for (std::size_t k = 0; k < wave.size(); ++k) wave.re[k] *= share[k], wave.im[k] *= share[k];
     }
     hold(std::move(wave));
@@ -281,10 +283,11 @@ class Learner {
     const auto fade = static_cast<std::size_t>(samples(kFade_s, sound_));
     const auto rise = static_cast<std::size_t>(samples(0.25 * kBefore_s, sound_)) + 1;
     for (std::size_t n = 0; n < n_window_; ++n) {
-      double w = n < learned_.n_wave ? scale : 0.0;
+      double w = n < learned_.n_template ? scale : 0.0;
       if (n < rise) w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(rise)), 2);
-      if (n < learned_.n_wave && n + fade > learned_.n_wave)
-        w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(learned_.n_wave - n) / static_cast<double>(fade)), 2);
+      if (n < learned_.n_template && n + fade > learned_.n_template)
+        w *=
+            std::pow(std::sin(0.5 * kPi * static_cast<double>(learned_.n_template - n) / static_cast<double>(fade)), 2);
       mean[n] *= static_cast<float>(w);
     }
     mean_ = mean;
@@ -292,20 +295,20 @@ class Learner {
   }
 
   void hold(audio::Spectrum wave) {
-    learned_.wave = WaveTemplate(std::move(wave), n_window_);
-    if (learned_.clocks.n() == 0) learned_.clocks = equal_clocks(learned_.wave);
+    learned_.wave = MatchedFilter(std::move(wave), n_window_);
+    if (learned_.subbands.n() == 0) learned_.subbands = split_into_subbands(learned_.wave);
   }
 
   void align(bool search) {
-    for (Row& row : rows_) {
+    for (TrainingImpact& row : training_) {
       const double reach = kSearch_s * sound_.rate_hz;
-      if (search) row.position = find_places(learned_.wave, row.spectrum, -reach, reach).front().shift;
+      if (search) row.position = find_correlation_peaks(learned_.wave, row.spectrum, -reach, reach).front().shift;
       if (std::abs(row.position) > kFarOff) {
         const std::int64_t moved = std::llround(row.position);
         cut(row, row.window.first + moved);
         row.position -= static_cast<double>(moved);
       }
-      row.reading = read_clocks(learned_.wave, learned_.clocks, row.spectrum, row.position);
+      row.reading = estimate_delay(learned_.wave, learned_.subbands, row.spectrum, row.position);
       row.position = row.reading.shift;
       row.reading.amplitude = std::max(row.reading.amplitude, 1e-6);
       row.correlation = correlation(row.reading, row.total);
@@ -323,11 +326,11 @@ class Learner {
 
   const audio::AudioSource& sound_;
   const std::vector<RoughImpact>& impacts_;
-  ImpactWave& learned_;
+  ImpactTemplate& learned_;
   std::vector<std::size_t> chosen_;
   std::size_t n_window_ = 0;
   std::optional<audio::RealFft> fourier_;
-  std::vector<Row> rows_;
+  std::vector<TrainingImpact> training_;
   std::vector<float> mean_;
 };
 
@@ -340,26 +343,26 @@ std::vector<float> white(const audio::ArModel& noise) {
 
 }  // namespace
 
-std::optional<ImpactWave> learn_impact_wave(const audio::AudioSource& sound, const audio::ArModel& noise,
-                                            const std::vector<RoughImpact>& impacts) {
+std::optional<ImpactTemplate> estimate_template(const audio::AudioSource& sound, const audio::ArModel& noise,
+                                                const std::vector<RoughImpact>& impacts) {
   if (impacts.size() < 3 || !(noise.quiet_variance > 0.0)) return std::nullopt;
-  ImpactWave learned;
+  ImpactTemplate learned;
   learned.whitener = white(noise);
-  Learner learner(sound, impacts, learned);
-  learner.read_rows();
+  TemplateEstimator learner(sound, impacts, learned);
+  learner.read_training_windows();
   learner.find_wave();
   learner.whiten_residuals();
-  learner.read_rows();
+  learner.read_training_windows();
   learner.refine_wave();
-  learner.learn_clocks();
+  learner.estimate_subbands();
   learner.describe();
   if (learned.n_impacts < 3) return std::nullopt;
   learner.describe_as_heard();
   return learned;
 }
 
-double correlation(const ClockReading& reading, double total) {
-  return std::sqrt(std::min(1.0, 2.0 * reading.gain / (total + 1e-30)));
+double correlation(const DelayEstimate& reading, double total) {
+  return std::sqrt(std::min(1.0, 2.0 * reading.log_likelihood_ratio / (total + 1e-30)));
 }
 
 }  // namespace bouncelab::detection

@@ -25,10 +25,10 @@ std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
 
 /// Variance of what the noise adds to the product with the wave, per unit of the wave's energy: 1 were the whitener
 /// perfect, more where it also makes white what the wave leaves unexplained.
-double noise_in_product(const ImpactWave& w) {
+double noise_in_product(const ImpactTemplate& w) {
   double sum = 0.0;
-  for (std::size_t j = 0; j < w.clocks.n(); ++j)
-    sum += w.clocks.noise[j] * w.wave.energy(w.clocks.edge[j], w.clocks.edge[j + 1]);
+  for (std::size_t j = 0; j < w.subbands.n(); ++j)
+    sum += w.subbands.noise[j] * w.wave.energy(w.subbands.edge[j], w.subbands.edge[j + 1]);
   return sum / (w.wave.energy() + 1e-30);
 }
 
@@ -37,19 +37,20 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 }
 
 /// Log odds of the best place against another.
-double lead(const WavePlace& best, const WavePlace& other, double misfit) {
-  return 0.5 * (best.gain - other.gain) / std::max(1.0, misfit);  // the misfit is not quite white, hence half
+double log_odds_margin(const CorrelationPeak& best, const CorrelationPeak& other, double residual_variance) {
+  return 0.5 * (best.log_likelihood_ratio - other.log_likelihood_ratio) /
+         std::max(1.0, residual_variance);  // the misfit is not quite white, hence half
 }
 
 }  // namespace
 
-ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactWave& wave)
+ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& wave)
     : sound_(sound), wave_(wave), fourier_(wave.wave.n_window()), noise_(noise_in_product(wave)) {}
 
 ImpactTimer::Mask ImpactTimer::beginning(std::size_t n_fit) const {
   const std::size_t n = wave_.wave.n_window();
   Mask mask;
-  if (n_fit < wave_.n_wave) {
+  if (n_fit < wave_.n_template) {
     mask.assign(n, 1.0F);
     const std::size_t n_fade = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
     for (std::size_t k = 0; k < n_fade; ++k)
@@ -62,15 +63,15 @@ ImpactTimer::Mask ImpactTimer::beginning(std::size_t n_fit) const {
 
 bool ImpactTimer::is_clipped(std::int64_t first) const {
   if (std::isinf(wave_.clip_level)) return false;
-  std::vector<float> raw(wave_.n_wave);
+  std::vector<float> raw(wave_.n_template);
   audio::read_padded(sound_, first, raw);
   return std::any_of(raw.begin(), raw.end(), [&](float x) { return std::abs(x) >= wave_.clip_level; });
 }
 
-WaveTemplate ImpactTimer::clipped_wave(double amplitude, double shift, const Mask& mask) {
+MatchedFilter ImpactTimer::clipped_wave(double amplitude, double shift, const Mask& mask) {
   const std::size_t n = wave_.wave.n_window();
   const std::size_t reach = wave_.whitener.size() - 1;  // so far a sample is heard of in whitened sound
-  const audio::Spectrum heard = fourier_.forward(std::vector<float>(wave_.heard.begin(), wave_.heard.end()));
+  const audio::Spectrum heard = fourier_.forward(std::vector<float>(wave_.waveform.begin(), wave_.waveform.end()));
   const std::vector<float> placed = fourier_.inverse(audio::phase_shifted(heard, -wave_.wave.omega() * shift));
   std::vector<float> raw(n + reach, 0.0F);
   const float level = wave_.clip_level;
@@ -78,21 +79,21 @@ WaveTemplate ImpactTimer::clipped_wave(double amplitude, double shift, const Mas
     raw[k + reach] = std::clamp(static_cast<float>(amplitude) * placed[k], -level, level);
   const audio::AudioSource sound = audio::source_in_memory(raw, sound_.rate_hz);
   std::vector<float> white = audio::read_white(sound, wave_.whitener, static_cast<std::int64_t>(reach), n).sound;
-  std::fill(white.begin() + static_cast<std::ptrdiff_t>(wave_.n_wave), white.end(), 0.0F);
+  std::fill(white.begin() + static_cast<std::ptrdiff_t>(wave_.n_template), white.end(), 0.0F);
   multiply(white, mask);
   return {fourier_.forward(white), n};
 }
 
-ClockReading ImpactTimer::read_clipped(const audio::Spectrum& y, double total, double shift, const Mask& mask) {
-  const ClockReading as_whole = read_clocks(wave_.wave, wave_.clocks, y, shift);
-  ClockReading best = as_whole;
+DelayEstimate ImpactTimer::read_clipped(const audio::Spectrum& y, double total, double shift, const Mask& mask) {
+  const DelayEstimate as_whole = estimate_delay(wave_.wave, wave_.subbands, y, shift);
+  DelayEstimate best = as_whole;
   double least = INFINITY;
   const auto scan = [&](double centre, double step, int from, int to) {
     const double start = best.shift;
     for (int k = from; k <= to; ++k) {
       const double amplitude = centre * std::pow(step, k);
-      ClockReading r = read_clocks(clipped_wave(amplitude, start, mask), wave_.clocks, y, 0.0);
-      const double rest = total - 2.0 * r.gain;
+      DelayEstimate r = estimate_delay(clipped_wave(amplitude, start, mask), wave_.subbands, y, 0.0);
+      const double rest = total - 2.0 * r.log_likelihood_ratio;
       if (!(r.amplitude > 0.0) || rest >= least) continue;
       least = rest;
       best = r;
@@ -108,8 +109,8 @@ ClockReading ImpactTimer::read_clipped(const audio::Spectrum& y, double total, d
 std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
   const std::size_t n = wave_.wave.n_window();
   std::vector<float> x = audio::read_white(sound_, wave_.whitener, first, n).sound;
-  for (std::size_t j = heard_.size(); j-- > 0;) {
-    Ringing& ringing = heard_[j];
+  for (std::size_t j = timed_.size(); j-- > 0;) {
+    Ringing& ringing = timed_[j];
     const std::int64_t offset = first - ringing.first;  // of this window in that one
     if (offset >= static_cast<std::int64_t>(n)) break;
     if (ringing.wave.empty()) {
@@ -126,19 +127,19 @@ std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
   return x;
 }
 
-WaveTemplate ImpactTimer::masked_wave(double shift, const Mask& mask) {
+MatchedFilter ImpactTimer::masked_wave(double shift, const Mask& mask) {
   const audio::Spectrum& whole = wave_.wave.wave();
   std::vector<float> placed = fourier_.inverse(audio::phase_shifted(whole, -wave_.wave.omega() * shift));
   multiply(placed, mask);
   return {fourier_.forward(placed), wave_.wave.n_window()};
 }
 
-ImpactTimer::Cut ImpactTimer::cut(std::int64_t first, std::int64_t end) {
+ImpactTimer::FitWindow ImpactTimer::cut(std::int64_t first, std::int64_t end) {
   const auto contact = static_cast<std::int64_t>(wave_.contact_index);
-  Cut c;
+  FitWindow c;
   c.first = first;
   c.n_fit = static_cast<std::size_t>(
-      std::clamp<std::int64_t>(end - first, contact + 8, static_cast<std::int64_t>(wave_.n_wave)));
+      std::clamp<std::int64_t>(end - first, contact + 8, static_cast<std::int64_t>(wave_.n_template)));
   c.mask = beginning(c.n_fit);
   c.sound = read(first, c.mask);
   c.total = audio::dot(c.sound, c.sound);
@@ -146,23 +147,23 @@ ImpactTimer::Cut ImpactTimer::cut(std::int64_t first, std::int64_t end) {
   return c;
 }
 
-std::vector<WavePlace> ImpactTimer::places_in(const Cut& c, double from, double to) {
-  if (c.mask.empty()) return find_places(wave_.wave, c.spectrum, from, to);
-  return find_places(masked_wave(0.0, c.mask), c.spectrum, from, to);
+std::vector<CorrelationPeak> ImpactTimer::peaks_in(const FitWindow& c, double from, double to) {
+  if (c.mask.empty()) return find_correlation_peaks(wave_.wave, c.spectrum, from, to);
+  return find_correlation_peaks(masked_wave(0.0, c.mask), c.spectrum, from, to);
 }
 
-double ImpactTimer::misfit(const Cut& c, double gain) const {
-  const std::size_t n = c.n_fit < wave_.n_wave ? c.n_fit : c.sound.size();
-  return std::max(0.0, c.total - 2.0 * gain) / static_cast<double>(n);
+double ImpactTimer::residual_variance(const FitWindow& c, double log_likelihood_ratio) const {
+  const std::size_t n = c.n_fit < wave_.n_template ? c.n_fit : c.sound.size();
+  return std::max(0.0, c.total - 2.0 * log_likelihood_ratio) / static_cast<double>(n);
 }
 
-ClockReading ImpactTimer::read_cut(const Cut& c) {
+DelayEstimate ImpactTimer::read_cut(const FitWindow& c) {
   double shift = c.places.front().shift;
   if (is_clipped(c.first)) return read_clipped(c.spectrum, c.total, shift, c.mask);
-  if (c.mask.empty()) return read_clocks(wave_.wave, wave_.clocks, c.spectrum, shift);
-  ClockReading r;
+  if (c.mask.empty()) return estimate_delay(wave_.wave, wave_.subbands, c.spectrum, shift);
+  DelayEstimate r;
   for (int step = 0; step < 2; ++step) {
-    r = read_clocks(masked_wave(shift, c.mask), wave_.clocks, c.spectrum, 0.0);
+    r = estimate_delay(masked_wave(shift, c.mask), wave_.subbands, c.spectrum, 0.0);
     r.shift = shift += r.shift;
   }
   return r;
@@ -172,15 +173,15 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(wave_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  Cut c = cut(start, end);
-  c.places = places_in(c, -reach, reach);
+  FitWindow c = cut(start, end);
+  c.places = peaks_in(c, -reach, reach);
   for (int again = 0; again < kMostCuts && std::abs(c.places.front().shift) > kFarOff; ++again) {
     // the window's edge has cut what is far off: it may lie elsewhere, and other places may have seemed as likely
     c = cut(c.first + std::llround(c.places.front().shift), end);
     const auto moved = static_cast<double>(c.first - start);
-    c.places = places_in(c, -reach - moved, reach - moved);
+    c.places = peaks_in(c, -reach - moved, reach - moved);
   }
-  const ClockReading r = read_cut(c);
+  const DelayEstimate r = read_cut(c);
   TimedImpact t;
   const auto time_of = [&](double shift) {
     return (static_cast<double>(c.first) + shift + wave_.contact_index) / sound_.rate_hz;
@@ -188,19 +189,19 @@ TimedImpact ImpactTimer::time(double t_s, double reach_s, double until_s) {
   t.t_s = time_of(r.shift);
   t.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
   t.amplitude = r.amplitude;
-  t.gain = r.gain;
-  t.misfit = misfit(c, r.gain);
-  t.noise = std::max(1.0, std::min(noise_, t.misfit));  // learned where louder impacts still rang
+  t.log_likelihood_ratio = r.log_likelihood_ratio;
+  t.residual_variance = residual_variance(c, r.log_likelihood_ratio);
+  t.noise = std::max(1.0, std::min(noise_, t.residual_variance));  // learned where louder impacts still rang
   t.correlation = correlation(r, c.total);
   for (std::size_t k = 1; k < c.places.size(); ++k)
-    if (const double odds = lead(c.places[0], c.places[k], t.misfit); odds < kSettled)
+    if (const double odds = log_odds_margin(c.places[0], c.places[k], t.residual_variance); odds < kUnambiguousLogOdds)
       t.others.push_back({time_of(c.places[k].shift), odds});
   return t;
 }
 
-void ImpactTimer::remember(const TimedImpact& impact) {
+void ImpactTimer::subtract_from_later(const TimedImpact& impact) {
   if (impact.amplitude > 0.0)
-    heard_.push_back({impact, samples(impact.t_s, sound_) - static_cast<std::int64_t>(wave_.contact_index), {}});
+    timed_.push_back({impact, samples(impact.t_s, sound_) - static_cast<std::int64_t>(wave_.contact_index), {}});
 }
 
 }  // namespace bouncelab::detection

@@ -16,14 +16,14 @@ constexpr int kMostRounds = 8;
 constexpr double kArrived = 0.2;     // standard errors
 constexpr double kLeastPulse = 0.1;  // of P; near its first zero nothing is known of the ratio of two pulses
 
-class Parter {
+class JointEstimator {
  public:
-  Parter(const audio::AudioSource& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law, double u_0,
-         const std::vector<double>& u, std::vector<TrainOnset>& onsets)
+  JointEstimator(const audio::AudioSource& sound, const ImpactTemplate& wave, const std::optional<ContactLaw>& law,
+                 double reference_scaling, const std::vector<double>& u, std::vector<TimedTrackImpact>& onsets)
       : sound_(sound),
         wave_(wave),
         tau_1_s_(law ? law->hertz_tau_1_s : 0.0),
-        u_0_(u_0),
+        u_0_(reference_scaling),
         u_(u),
         onsets_(onsets),
         n_(static_cast<std::int64_t>(wave.wave.n_window())),
@@ -107,9 +107,10 @@ class Parter {
     const auto first = static_cast<std::int64_t>(std::floor(begin(k)));
     if (is_clipped(first)) return 0.0;
     std::vector<float> x = alone(k, first);
-    std::fill(x.begin() + static_cast<std::ptrdiff_t>(wave_.n_wave), x.end(), 0.0F);
-    const WaveTemplate own(wave_at(u_[k]), static_cast<std::size_t>(n_));
-    const ClockReading r = read_clocks(own, wave_.clocks, fourier_.forward(x), begin(k) - static_cast<double>(first));
+    std::fill(x.begin() + static_cast<std::ptrdiff_t>(wave_.n_template), x.end(), 0.0F);
+    const MatchedFilter own(wave_at(u_[k]), static_cast<std::size_t>(n_));
+    const DelayEstimate r =
+        estimate_delay(own, wave_.subbands, fourier_.forward(x), begin(k) - static_cast<double>(first));
     if (!(r.amplitude > 0.0)) return 0.0;
     TimedImpact& t = onsets_[k].timed;
     const double total = audio::dot(x, x);
@@ -117,19 +118,19 @@ class Parter {
     t.t_s = (static_cast<double>(first) + r.shift + wave_.contact_index) / sound_.rate_hz;
     t.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
     t.amplitude = r.amplitude;
-    t.gain = r.gain;
-    t.misfit = std::max(0.0, total - 2.0 * r.gain) / static_cast<double>(wave_.n_wave);
+    t.log_likelihood_ratio = r.log_likelihood_ratio;
+    t.residual_variance = std::max(0.0, total - 2.0 * r.log_likelihood_ratio) / static_cast<double>(wave_.n_template);
     t.correlation = correlation(r, total);
     placed_[k].sound = {};
     return std::abs(t.t_s - before_s) / t.sigma_s;
   }
 
   const audio::AudioSource& sound_;
-  const ImpactWave& wave_;
+  const ImpactTemplate& wave_;
   double tau_1_s_;
   double u_0_;
   const std::vector<double>& u_;
-  std::vector<TrainOnset>& onsets_;
+  std::vector<TimedTrackImpact>& onsets_;
   std::int64_t n_;
   audio::RealFft fourier_;
   std::vector<Placed> placed_;
@@ -137,10 +138,11 @@ class Parter {
 
 }  // namespace
 
-void part_overlapping(const audio::AudioSource& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law,
-                      const std::vector<double>& u, double u_0, std::vector<TrainOnset>& onsets) {
-  const bool is_needed = std::any_of(onsets.begin(), onsets.end(), [](const TrainOnset& o) { return o.overlap; });
-  if (is_needed) Parter(sound, wave, law, u_0, u, onsets).run();
+void separate_overlaps(const audio::AudioSource& sound, const ImpactTemplate& wave,
+                       const std::optional<ContactLaw>& law, const std::vector<double>& u, double reference_scaling,
+                       std::vector<TimedTrackImpact>& onsets) {
+  const bool is_needed = std::any_of(onsets.begin(), onsets.end(), [](const TimedTrackImpact& o) { return o.overlap; });
+  if (is_needed) JointEstimator(sound, wave, law, reference_scaling, u, onsets).run();
 }
 
 }  // namespace bouncelab::detection

@@ -13,10 +13,12 @@ namespace bouncelab::detection {
 
 /// Times anew the impacts whose sounds reach into each other, each by all of its sound once that of its neighbours,
 /// earlier and later, is taken away, until nothing moves any more. Slow impacts last longer and sound duller than those
-/// that the wave was learned from: each is given the wave times P(f tau_1 u) / P(f tau_1 u_0), with Hertz's pulse.
+/// that the wave was learned from: each is given the wave times P(f tau_1 u) / P(f tau_1 reference_scaling), with
+/// Hertz's pulse.
 /// @param u    v^(-1/5) of each onset; 0 = not known
-/// @param u_0  of the learned wave
-void part_overlapping(const audio::AudioSource& sound, const ImpactWave& wave, const std::optional<ContactLaw>& law,
-                      const std::vector<double>& u, double u_0, std::vector<TrainOnset>& onsets);
+/// @param reference_scaling  of the learned wave
+void separate_overlaps(const audio::AudioSource& sound, const ImpactTemplate& wave,
+                       const std::optional<ContactLaw>& law, const std::vector<double>& u, double reference_scaling,
+                       std::vector<TimedTrackImpact>& onsets);
 
 }  // namespace bouncelab::detection

@@ -22,7 +22,7 @@ struct TimedDrop {
   Onsets onsets;
   std::vector<double> v_mps;  // from the flight before each onset (of the first: after it, over eps); 0 = not known
   std::optional<ContactEvidence> contact;
-  double reference_u = 0.0;  // v^(-1/5) of its strongest impacts
+  double reference_scaling = 0.0;  // v^(-1/5) of its strongest impacts
 };
 
 /// Where the converter reached its limit within 5 ms of t_s: three successive samples of the same value, the largest
@@ -43,31 +43,31 @@ float clip_level(const audio::AudioSource& sound, double t_s) {
 
 /// Least level at which impacts of the train are clipped. In the low band nothing is left of where the converter
 /// stopped.
-float clip_level(const HeardRecording& heard, const std::vector<RoughImpact>& impacts) {
+float clip_level(const TimingInput& heard, const std::vector<RoughImpact>& impacts) {
   float level = INFINITY;
   if (heard.band.rate_hz != heard.whole.rate_hz) return level;
   for (const RoughImpact& impact : impacts) level = std::min(level, clip_level(heard.whole, impact.t_s));
   return 0.999F * level;
 }
 
-void add_rough(const HeardRecording& heard, const Train& train, std::vector<RoughImpact>& rough) {
+void add_rough(const TimingInput& heard, const Train& train, std::vector<RoughImpact>& rough) {
   for (const TrainImpact& impact : train.impacts) {
     const Candidate& c = heard.candidates[impact.candidate];
     rough.push_back({c.t_s, c.amplitude, c.reach_s, !std::isinf(clip_level(heard.whole, c.t_s))});
   }
 }
 
-std::optional<ImpactWave> learn(const audio::AudioSource& band, const HeardRecording& heard,
-                                const std::vector<RoughImpact>& rough) {
-  std::optional<ImpactWave> wave = learn_impact_wave(band, heard.noise, rough);
+std::optional<ImpactTemplate> learn(const audio::AudioSource& band, const TimingInput& heard,
+                                    const std::vector<RoughImpact>& rough) {
+  std::optional<ImpactTemplate> wave = estimate_template(band, heard.noise, rough);
   // a wave learned from clipped impacts is clipped alike: then what is beyond the limit fits, and left out it would not
   const auto n_whole = std::count_if(rough.begin(), rough.end(), [](const RoughImpact& r) { return !r.clipped; });
   if (wave && n_whole >= kFewestWhole) wave->clip_level = clip_level(heard, rough);
   return wave;
 }
 
-std::optional<ImpactWave> wave_of_train(const audio::AudioSource& band, const HeardRecording& heard,
-                                        const Train& train) {
+std::optional<ImpactTemplate> wave_of_train(const audio::AudioSource& band, const TimingInput& heard,
+                                            const Train& train) {
   std::vector<RoughImpact> rough;
   add_rough(heard, train, rough);
   return learn(band, heard, rough);
@@ -96,18 +96,18 @@ audio::AudioSource held(const audio::AudioSource& sound, double begin_s, double 
           room, first};
 }
 
-std::optional<ImpactWave> wave_of_recording(const HeardRecording& heard) {
+std::optional<ImpactTemplate> wave_of_recording(const TimingInput& heard) {
   std::vector<RoughImpact> rough;
   for (const Train& train : heard.trains) add_rough(heard, train, rough);
   return learn(heard.band, heard, rough);
 }
 
 /// Times as the rise of the sound has them, where no wave could be learned.
-std::vector<TrainOnset> rough_onsets(const HeardRecording& heard, const Train& train) {
-  std::vector<TrainOnset> onsets;
+std::vector<TimedTrackImpact> rough_onsets(const TimingInput& heard, const Train& train) {
+  std::vector<TimedTrackImpact> onsets;
   for (const TrainImpact& impact : train.impacts) {
     const Candidate& c = heard.candidates[impact.candidate];
-    TrainOnset onset;
+    TimedTrackImpact onset;
     onset.impact = impact.impact;
     onset.timed.t_s = c.t_s;
     onset.timed.sigma_s = 0.25 * c.reach_s;
@@ -116,7 +116,7 @@ std::vector<TrainOnset> rough_onsets(const HeardRecording& heard, const Train& t
   return onsets;
 }
 
-Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const ImpactWave* wave) {
+Onset to_onset(const TimedTrackImpact& from, const TimingInput& heard, const ImpactTemplate* wave) {
   Onset onset;
   onset.impact = from.impact;
   onset.t_s = from.timed.t_s;
@@ -132,11 +132,11 @@ Onset to_onset(const TrainOnset& from, const HeardRecording& heard, const Impact
   return onset;
 }
 
-bool is_clear(const TrainOnset& onset, const HeardRecording& heard) {
+bool is_clear(const TimedTrackImpact& onset, const TimingInput& heard) {
   return !onset.overlap && !onset.inferred && !onset.doubtful && std::isinf(clip_level(heard.whole, onset.timed.t_s));
 }
 
-std::vector<double> speeds_of(const std::vector<TrainOnset>& onsets) {
+std::vector<double> speeds_of(const std::vector<TimedTrackImpact>& onsets) {
   std::vector<double> v_mps(onsets.size(), 0.0);
   const auto flight_s = [&](std::size_t k) {  // between onset k - 1 and k; 0 where one between them was not heard
     return onsets[k].impact == onsets[k - 1].impact + 1 ? onsets[k].timed.t_s - onsets[k - 1].timed.t_s : 0.0;
@@ -153,7 +153,7 @@ std::vector<double> speeds_of(const std::vector<TrainOnset>& onsets) {
 }
 
 /// v^(-1/5) of the impacts that the wave is mostly learned from.
-double reference_u(const std::vector<SpeedAndTime>& impacts) {
+double reference_scaling(const std::vector<SpeedAndTime>& impacts) {
   double sum = 0.0;
   double weight = 1e-300;
   for (const SpeedAndTime& impact : impacts) {
@@ -163,11 +163,11 @@ double reference_u(const std::vector<SpeedAndTime>& impacts) {
   return sum / weight;
 }
 
-TimedDrop time_drop(const audio::AudioSource& band, const HeardRecording& heard, const Train& train,
-                    const ImpactWave* wave, double end_s) {
+TimedDrop time_drop(const audio::AudioSource& band, const TimingInput& heard, const Train& train,
+                    const ImpactTemplate* wave, double end_s) {
   TimedDrop drop;
-  std::vector<TrainOnset> onsets =
-      wave != nullptr ? time_train(band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
+  std::vector<TimedTrackImpact> onsets =
+      wave != nullptr ? time_track(band, *wave, train, heard.candidates, end_s) : rough_onsets(heard, train);
   drop.v_mps = speeds_of(onsets);
   if (wave != nullptr) {
     std::vector<SpeedAndTime> all;
@@ -178,25 +178,25 @@ TimedDrop time_drop(const audio::AudioSource& band, const HeardRecording& heard,
       if (is_clear(onsets[k], heard)) clear.push_back(all.back());
     }
     drop.contact = fit_contact(read_levels(band, *wave, clear));
-    drop.reference_u = reference_u(clear.empty() ? all : clear);
+    drop.reference_scaling = reference_scaling(clear.empty() ? all : clear);
     std::vector<double> u;
     for (const double v_mps : drop.v_mps) u.push_back(v_mps > 0.0 ? std::pow(v_mps, -0.2) : 0.0);
     const std::optional<ContactLaw> law = drop.contact ? pool_contacts({*drop.contact}) : std::nullopt;
-    part_overlapping(band, *wave, law, u, drop.reference_u, onsets);
+    separate_overlaps(band, *wave, law, u, drop.reference_scaling, onsets);
   }
-  for (const TrainOnset& onset : onsets) drop.onsets.push_back(to_onset(onset, heard, wave));
+  for (const TimedTrackImpact& onset : onsets) drop.onsets.push_back(to_onset(onset, heard, wave));
   return drop;
 }
 
-/// The wave that the clocks of all drops are set to.
+/// The wave that the subbands of all drops are set to.
 struct Reference {
-  ImpactWave wave;
+  ImpactTemplate wave;
   double u = 0.0;
 };
 
 /// Each drop's wave was learned by itself and has its own idea of where contact begins, by a sample or two: moves a
 /// drop whose impacts sound like it to what the reference wave says of its strongest impacts.
-void set_to(const Reference& reference, const ImpactWave& own, const audio::AudioSource& band, TimedDrop& drop) {
+void set_to(const Reference& reference, const ImpactTemplate& own, const audio::AudioSource& band, TimedDrop& drop) {
   constexpr std::size_t kHeard = 5;
   constexpr double kReach_s = 0.2e-3;
   constexpr double kAlike = 0.9;  // of the correlation with its own wave: the same modes were struck
@@ -218,7 +218,7 @@ void set_to(const Reference& reference, const ImpactWave& own, const audio::Audi
   if (later_s.size() < kHeard) return;
   std::nth_element(later_s.begin(), later_s.begin() + kHeard / 2, later_s.end());
   for (Onset& onset : drop.onsets) onset.t_s += later_s[kHeard / 2];
-  drop.reference_u = reference.u;
+  drop.reference_scaling = reference.u;
 }
 
 std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
@@ -231,7 +231,7 @@ std::optional<ContactLaw> contact_law_of(const std::vector<TimedDrop>& drops) {
 /// Moves the times to the start of contact. An error of the law moves all impacts of a drop alike but for how much
 /// slower one is than the next: what that does to an interval is the part of it that sigma holds.
 void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
-  const auto delay = [&](std::size_t k) { return contact_delay(drop.v_mps[k], drop.reference_u); };
+  const auto delay = [&](std::size_t k) { return contact_delay(drop.v_mps[k], drop.reference_scaling); };
   for (std::size_t k = 0; k < drop.onsets.size(); ++k) {
     if (!(drop.v_mps[k] > 0.0)) continue;
     double against_neighbours = 0.0;
@@ -243,16 +243,16 @@ void correct_for_contact(const ContactLaw& law, TimedDrop& drop) {
   }
 }
 
-LearnedWave to_learned_wave(const ImpactWave& wave, double rate_hz) {
-  return {-wave.contact_index / rate_hz, 1.0 / rate_hz, wave.heard, wave.spread, wave.n_impacts};
+LearnedWave to_learned_wave(const ImpactTemplate& wave, double rate_hz) {
+  return {-wave.contact_index / rate_hz, 1.0 / rate_hz, wave.waveform, wave.spread, wave.n_impacts};
 }
 
 }  // namespace
 
-TimedRecording time_recording(const HeardRecording& heard, const std::string& name) {
+TimedRecording time_recording(const TimingInput& heard, const std::string& name) {
   TimedRecording timed;
   std::vector<TimedDrop> drops;
-  std::optional<ImpactWave> shared;
+  std::optional<ImpactTemplate> shared;
   const bool share = std::any_of(heard.trains.begin(), heard.trains.end(),
                                  [](const Train& train) { return train.impacts.size() < kOwnWave; });
   if (share) shared = wave_of_recording(heard);
@@ -267,22 +267,22 @@ TimedRecording time_recording(const HeardRecording& heard, const std::string& na
     const double begin_s = heard.candidates[train.impacts.front().candidate].t_s;
     const double last_s = heard.candidates[train.impacts.back().candidate].t_s;
     const audio::AudioSource band = held(heard.band, begin_s, last_s, room);
-    const HeardRecording here{band, heard.band.rate_hz == heard.whole.rate_hz ? band : heard.whole, heard.noise,
-                              heard.candidates, heard.trains};
-    const std::optional<ImpactWave> own =
+    const TimingInput here{band, heard.band.rate_hz == heard.whole.rate_hz ? band : heard.whole, heard.noise,
+                           heard.candidates, heard.trains};
+    const std::optional<ImpactTemplate> own =
         train.impacts.size() >= kOwnWave ? wave_of_train(band, here, train) : std::nullopt;
-    const ImpactWave* wave = own ? &*own : shared ? &*shared : nullptr;
+    const ImpactTemplate* wave = own ? &*own : shared ? &*shared : nullptr;
     drops.push_back(time_drop(band, here, train, wave, end_s));
     if (wave != nullptr && reference) set_to(*reference, *wave, band, drops.back());
-    if (wave != nullptr && !reference) reference = Reference{*wave, drops.back().reference_u};
+    if (wave != nullptr && !reference) reference = Reference{*wave, drops.back().reference_scaling};
     if (wave != nullptr && train.impacts.size() > longest) {
       longest = train.impacts.size();
       timed.wave = to_learned_wave(*wave, heard.band.rate_hz);
     }
   }
   std::optional<ContactLaw> law = contact_law_of(drops);
-  if (!law && reference) law = unheard_contact(reference->wave.wave.rms_frequency() * heard.band.rate_hz);
-  if (law && law->is_heard) timed.contact_time_at_1_mps_s = law->tau_1_s;
+  if (!law && reference) law = assumed_contact(reference->wave.wave.rms_frequency() * heard.band.rate_hz);
+  if (law && law->is_significant) timed.contact_time_at_1_mps_s = law->tau_1_s;
   if (law) timed.contact_time_sigma_s = law->sigma_s;
   for (std::size_t k = 0; k < drops.size(); ++k) {
     if (law) correct_for_contact(*law, drops[k]);

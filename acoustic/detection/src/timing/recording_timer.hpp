@@ -14,7 +14,7 @@
 namespace bouncelab::detection {
 
 /// What the timing needs to know of a recording. Refers to what it is made from.
-struct HeardRecording {
+struct TimingInput {
   const audio::AudioSource& band;   ///< the sound in the band in which the trains were heard
   const audio::AudioSource& whole;  ///< the whole band
   const audio::ArModel& noise;
@@ -31,6 +31,6 @@ struct TimedRecording {
 
 /// Times all trains. Each train of a dozen impacts or more has a wave of its own, since a drop strikes the plate at a
 /// place of its own; shorter ones share that of the recording. The contact-time law is pooled over all: one ball.
-TimedRecording time_recording(const HeardRecording& heard, const std::string& name);
+TimedRecording time_recording(const TimingInput& heard, const std::string& name);
 
 }  // namespace bouncelab::detection

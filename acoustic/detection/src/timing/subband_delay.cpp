@@ -14,35 +14,35 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no clocks of their own
+constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no subbands of their own
 constexpr double kLeastShare = 0.25;     // of what a band knows on average
 constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
-// disagreement of the clocks counts like this many that agree: eleven differences alone know their scatter to 20 %
-constexpr double kPriorClocks = 8.0;
+// disagreement of the subbands counts like this many that agree: eleven differences alone know their scatter to 20 %
+constexpr double kPriorSubbands = 8.0;
 constexpr int kMostSteps = 6;
 constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
-constexpr double kLargestMove = 1.0;  // samples; the clocks of the highest frequencies turn by half a cycle
+constexpr double kLargestMove = 1.0;  // samples; the subbands of the highest frequencies turn by half a cycle
 
-/// Amplitude at which a clock's sound stands, drawn to the wave's where noise hides it.
-double clock_amplitude(double own, double common, double energy, double noise) {
+/// Amplitude at which a subband's sound stands, drawn to the wave's where noise hides it.
+double subband_amplitude(double own, double common, double energy, double noise) {
   constexpr double kPrior = 10.0;  // worth as much as so much energy over noise
   const double snr = common * common * energy / noise;
   return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
 }
 
-/// Each clock's amplitude and what its time lies beyond `shift`.
+/// Each subband's amplitude and what its time lies beyond `shift`.
 struct Sums {
-  std::array<double, kMostClocks> in_phase;
-  std::array<double, kMostClocks> quadrature;  // omega times
+  std::array<double, kMaxSubbands> in_phase;
+  std::array<double, kMaxSubbands> quadrature;  // omega times
 };
 
 /// @param moved  room of the size of z
-Sums sums_at(const audio::Spectrum& z, const BandClocks& clocks, double omega, double shift, audio::Spectrum& moved) {
+Sums sums_at(const audio::Spectrum& z, const Subbands& subbands, double omega, double shift, audio::Spectrum& moved) {
   audio::phase_shift(z, omega * shift, moved);
   Sums sums{};
-  for (std::size_t j = 0; j < clocks.n(); ++j) {
-    const std::size_t from = clocks.edge[j];
-    const std::size_t n = clocks.edge[j + 1] - from;
+  for (std::size_t j = 0; j < subbands.n(); ++j) {
+    const std::size_t from = subbands.edge[j];
+    const std::size_t n = subbands.edge[j + 1] - from;
     sums.in_phase[j] = audio::sum(std::span(moved.re).subspan(from, n));
     sums.quadrature[j] = -omega * audio::moment(std::span(moved.im).subspan(from, n), from);
   }
@@ -50,7 +50,7 @@ Sums sums_at(const audio::Spectrum& z, const BandClocks& clocks, double omega, d
 }
 
 /// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
-void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
+void merge_weak_subbands(const MatchedFilter& wave, std::vector<std::size_t>& edge) {
   const auto knows = [&](std::size_t j) { return wave.information(edge[j], edge[j + 1]); };
   const double enough =
       kLeastShare * wave.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
@@ -66,34 +66,34 @@ void join_skirts(const WaveTemplate& wave, std::vector<std::size_t>& edge) {
 }
 
 /// What is added to the variance of the mean because jitters, and so weights, are only estimated:
-/// sum 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a clock
+/// sum 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a subband
 /// that the mean follows has few; noise is known.
-double doubt_of_weights(const BandClocks& clocks, const MeanOfClocks& mean) {
+double weight_error_factor(const Subbands& subbands, const SubbandMean& mean) {
   double doubt = 1.0;
-  for (std::size_t j = 0; clocks.n_learned > 0 && j < clocks.n(); ++j) {
-    const double kept = std::max(kLeastShareKept, 1.0 - mean.dependence * mean.weight[j]);
-    const double n_free = static_cast<double>(clocks.n_learned) * kept * kept;
+  for (std::size_t j = 0; subbands.n_learned > 0 && j < subbands.n(); ++j) {
+    const double kept = std::max(kMinResidualShare, 1.0 - mean.design_effect * mean.weight[j]);
+    const double n_free = static_cast<double>(subbands.n_learned) * kept * kept;
     doubt += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
   }
   return doubt;
 }
 
-/// Variance of the shift, from how far the clocks disagree.
-double variance_of(const ClockReading& r, const BandClocks& clocks) {
-  const MeanOfClocks m = mean_of_clocks(clocks, r.noise_variance);
-  const std::size_t n = clocks.n();
+/// Variance of the shift, from how far the subbands disagree.
+double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
+  const SubbandMean m = subband_mean(subbands, r.noise_variance);
+  const std::size_t n = subbands.n();
   double mean = 0.0;
   for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
   double chi2 = 0.0;
   for (std::size_t j = 0; j < n; ++j)
-    chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + clocks.jitter2[j]);
-  const double scale = (kPriorClocks + chi2) / (kPriorClocks + static_cast<double>(n) - 1.0);
-  return scale * doubt_of_weights(clocks, m) * m.variance;
+    chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + subbands.jitter2[j]);
+  const double scale = (kPriorSubbands + chi2) / (kPriorSubbands + static_cast<double>(n) - 1.0);
+  return scale * weight_error_factor(subbands, m) * m.variance;
 }
 
 }  // namespace
 
-WaveTemplate::WaveTemplate(audio::Spectrum wave, std::size_t n_window)
+MatchedFilter::MatchedFilter(audio::Spectrum wave, std::size_t n_window)
     : wave_(std::move(wave)),
       n_window_(n_window),
       omega_(2.0 * kPi / static_cast<double>(n_window)),
@@ -109,11 +109,11 @@ WaveTemplate::WaveTemplate(audio::Spectrum wave, std::size_t n_window)
   energy_ = running_.back();
 }
 
-double WaveTemplate::rms_frequency() const {
+double MatchedFilter::rms_frequency() const {
   return std::max(1e-6, std::sqrt(running_information_.back() / (energy_ + 1e-30)) / (2.0 * kPi));
 }
 
-BandClocks equal_clocks(const WaveTemplate& wave) {
+Subbands split_into_subbands(const MatchedFilter& wave) {
   const std::size_t n_bins = wave.wave().size() - 1;
   const double all = wave.information(0, n_bins);
   const auto bin_at = [&](double part) {
@@ -122,82 +122,82 @@ BandClocks equal_clocks(const WaveTemplate& wave) {
     return k;
   };
   const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
-  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kLeastBins), 1, kMostClocks);
+  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kLeastBins), 1, kMaxSubbands);
   const std::size_t reach = std::max(kLeastBins / 2, n_occupied / kLeastModes);
   const auto density = [&](std::size_t k) { return wave.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
-  BandClocks clocks;
-  clocks.edge.push_back(1);
+  Subbands subbands;
+  subbands.edge.push_back(1);
   for (std::size_t share = 1; share < n; ++share) {
     const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
-    const std::size_t lo = std::max(clocks.edge.back() + kLeastBins, middle > reach ? middle - reach : 1);
+    const std::size_t lo = std::max(subbands.edge.back() + kLeastBins, middle > reach ? middle - reach : 1);
     const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kLeastBins));
     std::size_t lowest = lo;
     for (std::size_t k = lo; k <= hi; ++k)
       if (density(k) < density(lowest)) lowest = k;
-    if (lo <= hi) clocks.edge.push_back(lowest);
+    if (lo <= hi) subbands.edge.push_back(lowest);
   }
-  clocks.edge.push_back(n_bins);
-  join_skirts(wave, clocks.edge);
-  clocks.noise.assign(clocks.edge.size() - 1, 1.0);
-  clocks.jitter2.assign(clocks.edge.size() - 1, 0.0);
-  return clocks;
+  subbands.edge.push_back(n_bins);
+  merge_weak_subbands(wave, subbands.edge);
+  subbands.noise.assign(subbands.edge.size() - 1, 1.0);
+  subbands.jitter2.assign(subbands.edge.size() - 1, 0.0);
+  return subbands;
 }
 
-MeanOfClocks mean_of_clocks(const BandClocks& clocks, const std::vector<double>& noise_variance) {
-  const std::size_t n = clocks.n();
-  MeanOfClocks m;
+SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& noise_variance) {
+  const std::size_t n = subbands.n();
+  SubbandMean m;
   double weights = 0.0;
   for (std::size_t j = 0; j < n; ++j) {
-    const double variance = noise_variance[j] + clocks.jitter2[j];
+    const double variance = noise_variance[j] + subbands.jitter2[j];
     weights += 1.0 / variance;
     m.weight[j] = 1.0 / variance;
-    m.jitter[j] = clocks.jitter2[j] / variance;
+    m.jitter[j] = subbands.jitter2[j] / variance;
   }
   // sums over the others of sqrt(weight jitter) rho^lag, those below and those above
-  std::array<double, kMostClocks> part{}, others{};
+  std::array<double, kMaxSubbands> part{}, others{};
   for (std::size_t j = 0; j < n; ++j) {
     m.weight[j] /= weights;
     part[j] = std::sqrt(m.weight[j] * m.jitter[j]);
   }
   double below = 0.0, above = 0.0;
   for (std::size_t j = 1; j < n; ++j) {
-    below = clocks.correlation * (below + part[j - 1]);
-    above = clocks.correlation * (above + part[n - j]);
+    below = subbands.correlation * (below + part[j - 1]);
+    above = subbands.correlation * (above + part[n - j]);
     others[j] += below;
     others[n - 1 - j] += above;
   }
   for (std::size_t j = 0; j < n; ++j) {
-    m.with[j] = 1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j];
-    m.dependence += part[j] * others[j];
+    m.relative_covariance[j] = 1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j];
+    m.design_effect += part[j] * others[j];
   }
-  m.variance = m.dependence / weights;
+  m.variance = m.design_effect / weights;
   return m;
 }
 
-ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, const audio::Spectrum& sound,
-                         double start) {
+DelayEstimate estimate_delay(const MatchedFilter& wave, const Subbands& subbands, const audio::Spectrum& sound,
+                             double start) {
   const audio::Spectrum z = audio::product_conj(wave.wave(), sound);
   audio::Spectrum moved = z;
-  const std::size_t n = clocks.n();
-  ClockReading r;
+  const std::size_t n = subbands.n();
+  DelayEstimate r;
   r.shift = start;
   r.deviation.resize(n);
   r.noise_variance.resize(n);
   for (int step = 0; step < kMostSteps; ++step) {
-    const Sums sums = sums_at(z, clocks, wave.omega(), r.shift, moved);
+    const Sums sums = sums_at(z, subbands, wave.omega(), r.shift, moved);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
     r.amplitude = in_phase / wave.energy();
-    r.gain = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;
+    r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;
     if (r.amplitude <= 0.0) break;
     double weights = 0.0;
     double mean = 0.0;
     for (std::size_t j = 0; j < n; ++j) {
-      const double energy = wave.energy(clocks.edge[j], clocks.edge[j + 1]);
-      const double information = wave.information(clocks.edge[j], clocks.edge[j + 1]);
-      const double a = clock_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, clocks.noise[j]);
-      r.noise_variance[j] = clocks.noise[j] / (a * a * information + 1e-30);
+      const double energy = wave.energy(subbands.edge[j], subbands.edge[j + 1]);
+      const double information = wave.information(subbands.edge[j], subbands.edge[j + 1]);
+      const double a = subband_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, subbands.noise[j]);
+      r.noise_variance[j] = subbands.noise[j] / (a * a * information + 1e-30);
       r.deviation[j] = sums.quadrature[j] / (a * information + 1e-30);
-      const double weight = 1.0 / (r.noise_variance[j] + clocks.jitter2[j]);
+      const double weight = 1.0 / (r.noise_variance[j] + subbands.jitter2[j]);
       weights += weight;
       mean += weight * r.deviation[j];
     }
@@ -207,7 +207,7 @@ ClockReading read_clocks(const WaveTemplate& wave, const BandClocks& clocks, con
     r.shift += move;
     if (std::abs(move) < kArrived) break;
   }
-  if (r.amplitude > 0.0) r.variance = variance_of(r, clocks);
+  if (r.amplitude > 0.0) r.variance = delay_variance(r, subbands);
   return r;
 }
 

@@ -7,9 +7,9 @@
 
 namespace bouncelab::detection {
 
-/// Jitter of each clock from how the readings of many impacts disagree, and how neighbours err together. No clock is
-/// taken for much better than the others: one that the mean follows disagrees with nothing.
+/// Jitter of each subband from how the readings of many impacts disagree, and how neighbours err together. No subband
+/// is taken for much better than the others: one that the mean follows disagrees with nothing.
 /// @param wave  that of the readings
-void learn_jitter(const std::vector<ClockReading>& readings, const WaveTemplate& wave, BandClocks& clocks);
+void estimate_jitter(const std::vector<DelayEstimate>& readings, const MatchedFilter& wave, Subbands& subbands);
 
 }  // namespace bouncelab::detection

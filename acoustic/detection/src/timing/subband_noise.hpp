@@ -9,13 +9,13 @@
 
 namespace bouncelab::detection {
 
-/// Sets each clock's noise: the variance in each real and imaginary part, averaged over the clock's bins as its time
-/// weighs them, by omega^2 |wave|^2. (A plain mean is wrong where the whitened noise is not flat within a band, and it
-/// is not where the whitener has learned the modes too: it is quiet just where the wave is loud.) From the quieter half
-/// of the windows that end where impacts begin; in the others something still rings.
+/// Sets each subband's noise: the variance in each real and imaginary part, averaged over the subband's bins as its
+/// time weighs them, by omega^2 |wave|^2. (A plain mean is wrong where the whitened noise is not flat within a band,
+/// and it is not where the whitener has learned the modes too: it is quiet just where the wave is loud.) From the
+/// quieter half of the windows that end where impacts begin; in the others something still rings.
 /// @return  sum of squares of such a window, averaged
 /// @param begins  samples at which the windows of impacts begin, not empty
-double learn_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
-                   const std::vector<std::int64_t>& begins, const WaveTemplate& wave, BandClocks& clocks);
+double estimate_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
+                      const std::vector<std::int64_t>& begins, const MatchedFilter& wave, Subbands& subbands);
 
 }  // namespace bouncelab::detection

@@ -11,7 +11,7 @@
 namespace bouncelab::detection {
 
 /// One impact of a train, timed.
-struct TrainOnset {
+struct TimedTrackImpact {
   std::int64_t impact = 0;
   TimedImpact timed;
   double until_s = 0.0;   ///< from here on the sound belongs to the next impact
@@ -25,7 +25,7 @@ struct TrainOnset {
 /// predict; the train is followed on beyond its last impact as long as the sound supports the next one; impacts at its
 /// end that the wave does not support are given up.
 /// @param begin_s, end_s  stretch of the recording that belongs to this train
-std::vector<TrainOnset> time_train(const audio::AudioSource& sound, const ImpactWave& wave, const Train& train,
-                                   const std::vector<Candidate>& candidates, double end_s);
+std::vector<TimedTrackImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& wave,
+                                         const Train& train, const std::vector<Candidate>& candidates, double end_s);
 
 }  // namespace bouncelab::detection

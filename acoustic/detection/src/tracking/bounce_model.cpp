@@ -97,11 +97,11 @@ double odds_of_amplitude(double log_ratio, double log_eps) {
 }
 
 /// Odds that it sounds like the train against its own kind's: what chance offers is of its own kind.
-double odds_of_timbre(const HeardSound& s) { return rivalry(s.alike.value_or(1.0)); }
+double odds_of_timbre(const HeardSound& s) { return same_source_weight(s.alike.value_or(1.0)); }
 
 /// n sounds of the train, as far as they are rivals of the next.
 double as_rivals(int n, const HeardSound& next) {
-  return next.own_are_rivals ? n * rivalry(next.alike.value_or(1.0)) : 0.0;
+  return next.own_are_rivals ? n * same_source_weight(next.alike.value_or(1.0)) : 0.0;
 }
 
 double probability_missing(int n_missing) {

@@ -45,8 +45,10 @@ int octave_of(double distance_s) {
 }
 
 /// How much j and k are rivals, 0 ... 1.
-float rivals_share(const std::vector<Timbre>& timbres, std::size_t j, std::size_t k) {
-  return timbres.empty() ? 1.0F : static_cast<float>(rivalry(probability_alike(timbres[j], timbres[k])));
+float rivals_share(const std::vector<BandEnergies>& band_energies, std::size_t j, std::size_t k) {
+  return band_energies.empty()
+             ? 1.0F
+             : static_cast<float>(same_source_weight(same_source_probability(band_energies[j], band_energies[k])));
 }
 
 void count(const Candidate& one, const Candidate& other, int octave, float share, Rivals& rivals) {
@@ -63,14 +65,14 @@ void accumulate(Rivals& rivals) {
 
 }  // namespace
 
-std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vector<Timbre>& timbres) {
+std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vector<BandEnergies>& band_energies) {
   std::vector<Rivals> rivals(c.size());
   for (std::size_t k = 0; k < c.size(); ++k) {
     count(c[k], c[k], 0, 1.0F, rivals[k]);
     for (std::size_t j = k + 1; j < c.size(); ++j) {
       const int octave = octave_of(c[j].t_s - c[k].t_s);
       if (octave >= kChanceOctaves) break;
-      const float share = rivals_share(timbres, j, k);
+      const float share = rivals_share(band_energies, j, k);
       count(c[k], c[j], octave, share, rivals[k]);
       count(c[j], c[k], octave, share, rivals[j]);
     }
@@ -79,7 +81,7 @@ std::vector<Rivals> count_rivals(const std::vector<Candidate>& c, const std::vec
   return rivals;
 }
 
-Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std::vector<Timbre>& timbres,
+Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std::vector<BandEnergies>& band_energies,
                        const std::vector<std::size_t>& not_counted) {
   Rivals rivals;
   count(c[k], c[k], 0, 1.0F, rivals);
@@ -87,7 +89,7 @@ Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std
     const int octave = octave_of(std::abs(c[j].t_s - c[k].t_s));
     if (octave >= kChanceOctaves) return false;
     if (!std::binary_search(not_counted.begin(), not_counted.end(), j))
-      count(c[k], c[j], octave, rivals_share(timbres, j, k), rivals);
+      count(c[k], c[j], octave, rivals_share(band_energies, j, k), rivals);
     return true;
   };
   for (std::size_t j = k + 1; j < c.size() && count_if_free(j); ++j) {

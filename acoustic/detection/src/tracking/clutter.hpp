@@ -18,13 +18,14 @@ struct Rivals {
   std::array<float, kChanceOctaves> stronger{};
 };
 
-/// @param timbres  of the candidates, or none: then all are of one kind
-std::vector<Rivals> count_rivals(const std::vector<Candidate>& candidates, const std::vector<Timbre>& timbres);
+/// @param band_energies  of the candidates, or none: then all are of one kind
+std::vector<Rivals> count_rivals(const std::vector<Candidate>& candidates,
+                                 const std::vector<BandEnergies>& band_energies);
 
 /// Those of one candidate, itself included, but for some.
 /// @param not_counted  indices, rising
 Rivals count_rivals_of(std::size_t candidate, const std::vector<Candidate>& candidates,
-                       const std::vector<Timbre>& timbres, const std::vector<std::size_t>& not_counted);
+                       const std::vector<BandEnergies>& band_energies, const std::vector<std::size_t>& not_counted);
 
 /// The window in which sounds compete for being the impact after this flight: about two flights either way [s].
 double rival_window_s(double flight_s);

@@ -12,8 +12,8 @@ constexpr double kTimingOfReach = 0.15;
 
 }  // namespace
 
-HeardSounds::HeardSounds(const std::vector<Candidate>& c, double timing, const std::vector<Timbre>& t)
-    : candidates(c), timbres(t), timing_s(timing), rivals(count_rivals(c, t)) {
+HeardSounds::HeardSounds(const std::vector<Candidate>& c, double timing, const std::vector<BandEnergies>& t)
+    : candidates(c), band_energies(t), timing_s(timing), rivals(count_rivals(c, t)) {
   for (const Candidate& candidate : c) log_amplitude.push_back(std::log(candidate.amplitude));
 }
 
@@ -25,8 +25,8 @@ HeardSound HeardSounds::heard(std::size_t k) const {
 }
 
 std::optional<double> HeardSounds::alike(std::size_t j, std::size_t k) const {
-  if (timbres.empty()) return {};
-  return probability_alike(timbres[j], timbres[k]);
+  if (band_energies.empty()) return {};
+  return same_source_probability(band_energies[j], band_energies[k]);
 }
 
 }  // namespace bouncelab::detection

@@ -14,14 +14,15 @@ namespace bouncelab::detection {
 /// The candidates of a recording as the model of trains sees them. Refers to what it is made from.
 struct HeardSounds {
   const std::vector<Candidate>& candidates;
-  const std::vector<Timbre>& timbres;  ///< or none
-  double timing_s = 0.0;               ///< error of times noticed by the shortest window
+  const std::vector<BandEnergies>& band_energies;  ///< or none
+  double timing_s = 0.0;                           ///< error of times noticed by the shortest window
   std::vector<Rivals> rivals;
   std::vector<double> log_amplitude;
 
-  HeardSounds(const std::vector<Candidate>& candidates, double timing_s, const std::vector<Timbre>& timbres);
+  HeardSounds(const std::vector<Candidate>& candidates, double timing_s,
+              const std::vector<BandEnergies>& band_energies);
   HeardSound heard(std::size_t k) const;
-  /// Probability that two are of one kind; absent where there are no timbres.
+  /// Probability that two are of one kind; absent where there are no band_energies.
   std::optional<double> alike(std::size_t j, std::size_t k) const;
 };
 

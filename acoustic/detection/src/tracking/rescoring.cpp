@@ -94,7 +94,7 @@ void begin_again(const HeardSounds& sounds, std::size_t first_free, Train& train
 /// or steps in which intervals happen to shrink, many. Echoes of its own do not count.
 double n_strangers(const HeardSounds& sounds, const std::vector<std::size_t>& own) {
   constexpr double kAsLoud = 0.5;
-  if (sounds.timbres.empty()) return 0.0;
+  if (sounds.band_energies.empty()) return 0.0;
   const std::vector<Candidate>& c = sounds.candidates;
   constexpr double kFlights = 1.25;  // before the first and after the last, where a row would go on
   const double begin_s = c[own[0]].t_s - kFlights * (c[own[1]].t_s - c[own[0]].t_s);
@@ -136,7 +136,8 @@ double judged(const HeardSounds& sounds, const Train& train) {
   for (const TrainImpact& impact : train.impacts) own.push_back(impact.candidate);
   const std::vector<std::size_t> explained = explained_by(sounds, own);
   std::vector<Rivals> rivals;
-  for (const std::size_t k : own) rivals.push_back(count_rivals_of(k, sounds.candidates, sounds.timbres, explained));
+  for (const std::size_t k : own)
+    rivals.push_back(count_rivals_of(k, sounds.candidates, sounds.band_energies, explained));
   const auto sound = [&](std::size_t n) {
     const HeardSound s = sounds.heard(own[n]);
     return HeardSound{

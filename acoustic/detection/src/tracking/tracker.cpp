@@ -69,8 +69,8 @@ class Beam {
 
 class Search {
  public:
-  Search(const std::vector<Candidate>& candidates, double timing_s, const std::vector<Timbre>& timbres)
-      : c_(candidates), sounds_(candidates, timing_s, timbres), begin_(c_.size() + 1, 0), best_(c_.size() + 1) {}
+  Search(const std::vector<Candidate>& candidates, double timing_s, const std::vector<BandEnergies>& band_energies)
+      : c_(candidates), sounds_(candidates, timing_s, band_energies), begin_(c_.size() + 1, 0), best_(c_.size() + 1) {}
 
   std::vector<Train> run() {
     for (std::size_t k = 0; k < c_.size(); ++k) visit(k);
@@ -195,8 +195,8 @@ class Search {
 }  // namespace
 
 std::vector<Train> find_trains(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<Timbre>& timbres) {
-  return Search(candidates, timing_s, timbres).run();
+                               const std::vector<BandEnergies>& band_energies) {
+  return Search(candidates, timing_s, band_energies).run();
 }
 
 }  // namespace bouncelab::detection

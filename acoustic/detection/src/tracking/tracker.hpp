@@ -33,8 +33,8 @@ struct Train {
 /// more than it scatters (train_model.hpp).
 /// @param timing_s  error of the candidates' times, standard deviation [s]; where only a longer window noticed, 0.15 of
 /// it
-/// @param timbres   of the candidates, or none: then they are not judged by them
+/// @param band_energies   of the candidates, or none: then they are not judged by them
 std::vector<Train> find_trains(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<Timbre>& timbres = {});
+                               const std::vector<BandEnergies>& band_energies = {});
 
 }  // namespace bouncelab::detection
