@@ -10,7 +10,7 @@ namespace {
 
 Onsets at(std::initializer_list<double> times_s, const std::string& recording = "a") {
   Onsets onsets;
-  for (const double t : times_s) onsets.push_back({recording, 0, 0, t, {}, {}, {}, ""});
+  for (const double t : times_s) onsets.push_back({recording, 0, 0, t, {}, {}, {}, {}});
   return onsets;
 }
 
