@@ -3,10 +3,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
+#include <cassert>
+#include <cmath>
 #include <cstring>
 
 #include "bouncelab/audio/dsp/vector_clones.hpp"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+#define BOUNCELAB_HAS_FMA_VARIANT
+#endif
+
+// What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the
+// loop one would write, compiled alike: dot 12 (floats) and 4 (doubles), sum and moment 7, largest 7, add_scaled 3,
+// multiply 2, correlate 6.
 
 namespace bouncelab::audio {
 namespace {
@@ -14,11 +24,11 @@ namespace {
 using Lanes = float __attribute__((vector_size(32)));  // one wide register, or two narrow ones
 constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
-constexpr std::size_t kAtOnce = kLanes * kChains;
+constexpr std::size_t kDotBlock = kLanes * kChains;
 
 BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
   std::array<Lanes, kChains> sum{};
-  for (std::size_t k = 0; k < n; k += kAtOnce)
+  for (std::size_t k = 0; k < n; k += kDotBlock)
     for (std::size_t c = 0; c < kChains; ++c) {
       Lanes x, y;
       std::memcpy(&x, a + k + c * kLanes, sizeof x);
@@ -51,17 +61,115 @@ BOUNCELAB_VECTOR_CLONES void sum_lanes(const float* x, std::size_t n, float* lan
   std::memcpy(lanes, &sum, sizeof sum);
 }
 
+/// Side by side, or each comparison waits for the one before.
+BOUNCELAB_VECTOR_CLONES float largest_of(const float* x, std::size_t n) {
+  std::array<float, 16> lanes;
+  lanes.fill(-INFINITY);
+  std::size_t k = 0;
+  for (; k + lanes.size() <= n; k += lanes.size())
+    for (std::size_t lane = 0; lane < lanes.size(); ++lane)
+      lanes[lane] = x[k + lane] > lanes[lane] ? x[k + lane] : lanes[lane];
+  return std::max(*std::max_element(lanes.begin(), lanes.end()), k < n ? *std::max_element(x + k, x + n) : -INFINITY);
+}
+
+// correlate: 6 times as fast as a plain loop that the compiler vectorises, twice as fast as the same order of
+// operations left to the compiler for the same registers. It takes an eighth of the time of a detection. Fused
+// multiply-add is exactly defined, so that every machine gives the same bytes as long as the order is the same: of each
+// output taps 0, 8, 16 ..., then 1, 9, 17 ..., so that a wide register of samples serves several taps.
+
+constexpr std::size_t kStride = 8;
+constexpr std::size_t kOutputs = 64;  // outputs: what an addition's latency takes
+
+/// Where there are no such registers. @param n_at_once  outputs side by side
+template <std::size_t n_at_once>
+void correlate_plainly(const float* x, const float* taps, std::size_t n_taps, float* out) {
+  std::array<float, n_at_once> sum{};
+  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first)
+    for (std::size_t k = first; k < n_taps; k += kStride)
+      for (std::size_t c = 0; c < n_at_once; ++c) sum[c] = std::fma(taps[k], x[k + c], sum[c]);
+  std::copy(sum.begin(), sum.end(), out);
+}
+
+#ifdef BOUNCELAB_HAS_FMA_VARIANT
+/// kOutputs outputs. Registers of samples are kept in a ring: the next tap needs all but one of them again.
+[[gnu::target("avx2,fma")]] void correlate_by_256_bits(const float* x, const float* taps, std::size_t n_taps,
+                                                       float* out) {
+  constexpr std::size_t kRegisters = kOutputs / 8;
+  __m256 sum[kRegisters];
+  for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm256_setzero_ps();
+  for (std::size_t first = 0; first < kStride; ++first) {
+    __m256 ring[kRegisters];
+    for (std::size_t c = 0; c < kRegisters; ++c) ring[c] = _mm256_loadu_ps(x + first + c * kStride);
+    for (std::size_t k = first; k < n_taps;) {
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < kRegisters; ++i) {
+        const __m256 tap = _mm256_set1_ps(taps[k]);
+#pragma GCC unroll 8
+        for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm256_fmadd_ps(tap, ring[(c + i) % kRegisters], sum[c]);
+        k += kStride;
+        if (k >= n_taps) break;
+        ring[i] = _mm256_loadu_ps(x + k + (kRegisters - 1) * kStride);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < kRegisters; ++c) _mm256_storeu_ps(out + c * 8, sum[c]);
+}
+
+/// 2 kOutputs outputs.
+[[gnu::target("avx512f")]] void correlate_by_512_bits(const float* x, const float* taps, std::size_t n_taps,
+                                                      float* out) {
+  constexpr std::size_t kRegisters = 2 * kOutputs / 16;
+  constexpr std::size_t kRing = 2 * kRegisters - 1;  // each register holds two strides
+  __m512 sum[kRegisters];
+  for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm512_setzero_ps();
+  for (std::size_t first = 0; first < kStride; ++first) {
+    __m512 ring[kRing];
+    for (std::size_t c = 0; c < kRing; ++c) ring[c] = _mm512_loadu_ps(x + first + c * kStride);
+    for (std::size_t k = first; k < n_taps;) {
+#pragma GCC unroll 15
+      for (std::size_t i = 0; i < kRing; ++i) {
+        const __m512 tap = _mm512_set1_ps(taps[k]);
+#pragma GCC unroll 8
+        for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm512_fmadd_ps(tap, ring[(2 * c + i) % kRing], sum[c]);
+        k += kStride;
+        if (k >= n_taps) break;
+        ring[i] = _mm512_loadu_ps(x + k + (kRing - 1) * kStride);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < kRegisters; ++c) _mm512_storeu_ps(out + c * 16, sum[c]);
+}
+
+const bool kHas256 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+const bool kHas512 = __builtin_cpu_supports("avx512f");
+#else
+void correlate_by_256_bits(const float*, const float*, std::size_t, float*) {}
+void correlate_by_512_bits(const float*, const float*, std::size_t, float*) {}
+constexpr bool kHas256 = false;
+constexpr bool kHas512 = false;
+#endif
+
 }  // namespace
 
 double dot(std::span<const float> a, std::span<const float> b) {
   const std::size_t n = std::min(a.size(), b.size());
-  const std::size_t n_whole = n - n % kAtOnce;
-  std::array<float, kAtOnce> lanes;
+  const std::size_t n_whole = n - n % kDotBlock;
+  std::array<float, kDotBlock> lanes;
   dot_lanes(a.data(), b.data(), n_whole, lanes.data());
   double sum = 0.0;
   for (const float x : lanes) sum += x;
   for (std::size_t k = n_whole; k < n; ++k) sum += static_cast<double>(a[k]) * b[k];
   return sum;
+}
+
+BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
+  constexpr std::size_t kSums = 8;
+  std::array<double, kSums> sums{};
+  std::size_t k = 0;
+  for (; k + kSums <= n; k += kSums)
+    for (std::size_t lane = 0; lane < kSums; ++lane) sums[lane] += a[k + lane] * b[k + lane];
+  for (; k < n; ++k) sums[0] += a[k] * b[k];
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
 }
 
 double sum(std::span<const float> x) {
@@ -82,6 +190,31 @@ double moment(std::span<const float> x, std::size_t first) {
   for (const float lane : lanes) total += lane;
   for (std::size_t k = n_whole; k < x.size(); ++k) total += static_cast<double>(first + k) * x[k];
   return total;
+}
+
+float largest(std::span<const float> x) { return largest_of(x.data(), x.size()); }
+
+BOUNCELAB_VECTOR_CLONES void add_scaled(float* to, float factor, const float* x, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
+}
+
+BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
+}
+
+BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) product[k] = a[k] * b[k];
+}
+
+void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
+  assert(x.size() + 1 >= out.size() + taps.size());
+  std::size_t n = 0;
+  const auto by = [&](auto kernel, std::size_t n_at_once) {
+    for (; n + n_at_once <= out.size(); n += n_at_once) kernel(x.data() + n, taps.data(), taps.size(), out.data() + n);
+  };
+  if (kHas512) by(correlate_by_512_bits, 2 * kOutputs);
+  by(kHas256 ? correlate_by_256_bits : correlate_plainly<kOutputs>, kOutputs);
+  by(correlate_plainly<1>, 1);
 }
 
 }  // namespace bouncelab::audio

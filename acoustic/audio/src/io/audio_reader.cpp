@@ -2,9 +2,6 @@
 #include "bouncelab/audio/audio_reader.hpp"
 
 #include <sndfile.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
 
 #include <algorithm>
 #include <array>
@@ -14,14 +11,13 @@
 #include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <new>
-#include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "io/raw_pcm.hpp"
+#include "io/pcm_decode.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -91,39 +87,19 @@ std::string describe_format(int format) {
   return std::string(major.name ? major.name : "?") + ", " + (sub.name ? sub.name : "?");
 }
 
-/// Room for samples, in large pages where the system has them: an hour of sound is a hundred thousand small ones, and
-/// handing them out costs more than decoding.
-class Samples {
- public:
-  void resize(std::size_t n) {
-    if (n > n_held_) {
-      constexpr std::size_t kPage = 1 << 21;
-      const std::size_t n_bytes = n * sizeof(float);
-      const bool large = n_bytes > kPage;
-      const std::size_t page = large ? kPage : alignof(std::max_align_t);
-      held_.reset(static_cast<float*>(std::aligned_alloc(page, (n_bytes + page - 1) / page * page)));
-      if (held_ == nullptr) throw std::bad_alloc();
-#ifdef MADV_HUGEPAGE
-      if (large) madvise(held_.get(), n_bytes, MADV_HUGEPAGE);
-#endif
-      n_held_ = n;
-    }
-    n_ = n;
-  }
-  void clear() { n_ = 0; }
-  std::size_t size() const { return n_; }
-  float* begin() { return held_.get(); }
-  const float* begin() const { return held_.get(); }
-  const float* end() const { return held_.get() + n_; }
-
- private:
-  struct Free {
-    void operator()(float* p) const { std::free(p); }
-  };
-  std::unique_ptr<float, Free> held_;
-  std::size_t n_held_ = 0;
-  std::size_t n_ = 0;
-};
+/// Bytes of an integer where the file holds little-endian integers of 16 or 24 bits one after the other, on a processor
+/// of the same order; 0 where libsndfile must decode.
+int bytes_of_plain_integer(SNDFILE* file, int format) {
+  const int container = format & SF_FORMAT_TYPEMASK;
+  const bool may_be = container == SF_FORMAT_WAV || container == SF_FORMAT_WAVEX || container == SF_FORMAT_RF64 ||
+                      container == SF_FORMAT_W64 || container == SF_FORMAT_AIFF || container == SF_FORMAT_AU ||
+                      container == SF_FORMAT_CAF;
+  const bool is_native = std::endian::native == std::endian::little &&
+                         sf_command(file, SFC_RAW_DATA_NEEDS_ENDSWAP, nullptr, 0) == SF_FALSE;
+  if (!may_be || !is_native) return 0;
+  const int sub = format & SF_FORMAT_SUBMASK;
+  return sub == SF_FORMAT_PCM_16 ? 2 : sub == SF_FORMAT_PCM_24 ? 3 : 0;
+}
 
 }  // namespace
 
@@ -132,28 +108,31 @@ struct AudioReader::State {
   SNDFILE* file = nullptr;
   AudioFormat format;
   bool may_be_infinite = true;
-  std::optional<PlainSamples> plain;
+  int n_plain_bytes = 0;            // of an integer that need not be decoded by libsndfile; 0: it must
+  std::vector<unsigned char> raw;   // what was read of such integers
   std::int64_t next_frame = 0;      // where libsndfile stands
   std::int64_t buffered_first = 0;  // interleaved frames kept from the last read, so that channels share them
-  Samples buffered;
+  std::unique_ptr<float[]> buffer;
+  std::span<float> buffered;  // what of the buffer is filled
 
   ~State() {
     if (file != nullptr) sf_close(file);
   }
 
   bool is_held_whole() const {
-    return format.n_frames * format.n_channels <= (plain ? kMostPlainHeldWhole : kMostHeldWhole);
+    return format.n_frames * format.n_channels <= (n_plain_bytes > 0 ? kMostPlainHeldWhole : kMostHeldWhole);
   }
 
   void fill_buffer(std::int64_t first) {
     const bool whole = is_held_whole();
     if (whole) first = 0;
-    const std::int64_t n = whole ? format.n_frames : std::min(kFramesAtOnce, format.n_frames - first);
-    buffered.resize(static_cast<std::size_t>(n * format.n_channels));
-    if (plain)
-      plain->decode(first, {buffered.begin(), buffered.size()});
-    else
-      decode(first, n);
+    const std::int64_t n_most = whole ? format.n_frames : std::min(kFramesAtOnce, format.n_frames);
+    // not a vector, which would set to zero what is overwritten at once
+    if (!buffer) buffer.reset(new float[static_cast<std::size_t>(n_most * format.n_channels)]);
+    const std::int64_t n = std::min(n_most, format.n_frames - first);
+    buffered = {};
+    decode(first, n);
+    buffered = {buffer.get(), static_cast<std::size_t>(n * format.n_channels)};
     buffered_first = first;
     if (may_be_infinite) check_finite();
   }
@@ -162,13 +141,24 @@ struct AudioReader::State {
   void decode(std::int64_t first, std::int64_t n) {
     if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
       throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
-    const std::int64_t got = sf_readf_float(file, buffered.begin(), n);
-    next_frame = first + got;
-    if (got == n) return;
-    buffered.clear();
+    std::int64_t n_done = 0;
+    for (std::int64_t got = 1; got > 0 && n_done < n; n_done += got)
+      got = read_frames(buffer.get() + n_done * format.n_channels, std::min(kFramesAtOnce, n - n_done));
+    next_frame = first + n_done;
+    if (n_done == n) return;
     throw FileError(path.string(), "ends at sample " + std::to_string(next_frame) + " of the " +
                                        std::to_string(format.n_frames) +
                                        " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
+  }
+
+  /// @return how many of n frames there were
+  std::int64_t read_frames(float* to, std::int64_t n) {
+    if (n_plain_bytes == 0) return sf_readf_float(file, to, n);
+    const std::int64_t frame_bytes = n_plain_bytes * format.n_channels;
+    raw.resize(static_cast<std::size_t>(n * frame_bytes));
+    const std::int64_t got = sf_read_raw(file, raw.data(), n * frame_bytes) / frame_bytes;
+    decode_pcm(raw.data(), n_plain_bytes, to, got * format.n_channels);
+    return got;
   }
 
   void check_finite() const {
@@ -207,7 +197,7 @@ AudioReader::AudioReader(std::filesystem::path path) : state_(std::make_unique<S
   if (s.format.rate_hz < kLowestRate_hz || s.format.rate_hz > kHighestRate_hz)
     throw FileError(s.path.string(), "sampling rate " + std::to_string(info.samplerate) +
                                          " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
-  s.plain = PlainSamples::of(s.path);
+  s.n_plain_bytes = bytes_of_plain_integer(s.file, info.format);
 }
 
 AudioReader::AudioReader(AudioReader&&) noexcept = default;
@@ -223,7 +213,6 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
     throw InvalidArgument("samples " + std::to_string(first) + " ... " + std::to_string(first + n) + " of channel " +
                           std::to_string(channel) + ": the recording has " + std::to_string(s.format.n_frames) +
                           " samples in " + std::to_string(s.format.n_channels) + " channels");
-  if (s.plain && s.format.n_channels == 1 && s.buffered.size() == 0) return s.plain->decode(first, out);
   for (std::int64_t done = 0; done < n;) {
     const std::int64_t at = first + done;
     const std::int64_t n_buffered = static_cast<std::int64_t>(s.buffered.size()) / s.format.n_channels;
@@ -232,7 +221,7 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
       continue;
     }
     const std::int64_t n_here = std::min(n - done, s.buffered_first + n_buffered - at);
-    const float* from = s.buffered.begin() + (at - s.buffered_first) * s.format.n_channels + channel;
+    const float* from = s.buffered.data() + (at - s.buffered_first) * s.format.n_channels + channel;
     if (s.format.n_channels == 1) std::copy_n(from, n_here, out.begin() + done);
     for (std::int64_t k = 0; k < n_here && s.format.n_channels > 1; ++k) out[done + k] = from[k * s.format.n_channels];
     done += n_here;
@@ -247,8 +236,8 @@ AudioSource AudioReader::source(int channel) {
                      {},
                      0};
   if (s.format.n_channels == 1 && s.is_held_whole()) {
-    if (s.buffered.size() == 0) s.fill_buffer(0);
-    source.resident = {s.buffered.begin(), s.buffered.end()};
+    if (s.buffered.empty()) s.fill_buffer(0);
+    source.resident = s.buffered;
   }
   return source;
 }

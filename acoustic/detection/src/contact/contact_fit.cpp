@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "contact/pulse_spectrum.hpp"
 #include "contact/two_way_demeaning.hpp"
@@ -115,15 +116,16 @@ class Fitter {
 
   /// Gains and responses that fit the levels best as they are weighed: of gains alone, sum w level / (h P) / sum w.
   void adjust() {
-    for (std::size_t k = 0; k < n_; ++k) multiply(weight_[k], level_over_pulse_[k], weighed_[k], m_);
+    for (std::size_t k = 0; k < n_; ++k) audio::multiply(weight_[k], level_over_pulse_[k], weighed_[k], m_);
     const Values of_row = sums_of_rows(weight_);
     const Values of_column = sums_of_columns(weight_);
     for (int round = 0; round < 3; ++round) {
       const Values one_over_response = inverse(response_);
       Values sums(m_, 0.0);
       for (std::size_t k = 0; k < n_; ++k) {
-        gain_[k] = std::max(dot(weighed_[k], one_over_response.data(), m_) / (of_row[k] + 1e-300), 0.1 * gain_[k]);
-        add_scaled(sums.data(), 1.0 / gain_[k], weighed_[k], m_);
+        gain_[k] =
+            std::max(audio::dot(weighed_[k], one_over_response.data(), m_) / (of_row[k] + 1e-300), 0.1 * gain_[k]);
+        audio::add_scaled(sums.data(), 1.0 / gain_[k], weighed_[k], m_);
       }
       for (std::size_t m = 0; m < m_; ++m)
         if (is_active_[m]) response_[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * response_[m]);
@@ -193,7 +195,7 @@ class Fitter {
     for (std::size_t k = 0; k < n_; ++k) {
       square(relative_[k], noise2_[k], timbre2_.data(), squares.data(), m_);
       row_inflation_[k] =
-          std::max(1.0, (dot(squares.data(), active_mask_.data(), m_) + kPrior) / (n + kPrior) / kTypical);
+          std::max(1.0, (audio::dot(squares.data(), active_mask_.data(), m_) + kPrior) / (n + kPrior) / kTypical);
     }
   }
 

@@ -3,38 +3,21 @@
 
 #include <array>
 
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/vector_clones.hpp"
 
 namespace bouncelab::detection {
 
-BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
-  constexpr std::size_t kLanes = 8;
-  std::array<double, kLanes> sums{};
-  std::size_t m = 0;
-  for (; m + kLanes <= n; m += kLanes)
-    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[m + lane] * b[m + lane];
-  for (; m < n; ++m) sums[0] += a[m] * b[m];
-  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-}
-
-BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) to[m] += factor * x[m];
-}
-
-BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) product[m] = a[m] * b[m];
-}
-
 std::vector<double> sums_of_rows(const BandTable& x) {
   const std::vector<double> ones(x.n_bands(), 1.0);
   std::vector<double> sums(x.n_impacts());
-  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = dot(x[k], ones.data(), x.n_bands());
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = audio::dot(x[k], ones.data(), x.n_bands());
   return sums;
 }
 
 std::vector<double> sums_of_columns(const BandTable& x) {
   std::vector<double> sums(x.n_bands(), 0.0);
-  for (std::size_t k = 0; k < x.n_impacts(); ++k) add_scaled(sums.data(), 1.0, x[k], x.n_bands());
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) audio::add_scaled(sums.data(), 1.0, x[k], x.n_bands());
   return sums;
 }
 

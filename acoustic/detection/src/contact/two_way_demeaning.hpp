@@ -23,11 +23,6 @@ class BandTable {
   std::vector<double> values_;
 };
 
-double dot(const double* a, const double* b, std::size_t n);
-/// to += factor x
-void add_scaled(double* to, double factor, const double* x, std::size_t n);
-void multiply(const double* a, const double* b, double* product, std::size_t n);
-
 std::vector<double> sums_of_rows(const BandTable& x);
 std::vector<double> sums_of_columns(const BandTable& x);
 

@@ -2,13 +2,12 @@
 #include "timing/correlation_peaks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -19,17 +18,6 @@ struct Peak {
   std::int64_t at = 0;  // in halves
   double height = 0.0;
 };
-
-/// Side by side, or each comparison waits for the one before.
-BOUNCELAB_VECTOR_CLONES float largest(const float* x, std::size_t n) {
-  std::array<float, 16> lanes;
-  lanes.fill(-INFINITY);
-  std::size_t k = 0;
-  for (; k + lanes.size() <= n; k += lanes.size())
-    for (std::size_t lane = 0; lane < lanes.size(); ++lane)
-      lanes[lane] = x[k + lane] > lanes[lane] ? x[k + lane] : lanes[lane];
-  return std::max(*std::max_element(lanes.begin(), lanes.end()), k < n ? *std::max_element(x + k, x + n) : -INFINITY);
-}
 
 }  // namespace
 
@@ -44,7 +32,7 @@ std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& wave, c
   std::vector<float> likely(static_cast<std::size_t>(highest - lowest + 3), -INFINITY);  // and one on either side
   for (std::int64_t k = lowest; k <= highest; ++k)
     likely[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
-  const auto top = std::find(likely.begin(), likely.end(), largest(likely.data(), likely.size()));
+  const auto top = std::find(likely.begin(), likely.end(), audio::largest(likely));
   const Peak best{top - likely.begin() - 1 + lowest, *top};
   std::vector<Peak> peaks;
   for (std::size_t k = 1; k + 1 < likely.size(); ++k) {

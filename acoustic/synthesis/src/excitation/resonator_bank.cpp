@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/units.hpp"
@@ -37,14 +38,9 @@ BOUNCELAB_VECTOR_CLONES void rotate(PoleValues& z, const PoleValues& e) {
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void add_scaled(PoleValues& z, const PoleValues& k, double factor) {
-  const std::size_t n = z.size();
-  double* re = z.re.data();
-  double* im = z.im.data();
-  for (std::size_t p = 0; p < n; ++p) {
-    re[p] += k.re[p] * factor;
-    im[p] += k.im[p] * factor;
-  }
+void add_scaled(PoleValues& z, const PoleValues& k, double factor) {
+  audio::add_scaled(z.re.data(), factor, k.re.data(), z.size());
+  audio::add_scaled(z.im.data(), factor, k.im.data(), z.size());
 }
 
 /// How many resonators ring together: a sample is loaded and stored once for all of them.

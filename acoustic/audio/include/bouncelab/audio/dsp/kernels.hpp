@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 
+/// The loops on which the time of a detection and of a synthesis goes. Each gives the same bytes on every machine: the
+/// order of its additions is fixed. What each earns against a plain loop is printed by tests/bench/kernels_bench.cpp;
+/// the ratios stand in kernels.cpp.
 namespace bouncelab::audio {
 
-/// Sum of products over the shorter of both; partial sums in single precision, side by side.
+/// Sum of products over the shorter of both; 32 partial sums in single precision.
 double dot(std::span<const float> a, std::span<const float> b);
+/// Sum of products, n of each; 8 partial sums.
+double dot(const double* a, const double* b, std::size_t n);
 
-/// Sum of a few hundred values, in single precision, side by side.
+/// Sum of a few hundred values; 8 partial sums in single precision.
 double sum(std::span<const float> x);
 
-/// sum_k (first + k) x[k], likewise.
+/// sum_k (first + k) x[k]; 8 partial sums in single precision.
 double moment(std::span<const float> x, std::size_t first);
 
-/// out[n] = sum_k taps[k] x[n + k]; every sum in the same order, wherever it stands in `out`.
+/// Largest of the values, none of them NaN; -infinity where there are none.
+float largest(std::span<const float> x);
+
+/// to[k] += factor x[k] for n values.
+void add_scaled(float* to, float factor, const float* x, std::size_t n);
+void add_scaled(double* to, double factor, const double* x, std::size_t n);
+
+/// product[k] = a[k] b[k] for n values.
+void multiply(const double* a, const double* b, double* product, std::size_t n);
+
+/// FIR filter, not reversed: out[n] = sum_k taps[k] x[n + k]. Every sum is taken in the same order, by fused
+/// multiply-add, wherever it stands in `out`.
 /// @param x  at least out.size() + taps.size() - 1 samples
 void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out);
 

@@ -30,9 +30,11 @@ class RealFft {
   /// n samples; bins that are missing are 0
   std::vector<float> inverse(const Spectrum& spectrum);
 
+  struct Plan;
+
  private:
   std::size_t n_;
-  const void* half_ = nullptr;  // plans and tables, shared and kept
+  const Plan* plan_;  // made once for each length and kept
 };
 
 /// a[k] exp(i k angle), the phasor to 1e-6: the signal earlier by angle n / (2 pi) samples, n those of its transform.

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+BOUNCELAB_VECTOR_CLONES void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi,
+                                      float* re, float* im, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const float a_im = sign * ai[k];
+    re[k] = ar[k] * br[k] - a_im * bi[k];
+    im[k] = ar[k] * bi[k] + a_im * br[k];
+  }
+}
+
+struct Phasor {
+  double c = 1.0;
+  double s = 0.0;
+};
+
+Phasor times(Phasor a, Phasor b) { return {a.c * b.c - a.s * b.s, a.c * b.s + a.s * b.c}; }
+
+/// exp(i j angle) for one block of j, and for the block's length: one sine and cosine in all.
+struct PhaseSteps {
+  static constexpr std::size_t kBlock = 32;
+  std::array<float, kBlock> c, s;
+  Phasor block;
+
+  explicit PhaseSteps(double angle) {
+    std::array<Phasor, kBlock + 1> p;
+    p[1] = {std::cos(angle), std::sin(angle)};
+    for (std::size_t j = 2; j <= kBlock; ++j) p[j] = times(p[j / 2], p[j - j / 2]);  // errors grow with log j
+    for (std::size_t j = 0; j < kBlock; ++j) {
+      c[j] = static_cast<float>(p[j].c);
+      s[j] = static_cast<float>(p[j].s);
+    }
+    block = p[kBlock];
+  }
+};
+
+/// a[k] exp(i k angle), block by block.
+BOUNCELAB_VECTOR_CLONES void phase_shift(const float* a_re, const float* a_im, const PhaseSteps& steps,
+                                         float* __restrict re, float* __restrict im, std::size_t n) {
+  double block_c = 1.0;  // n / 32 roundings of doubles: nothing to a float
+  double block_s = 0.0;
+  for (std::size_t k = 0; k < n; k += PhaseSteps::kBlock) {
+    const auto c = static_cast<float>(block_c);
+    const auto s = static_cast<float>(block_s);
+    const std::size_t n_here = std::min(PhaseSteps::kBlock, n - k);
+    for (std::size_t j = 0; j < n_here; ++j) {
+      const float here_c = c * steps.c[j] - s * steps.s[j];
+      const float here_s = c * steps.s[j] + s * steps.c[j];
+      re[k + j] = a_re[k + j] * here_c - a_im[k + j] * here_s;
+      im[k + j] = a_re[k + j] * here_s + a_im[k + j] * here_c;
+    }
+    const double next_c = block_c * steps.block.c - block_s * steps.block.s;
+    block_s = block_c * steps.block.s + block_s * steps.block.c;
+    block_c = next_c;
+  }
+}
+
+Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
+  const std::size_t n = std::min(a.size(), b.size());
+  Spectrum out{std::vector<float>(n), std::vector<float>(n)};
+  multiply(a.re.data(), a.im.data(), sign, b.re.data(), b.im.data(), out.re.data(), out.im.data(), n);
+  return out;
+}
+
+}  // namespace
+
+Spectrum phase_shifted(const Spectrum& a, double angle) {
+  Spectrum out{std::vector<float>(a.size()), std::vector<float>(a.size())};
+  phase_shift(a, angle, out);
+  return out;
+}
+
+void phase_shift(const Spectrum& a, double angle, Spectrum& out) {
+  phase_shift(a.re.data(), a.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
+}
+
+Spectrum phase_ramp(std::size_t n, double angle) {
+  return phase_shifted({std::vector<float>(n, 1.0F), std::vector<float>(n, 0.0F)}, angle);
+}
+
+Spectrum product_conj(const Spectrum& a, const Spectrum& b) { return multiplied(a, -1.0F, b); }
+Spectrum product(const Spectrum& a, const Spectrum& b) { return multiplied(a, 1.0F, b); }
+
+void add_scaled(Spectrum& a, const Spectrum& b, double factor) {
+  const auto f = static_cast<float>(factor);
+  const std::size_t n = std::min(a.size(), b.size());
+  add_scaled(a.re.data(), f, b.re.data(), n);
+  add_scaled(a.im.data(), f, b.im.data(), n);
+}
+
+double energy(const Spectrum& a) { return dot(a.re, a.re) + dot(a.im, a.im); }
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/pcm_decode.hpp"
+
+#include <cstring>
+
+#include "bouncelab/audio/dsp/vector_clones.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+BOUNCELAB_VECTOR_CLONES void decode_16_bits(const unsigned char* from, float* to, std::int64_t n) {
+  for (std::int64_t k = 0; k < n; ++k) {
+    std::int16_t x;
+    std::memcpy(&x, from + 2 * k, sizeof x);
+    to[k] = static_cast<float>(x) * 0x1p-15F;
+  }
+}
+
+/// Each integer goes into the upper three bytes of one of 32 bits, so that its sign comes right.
+BOUNCELAB_VECTOR_CLONES void decode_24_bits(const unsigned char* from, float* to, std::int64_t n) {
+  using Bytes = unsigned char __attribute__((vector_size(16)));
+  using Integers = std::int32_t __attribute__((vector_size(16)));
+  using Floats = float __attribute__((vector_size(16)));
+  constexpr std::int64_t kAtOnce = 4;  // of which 12 of 16 bytes are read
+  std::int64_t k = 0;
+  for (; 3 * k + 16 <= 3 * n; k += kAtOnce) {
+    Bytes x;
+    std::memcpy(&x, from + 3 * k, sizeof x);
+    // 16: a byte of the second operand, which is zero
+    const Bytes high = __builtin_shufflevector(x, Bytes{}, 16, 0, 1, 2, 16, 3, 4, 5, 16, 6, 7, 8, 16, 9, 10, 11);
+    const Floats value = __builtin_convertvector(reinterpret_cast<Integers>(high), Floats) * 0x1p-31F;
+    std::memcpy(to + k, &value, sizeof value);
+  }
+  for (; k < n; ++k) {
+    const unsigned char* x = from + 3 * k;
+    const std::uint32_t high = std::uint32_t{x[0]} << 8 | std::uint32_t{x[1]} << 16 | std::uint32_t{x[2]} << 24;
+    to[k] = static_cast<float>(static_cast<std::int32_t>(high)) * 0x1p-31F;
+  }
+}
+
+}  // namespace
+
+void decode_pcm(const unsigned char* from, int n_bytes, float* to, std::int64_t n) {
+  (n_bytes == 2 ? decode_16_bits : decode_24_bits)(from, to, n);
+}
+
+}  // namespace bouncelab::audio
