@@ -75,12 +75,10 @@ void print_memory(int n_drops, synthesis::SynthesisConfig config) {
   config.rate_hz = 8000;
   config.encoding = audio::SampleEncoding::pcm16;
   const Impacts one = smooth_drops(1);
-  const synthesis::DropSource drops = [&one, n_drops]() -> synthesis::NextDrop {
-    return [&one, n_drops, drop = 0](Impacts& next) mutable {
-      next = one;
-      for (Impact& impact : next.rows) impact.drop = drop;
-      return drop++ < n_drops;
-    };
+  const synthesis::DropSource drops = [&one, n_drops](std::int64_t k, Impacts& drop) {
+    drop = one;
+    for (Impact& impact : drop.rows) impact.drop = k;
+    return k < n_drops;
   };
   const std::filesystem::path out =
       std::filesystem::temp_directory_path() / ("synthesis_bench_" + std::to_string(::getpid()) + ".wav");

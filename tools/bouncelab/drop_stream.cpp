@@ -240,9 +240,8 @@ Onsets onsets_of(const std::vector<HeardDrop>& drops) {
 Onsets true_onsets_of(const std::vector<HeardDrop>& drops, const std::string& ball) {
   Onsets all;
   for (const HeardDrop& drop : drops) {
-    const std::string name = recording_name(ball, drop.drop);
-    for (const synthesis::TrueImpact& t : drop.truth)
-      all.push_back({name, t.drop, t.impact, t.t_s, std::nullopt, t.amplitude, t.snr_db, {}});
+    const Onsets truth = synthesis::onsets_of_truth(drop.truth, recording_name(ball, drop.drop));
+    all.insert(all.end(), truth.begin(), truth.end());
   }
   return all;
 }

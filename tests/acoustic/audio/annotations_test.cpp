@@ -178,7 +178,7 @@ TEST(Annotations, WhatIsNotMarksIsNamed) {
                 two.back().recording = "b.wav";
                 annotations_of(two);
               }),
-              HasSubstr("--recording"));
+              HasSubstr("choose it"));
 }
 
 class Cues : public testing::Test {

@@ -167,6 +167,18 @@ TEST_F(SynthesizeFile, TheTruthReadsAsOnsets) {
   EXPECT_EQ(onsets[1].sigma_t_s, hits[1].sigma_t_s);
 }
 
+TEST(TrueImpact, AsAnOnsetIsTheExactBeginOfContact) {
+  const std::vector<TrueImpact> truth{{3, 7, 1.25, 1e-7, 0.5, 40.0, 35e-6, 1e-4, 0.01, 0.02, 0.9, {}}};
+  const Onsets onsets = onsets_of_truth(truth, "a.wav");
+  ASSERT_EQ(onsets.size(), 1u);
+  EXPECT_EQ(onsets[0].recording, "a.wav");
+  EXPECT_EQ(onsets[0].drop, 3);
+  EXPECT_EQ(onsets[0].impact, 7);
+  EXPECT_EQ(onsets[0].t_s, 1.25) << "not the arrival at the sensor";
+  EXPECT_FALSE(onsets[0].sigma_t_s);
+  EXPECT_EQ(onsets[0].snr_db, 40.0);
+}
+
 TEST_F(SynthesizeFile, ARateTooLowForTheModesSaysWhichAreLeftOut) {
   SynthesisConfig config = quiet();
   config.rate_hz = 44100;

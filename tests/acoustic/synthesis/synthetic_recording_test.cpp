@@ -290,15 +290,15 @@ TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
   const SyntheticRecording rough(three, config);
   ASSERT_EQ(rough.truth().size(), 3u);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rough.truth()[k].t_s, plain.truth()[k].t_s);
-  const auto n_of = [&](const std::string& kind) {
+  const auto n_of = [&](OtherSoundKind kind) {
     return std::count_if(rough.others().begin(), rough.others().end(), [&](const auto& o) { return o.kind == kind; });
   };
-  EXPECT_GE(n_of("knock"), 3) << "every impact has its double hit";
-  EXPECT_EQ(n_of("release"), 1);
-  EXPECT_EQ(n_of("fan"), 1);
-  EXPECT_EQ(n_of("motor"), 1);
-  EXPECT_EQ(n_of("pickup"), 1);
-  EXPECT_GT(n_of("click"), 0);
+  EXPECT_GE(n_of(OtherSoundKind::knock), 3) << "every impact has its double hit";
+  EXPECT_EQ(n_of(OtherSoundKind::release), 1);
+  EXPECT_EQ(n_of(OtherSoundKind::fan), 1);
+  EXPECT_EQ(n_of(OtherSoundKind::motor), 1);
+  EXPECT_EQ(n_of(OtherSoundKind::pickup), 1);
+  EXPECT_GT(n_of(OtherSoundKind::click), 0);
   EXPECT_TRUE(plain.others().empty());
   EXPECT_EQ(rough.samples(), rough.samples());
   EXPECT_GT(rms(rough.samples()), rms(plain.samples()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/impact_file.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -60,10 +61,11 @@ class CsvDrops {
 synthesis::DropSource impact_file(const std::filesystem::path& path) {
   if (is_hdf5(path) || is_json_lines(path)) {
     const auto all = std::make_shared<Impacts>(impacts_from_table(read_table(path, impact_columns()), path.string()));
-    return [all] { return [all, next = synthesis::drops_of(*all)()](Impacts& drop) { return next(drop); }; };
+    return [all, drops = synthesis::drops_of(*all)](std::int64_t k, Impacts& drop) { return drops(k, drop); };
   }
-  return [path]() -> synthesis::NextDrop {
-    return [drops = std::make_shared<CsvDrops>(path)](Impacts& drop) { return drops->next(drop); };
+  return [path, drops = std::shared_ptr<CsvDrops>()](std::int64_t k, Impacts& drop) mutable {
+    if (k == 0) drops = std::make_shared<CsvDrops>(path);
+    return drops->next(drop);
   };
 }
 

@@ -14,7 +14,7 @@
 namespace bouncelab::audio {
 namespace {
 
-/// An onset as its label tells it; the time where the label says one.
+/// An onset as parsed from its label; the time if the label has one.
 struct Labelled {
   Onset onset;
   std::optional<double> t_s;
@@ -22,8 +22,8 @@ struct Labelled {
 
 bool read_number(std::string_view text, double& value) { return parse_number(text, value) && std::isfinite(value); }
 
-/// DROP.IMPACT; false where it is something else.
-bool read_place(std::string_view word, Onset& onset) {
+/// DROP.IMPACT; false if the word is something else.
+bool parse_drop_and_impact(std::string_view word, Onset& onset) {
   const auto dot = word.find('.');
   return dot != std::string_view::npos && parse_number(word.substr(0, dot), onset.drop) &&
          parse_number(word.substr(dot + 1), onset.impact) && onset.drop >= 0 && onset.impact >= 0;
@@ -33,7 +33,7 @@ std::optional<Labelled> read_label(const std::string& label) {
   Labelled result;
   std::istringstream words(label);
   std::string word;
-  if (!(words >> word) || !read_place(word, result.onset)) return std::nullopt;
+  if (!(words >> word) || !parse_drop_and_impact(word, result.onset)) return std::nullopt;
   while (words >> word) {
     const auto equals = word.find('=');
     const std::string key = word.substr(0, equals);
@@ -61,7 +61,7 @@ std::string label_of(const Onset& onset) {
   return text;
 }
 
-/// The onset of a mark that tells its place; as it was, or as somebody moved it.
+/// The onset of a labelled point: as it was, or with the time to which it was moved by hand.
 Onset onset_of(const Annotation& point, const Labelled& labelled, double resolution_s) {
   Onset onset = labelled.onset;
   onset.t_s = labelled.t_s.value_or(point.t_s);
@@ -88,20 +88,20 @@ void number_upwards(Onsets& onsets, bool renumber) {
 }  // namespace
 
 Annotations annotations_of(const Onsets& onsets) {
-  if (onsets.empty()) throw InvalidArgument("there are no onsets to mark");
+  if (onsets.empty()) throw InvalidArgument("there are no onsets to annotate");
   Annotations result;
   result.recording = onsets.front().recording;
   for (const Onset& onset : onsets) {
     if (onset.recording != result.recording)
       throw InvalidArgument("onsets of several recordings ('" + result.recording + "', '" + onset.recording +
-                            "' ...); marks belong to one: choose it with --recording");
+                            "' ...); annotations belong to one: choose it");
     result.points.push_back({onset.t_s, label_of(onset)});
   }
   return result;
 }
 
 Onsets onsets_of(const Annotations& annotations, bool renumber) {
-  if (annotations.points.empty()) throw InvalidArgument("there are no marks");
+  if (annotations.points.empty()) throw InvalidArgument("there are no annotations");
   std::vector<Annotation> by_time = annotations.points;
   std::stable_sort(by_time.begin(), by_time.end(),
                    [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });

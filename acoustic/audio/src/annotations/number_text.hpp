@@ -14,13 +14,13 @@ inline std::string number_text(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-/// The same without an exponent: Praat and Audacity know none.
+/// The same without an exponent: Praat and Audacity do not read one.
 inline std::string plain_number_text(double value) {
   char buffer[400];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr};
 }
 
-/// All of the text as a number; false where it is something else.
+/// All of the text as a number; false if it is something else.
 template <class Number>
 bool parse_number(std::string_view text, Number& value) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);

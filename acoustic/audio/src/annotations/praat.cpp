@@ -16,7 +16,7 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-/// What Praat reads of its text files: numbers and texts that stand free; all other words are for people.
+/// The tokens that Praat reads from its text files: free-standing numbers and quoted texts; it ignores all other words.
 class FreeStanding {
  public:
   FreeStanding(const std::string& text, const std::string& name) : text_(text), name_(name) {}

@@ -110,8 +110,8 @@ std::string cue_chunks(const Annotations& annotations, int rate_hz, const std::s
   for (const Annotation& point : annotations.points) {
     const double frame = std::round(point.t_s * rate_hz);
     if (!(frame >= 0.0 && frame <= static_cast<double>(kIn32Bits)))
-      throw FileError(name, "a mark at " + std::to_string(point.t_s) +
-                                " s lies outside what a cue point can say (2^32 frames); use labels of another format");
+      throw FileError(name, "a point at " + std::to_string(point.t_s) +
+                                " s is beyond the range of a cue point (2^32 frames); use another label format");
     ++number;
     put(cues, number);
     put(cues, static_cast<std::uint32_t>(frame));

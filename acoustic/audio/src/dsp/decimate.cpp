@@ -2,10 +2,10 @@
 #include "bouncelab/audio/dsp/decimate.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -16,8 +16,8 @@ std::vector<float> low_pass(int factor) {
   std::vector<double> taps;
   double sum = 0.0;
   for (int k = -reach; k <= reach; ++k) {
-    const double x = kPi * cutoff * k;
-    const double window = 0.5 + 0.5 * std::cos(kPi * k / (reach + 1.0));
+    const double x = std::numbers::pi * cutoff * k;
+    const double window = 0.5 + 0.5 * std::cos(std::numbers::pi * k / (reach + 1.0));
     taps.push_back(window * (k == 0 ? 1.0 : std::sin(x) / x));
     sum += taps.back();
   }

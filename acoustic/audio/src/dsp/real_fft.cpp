@@ -10,10 +10,10 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <numbers>
 #include <type_traits>
 
 #include "bouncelab/audio/dsp/vector_clones.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -79,7 +79,7 @@ const RealFft::Plan& plan_for(std::size_t n) {
     plan.inverse.reset(
         fftwf_plan_dft_1d(size, as_complex(work.in), as_complex(work.out), FFTW_BACKWARD, FFTW_ESTIMATE));
     for (int k = 0; k < size; ++k) {
-      const double phase = 2.0 * kPi * k / static_cast<double>(n);
+      const double phase = 2.0 * std::numbers::pi * k / static_cast<double>(n);
       plan.cosine.push_back(static_cast<float>(std::cos(phase)));
       plan.sine.push_back(static_cast<float>(std::sin(phase)));
     }

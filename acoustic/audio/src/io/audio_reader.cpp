@@ -46,8 +46,8 @@ void check_is_a_file(const std::filesystem::path& path) {
     throw FileError(path.string(), "the file is empty (0 bytes); record again");
 }
 
-/// libsndfile reads what is there of a truncated WAV without a word; its log says what the header promised:
-/// "data : 1000 (should be 500)". Streamed files (ffmpeg to a pipe) promise 2^32-1 or nothing, which is no lie.
+/// libsndfile reads a truncated WAV without an error; only its log shows the length given in the header:
+/// "data : 1000 (should be 500)". Streamed files (ffmpeg to a pipe) give 2^32-1 or 0, which is not an error.
 void check_promised_length(SNDFILE* file, const std::string& name) {
   std::array<char, 16384> log{};
   sf_command(file, SFC_GET_LOG_INFO, log.data(), log.size());

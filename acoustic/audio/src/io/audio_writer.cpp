@@ -19,7 +19,7 @@ namespace {
 
 /// WAV counts its bytes in 32 bits; the margin holds the header's chunks.
 constexpr double kWavLimit_bytes = 4294967295.0 - 65536.0;
-/// What the frame header of FLAC can say (RFC 9639, 9.1.2 and 8.2): 20 bits of Hz.
+/// What the frame header of FLAC can encode (RFC 9639, 9.1.2 and 8.2): 20 bits of Hz.
 constexpr int kFlacMaxRate_hz = 655350;
 
 int bytes_per_sample(SampleEncoding encoding) {

@@ -8,7 +8,7 @@
 
 namespace bouncelab::synthesis {
 
-/// What the clean wave of one contact says of itself.
+/// Peak and information of the noise-free wave of one contact.
 struct WaveMeasure {
   double peak = 0.0;          ///< largest |sample|
   double slope_energy = 0.0;  ///< sum over all samples of (whitened dy per sample)^2

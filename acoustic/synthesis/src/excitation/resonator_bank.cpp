@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -85,7 +85,7 @@ PoleValues product(const PoleValues& a, const PoleValues& b) {
 /// Gauss points within one sample interval: two waves, each up to its own frequency, beat over it. With half the phase
 /// theta of their product, 0.7 theta + 5.5 points leave 1e-9 (error term of the rule applied to exp(i theta x)).
 int n_interval_nodes(double max_radps, double rate_hz) {
-  const double theta = 0.5 * (kPi + max_radps / rate_hz);
+  const double theta = 0.5 * (std::numbers::pi + max_radps / rate_hz);
   return static_cast<int>(std::ceil(0.7 * theta + 5.5));
 }
 

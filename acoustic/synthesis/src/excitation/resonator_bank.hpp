@@ -24,7 +24,7 @@ struct PoleValues {
   }
 };
 
-/// A contact as one sensor hears it, in samples.
+/// A contact as seen by one sensor, in samples.
 struct Contact {
   double arrival_samples = 0.0;   ///< begin of the force pulse plus travel time
   double duration_samples = 0.0;  ///< of the contact, > 0

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/core/quadrature.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -69,7 +69,7 @@ std::vector<DiskMode> free_disk_modes(double radius_m, double poisson_ratio, dou
         modes.push_back(mode_at_root(n, 0.5 * (a + b), radius_m, poisson_ratio));
         if (n > 0) {
           modes.push_back(modes.back());
-          modes.back().phase_rad = 0.5 * kPi;
+          modes.back().phase_rad = 0.5 * std::numbers::pi;
         }
       }
       lo = hi;

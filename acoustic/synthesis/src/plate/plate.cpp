@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
 #include "plate/disk_modes.hpp"
 #include "plate/rectangular_modes.hpp"
 
@@ -45,10 +45,11 @@ void validate_ground(const Ground& g) {
 
 PlateMode plate_mode(double wavenumber_per_m, double thickness_m, double area_m2, const Material& material,
                      const Damping& damping, bool of_disk) {
-  const double natural_radps = 2.0 * kPi * mindlin_frequency_hz(wavenumber_per_m, thickness_m, material);
+  const double natural_radps = 2.0 * std::numbers::pi * mindlin_frequency_hz(wavenumber_per_m, thickness_m, material);
   const double decay_per_s = 0.5 * damping.loss_factor * natural_radps + damping.support_per_s;
   const double damped_radps = std::sqrt(std::max(0.0, natural_radps * natural_radps - decay_per_s * decay_per_s));
-  return {damped_radps / (2.0 * kPi), decay_per_s, material.density_kgpm3 * thickness_m * area_m2, of_disk};
+  return {damped_radps / (2.0 * std::numbers::pi), decay_per_s, material.density_kgpm3 * thickness_m * area_m2,
+          of_disk};
 }
 
 /// The wavenumber at which Mindlin's frequency is reached; it grows with k, so by halving.
@@ -90,13 +91,13 @@ double mindlin_frequency_hz(double k_per_m, double thickness_m, const Material& 
   const double rigidity_nm =
       m.youngs_modulus_pa * std::pow(thickness_m, 3) / (12.0 * (1.0 - m.poisson_ratio * m.poisson_ratio));
   // (k^2 - a W)(k^2 - b W) = c W with W = omega^2; its lower root, in the form that does not cancel
-  const double a = m.density_kgpm3 / (kPi * kPi / 12.0 * shear_pa);
+  const double a = m.density_kgpm3 / (std::numbers::pi * std::numbers::pi / 12.0 * shear_pa);
   const double b = m.density_kgpm3 * std::pow(thickness_m, 3) / (12.0 * rigidity_nm);
   const double c = m.density_kgpm3 * thickness_m / rigidity_nm;
   const double k2 = k_per_m * k_per_m;
   const double half = k2 * (a + b) + c;
   const double square_radps2 = 2.0 * k2 * k2 / (half + std::sqrt(half * half - 4.0 * a * b * k2 * k2));
-  return std::sqrt(square_radps2) / (2.0 * kPi);
+  return std::sqrt(square_radps2) / (2.0 * std::numbers::pi);
 }
 
 double rayleigh_speed_mps(const Material& m) {
@@ -124,8 +125,9 @@ PlateModes::PlateModes(const Ground& ground, double max_frequency_hz)
   shapes_->disk = free_disk_modes(disk.radius_m, disk.material.poisson_ratio,
                                   wavenumber_at(max_frequency_hz, disk.thickness_m, disk.material));
   for (const DiskMode& mode : shapes_->disk)
-    modes_.push_back(plate_mode(mode.wavenumber_per_m, disk.thickness_m, kPi * disk.radius_m * disk.radius_m,
-                                disk.material, ground.disk_damping, true));
+    modes_.push_back(plate_mode(mode.wavenumber_per_m, disk.thickness_m,
+                                std::numbers::pi * disk.radius_m * disk.radius_m, disk.material, ground.disk_damping,
+                                true));
 }
 
 PlateModes::~PlateModes() = default;

@@ -8,7 +8,7 @@
 namespace bouncelab::synthesis {
 namespace {
 
-/// A resonator is put to rest where it is below the last bit of 32, or 80 dB below the noise.
+/// A resonator is set to zero when it is below the last of 32 bits, or 80 dB below the noise.
 constexpr double kSilence = 1e-11, kSilenceInNoise = 1e-4;
 constexpr std::int64_t kBlock = ResonatorBank::kBlock;
 
@@ -16,7 +16,7 @@ void add_to(PoleValues& sum, const PoleValues& part) {
   for (std::size_t p = 0; p < sum.size(); ++p) sum.set(p, sum[p] + part[p]);
 }
 
-/// 2.5 s: long against the plate's memory, which each segment has to recall.
+/// 2.5 s: long against the plate's memory, of which each segment computes the beginning anew.
 std::int64_t frames_of_a_segment(int rate_hz) {
   return std::max<std::int64_t>(1 << 16, std::int64_t{rate_hz} * 5 / 2 / kBlock * kBlock);
 }
@@ -41,11 +41,11 @@ Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, cons
 template <class Use>
 void Renderer::for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const {
   const PoleValues amplitudes = sound_.amplitudes(channel, strike);
-  Contact heard = sound_.contact(channel, strike);
-  heard.impulse *= levels_.gain;
-  use(heard, amplitudes);
+  Contact direct = sound_.contact(channel, strike);
+  direct.impulse *= levels_.gain;
+  use(direct, amplitudes);
   for (const Echo& echo : config_.sensor.echoes) {
-    Contact late = heard;
+    Contact late = direct;
     late.arrival_samples += echo.delay_s * config_.rate_hz;
     late.impulse *= echo.gain;
     use(late, amplitudes);
@@ -59,9 +59,9 @@ std::vector<double> Renderer::strikes_sound(std::size_t channel, std::int64_t fi
   PoleValues state(bank.size());
   std::vector<std::pair<std::int64_t, PoleValues>> joining;  // block at whose begin a wave joins the free ringing
 
-  const auto add_contact = [&](const Contact& heard, const PoleValues& amplitudes) {
-    if (heard.arrival_samples - ConverterFilter::kHalfWidth_samples >= static_cast<double>(end)) return;
-    ContactWave wave = bank.wave(heard, amplitudes, false);
+  const auto add_contact = [&](const Contact& contact, const PoleValues& amplitudes) {
+    if (contact.arrival_samples - ConverterFilter::kHalfWidth_samples >= static_cast<double>(end)) return;
+    ContactWave wave = bank.wave(contact, amplitudes, false);
     if (wave.end() <= first) {
       bank.advance(wave.ringing, first - wave.end());
       add_to(state, wave.ringing);
@@ -99,8 +99,8 @@ void Renderer::ring(std::vector<std::pair<std::int64_t, PoleValues>>& joining, P
   }
 }
 
-/// As strikes_sound, with the room's tail: begun early enough that the tail has forgotten its start.
-std::vector<double> Renderer::sound_in_room(std::size_t channel, std::int64_t first, std::int64_t n) const {
+/// As strikes_sound, with the reverberation tail, begun so early that its start has decayed.
+std::vector<double> Renderer::reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const {
   const ReverberationTail& tail = sound_.instrument().tail();
   const std::int64_t run_in = (tail.memory_frames() + kBlock - 1) / kBlock * kBlock;
   std::vector<double> sound = strikes_sound(channel, first - run_in, n + run_in);
@@ -114,7 +114,7 @@ std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   std::vector<double> interleaved(n_channels > 1 ? static_cast<std::size_t>(n) * n_channels : 0);
   for (std::size_t c = 0; c < n_channels; ++c) {
     std::vector<double> sound = config_.channels[c].gain == 0.0 ? std::vector<double>(static_cast<std::size_t>(n), 0.0)
-                                                                : sound_in_room(c, first, n);
+                                                                : reverberant_sound(c, first, n);
     background_.add(c, first, sound);
     for (double& sample : sound) sample = std::clamp(sample, -1.0, 1.0);
     if (n_channels == 1) return sound;

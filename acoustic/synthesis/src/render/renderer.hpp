@@ -20,7 +20,7 @@ class Renderer {
   Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule, const Levels& levels);
 
   std::int64_t segment_frames() const { return segment_frames_; }
-  /// Before and after a segment: strikes that far away are heard in it.
+  /// How far before and after a segment strikes contribute to it.
   double reach_back_s() const { return reach_back_s_; }
   double reach_ahead_s() const { return reach_ahead_s_; }
   /// Frames first ... first + n - 1, interleaved by channel, clipped to full scale. @param first  a multiple of
@@ -29,7 +29,7 @@ class Renderer {
 
  private:
   std::vector<double> strikes_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
-  std::vector<double> sound_in_room(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  std::vector<double> reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
   template <class Use>
   void for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const;
   void ring(std::vector<std::pair<std::int64_t, PoleValues>>& joining, PoleValues& state, std::span<double> out) const;

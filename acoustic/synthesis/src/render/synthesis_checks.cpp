@@ -101,7 +101,7 @@ void validate(const Impacts& impacts, const SynthesisConfig& config) {
     if (!contains(config.ground, position[0], position[1]))
       throw InvalidArgument(
           place + "x = " + std::to_string(position[0]) + " m, y = " + std::to_string(position[1]) +
-          " m is off the plate; let simulate end the drop at its edge (--plate) or draw positions (--positions drawn)");
+          " m is off the plate; let the simulation end the drop at the edge of the plate, or draw the positions");
   }
 }
 

@@ -21,14 +21,15 @@ struct Survey {
   double duration_s = 0.0;
 };
 
-Survey survey(const NextDrop& next, const SynthesisConfig& config, const StrikeSound& sound,
+Survey survey(const DropSource& drops, const SynthesisConfig& config, const StrikeSound& sound,
               const ProgressCallback& progress) {
   Survey result;
   Scheduler scheduler(config, 0.0);
   double weakest_peak = 0.0, strongest_peak = 0.0;
   std::int64_t drop_before = 0;
-  for (Impacts drop; next(drop); drop_before = drop.rows.front().drop) {
-    const bool is_first = scheduler.duration_s() == 0.0;
+  Impacts drop;
+  for (std::int64_t k = 0; drops(k, drop); ++k) {
+    const bool is_first = k == 0;
     validate(drop, config);
     if (!is_first && drop.rows.front().drop <= drop_before)
       throw InvalidArgument("drop " + std::to_string(drop.rows.front().drop) + " comes after drop " +
@@ -45,10 +46,11 @@ Survey survey(const NextDrop& next, const SynthesisConfig& config, const StrikeS
       weakest_peak = is_first ? *weakest : std::min(weakest_peak, *weakest);
       strongest_peak = std::max(strongest_peak, *strongest);
     }
+    drop_before = drop.rows.front().drop;
     if (progress) progress(0.0, 0.0);
   }
   result.duration_s = scheduler.duration_s();
-  if (result.duration_s == 0.0) validate(Impacts{}, config);  // there are none, and it says so
+  if (result.duration_s == 0.0) validate(Impacts{}, config);  // throws: there are no impacts
   result.levels = config.levels ? *config.levels : levels_for(config, weakest_peak, strongest_peak);
   return result;
 }
@@ -57,7 +59,7 @@ void check_file(const std::filesystem::path& out, const SynthesisConfig& config)
   audio::validate(out, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding});
 }
 
-/// One recording from impacts to file: the schedule holds what sounds, nothing before and little after.
+/// One recording from impacts to file. The schedule holds only the drops that sound in the current batch.
 class RecordingWriter {
  public:
   RecordingWriter(const SynthesisConfig& config, const StrikeSound& sound, const Survey& survey,
@@ -72,25 +74,30 @@ class RecordingWriter {
         writer_(out_, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding}, n_frames_,
                 may_replace) {}
 
-  void write(const NextDrop& next, const TruthSink& truth, const ProgressCallback& progress, SynthesisResult& result) {
+  void write(const DropSource& drops, const TruthSink& truth, const ProgressCallback& progress,
+             SynthesisResult& result) {
     const std::int64_t batch_frames = resolved_threads(config_.n_threads) * renderer_.segment_frames();
+    Impacts drop;
+    std::int64_t n_drops = 0;
     for (std::int64_t first = 0; first < n_frames_; first += batch_frames) {
       const double begin_s = static_cast<double>(first) / config_.rate_hz;
       const double end_s = static_cast<double>(first + batch_frames) / config_.rate_hz;
-      for (Impacts drop; schedule_.duration_s < end_s + renderer_.reach_ahead_s() && next(drop);)
-        take(drop, truth, result);
+      while (schedule_.duration_s < end_s + renderer_.reach_ahead_s() && drops(n_drops, drop)) {
+        ++n_drops;
+        add(drop, truth, result);
+      }
       forget(schedule_, begin_s - renderer_.reach_back_s());
       write_batch(first, std::min(first + batch_frames, n_frames_));
       if (progress) progress(std::min(survey_.duration_s, end_s), survey_.duration_s);
     }
     if (schedule_.duration_s != survey_.duration_s)
-      throw InvalidArgument("the impacts changed while they were made to sound; start again");
+      throw InvalidArgument("the impacts changed between the two passages of the synthesis; start again");
     writer_.commit();
     result.duration_s += static_cast<double>(n_frames_) / config_.rate_hz;
   }
 
  private:
-  void take(const Impacts& drop, const TruthSink& truth, SynthesisResult& result) {
+  void add(const Impacts& drop, const TruthSink& truth, SynthesisResult& result) {
     const std::size_t n_before = schedule_.strikes.size();
     scheduler_.add_drop(drop, schedule_);
     DropTruth of_drop{out_, sound_.truth(std::span(schedule_.strikes).subspan(n_before)),
@@ -123,7 +130,7 @@ class RecordingWriter {
   audio::AudioWriter writer_;
 };
 
-void conclude(SynthesisResult& result, const SynthesisConfig& config, const Instrument& instrument) {
+void summarise(SynthesisResult& result, const SynthesisConfig& config, const Instrument& instrument) {
   result.n_modes = static_cast<int>(instrument.plate().modes().size());
   const double nyquist_hz = 0.5 * config.rate_hz;
   std::vector<double> left_out_hz;
@@ -145,17 +152,17 @@ void conclude(SynthesisResult& result, const SynthesisConfig& config, const Inst
 }  // namespace
 
 DropSource drops_of(const Impacts& impacts) {
-  return [&impacts]() -> NextDrop {
-    return [&impacts, first = std::size_t{0}](Impacts& drop) mutable {
-      const auto at = [](std::size_t k) { return static_cast<std::ptrdiff_t>(k); };
-      std::size_t last = first;
-      while (last < impacts.rows.size() && impacts.rows[last].drop == impacts.rows[first].drop) ++last;
-      drop.rows.assign(impacts.rows.begin() + at(first), impacts.rows.begin() + at(last));
-      drop.states.clear();
-      if (!impacts.states.empty())
-        drop.states.assign(impacts.states.begin() + at(first), impacts.states.begin() + at(last));
-      return std::exchange(first, last) != last;
-    };
+  std::vector<std::ptrdiff_t> begins;  // of each drop, and the end of the last
+  for (std::size_t k = 0; k < impacts.rows.size(); ++k)
+    if (k == 0 || impacts.rows[k].drop != impacts.rows[k - 1].drop) begins.push_back(static_cast<std::ptrdiff_t>(k));
+  begins.push_back(std::ssize(impacts.rows));
+  return [&impacts, begins = std::move(begins)](std::int64_t k, Impacts& drop) {
+    if (k + 1 >= std::ssize(begins)) return false;
+    const std::ptrdiff_t first = begins[static_cast<std::size_t>(k)], last = begins[static_cast<std::size_t>(k) + 1];
+    drop.rows.assign(impacts.rows.begin() + first, impacts.rows.begin() + last);
+    drop.states.clear();
+    if (!impacts.states.empty()) drop.states.assign(impacts.states.begin() + first, impacts.states.begin() + last);
+    return true;
   };
 }
 
@@ -176,11 +183,11 @@ SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& confi
                            bool may_replace, const TruthSink& truth, const ProgressCallback& progress) {
   check_file(out, config);
   const StrikeSound sound(config, make_instrument(config));
-  const Survey found = survey(drops(), config, sound, progress);
+  const Survey found = survey(drops, config, sound, progress);
   SynthesisResult result;
   result.levels = found.levels;
-  RecordingWriter(config, sound, found, out, may_replace).write(drops(), truth, progress, result);
-  conclude(result, config, sound.instrument());
+  RecordingWriter(config, sound, found, out, may_replace).write(drops, truth, progress, result);
+  summarise(result, config, sound.instrument());
   return result;
 }
 
@@ -191,18 +198,18 @@ SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisCon
   const auto instrument = make_instrument(config);
   SynthesisResult result;
   result.n_files = 0;
-  result.levels = survey(drops(), config, StrikeSound(config, instrument), progress).levels;
-  const NextDrop next = drops();
-  for (Impacts drop; next(drop); ++result.n_files) {
+  result.levels = survey(drops, config, StrikeSound(config, instrument), progress).levels;
+  Impacts drop;
+  for (std::int64_t k = 0; drops(k, drop); ++k, ++result.n_files) {
     const std::int64_t number = drop.rows.front().drop;
     const SynthesisConfig of_drop = config_of_drop(config, result.levels, number);
     const StrikeSound sound(of_drop, instrument);
     const DropSource only = drops_of(drop);
-    RecordingWriter(of_drop, sound, survey(only(), of_drop, sound, {}), path_of_drop(out, number), may_replace)
-        .write(only(), truth, {}, result);
+    RecordingWriter(of_drop, sound, survey(only, of_drop, sound, {}), path_of_drop(out, number), may_replace)
+        .write(only, truth, {}, result);
     if (progress) progress(static_cast<double>(result.n_impacts), 0.0);
   }
-  conclude(result, config, *instrument);
+  summarise(result, config, *instrument);
   return result;
 }
 

@@ -35,8 +35,9 @@ struct SyntheticRecording::State {
     for (const Impact& impact : impacts.rows) weakest_ns = std::min(weakest_ns, impulse_ns(config, impact));
     Schedule schedule;
     Scheduler scheduler(config, weakest_ns);
-    const NextDrop next = drops_of(impacts)();
-    for (Impacts drop; next(drop);) scheduler.add_drop(drop, schedule);
+    const DropSource drops = drops_of(impacts);
+    Impacts drop;
+    for (std::int64_t k = 0; drops(k, drop); ++k) scheduler.add_drop(drop, schedule);
     for (const Strike& strike : schedule.strikes) check_contact(strike.duration_s, config);
     return schedule;
   }

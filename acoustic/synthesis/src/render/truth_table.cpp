@@ -3,6 +3,31 @@
 
 namespace bouncelab::synthesis {
 
+const char* to_string(OtherSoundKind kind) {
+  switch (kind) {
+    case OtherSoundKind::release:
+      return "release";
+    case OtherSoundKind::click:
+      return "click";
+    case OtherSoundKind::knock:
+      return "knock";
+    case OtherSoundKind::fan:
+      return "fan";
+    case OtherSoundKind::motor:
+      return "motor";
+    case OtherSoundKind::pickup:
+      return "pickup";
+  }
+  return "";
+}
+
+Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& recording) {
+  Onsets onsets;
+  for (const TrueImpact& impact : truth)
+    onsets.push_back({recording, impact.drop, impact.impact, impact.t_s, {}, impact.amplitude, impact.snr_db, {}});
+  return onsets;
+}
+
 Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording) {
   const auto reals = [&](const char* name, auto member) {
     std::vector<double> values;
@@ -35,7 +60,7 @@ Table others_table(const std::vector<OtherSound>& others) {
   std::vector<std::string> kind;
   std::vector<double> t_s;
   for (const OtherSound& sound : others) {
-    kind.push_back(sound.kind);
+    kind.push_back(to_string(sound.kind));
     t_s.push_back(sound.t_s);
   }
   return {{{"kind", std::move(kind)}, {"t_s", std::move(t_s)}}};

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -18,10 +18,10 @@ constexpr std::uint64_t kPhaseItem = 255;  // of the disturbance stream, beside 
 void add_tone(double frequency_hz, double phase_rad, double amplitude, double rate_hz, std::int64_t first,
               std::span<double> out) {
   const double turns = frequency_hz / rate_hz * static_cast<double>(first);
-  double angle = 2.0 * kPi * (turns - std::floor(turns)) + phase_rad;
+  double angle = 2.0 * std::numbers::pi * (turns - std::floor(turns)) + phase_rad;
   double re = std::cos(angle), im = std::sin(angle);
-  const double step_re = std::cos(2.0 * kPi * frequency_hz / rate_hz);
-  const double step_im = std::sin(2.0 * kPi * frequency_hz / rate_hz);
+  const double step_re = std::cos(2.0 * std::numbers::pi * frequency_hz / rate_hz);
+  const double step_im = std::sin(2.0 * std::numbers::pi * frequency_hz / rate_hz);
   for (double& y : out) {
     y += amplitude * im;
     const double next = re * step_re - im * step_im;
@@ -65,12 +65,12 @@ void Background::add_hum_and_drift(std::int64_t first, std::span<double> out) co
   Random random(config_.seed, RandomStream::disturbance, kPhaseItem);
   const double rate_hz = config_.rate_hz;
   for (int harmonic = 1; harmonic <= 7; ++harmonic) {
-    const double phase_rad = random.uniform(0.0, 2.0 * kPi);
+    const double phase_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
     if (d.hum_level > 0.0)
       add_tone(harmonic * d.hum_hz, phase_rad, d.hum_level * levels_.weakest_peak / harmonic, rate_hz, first, out);
   }
   for (const double frequency_hz : {0.067, 0.19, 0.43}) {
-    const double phase_rad = random.uniform(0.0, 2.0 * kPi);
+    const double phase_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
     if (d.drift_level > 0.0)
       add_tone(frequency_hz, phase_rad, d.drift_level * levels_.weakest_peak / 3.0, rate_hz, first, out);
   }
@@ -95,8 +95,8 @@ void Background::add_clicks(std::int64_t first, std::span<double> out) const {
 
 std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std::size_t n) const {
   const double rate_hz = config_.rate_hz;
-  const double keep = std::exp(-2.0 * kPi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
-  const double keep_low = std::exp(-2.0 * kPi * burst.lowest_hz / rate_hz);
+  const double keep = std::exp(-2.0 * std::numbers::pi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
+  const double keep_low = std::exp(-2.0 * std::numbers::pi * burst.lowest_hz / rate_hz);
   // one pole above, one below the band
   const auto filter = [=](std::span<double> samples) {
     double passed = 0.0, low = 0.0;
@@ -106,7 +106,7 @@ std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std:
       y = passed - low;
     }
   };
-  const auto run_in = static_cast<std::int64_t>(std::log(1e6) / (2.0 * kPi * burst.lowest_hz) * rate_hz);
+  const auto run_in = static_cast<std::int64_t>(std::log(1e6) / (2.0 * std::numbers::pi * burst.lowest_hz) * rate_hz);
   std::vector<double> response(static_cast<std::size_t>(run_in), 0.0);
   response.front() = 1.0;
   filter(response);
@@ -128,8 +128,8 @@ std::vector<double> Background::whine(const Burst& burst, std::int64_t from, std
   Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
   for (int k = 0; k < kTones; ++k) {
     const double frequency_hz = burst.lowest_hz * std::pow(burst.highest_hz / burst.lowest_hz, random.uniform());
-    add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * kPi), std::sqrt(2.0 / kTones),
-             config_.rate_hz, from, sound);
+    add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * std::numbers::pi),
+             std::sqrt(2.0 / kTones), config_.rate_hz, from, sound);
   }
   return sound;
 }

@@ -2,7 +2,6 @@
 #include "bouncelab/synthesis/hard_cases.hpp"
 
 #include <algorithm>
-#include <functional>
 
 #include "bouncelab/core/error.hpp"
 
@@ -10,8 +9,9 @@ namespace bouncelab::synthesis {
 namespace {
 
 struct Recipe {
-  HardCase about;
-  std::function<void(SynthesisConfig&)> apply;
+  const char* name;
+  const char* what;
+  void (*apply)(SynthesisConfig&);
 };
 
 void add_dead_channel(SynthesisConfig& c) {
@@ -25,65 +25,62 @@ void add_robot(SynthesisConfig& c) {
   c.pause_s = std::max(c.pause_s, 3.0);
 }
 
-const std::vector<Recipe>& recipes() {
-  static const std::vector<Recipe> all{
-      {{"noisy", "weakest impact only 10 dB above white and 1/f noise"},
-       [](auto& c) {
-         c.snr_db = 10.0;
-         c.noise_corner_hz = 500.0;
-       }},
-      {{"hum", "mains hum louder than the weakest impact, drift of the zero line"},
-       [](auto& c) {
-         c.disturbances.hum_level = 1.5;
-         c.disturbances.drift_level = 2.0;
-       }},
-      {{"clicks", "electric clicks, one a second"}, [](auto& c) { c.disturbances.clicks_per_s = 1.0; }},
-      {{"knocks", "a second object strikes the plate every two seconds"},
-       [](auto& c) { c.disturbances.knocks_per_s = 0.5; }},
-      {{"double-hits", "half of the impacts are followed by a knock within 12 ms"},
-       [](auto& c) { c.disturbances.double_hit_fraction = 0.5; }},
-      {{"robot", "release clicks, fan, motor bursts and pick-up between the drops"}, add_robot},
-      {{"clipped", "strong impacts three times beyond full scale"}, [](auto& c) { c.peak = 3.0; }},
-      {{"wander", "amplitudes and phases of the modes change from impact to impact"},
-       [](auto& c) {
-         c.disturbances.timbre_wander = 0.4;
-         c.disturbances.phase_wander_rad = 0.5;
-       }},
-      {{"dead-channel", "two channels, the first one holds noise only"}, add_dead_channel},
-      {{"ringing", "a plate that rings three times as long"},
-       [](auto& c) {
-         for (Damping* damping : {&c.ground.carrier_damping, &c.ground.disk_damping}) {
-           damping->loss_factor /= 3.0;
-           damping->support_per_s /= 3.0;
-         }
-       }},
-      {{"microphone", "by air, 30 cm above the plate, with echoes"},
-       [](auto& c) {
-         c.sensor = microphone();
-         for (Channel& channel : c.channels) channel.z_m = 0.3;
-       }},
-      {{"rough", "noise at 20 dB, hum, clicks, knocks, some double hits, robot, wander"},
-       [](auto& c) {
-         c.snr_db = 20.0;
-         c.noise_corner_hz = 300.0;
-         c.disturbances.hum_level = 0.5;
-         c.disturbances.drift_level = 0.5;
-         c.disturbances.clicks_per_s = 0.3;
-         c.disturbances.knocks_per_s = 0.1;
-         c.disturbances.double_hit_fraction = 0.1;
-         c.disturbances.timbre_wander = 0.2;
-         add_robot(c);
-       }},
-  };
-  return all;
-}
+constexpr Recipe kRecipes[]{
+    {"noisy", "weakest impact only 10 dB above white and 1/f noise",
+     [](SynthesisConfig& c) {
+       c.snr_db = 10.0;
+       c.noise_corner_hz = 500.0;
+     }},
+    {"hum", "mains hum louder than the weakest impact, drift of the zero line",
+     [](SynthesisConfig& c) {
+       c.disturbances.hum_level = 1.5;
+       c.disturbances.drift_level = 2.0;
+     }},
+    {"clicks", "electric clicks, one a second", [](SynthesisConfig& c) { c.disturbances.clicks_per_s = 1.0; }},
+    {"knocks", "a second object strikes the plate every two seconds",
+     [](SynthesisConfig& c) { c.disturbances.knocks_per_s = 0.5; }},
+    {"double-hits", "half of the impacts are followed by a knock within 12 ms",
+     [](SynthesisConfig& c) { c.disturbances.double_hit_fraction = 0.5; }},
+    {"robot", "release clicks, fan, motor bursts and pick-up between the drops", add_robot},
+    {"clipped", "strong impacts three times beyond full scale", [](SynthesisConfig& c) { c.peak = 3.0; }},
+    {"wander", "amplitudes and phases of the modes change from impact to impact",
+     [](SynthesisConfig& c) {
+       c.disturbances.timbre_wander = 0.4;
+       c.disturbances.phase_wander_rad = 0.5;
+     }},
+    {"dead-channel", "two channels, the first one holds noise only", add_dead_channel},
+    {"ringing", "a plate that rings three times as long",
+     [](SynthesisConfig& c) {
+       for (Damping* damping : {&c.ground.carrier_damping, &c.ground.disk_damping}) {
+         damping->loss_factor /= 3.0;
+         damping->support_per_s /= 3.0;
+       }
+     }},
+    {"microphone", "by air, 30 cm above the plate, with echoes",
+     [](SynthesisConfig& c) {
+       c.sensor = microphone();
+       for (Channel& channel : c.channels) channel.z_m = 0.3;
+     }},
+    {"rough", "noise at 20 dB, hum, clicks, knocks, some double hits, robot, wander",
+     [](SynthesisConfig& c) {
+       c.snr_db = 20.0;
+       c.noise_corner_hz = 300.0;
+       c.disturbances.hum_level = 0.5;
+       c.disturbances.drift_level = 0.5;
+       c.disturbances.clicks_per_s = 0.3;
+       c.disturbances.knocks_per_s = 0.1;
+       c.disturbances.double_hit_fraction = 0.1;
+       c.disturbances.timbre_wander = 0.2;
+       add_robot(c);
+     }},
+};
 
 }  // namespace
 
 const std::vector<HardCase>& hard_cases() {
   static const std::vector<HardCase> cases = [] {
     std::vector<HardCase> result;
-    for (const Recipe& recipe : recipes()) result.push_back(recipe.about);
+    for (const Recipe& recipe : kRecipes) result.push_back({recipe.name, recipe.what});
     return result;
   }();
   return cases;
@@ -91,14 +88,14 @@ const std::vector<HardCase>& hard_cases() {
 
 SynthesisConfig with_hard_case(SynthesisConfig config, const std::string& name) {
   std::string names;
-  for (const Recipe& recipe : recipes()) {
-    if (recipe.about.name == name) {
+  for (const Recipe& recipe : kRecipes) {
+    if (recipe.name == name) {
       recipe.apply(config);
       return config;
     }
-    names += (names.empty() ? "" : ", ") + recipe.about.name;
+    names += (names.empty() ? "" : ", ") + std::string(recipe.name);
   }
-  throw InvalidArgument("hard case '" + name + "' is not known; there are " + names);
+  throw InvalidArgument("hard case '" + name + "' is not known; the cases are " + names);
 }
 
 }  // namespace bouncelab::synthesis

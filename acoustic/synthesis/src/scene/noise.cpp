@@ -3,9 +3,9 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -94,14 +94,16 @@ void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<double> out
 FlickerFilter::FlickerFilter(double corner_hz, double rate_hz) {
   // a pole and then a zero half a ratio above it: -20 dB a decade half of the time, -10 dB on average
   constexpr double kLowest_hz = 5.0, kRatio = 4.0;
-  const auto discrete = [rate_hz](double frequency_hz) { return std::exp(-2.0 * kPi * frequency_hz / rate_hz); };
+  const auto discrete = [rate_hz](double frequency_hz) {
+    return std::exp(-2.0 * std::numbers::pi * frequency_hz / rate_hz);
+  };
   for (double f = kLowest_hz; f < corner_hz; f *= kRatio) {
     poles_.push_back(discrete(f));
     zeros_.push_back(discrete(f * std::sqrt(kRatio)));
     scale_ *= (1.0 + poles_.back()) / (1.0 + zeros_.back());
   }
   if (poles_.empty()) return;
-  memory_frames_ = static_cast<std::int64_t>(std::log(1e6) * rate_hz / (2.0 * kPi * kLowest_hz));
+  memory_frames_ = static_cast<std::int64_t>(std::log(1e6) * rate_hz / (2.0 * std::numbers::pi * kLowest_hz));
   std::vector<double> response(static_cast<std::size_t>(memory_frames_), 0.0);
   response.front() = 1.0;
   apply(response);

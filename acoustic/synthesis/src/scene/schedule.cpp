@@ -86,7 +86,7 @@ void Scheduler::add_drop(const Impacts& drop, Schedule& schedule) {
 
 /// A knock of a second, softer object somewhere on the surface: longer contact, impulse around that of the weakest
 /// impact.
-void Scheduler::add_knock(double t_s, double weakest_impulse_ns, const char* kind, Random& random,
+void Scheduler::add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind kind, Random& random,
                           Schedule& schedule) const {
   const Ground& ground = config_.ground;
   const double reach_m =
@@ -105,12 +105,12 @@ void Scheduler::add_knocks(std::size_t first_strike, Schedule& schedule) {
   const Disturbances& d = config_.disturbances;
   const std::size_t last_strike = schedule.strikes.size();
   for (; next_knock_s_ < window_end_s_; next_knock_s_ += waiting_s(knocks_, d.knocks_per_s))
-    add_knock(next_knock_s_, weakest_impulse_ns_, "knock", knocks_, schedule);
+    add_knock(next_knock_s_, weakest_impulse_ns_, OtherSoundKind::knock, knocks_, schedule);
   for (std::size_t k = first_strike; k < last_strike && d.double_hit_fraction > 0.0; ++k) {
     Random random = random_of(config_, Item::double_hits, static_cast<std::uint64_t>(schedule.strikes[k].impact_index));
     if (random.uniform() < d.double_hit_fraction)
-      add_knock(schedule.strikes[k].t_s + random.uniform(1.5e-3, 12e-3), weakest_impulse_ns_, "knock", random,
-                schedule);
+      add_knock(schedule.strikes[k].t_s + random.uniform(1.5e-3, 12e-3), weakest_impulse_ns_, OtherSoundKind::knock,
+                random, schedule);
   }
 }
 
@@ -118,7 +118,7 @@ void Scheduler::add_clicks(Schedule& schedule) {
   for (; next_click_s_ < window_end_s_; next_click_s_ += waiting_s(clicks_, config_.disturbances.clicks_per_s)) {
     const double sign = clicks_.uniform() < 0.5 ? -1.0 : 1.0;
     schedule.clicks.push_back({next_click_s_, sign * log_uniform(clicks_, 0.3, 5.0)});
-    schedule.others.push_back({"click", next_click_s_});
+    schedule.others.push_back({OtherSoundKind::click, next_click_s_});
   }
 }
 
@@ -127,17 +127,18 @@ void Scheduler::add_clicks(Schedule& schedule) {
 void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& schedule) {
   if (!config_.disturbances.robot_cycle) return;
   Random random = random_of(config_, Item::robot, static_cast<std::uint64_t>(drop));
-  const auto add_burst = [&](const char* kind, double begin, double length, Burst burst) {
+  const auto add_burst = [&](OtherSoundKind kind, double begin, double length, Burst burst) {
     burst.t_s = window.last_impact_s + begin * config_.pause_s;
     burst.duration_s = length * config_.pause_s;
     burst.number = n_bursts_++;
     schedule.bursts.push_back(burst);
     schedule.others.push_back({kind, burst.t_s});
   };
-  add_knock(window.release_s, 0.3 * weakest_impulse_ns_, "release", random, schedule);
-  add_burst("fan", 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, false, 0});
-  add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, "pickup", random, schedule);
-  add_burst("motor", 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, true, 0});
+  add_knock(window.release_s, 0.3 * weakest_impulse_ns_, OtherSoundKind::release, random, schedule);
+  add_burst(OtherSoundKind::fan, 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, false, 0});
+  add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, OtherSoundKind::pickup, random,
+            schedule);
+  add_burst(OtherSoundKind::motor, 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, true, 0});
 }
 
 void forget(Schedule& schedule, double before_s) {

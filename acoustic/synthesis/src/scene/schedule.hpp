@@ -27,7 +27,7 @@ struct Click {
   double level = 0.0;
 };
 
-/// A fan's rush (noise) or a geared motor's whine (tones): of limited duration, with soft edges.
+/// Noise of a fan (filtered) or of a geared motor (tones): of limited duration, faded in and out.
 struct Burst {
   double t_s = 0.0;
   double duration_s = 0.0;
@@ -66,7 +66,7 @@ class Scheduler {
   struct Window {
     double release_s, last_impact_s, end_s;
   };
-  void add_knock(double t_s, double weakest_impulse_ns, const char* kind, Random& random, Schedule& schedule) const;
+  void add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind kind, Random& random, Schedule& schedule) const;
   void add_knocks(std::size_t first_strike, Schedule& schedule);
   void add_clicks(Schedule& schedule);
   void add_robot(const Window& window, std::int64_t drop, Schedule& schedule);

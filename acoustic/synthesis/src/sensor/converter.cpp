@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "bouncelab/audio/dsp/vector_clones.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kBeta = 10.06;  // 100 dB: 0.1102 (100 - 8.7)
 double windowed_sinc(double u) {
   const double x = u / ConverterFilter::kHalfWidth_samples;
   if (std::abs(x) > 1.0) return 0.0;
-  const double argument = 2.0 * kPi * kCutoff * u;
+  const double argument = 2.0 * std::numbers::pi * kCutoff * u;
   const double sinc = u == 0.0 ? 1.0 : std::sin(argument) / argument;
   // Kaiser's window less its pedestal (3e-4 of its height): without a step at its ends, quadrature over them is exact
   const double pedestal = 1.0 / std::cyl_bessel_i(0.0, kBeta);

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -15,13 +15,14 @@ using Complex = std::complex<double>;
 constexpr double kSpeedOfSound_mps = 343.0;
 constexpr double kAirDensity_kgpm3 = 1.2;
 
-Complex pole_of(const PlateMode& mode) { return {-mode.decay_per_s, 2.0 * kPi * mode.frequency_hz}; }
+Complex pole_of(const PlateMode& mode) { return {-mode.decay_per_s, 2.0 * std::numbers::pi * mode.frequency_hz}; }
 
 /// The sensor's own poles: the resonance, then the real one of the AC coupling.
 std::vector<Complex> poles_of(const Sensor& sensor) {
-  const double resonance_radps = 2.0 * kPi * sensor.resonance_hz;
+  const double resonance_radps = 2.0 * std::numbers::pi * sensor.resonance_hz;
   const double damping = 0.5 / sensor.quality;
-  return {resonance_radps * Complex{-damping, std::sqrt(1.0 - damping * damping)}, -2.0 * kPi * sensor.highpass_hz};
+  return {resonance_radps * Complex{-damping, std::sqrt(1.0 - damping * damping)},
+          -2.0 * std::numbers::pi * sensor.highpass_hz};
 }
 
 /// Residue of a transfer function with a simple zero of its denominator at s: numerator over the other factors; twice
@@ -91,7 +92,7 @@ Instrument::Instrument(const Ground& ground, const Sensor& sensor, const std::ve
       meter_(bank_),
       tail_(sensor.reverberation, rate_hz) {
   for (const Channel& channel : channels) couplings_.push_back(couplings(channel));
-  const Transfer transfer{2.0 * kPi * sensor.resonance_hz, poles_of(sensor)};
+  const Transfer transfer{2.0 * std::numbers::pi * sensor.resonance_hz, poles_of(sensor)};
   sensor_residues_.resize(2);
   for (const PlateMode& mode : plate_.modes()) {
     mode_residues_.push_back(transfer.at_mode(pole_of(mode)));
@@ -121,12 +122,13 @@ std::vector<Complex> Instrument::couplings(const Channel& channel) const {
         for (std::size_t k = 0; k < n; ++k) shapes[k] *= plate_.modes()[k].of_disk ? 0.0 : 1.0;
       const double r_m = std::hypot(x_m - channel.x_m, y_m - channel.y_m, channel.z_m);
       for (std::size_t k = 0; k < n; ++k) {
-        const double phase = 2.0 * kPi * plate_.modes()[k].frequency_hz * (r_m - centre_m) / kSpeedOfSound_mps;
+        const double phase =
+            2.0 * std::numbers::pi * plate_.modes()[k].frequency_hz * (r_m - centre_m) / kSpeedOfSound_mps;
         result[k] += shapes[k] / r_m * std::polar(1.0, -phase);
       }
     }
   for (std::size_t k = 0; k < n; ++k)
-    result[k] *= channel.gain * kAirDensity_kgpm3 / (2.0 * kPi) * dx_m * dy_m / plate_.modes()[k].mass_kg;
+    result[k] *= channel.gain * kAirDensity_kgpm3 / (2.0 * std::numbers::pi) * dx_m * dy_m / plate_.modes()[k].mass_kg;
   return result;
 }
 

@@ -44,7 +44,7 @@ ReverberationTail::ReverberationTail(const Reverberation& room, double rate_hz) 
 }
 
 void ReverberationTail::add_to(std::span<double> sound) const {
-  if (!sounds()) return;
+  if (!is_audible()) return;
   std::array<std::vector<double>, kLines> lines;
   for (std::size_t k = 0; k < kLines; ++k) lines[k].assign(lengths_[k], 0.0);
   std::array<std::size_t, kLines> at{};

@@ -10,14 +10,14 @@
 
 namespace bouncelab::synthesis {
 
-/// A room's diffuse tail: a feedback delay network of eight lines, 11 to 37 ms long, mixed by an orthogonal (Hadamard)
-/// matrix, each losing what makes the whole fall by 60 dB in the time wanted.
-/// Source: Jot & Chaigne, Digital delay networks for designing artificial reverberators, AES 90th Convention (1991).
+/// Diffuse reverberation tail of a room: a feedback delay network of eight lines, 11 to 37 ms long, mixed by an
+/// orthogonal (Hadamard) matrix, each attenuated so that the whole falls by 60 dB in the time wanted. Source: Jot &
+/// Chaigne, Digital delay networks for designing artificial reverberators, AES 90th Convention (1991).
 class ReverberationTail {
  public:
   ReverberationTail(const Reverberation& room, double rate_hz);
-  /// False: there is no tail.
-  bool sounds() const { return input_gain_ > 0.0; }
+  /// False if there is no tail.
+  bool is_audible() const { return input_gain_ > 0.0; }
   /// After this many frames the tail has fallen by 180 dB.
   std::int64_t memory_frames() const { return memory_frames_; }
   /// Adds the tail to a sound, in place. Starts from silence.

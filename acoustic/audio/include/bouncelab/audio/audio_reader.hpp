@@ -11,15 +11,15 @@
 
 namespace bouncelab::audio {
 
-/// What an audio file says of itself.
+/// Format of an audio file, from its header.
 struct AudioFormat {
   double rate_hz = 0.0;
   int n_channels = 0;
   std::int64_t n_frames = 0;  ///< samples per channel
-  std::string description;    ///< container and encoding, for people
+  std::string description;    ///< container and encoding, in words
 };
 
-/// Reads any format that libsndfile knows (WAV, RF64, FLAC, OGG, MP3, AIFF, CAF ...), any stretch of it, never
+/// Reads any format that libsndfile knows (WAV, RF64, FLAC, OGG, MP3, AIFF, CAF ...), with random access, never
 /// resampled. Not for several threads at once; open the file once per thread instead.
 class AudioReader {
  public:

@@ -11,7 +11,7 @@ namespace bouncelab::audio {
 
 enum class SampleEncoding { pcm16, pcm24, pcm32, float32 };
 
-/// What a sound file holds.
+/// Format of a sound file to be written.
 struct AudioSpec {
   int rate_hz = 96000;
   int n_channels = 1;
@@ -22,7 +22,7 @@ struct AudioSpec {
 /// would pass the 4 GiB that WAV can hold), .rf64, .w64 (Sony Wave64) or .flac.
 class AudioWriter {
  public:
-  /// @param n_frames      length of the source, as far as known; decides between WAV and RF64
+  /// @param n_frames      length of the sound, as far as known; decides between WAV and RF64
   /// @param may_replace   an existing file may be overwritten
   /// @throws InvalidArgument naming extension, rate, channels or encoding where the container cannot hold it
   /// @throws FileError where the file cannot be written

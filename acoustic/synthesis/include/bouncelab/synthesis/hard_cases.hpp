@@ -8,7 +8,7 @@
 
 namespace bouncelab::synthesis {
 
-/// A kind of recording that is hard to hear impacts in, one difficulty each, and `rough`, which has them all.
+/// A kind of recording in which impacts are hard to detect: one difficulty each; `rough` combines most of them.
 struct HardCase {
   std::string name;
   std::string what;  ///< one line for people
@@ -18,7 +18,7 @@ struct HardCase {
 const std::vector<HardCase>& hard_cases();
 
 /// `config` with the difficulty added; everything else stays as it is.
-/// @throws InvalidArgument naming the case and those there are
+/// @throws InvalidArgument naming the case and the known ones
 SynthesisConfig with_hard_case(SynthesisConfig config, const std::string& name);
 
 }  // namespace bouncelab::synthesis

@@ -24,7 +24,7 @@ struct Reverberation {
 ///
 ///   H(s) = s^2  s / (s + w_h)  w_r^2 / (s^2 + w_r s / Q + w_r^2)
 ///
-/// A microphone hears each mode through Rayleigh's integral over the plate at the mode's frequency, and echoes.
+/// A microphone receives each mode through Rayleigh's integral over the plate at the mode's frequency, and echoes.
 struct Sensor {
   SensorKind kind = SensorKind::piezo;
   double highpass_hz = 150.0;    ///< > 0

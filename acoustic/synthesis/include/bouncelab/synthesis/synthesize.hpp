@@ -12,11 +12,10 @@
 
 namespace bouncelab::synthesis {
 
-/// Gives the impacts of the next drop; false after the last one.
-using NextDrop = std::function<bool(Impacts& drop)>;
-/// Begins at the first drop each time it is called. A synthesis goes through the impacts twice, first for loudness and
-/// length: so that hours of them need not be in memory.
-using DropSource = std::function<NextDrop()>;
+/// Gives the impacts of drop number k in its table's order, k = 0, 1, 2 ...; false after the last one. A synthesis asks
+/// for them in order, twice, from k = 0 on each time: first for loudness and length, then for the sound. So hours of
+/// impacts need not be in memory.
+using DropSource = std::function<bool(std::int64_t k, Impacts& drop)>;
 /// The drops of impacts in memory, which must outlive the source.
 DropSource drops_of(const Impacts& impacts);
 
@@ -42,9 +41,9 @@ struct SynthesisResult {
 
 /// Impact times to sound: renders the recording to a file, in constant memory for any length and number of drops.
 ///
-/// Each impact is a Hertz pulse of impulse m (v + v_after) at its exact time, ringing the modes of the ground as the
-/// sensor hears them, band-limited by the converter's anti-alias filter.
-/// @param progress  in seconds of sound; 0 of 0 while loudness and length are looked up
+/// Each impact is a Hertz pulse of impulse m (v + v_after) at its exact time. It excites the modes of the ground; the
+/// sensor's response to them is band-limited by the converter's anti-alias filter.
+/// @param progress  in seconds of sound; 0 of 0 during the first passage
 /// @throws as SyntheticRecording and AudioWriter do
 SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& config, const std::filesystem::path& out,
                            bool may_replace, const TruthSink& truth = {}, const ProgressCallback& progress = {});

@@ -12,6 +12,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/synthesis/disturbances.hpp"
 #include "bouncelab/synthesis/plate.hpp"
@@ -19,7 +20,7 @@
 
 namespace bouncelab::synthesis {
 
-/// Amplification and noise of a recording, full scale = 1. Chosen from the impacts unless given.
+/// Amplification and noise of a recording, full scale = 1. Computed from the impacts unless given.
 struct Levels {
   double gain = 0.0;          ///< from the sensor's signal to full scale
   double noise_rms = 0.0;     ///< of the stationary noise
@@ -38,7 +39,7 @@ struct SynthesisConfig {
   double peak = 0.5;                ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
   double lead_in_s = 0.5;           ///< before the first release
   double pause_s = 1.0;             ///< from the last impact of a drop to the next release, and to the end
-  bool simulated_positions = true;  ///< strike where the states say, if there are any
+  bool simulated_positions = true;  ///< points of contact from the states, if there are any
   double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
   double max_mode_hz = 45.0e3;      ///< modes above are left out; plate theory ends about here
   Disturbances disturbances;
@@ -47,7 +48,7 @@ struct SynthesisConfig {
   int n_threads = 1;  ///< 0: all cores; the samples do not depend on it
 };
 
-/// What is true of one impact in the recording.
+/// The true values of one impact in the recording.
 struct TrueImpact {
   std::int64_t drop = 0;
   std::int64_t impact = 0;
@@ -56,16 +57,21 @@ struct TrueImpact {
   double amplitude = 0.0;       ///< clean peak, full scale = 1
   double snr_db = 0.0;          ///< amplitude over noise rms
   double contact_time_s = 0.0;  ///< Hertz
-  double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s: what a detector hears
+  double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s, which is what a detector finds
   double x_m = 0.0, y_m = 0.0;  ///< point of contact
   double v_mps = 0.0;           ///< normal impact speed
   Flags flags;                  ///< clipped or none
 };
 
-/// A sound that is not an impact of the ball: finding it is a false alarm.
+/// What makes a sound that is not an impact of the ball.
+enum class OtherSoundKind { release, click, knock, fan, motor, pickup };
+/// The enumerator's name, as tables of other sounds have it.
+const char* to_string(OtherSoundKind kind);
+
+/// A sound that is not an impact of the ball: detecting it is a false alarm.
 struct OtherSound {
-  std::string kind;  ///< release, click, knock, fan, motor, pickup
-  double t_s = 0.0;
+  OtherSoundKind kind = OtherSoundKind::knock;
+  double t_s = 0.0;  ///< from the first sample
 };
 
 class Instrument;
@@ -109,6 +115,10 @@ SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& leve
 /// NAME.0017.wav for out = NAME.wav and drop 17.
 std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop);
 
+/// The truth as onsets, for scoring a detection (detection::score_onsets) and for intervals without timing errors: t_s
+/// is the begin of contact at the plate, without standard error and flags, because it is exact whatever the sound.
+/// @param recording  name of the sound file, as the detection is given it
+Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& recording);
 /// The truth as an `onsets` table with further columns: contact_time_s, travel_time_s, x_m, y_m, v_mps.
 Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording);
 /// `kind,t_s`.

@@ -5,9 +5,9 @@
 
 namespace bouncelab::audio {
 
-/// The lower part of a sound's band at an n-th of its rate, without delay: sample k lies at the time of sample k *
-/// factor. A Hann-windowed sinc of 16 factor + 1 taps: -6 dB at 0.8 of the new Nyquist frequency, below -40 dB above
-/// it. Soft balls, whose sound ends below 1.5 kHz, are heard better without the noise above.
+/// Low-pass filter and decimation without delay: sample k lies at the time of sample k * factor of the source. A
+/// Hann-windowed sinc of 16 factor + 1 taps: -6 dB at 0.8 of the new Nyquist frequency, below -40 dB above it. Sounds
+/// of soft balls end below 1.5 kHz and are detected better without the noise above.
 /// @param factor  >= 1
 AudioSource decimate(const AudioSource& source, int factor);
 

@@ -9,22 +9,22 @@
 
 namespace bouncelab::audio {
 
-/// Prediction error filter of an autoregressive model: u[n] = sum_k filter[k] x[n-k], filter[0] = 1. What rings freely
-/// and what hums is predicted from the past and vanishes from u; what an impact adds does not.
+/// Prediction error filter of an autoregressive model: u[n] = sum_k filter[k] x[n-k], filter[0] = 1. Free ringing and
+/// hum are predicted from the past and vanish from u; what an impact adds does not.
 struct ArModel {
   std::vector<float> filter;
   double quiet_variance = 0.0;  ///< of u in the quiet tenth of the recording; 0 only in digital silence
 };
 
-/// What a recording is made of, as autoregressive models.
+/// Autoregressive models of a recording.
 struct ArModels {
-  ArModel signal;  ///< noise and ringing alike
-  ArModel noise;   ///< the quiet tenth alone
+  ArModel signal;  ///< of noise and ringing together
+  ArModel noise;   ///< of the quietest tenth of the recording
 };
 
 /// Learned from frames of 10 ms over all of the recording (at most 2^18.6 samples of it, evenly spread), each weighted
-/// by the inverse of its energy, so that noise and ringing count alike however loud; the noise from the quiet tenth of
-/// them. Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
+/// by the inverse of its energy, so that noise and ringing have equal weight whatever their level; the noise model from
+/// the quietest tenth of them. Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
 /// @param order  of the model, before the difference; >= 1
 /// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
 ArModels learn_ar_models(const AudioSource& source, int order);

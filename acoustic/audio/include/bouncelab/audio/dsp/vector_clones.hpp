@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-/// In front of a function: compiled three times, the wider registers taken where the processor has them. The room is
-/// compiled with -ffp-contract=off: no fused multiply-add, so that every machine gives the same bytes.
+/// Compiles a function three times, for registers of 128, 256 and 512 bits, and takes the widest that the processor
+/// has. The acoustic targets are compiled with -ffp-contract=off: no fused multiply-add, so that every machine gives
+/// the same bytes.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 #define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
