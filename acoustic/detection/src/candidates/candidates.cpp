@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <numeric>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
-
 namespace bouncelab::detection {
 namespace {
 
@@ -47,8 +45,7 @@ double least_rise(double n_after) {
   return hi;
 }
 
-BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, const double* after, double least,
-                                      std::int64_t n) {
+bool any_over(const double* before, const double* here, const double* after, double least, std::int64_t n) {
   std::int64_t n_over = 0;
   for (std::int64_t k = 0; k < n; ++k)
     n_over += static_cast<double>(kBeforeFactor) * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "contact/pulse_spectrum.hpp"
 #include "contact/two_way_demeaning.hpp"
 
@@ -100,11 +99,9 @@ class Fitter {
   }
 
   /// @param one_over_pulse, dlogp_dtau2  hold P and its slope before
-  BOUNCELAB_VECTOR_CLONES static void compare_pulses(const double* level, const double* f_hz, double half_u_over_tau,
-                                                     const double* counts, double* __restrict one_over_pulse,
-                                                     double* __restrict dlogp_dtau2,
-                                                     double* __restrict level_over_pulse, double* __restrict weight,
-                                                     std::size_t n) {
+  static void compare_pulses(const double* level, const double* f_hz, double half_u_over_tau, const double* counts,
+                             double* __restrict one_over_pulse, double* __restrict dlogp_dtau2,
+                             double* __restrict level_over_pulse, double* __restrict weight, std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
       const double one_over = 1.0 / (one_over_pulse[m] > 0.02 ? one_over_pulse[m] : 0.02);
       one_over_pulse[m] = one_over;
@@ -145,10 +142,9 @@ class Fitter {
               relative_[k], noise2_[k], m_);
   }
 
-  BOUNCELAB_VECTOR_CLONES static void compare(double one_over_gain, const double* one_over_response,
-                                              const double* one_over_pulse, const double* level_over_pulse,
-                                              const double* noise2_of_wave, double* __restrict relative,
-                                              double* __restrict noise2, std::size_t n) {
+  static void compare(double one_over_gain, const double* one_over_response, const double* one_over_pulse,
+                      const double* level_over_pulse, const double* noise2_of_wave, double* __restrict relative,
+                      double* __restrict noise2, std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
       const double scale = one_over_gain * one_over_response[m];
       const double unit = scale * one_over_pulse[m];
@@ -173,9 +169,8 @@ class Fitter {
     for (std::size_t m = 0; m < m_; ++m) timbre2_[m] = 0.5 * (sum[m] + sorted[sorted.size() / 2]);
   }
 
-  BOUNCELAB_VECTOR_CLONES static void add_excess(const double* relative, const double* noise2, const double* timbre2,
-                                                 double row_inflation, double* __restrict sum,
-                                                 double* __restrict weights, std::size_t n) {
+  static void add_excess(const double* relative, const double* noise2, const double* timbre2, double row_inflation,
+                         double* __restrict sum, double* __restrict weights, std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
       const double size2 = timbre2[m] + noise2[m];
       const double weight = 1.0 / (size2 * size2);
@@ -199,8 +194,8 @@ class Fitter {
     }
   }
 
-  BOUNCELAB_VECTOR_CLONES static void square(const double* relative, const double* noise2, const double* timbre2,
-                                             double* __restrict squares, std::size_t n) {
+  static void square(const double* relative, const double* noise2, const double* timbre2, double* __restrict squares,
+                     std::size_t n) {
     constexpr double kLargest = 100.0;
     for (std::size_t m = 0; m < n; ++m) {
       const double square = relative[m] * relative[m] / (timbre2[m] + noise2[m]);
@@ -218,9 +213,8 @@ class Fitter {
       weigh(relative_[k], noise2_[k], timbre2_.data(), active_mask_.data(), row_inflation_[k], weight_[k], m_);
   }
 
-  BOUNCELAB_VECTOR_CLONES static void weigh(const double* relative, const double* noise2, const double* timbre2,
-                                            const double* counts, double row_inflation, double* __restrict weight,
-                                            std::size_t n) {
+  static void weigh(const double* relative, const double* noise2, const double* timbre2, const double* counts,
+                    double row_inflation, double* __restrict weight, std::size_t n) {
     for (std::size_t m = 0; m < n; ++m) {
       const double size2 = (timbre2[m] + noise2[m]) * row_inflation;
       const double near = kFar * std::sqrt(size2) / (std::abs(relative[m]) + 1e-300);
