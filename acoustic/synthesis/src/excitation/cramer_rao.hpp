@@ -16,7 +16,7 @@ struct WaveMeasure {
 
 /// Measures waves of one bank.
 ///
-/// In white noise of standard deviation s per sample the time of a known wave cannot be told better than
+/// In white noise of standard deviation s per sample the time of a known wave cannot be estimated better than
 ///   sigma_t = s / (rate sqrt(slope_energy))     (Cramer-Rao; Kay, Estimation Theory (1993), 3.11).
 /// In 1/f noise that holds for wave and noise whitened alike; s is then the standard deviation of the white noise that
 /// was coloured. The whitening filter's own transient after the contact is left out: (corner / signal frequency)^2 of

@@ -66,7 +66,7 @@ class ResonatorBank {
 
   ContactWave wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const;
   /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
-  /// are all below `silence` at a block's begin are put to rest.
+  /// are all below `silence` at a block's begin are set to zero.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;

@@ -13,7 +13,7 @@
 namespace bouncelab::synthesis {
 
 /// The samples of a recording, segment by segment, from its schedule. A segment depends on its number only: it may be
-/// rendered on any thread, and of the schedule only what sounds in it need be there.
+/// rendered on any thread, and only the events that sound in it need be in the schedule.
 class Renderer {
  public:
   /// All must outlive this.

@@ -13,7 +13,7 @@
 
 namespace bouncelab::synthesis {
 
-/// How a strike sounds in each channel, before gain and noise; and what is true of it.
+/// Sound of a strike in each channel, before gain and noise, and its true values.
 class StrikeSound {
  public:
   /// The configuration must outlive this.
@@ -27,7 +27,7 @@ class StrikeSound {
 
   /// Clean peaks of strikes at gain 1 in the first channel that is not dead.
   std::vector<double> peaks(std::span<const Strike> strikes) const;
-  /// What is true of the ball's strikes among these, for gain 1 and noise of rms 1.
+  /// True values of the ball's strikes among these, for gain 1 and noise of rms 1.
   std::vector<TrueImpact> truth(std::span<const Strike> strikes) const;
 
  private:

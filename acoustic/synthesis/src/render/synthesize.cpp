@@ -14,7 +14,7 @@
 namespace bouncelab::synthesis {
 namespace {
 
-/// What the first passage through the impacts finds.
+/// Results of the first passage through the impacts.
 struct Survey {
   Levels levels;
   double weakest_impulse_ns = 0.0;

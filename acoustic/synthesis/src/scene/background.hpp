@@ -13,7 +13,7 @@
 namespace bouncelab::synthesis {
 
 /// Everything in a channel that is not a strike on the ground: noise, hum, drift, clicks, bursts. A function of time:
-/// any stretch may be asked for.
+/// any part can be computed.
 class Background {
  public:
   /// All must outlive this.

@@ -40,7 +40,7 @@ double beyond_tail(Random& random) {
   }
 }
 
-/// What the fast path could not settle: tail, wedge, or another try.
+/// The cases that the fast path rejects: tail, wedge, or another trial.
 double slow_sample(Random& random, std::uint32_t word) {
   for (;; word = static_cast<std::uint32_t>(random.bits())) {
     const std::size_t layer = word & (kLayers - 1);

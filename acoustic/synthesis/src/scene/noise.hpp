@@ -10,7 +10,7 @@
 
 namespace bouncelab::synthesis {
 
-/// Standard normal white noise as a function of the frame number: any stretch may be asked for, in any order.
+/// Standard normal white noise as a function of the frame number: any part can be computed, in any order.
 /// Marsaglia and Tsang's ziggurat (J. Stat. Softw. 5(8), 2000, doi:10.18637/jss.v005.i08) with 256 layers on 64-bit
 /// Philox words, half a word a sample; the one sample in a hundred that the ziggurat rejects draws on from a counter of
 /// its own.
@@ -34,7 +34,7 @@ class FlickerFilter {
   FlickerFilter(double corner_hz, double rate_hz);
   /// Standard deviation of the output for white input of standard deviation 1.
   double rms() const { return rms_; }
-  /// After this many frames the filter has forgotten its start to 1e-6.
+  /// After this many frames the influence of the start of the filter is below 1e-6.
   std::int64_t memory_frames() const { return memory_frames_; }
   void apply(std::span<double> samples) const;
   /// The inverse filter, which makes the noise white again: in place, from silence; and its gain at z.

@@ -22,7 +22,7 @@ Random random_of(const SynthesisConfig& config, Item item, std::uint64_t index =
 
 double log_uniform(Random& random, double lo, double hi) { return lo * std::pow(hi / lo, random.uniform()); }
 
-/// To the next of events that come rate_per_s times a second on average.
+/// Waiting time to the next event of a Poisson process.
 double waiting_s(Random& random, double rate_per_s) {
   return rate_per_s > 0.0 ? random.exponential() / rate_per_s : std::numeric_limits<double>::infinity();
 }
@@ -123,7 +123,7 @@ void Scheduler::add_clicks(Schedule& schedule) {
 }
 
 /// The cycle of the paper's set-up in shares of the pause: the ball rests, a fan blows it to its place (0.2 - 0.5), the
-/// tube touches it (0.6), the arm moves (0.65 - 0.9); the vacuum is let go at the release.
+/// tube touches it (0.6), the arm moves (0.65 - 0.9); the vacuum is switched off at the release.
 void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& schedule) {
   if (!config_.disturbances.robot_cycle) return;
   Random random = random_of(config_, Item::robot, static_cast<std::uint64_t>(drop));

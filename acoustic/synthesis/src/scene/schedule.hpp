@@ -37,7 +37,7 @@ struct Burst {
   std::uint64_t number = 0;  ///< in the recording: chooses tones or noise
 };
 
-/// When everything happens in a recording, or in the part of it that is looked at.
+/// All events of a recording, or of a part of it.
 struct Schedule {
   double duration_s = 0.0;
   std::vector<Strike> strikes;     ///< by time
@@ -46,7 +46,7 @@ struct Schedule {
   std::vector<OtherSound> others;  ///< by time
 };
 
-/// Takes out what begins before a time, of bursts what ends before it; others stay.
+/// Removes strikes and clicks that begin before a time and bursts that end before it.
 void forget(Schedule& schedule, double before_s);
 
 /// Lays the drops one after the other: lead-in, release, impacts, pause, release ... Everything else that sounds is

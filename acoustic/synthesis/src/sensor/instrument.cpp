@@ -145,7 +145,7 @@ PoleValues Instrument::amplitudes(std::size_t channel, const std::vector<double>
   std::vector<Complex> at_sensor(sensor_residues_.size());
   for (std::size_t k = 0; k < n; ++k) {
     amplitudes.set(k, shapes[k] * couplings[k] * mode_residues_[k]);
-    // off its resonance a mode answers in phase: there the coupling's real part stands for it
+    // off its resonance a mode responds in phase, so the real part of the coupling is used
     for (std::size_t q = 0; q < at_sensor.size(); ++q)
       at_sensor[q] += shapes[k] * couplings[k].real() * sensor_residues_[q][k];
   }

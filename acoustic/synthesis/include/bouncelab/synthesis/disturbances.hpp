@@ -3,8 +3,8 @@
 
 namespace bouncelab::synthesis {
 
-/// What a laboratory adds to the sound of the ball. All off by default. Levels are in units of the clean peak of the
-/// weakest wanted impact, so that 1 is as loud as what must be found.
+/// Sounds and interference of a laboratory beside the ball. All off by default. Levels are in units of the clean peak
+/// of the weakest wanted impact, so that 1 is as loud as the weakest impact to be detected.
 struct Disturbances {
   double hum_level = 0.0;     ///< amplitude of the mains' fundamental; harmonics 2 to 7 fall like 1/n
   double hum_hz = 50.0;       ///< > 0

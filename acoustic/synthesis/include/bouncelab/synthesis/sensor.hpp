@@ -19,7 +19,7 @@ struct Reverberation {
   double decay_60db_s = 0.3;  ///< > 0
 };
 
-/// From the plate's motion to voltage. Both kinds answer to acceleration (a piezo disc by inertia, sound radiated by a
+/// From the plate's motion to voltage. Both kinds respond to acceleration (a piezo disc by inertia, sound radiated by a
 /// plate in far field), through AC coupling and a resonance:
 ///
 ///   H(s) = s^2  s / (s + w_h)  w_r^2 / (s^2 + w_r s / Q + w_r^2)

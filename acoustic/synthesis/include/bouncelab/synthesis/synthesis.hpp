@@ -2,7 +2,7 @@
 /// Start here: impact times to sound, with its truth.
 #pragma once
 
-#include "bouncelab/synthesis/disturbances.hpp"         // what a laboratory adds to the sound of the ball
+#include "bouncelab/synthesis/disturbances.hpp"         // sounds and interference beside the ball
 #include "bouncelab/synthesis/hard_cases.hpp"           // recordings in which impacts are hard to detect
 #include "bouncelab/synthesis/plate.hpp"                // the grounds and their modes
 #include "bouncelab/synthesis/sensor.hpp"               // piezo and microphone

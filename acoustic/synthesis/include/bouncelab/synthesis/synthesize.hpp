@@ -12,20 +12,20 @@
 
 namespace bouncelab::synthesis {
 
-/// Gives the impacts of drop number k in its table's order, k = 0, 1, 2 ...; false after the last one. A synthesis asks
+/// Gives the impacts of the k-th drop of its table, k = 0, 1, 2 ...; false after the last one. A synthesis asks
 /// for them in order, twice, from k = 0 on each time: first for loudness and length, then for the sound. So hours of
 /// impacts need not be in memory.
 using DropSource = std::function<bool(std::int64_t k, Impacts& drop)>;
 /// The drops of impacts in memory, which must outlive the source.
 DropSource drops_of(const Impacts& impacts);
 
-/// What is true of one drop in a recording.
+/// True values of one drop in a recording.
 struct DropTruth {
   std::filesystem::path recording;
   std::vector<TrueImpact> impacts;  ///< by time
   std::vector<OtherSound> others;   ///< by time; until the next drop's release
 };
-/// Takes the truth drop by drop, in order.
+/// Receives the truth drop by drop, in order.
 using TruthSink = std::function<void(const DropTruth&)>;
 
 struct SynthesisResult {

@@ -79,8 +79,8 @@ class Instrument;
 /// one configuration, made once. Depends on ground, sensor, channels, rate_hz and max_mode_hz only.
 std::shared_ptr<const Instrument> make_instrument(const SynthesisConfig& config);
 
-/// A recording as a function of time: everything is known but the samples, which are computed where they are asked for,
-/// in any order and on any thread.
+/// A recording as a function of time. Its samples are computed on request, segment by segment, in any order and on any
+/// thread.
 class SyntheticRecording {
  public:
   /// @param instrument  from make_instrument with the same configuration; made here where absent
@@ -109,8 +109,8 @@ class SyntheticRecording {
   std::unique_ptr<State> state_;
 };
 
-/// The configuration of one drop's own recording: gain and noise as given in `levels`, the noise itself its own.
-/// A function of (config, drop).
+/// The configuration of one drop's own recording: gain and noise level from `levels`, another noise for each drop. A
+/// function of (config, drop).
 SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop);
 /// NAME.0017.wav for out = NAME.wav and drop 17.
 std::filesystem::path path_of_drop(const std::filesystem::path& out, std::int64_t drop);
