@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Duration of contact from how a drop's impacts dull: levels made of a known response and known pulses.
+// Contact time from the band levels of a drop: levels made of a known response and known pulses.
 #include "contact/contact_time.hpp"
 
 #include <gtest/gtest.h>
@@ -16,9 +16,9 @@ namespace {
 struct Ball {
   const PulseSpectrum* pulse = &PulseSpectrum::hertz();
   double tau_1_s = 30e-6;
-  double timbre = 0.1;  // each level by itself, at each impact
-  double drift = 0.0;   // of each level over the drop, as of a ball that wanders
-  double noise = 0.02;  // over the level of the strongest impact
+  double scatter = 0.1;  // of each level, at each impact
+  double drift = 0.0;    // of each level over the drop, as of a ball that wanders
+  double noise = 0.02;   // over the level of the strongest impact
   double largest_hz = 20e3;
 };
 
@@ -47,8 +47,8 @@ BandLevels levels_of(const Ball& ball, std::uint64_t seed) {
     std::vector<double> row;
     for (std::size_t m = 0; m < levels.f_hz.size(); ++m) {
       const double pulse = pulse_at(*ball.pulse, levels.f_hz[m] * ball.tau_1_s * levels.contact_scaling.back());
-      const double timbre = 1.0 + ball.timbre * random.normal() + drift[m] * (k / (kImpacts - 1.0) - 0.5);
-      row.push_back(v_mps * response[m] * pulse * timbre + ball.noise * random.normal());
+      const double factor = 1.0 + ball.scatter * random.normal() + drift[m] * (k / (kImpacts - 1.0) - 0.5);
+      row.push_back(v_mps * response[m] * pulse * factor + ball.noise * random.normal());
     }
     levels.level.push_back(row);
   }
@@ -101,8 +101,8 @@ TEST(ContactTime, CountsAModeThatDriftsOnceAndNotAsOftenAsItWasStruck) {
   EXPECT_LT(outcome.pull, 1.35);
 }
 
-TEST(ContactTime, SaysLittleWhereTheSoundEndsFarBelowTheContact) {
-  // below 3 kHz 30 us dull a sound by 1 %
+TEST(ContactTime, IsUncertainWhereTheSoundEndsFarBelowTheContact) {
+  // below 3 kHz a contact of 30 us lowers the levels by 1 %
   Ball ball;
   ball.largest_hz = 3e3;
   const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, 1));
@@ -111,10 +111,10 @@ TEST(ContactTime, SaysLittleWhereTheSoundEndsFarBelowTheContact) {
   const std::optional<ContactLaw> law = pool_contacts({*evidence});
   ASSERT_TRUE(law);
   EXPECT_FALSE(law->is_significant);
-  EXPECT_NEAR(law->tau_1_s, 30e-6, 20e-6);  // what is known of steel balls
+  EXPECT_NEAR(law->tau_1_s, 30e-6, 20e-6);  // the prior for steel balls
 }
 
-TEST(ContactTime, ManyDropsThatEachSayLittleSayItTogether) {
+TEST(ContactTime, ManyDropsThatAreEachUncertainDetermineItTogether) {
   Ball ball;
   ball.largest_hz = 8e3;
   std::vector<ContactEvidence> drops;
@@ -127,7 +127,7 @@ TEST(ContactTime, ManyDropsThatEachSayLittleSayItTogether) {
   EXPECT_NEAR(all->tau_1_s, 30e-6, 3.0 * all->sigma_s);
 }
 
-TEST(ContactTime, UnheardIsThatOfSteelOrForASoftSoundUnknownToHalfAPeriod) {
+TEST(ContactTime, AssumedIsThatOfSteelOrForASoftSoundZeroWithinHalfAPeriod) {
   const ContactLaw steel = assumed_contact(8e3);
   EXPECT_NEAR(steel.tau_1_s, 29e-6, steel.sigma_s);  // 3 mm of radius on glass, Hertz
   const ContactLaw rubber = assumed_contact(300.0);

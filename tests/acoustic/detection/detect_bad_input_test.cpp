@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is no bouncing ball, or hardly a recording: no invented train, or a clear error.
+// Recordings without a ball, and bad input: no track, or a clear error.
 #include <gtest/gtest.h>
 
 #include <sndfile.h>
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -93,12 +94,21 @@ TEST(DetectBadInput, RefusesARateThatNoRecordingHas) {
     EXPECT_THROW(detect(std::vector<float>(1000, 0.0F), rate_hz, "rate"), InvalidArgument) << rate_hz;
 }
 
+TEST(DetectBadInput, RefusesAGravityThatIsNotPositive) {
+  const std::vector<float> x(48000, 0.0F);
+  for (const double gravity_mps2 : {0.0, -9.81, std::numeric_limits<double>::infinity()}) {
+    DetectionConfig config;
+    config.gravity_mps2 = gravity_mps2;
+    EXPECT_THROW(detect(x, 48e3, "silence", config), InvalidArgument) << gravity_mps2;
+  }
+}
+
 TEST(DetectBadInput, TakesARecordingOfNoSamplesForSilence) {
   EXPECT_EQ(detect(std::vector<float>{}, kRate_hz, "empty").status, DetectionStatus::silent);
   EXPECT_EQ(detect(std::vector<float>(3, 0.1F), kRate_hz, "three samples").status, DetectionStatus::silent);
 }
 
-TEST(DetectBadInput, TimesClippedImpactsByTheWaveLimitedAsTheyAre) {
+TEST(DetectBadInput, TimesClippedImpactsByATemplateThatIsClippedAlike) {
   test::BouncingSound b;
   b.amplitude = 2.0;
   std::vector<float> x = render(b);

@@ -30,7 +30,7 @@ void expect_found(const BouncingSound& b, const std::vector<float>& x) {
   const std::vector<double> truth = test::impact_times(b);
   const Detection d = detect(x, b.rate_hz, "few");
   ASSERT_EQ(d.onsets.size(), truth.size()) << "eps " << b.eps << ", n " << b.n_impacts << ": " << d.message;
-  // where no wave can be learned, the rise tells the time: to a millisecond
+  // where no template can be estimated, the time is that of the rise: to a millisecond
   for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_NEAR(d.onsets[k].t_s, truth[k], 1e-3) << "impact " << k;
 }
 
@@ -110,7 +110,7 @@ TEST(DetectFewImpacts, EndsWhereTheBallRolls) {
   EXPECT_LE(n_invented, 8u);
 }
 
-TEST(DetectFewImpacts, HearsThumpsThatNoiseHidesInEveryOtherBand) {
+TEST(DetectFewImpacts, FindsThumpsThatNoiseMasksInEveryOtherBand) {
   // a basketball's thump, 80 Hz for 20 ms, over white noise of a quarter of its first peak
   int n_found = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

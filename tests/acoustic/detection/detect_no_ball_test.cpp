@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sounds that come in rows and are no ball: voices, hands, feet, drums, subbands. No train is invented.
+// Sounds that come in rows and are no ball: voices, hands, feet, drums, clocks. No track is found.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -101,7 +101,7 @@ void expect_no_train(const std::string& what, const Make& make) {
     std::vector<float> x = make(random);
     test::add_noise(x, 5e-4, seed);
     const Detection d = detect(x, kRate_hz, what);
-    EXPECT_GT(d.summary.n_candidates, 10) << what << ", seed " << seed << ": nothing was heard";
+    EXPECT_GT(d.summary.n_candidates, 10) << what << ", seed " << seed << ": no candidates";
     EXPECT_TRUE(d.onsets.empty()) << what << ", seed " << seed << ": " << d.message;
   }
 }

@@ -32,7 +32,7 @@ TEST(Detect, FindsEveryImpactOfACleanDropToASample) {
 }
 
 TEST(Detect, TimesALastImpactWhereASingleGainHasPutIt) {
-  // spin gives back what it took: the last flight is as long as the one before, 2 % longer than eps says and beyond
+  // spin returns energy: the last flight is as long as the one before, 2 % longer than eps says and beyond
   // where an impact is looked for; a side lobe of its sound lies within
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     BouncingSound b;

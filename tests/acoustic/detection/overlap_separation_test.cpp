@@ -20,7 +20,7 @@ constexpr double kContact = 100.0;  // sample of the window at which contact beg
 constexpr double kTau_1_s = 30e-6;
 
 /// Eight modes from 3 to 24 kHz that ring for a millisecond.
-std::vector<float> wave() {
+std::vector<float> template_waveform() {
   std::vector<float> x(kWindow, 0.0F);
   for (std::size_t n = 0; n < kWindow; ++n) {
     const double t = static_cast<double>(n) - kContact;
@@ -36,20 +36,21 @@ ImpactTemplate learned() {
   audio::RealFft fourier(kWindow);
   ImpactTemplate learned;
   learned.whitener = {1.0F};
-  learned.wave = MatchedFilter(fourier.forward(wave()), kWindow);
-  learned.subbands = split_into_subbands(learned.wave);
+  learned.filter = MatchedFilter(fourier.forward(template_waveform()), kWindow);
+  learned.subbands = split_into_subbands(learned.filter);
   learned.n_template = kWindow;
   learned.contact_index = kContact;
   return learned;
 }
 
-/// The learned wave, of u = 1, as an impact of u has it, `start` samples into the recording.
-void add(std::vector<float>& sound, const ImpactTemplate& learned, double amplitude, double u, double start) {
+/// The template, of scaling 1, as an impact of another scaling has it, `start` samples into the recording.
+void add(std::vector<float>& sound, const ImpactTemplate& learned, double amplitude, double scaling, double start) {
   audio::RealFft fourier(kWindow);
   const double begin = start - kContact;
-  audio::Spectrum w = audio::phase_shifted(learned.wave.wave(), -learned.wave.omega() * (begin - std::floor(begin)));
+  audio::Spectrum w =
+      audio::phase_shifted(learned.filter.spectrum(), -learned.filter.omega() * (begin - std::floor(begin)));
   std::vector<float> here(w.size()), reference(w.size()), slope(w.size());
-  PulseSpectrum::hertz().tabulate(kRate_hz / kWindow * kTau_1_s * u, here, slope);
+  PulseSpectrum::hertz().tabulate(kRate_hz / kWindow * kTau_1_s * scaling, here, slope);
   PulseSpectrum::hertz().tabulate(kRate_hz / kWindow * kTau_1_s, reference, slope);
   for (std::size_t b = 0; b < w.size(); ++b) {
     w.re[b] *= here[b] / reference[b];
@@ -65,10 +66,10 @@ struct Outcome {
   double pull = 0.0;
 };
 
-/// Twelve impacts, 250 samples apart, u from 1.2 to 1.7.
+/// Twelve impacts, 250 samples apart, v^(-1/5) from 1.2 to 1.7.
 /// @param amplitude  over noise
 Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
-  const ImpactTemplate wave = learned();
+  const ImpactTemplate impact_template = learned();
   constexpr int kTrials = 20;
   constexpr int kImpacts = 12;
   Outcome outcome;
@@ -76,27 +77,28 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
     Random random(trial, RandomStream::test, 12);
     std::vector<float> sound(6000, 0.0F);
     for (float& x : sound) x = static_cast<float>(random.normal());
-    std::vector<double> truth_s, u;
-    std::vector<TimedTrackImpact> onsets;
+    std::vector<double> truth_s;
+    std::vector<TimedImpact> impacts;
     for (int k = 0; k < kImpacts; ++k) {
       const double start = 1000.0 + 250.3 * k;
-      u.push_back(1.2 + 0.5 * k / kImpacts);
-      add(sound, wave, amplitude, u.back(), start);
+      const double scaling = 1.2 + 0.5 * k / kImpacts;
+      add(sound, impact_template, amplitude, scaling, start);
       truth_s.push_back(start / kRate_hz);
-      TimedTrackImpact onset;
-      onset.impact = k;
-      onset.overlap = true;
-      onset.timed.t_s = truth_s.back() + 0.3 / kRate_hz * random.normal();  // as the beginnings alone have it
-      onset.timed.amplitude = 0.5 * amplitude;
-      onsets.push_back(onset);
+      TimedImpact impact;
+      impact.impact = k;
+      impact.overlap = true;
+      impact.v_mps = std::pow(scaling, -5.0);
+      impact.fit.t_s = truth_s.back() + 0.3 / kRate_hz * random.normal();  // as timed by the beginnings alone
+      impact.fit.amplitude = 0.5 * amplitude;
+      impacts.push_back(impact);
     }
-    separate_overlaps(audio::source_in_memory(sound, kRate_hz), wave, law, u, 1.0, onsets);
+    separate_overlaps(audio::source_in_memory(sound, kRate_hz), impact_template, law, 1.0, impacts);
     for (int k = 0; k < kImpacts; ++k) {
-      // the bound of the wave as learned; a duller one is told worse
-      const double bound_s = 1.0 / amplitude / std::sqrt(wave.wave.information(0, kWindow / 2)) / kRate_hz;
-      const double error_s = onsets[k].timed.t_s - truth_s[k];
+      // the bound of the template as it is; with fewer high frequencies the bound is larger
+      const double bound_s = 1.0 / amplitude / std::sqrt(impact_template.filter.information(0, kWindow / 2)) / kRate_hz;
+      const double error_s = impacts[k].fit.t_s - truth_s[k];
       outcome.ratio += std::pow(error_s / bound_s, 2) / (kTrials * kImpacts);
-      outcome.pull += std::pow(error_s / onsets[k].timed.sigma_s, 2) / (kTrials * kImpacts);
+      outcome.pull += std::pow(error_s / impacts[k].fit.sigma_s, 2) / (kTrials * kImpacts);
     }
   }
   outcome.ratio = std::sqrt(outcome.ratio);
@@ -106,27 +108,27 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
 
 TEST(OverlapSeparation, ImpactsThatRingIntoEachOtherAreTimedAsIfEachWereAlone) {
   const Outcome outcome = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 30.0);
-  // dulling costs a third of what the wave knows of its time, the neighbours' own freedom some more
+  // the longer contacts cost a third of the information on the time, the neighbours' own freedom some more
   EXPECT_LT(outcome.ratio, 2.0);
   EXPECT_GT(outcome.pull, 0.8);
   EXPECT_LT(outcome.pull, 1.25);
 }
 
-TEST(OverlapSeparation, SlowImpactsSoundDullerWhichIsWhatLetsTheirNeighboursBeTimed) {
-  // at 50 dB over noise what is wrongly taken away is louder than noise
-  const Outcome knowing = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 300.0);
-  const Outcome not_knowing = time_chatter(std::nullopt, 300.0);
-  EXPECT_LT(knowing.ratio, 2.0);
-  EXPECT_GT(not_knowing.ratio, 2.0 * knowing.ratio);
+TEST(OverlapSeparation, SlowImpactsAreSubtractedWithTheirOwnContactTime) {
+  // at 50 dB over noise the error of a template of the wrong contact time is louder than noise
+  const Outcome with_law = time_chatter(ContactLaw{kTau_1_s, 0.0, kTau_1_s, true}, 300.0);
+  const Outcome without_law = time_chatter(std::nullopt, 300.0);
+  EXPECT_LT(with_law.ratio, 2.0);
+  EXPECT_GT(without_law.ratio, 2.0 * with_law.ratio);
 }
 
 TEST(OverlapSeparation, ImpactsThatRingAloneStayWhereTheyAre) {
   std::vector<float> sound(4000, 0.0F);
-  TimedTrackImpact onset;
-  onset.timed.t_s = 0.02;
-  std::vector<TimedTrackImpact> onsets = {onset};
-  separate_overlaps(audio::source_in_memory(sound, kRate_hz), learned(), std::nullopt, {1.0}, 1.0, onsets);
-  EXPECT_EQ(onsets[0].timed.t_s, 0.02);
+  TimedImpact impact;
+  impact.fit.t_s = 0.02;
+  std::vector<TimedImpact> impacts = {impact};
+  separate_overlaps(audio::source_in_memory(sound, kRate_hz), learned(), std::nullopt, 1.0, impacts);
+  EXPECT_EQ(impacts[0].fit.t_s, 0.02);
 }
 
 }  // namespace

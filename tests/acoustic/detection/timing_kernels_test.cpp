@@ -107,14 +107,14 @@ TEST(RealFft, PhasorsMoveAWaveByFractionsOfASample) {
 }
 
 TEST(CoherenceWeight, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
-  // a wave of 30 dB a bin below bin 200, noise above, in the sums of 16 impacts each
+  // a signal of 30 dB a bin below bin 200, noise above, in the sums of 16 impacts each
   constexpr std::size_t kBins = 513;
   Random random(1, RandomStream::test, 13);
   audio::Spectrum sums[2];
   for (audio::Spectrum& sum : sums)
     for (std::size_t k = 0; k < kBins; ++k) {
-      const double wave = k < 200 ? 30.0 : 0.0;
-      sum.re.push_back(static_cast<float>(16.0 * wave + 4.0 * random.normal()));
+      const double signal = k < 200 ? 30.0 : 0.0;
+      sum.re.push_back(static_cast<float>(16.0 * signal + 4.0 * random.normal()));
       sum.im.push_back(static_cast<float>(4.0 * random.normal()));
     }
   const std::vector<float> share = coherence_weight(sums[0], 16.0, sums[1], 16.0);
@@ -124,12 +124,12 @@ TEST(CoherenceWeight, IsOneWhereHalvesAgreeAndNoneWhereTheyAreNoise) {
   EXPECT_LT(of_noise, 0.03);
 }
 
-TEST(SubbandDelay, ReadAKnownWaveAtTheCramerRaoBound) {
+TEST(SubbandDelay, IsEstimatedAtTheCramerRaoBound) {
   audio::RealFft fourier(kWindow);
-  const MatchedFilter wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
-  const Subbands subbands = split_into_subbands(wave);
+  const MatchedFilter filter(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  const Subbands subbands = split_into_subbands(filter);
   const double level = 0.2;
-  const double bound = level / std::sqrt(wave.information(0, wave.wave().size()));
+  const double bound = level / std::sqrt(filter.information(0, filter.spectrum().size()));
   double squares = 0.0;
   double stated = 0.0;
   constexpr int kTrials = 200;
@@ -138,7 +138,7 @@ TEST(SubbandDelay, ReadAKnownWaveAtTheCramerRaoBound) {
     const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(k) + 100);
     for (std::size_t n = 0; n < kWindow; ++n)
       x[n] = (x[n] + static_cast<float>(level) * w[n]) / static_cast<float>(level);
-    const DelayEstimate r = estimate_delay(wave, subbands, fourier.forward(x), 0.3);
+    const DelayEstimate r = estimate_delay(filter, subbands, fourier.forward(x), 0.3);
     squares += r.shift * r.shift / kTrials;
     stated += r.variance / kTrials;
   }
@@ -147,11 +147,11 @@ TEST(SubbandDelay, ReadAKnownWaveAtTheCramerRaoBound) {
   EXPECT_NEAR(std::sqrt(stated) / bound, 1.0, 0.15);
 }
 
-TEST(SubbandDelay, LearnFromTheirDisagreementWhatNoResidualShows) {
+TEST(SubbandDelay, JitterIsEstimatedFromTheDisagreementOfTheSubbands) {
   // modes struck with random phases: each looks like a shift of its own, and the errors are far above the noise
   audio::RealFft fourier(kWindow);
-  const MatchedFilter wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
-  Subbands subbands = split_into_subbands(wave);
+  const MatchedFilter filter(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  Subbands subbands = split_into_subbands(filter);
   Random random(3, RandomStream::test, 9);
   const auto impact = [&](std::uint64_t seed) {
     std::vector<double> phases(8);
@@ -159,11 +159,11 @@ TEST(SubbandDelay, LearnFromTheirDisagreementWhatNoResidualShows) {
     std::vector<float> x = modes(100.0, phases);
     const std::vector<float> w = noise(kWindow, seed);
     for (std::size_t n = 0; n < kWindow; ++n) x[n] = (x[n] + 0.01F * w[n]) / 0.01F;
-    return estimate_delay(wave, subbands, fourier.forward(x), 0.0);
+    return estimate_delay(filter, subbands, fourier.forward(x), 0.0);
   };
-  std::vector<DelayEstimate> readings;
-  for (std::uint64_t k = 0; k < 60; ++k) readings.push_back(impact(k));
-  estimate_jitter(readings, wave, subbands);
+  std::vector<DelayEstimate> estimates;
+  for (std::uint64_t k = 0; k < 60; ++k) estimates.push_back(impact(k));
+  estimate_jitter(estimates, filter, subbands);
   double pull2 = 0.0;
   constexpr int kTrials = 200;
   for (std::uint64_t k = 0; k < kTrials; ++k) {
@@ -174,7 +174,7 @@ TEST(SubbandDelay, LearnFromTheirDisagreementWhatNoResidualShows) {
   EXPECT_LT(std::sqrt(pull2), 1.25);
 }
 
-TEST(SubbandDelay, MeanHasTheVarianceOfItsCovariances) {
+TEST(SubbandDelay, MeanHasTheVarianceOfItsCovarianceMatrix) {
   // by the full matrix: cov_jk = rho^|j-k| sqrt(J_j J_k), and noise on the diagonal
   Subbands subbands;
   subbands.jitter2 = {1.0, 4.0, 0.1, 2.0, 0.0};
@@ -198,68 +198,73 @@ TEST(SubbandDelay, MeanHasTheVarianceOfItsCovariances) {
   EXPECT_NEAR(mean.design_effect, variance / independent, 1e-12);
 }
 
-TEST(SubbandDelay, FindNoJitterWhereThereIsOnlyNoise) {
+TEST(SubbandDelay, HasNoJitterWhereThereIsOnlyNoise) {
   audio::RealFft fourier(kWindow);
-  const MatchedFilter wave(fourier.forward(modes(100.0, kNoPhases)), kWindow);
+  const MatchedFilter filter(fourier.forward(modes(100.0, kNoPhases)), kWindow);
   constexpr float kLevel = 0.2F;
-  const double bound = kLevel / std::sqrt(wave.information(0, wave.wave().size()));
+  const double bound = kLevel / std::sqrt(filter.information(0, filter.spectrum().size()));
   double mean = 0.0;
   constexpr int kDrops = 40;
   for (int drop = 0; drop < kDrops; ++drop) {
-    Subbands subbands = split_into_subbands(wave);
-    std::vector<DelayEstimate> readings;
+    Subbands subbands = split_into_subbands(filter);
+    std::vector<DelayEstimate> estimates;
     for (int k = 0; k < 32; ++k) {
       std::vector<float> x = modes(100.0, kNoPhases);
       const std::vector<float> w = noise(kWindow, static_cast<std::uint64_t>(1000 * drop + k) + 7);
       for (std::size_t n = 0; n < kWindow; ++n) x[n] = x[n] / kLevel + w[n];
-      readings.push_back(estimate_delay(wave, subbands, fourier.forward(x), 0.0));
+      estimates.push_back(estimate_delay(filter, subbands, fourier.forward(x), 0.0));
     }
-    estimate_jitter(readings, wave, subbands);
+    estimate_jitter(estimates, filter, subbands);
     std::vector<float> quiet = modes(100.0, kNoPhases);
     for (float& v : quiet) v /= kLevel;
-    const double variance = estimate_delay(wave, subbands, fourier.forward(quiet), 0.0).variance;
+    const double variance = estimate_delay(filter, subbands, fourier.forward(quiet), 0.0).variance;
     // where they agree chi2 is 0, and the scale 8 / (8 + n - 1)
     const double stated = std::sqrt(variance * (8.0 + static_cast<double>(subbands.n()) - 1.0) / 8.0) / bound;
     mean += stated / kDrops;
   }
-  // 32 impacts know eight jitters of 0 to a fifth of the noise each, and none is below 0; that they know their
-  // correlation no better than a chance of 0.1 must not add to it
+  // 32 impacts give eight jitters of 0 to a fifth of the noise each, none below 0; the correlation that they give by
+  // chance, 0.1, must not add to it
   EXPECT_NEAR(mean, 1.0, 0.05);
 }
 
-std::vector<ImpactHypotheses> train(double log_odds_margin) {
-  std::vector<ImpactHypotheses> impacts;
+/// A smooth track, each impact with alternatives a cycle before and after it.
+std::vector<TimedImpact> track_with_alternatives(double log_odds_margin) {
+  std::vector<TimedImpact> impacts;
   double t_s = 0.0;
   double flight_s = 0.15;
   for (int k = 0; k < 30; ++k) {
-    impacts.push_back({k, {{t_s, 0.0}, {t_s + 0.4e-3, log_odds_margin}, {t_s - 0.4e-3, log_odds_margin}}});
+    TimedImpact impact;
+    impact.impact = k;
+    impact.fit.t_s = t_s;
+    impact.fit.alternatives = {{t_s + 0.4e-3, log_odds_margin}, {t_s - 0.4e-3, log_odds_margin}};
+    impacts.push_back(impact);
     t_s += flight_s;
     flight_s *= 0.95 + 2e-4 * std::sin(7.0 * k);
   }
   return impacts;
 }
 
-TEST(CycleAmbiguity, PutsASlippedImpactBackWhereTheTrainIsSmooth) {
-  // of three places the least likely by sound
-  std::vector<ImpactHypotheses> impacts = train(20.0);
-  std::vector<DelayHypothesis>& places = impacts[12].places;
-  std::swap(places[0].t_s, places[2].t_s);
-  places[1].log_odds_margin = 0.5;
-  places[2].log_odds_margin = 1.0;
+TEST(CycleAmbiguity, PutsASlippedImpactBackWhereTheTrackIsSmooth) {
+  // of three times the least likely by sound
+  std::vector<TimedImpact> impacts = track_with_alternatives(20.0);
+  ImpactFit& slipped = impacts[12].fit;
+  std::swap(slipped.t_s, slipped.alternatives[1].t_s);
+  slipped.alternatives[0].log_odds_margin = 0.5;
+  slipped.alternatives[1].log_odds_margin = 1.0;
   const std::vector<CycleChoice> choices = resolve_cycle_slips(impacts);
-  for (std::size_t k = 0; k < impacts.size(); ++k) EXPECT_EQ(choices[k].place, k == 12 ? 2U : 0U) << k;
+  for (std::size_t k = 0; k < impacts.size(); ++k) EXPECT_EQ(choices[k].hypothesis, k == 12 ? 2U : 0U) << k;
   EXPECT_GT(choices[12].log_odds_margin[0], 5.0);
   EXPECT_GT(choices[12].log_odds_margin[1], 5.0);
   EXPECT_EQ(choices[12].log_odds_margin[2], 0.0);
 }
 
-TEST(CycleAmbiguity, LeavesAloneWhatTheSoundHasSettled) {
-  std::vector<ImpactHypotheses> impacts = train(20.0);
-  for (std::size_t k = 12; k < impacts.size(); ++k) impacts[k].places[0].t_s -= 10e-3;  // a single loss
-  for (const CycleChoice& choice : resolve_cycle_slips(impacts)) EXPECT_EQ(choice.place, 0U);
+TEST(CycleAmbiguity, KeepsTimesThatAreUnambiguousByTheSound) {
+  std::vector<TimedImpact> impacts = track_with_alternatives(20.0);
+  for (std::size_t k = 12; k < impacts.size(); ++k) impacts[k].fit.t_s -= 10e-3;  // a single loss
+  for (const CycleChoice& choice : resolve_cycle_slips(impacts)) EXPECT_EQ(choice.hypothesis, 0U);
 }
 
-TEST(CorrelationPeaks, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
+TEST(CorrelationPeaks, HoldEveryCycleOfAPacketTheHighestFirst) {
   // a packet of 20 samples a cycle, 3 cycles long, in noise as loud: its neighbours 20 and 40 samples off on both sides
   const auto packet = [](double centre) {
     std::vector<float> x(kWindow);
@@ -270,16 +275,17 @@ TEST(CorrelationPeaks, NamesEveryCycleThatNoiseLeavesOpenTheBestFirst) {
     return x;
   };
   audio::RealFft fourier(kWindow);
-  const MatchedFilter wave(fourier.forward(packet(500.0)), kWindow);
-  const std::vector<CorrelationPeak> places = find_correlation_peaks(wave, fourier.forward(packet(506.0)), -50.0, 50.0);
-  ASSERT_GE(places.size(), 5U);
-  EXPECT_NEAR(places[0].shift, 6.0, 0.5);
+  const MatchedFilter filter(fourier.forward(packet(500.0)), kWindow);
+  const std::vector<CorrelationPeak> peaks =
+      find_correlation_peaks(filter, fourier.forward(packet(506.0)), -50.0, 50.0);
+  ASSERT_GE(peaks.size(), 5U);
+  EXPECT_NEAR(peaks[0].shift, 6.0, 0.5);
   for (std::size_t k = 1; k < 5; ++k) {
-    EXPECT_NEAR(std::abs(places[k].shift - 6.0), k < 3 ? 20.0 : 40.0, 1.0) << k;
-    EXPECT_LE(places[k].log_likelihood_ratio, places[k - 1].log_likelihood_ratio) << k;
+    EXPECT_NEAR(std::abs(peaks[k].shift - 6.0), k < 3 ? 20.0 : 40.0, 1.0) << k;
+    EXPECT_LE(peaks[k].log_likelihood_ratio, peaks[k - 1].log_likelihood_ratio) << k;
   }
   // energy (1 - r^2) / 2 with r = exp(-20^2 / 3600), the packet's correlation with itself a cycle later
-  EXPECT_NEAR((places[0].log_likelihood_ratio - places[1].log_likelihood_ratio) / wave.energy(),
+  EXPECT_NEAR((peaks[0].log_likelihood_ratio - peaks[1].log_likelihood_ratio) / filter.energy(),
               0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
 }
 

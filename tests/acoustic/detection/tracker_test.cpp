@@ -11,7 +11,7 @@
 namespace bouncelab::detection {
 namespace {
 
-/// A ping-pong ball as a phone with gain control hears it: the first two impacts are turned down to a quarter, and
+/// A ping-pong ball as recorded by a phone with gain control: the first two impacts are turned down to a quarter, and
 /// other sounds, some as loud, come before.
 std::vector<Candidate> turned_down_at_first(std::uint64_t seed, std::vector<double>& impacts_s) {
   Random random(seed, RandomStream::test, 0);

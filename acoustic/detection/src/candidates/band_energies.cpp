@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kWindow_s = 11.6e-3;
 constexpr double kLowest_hz = 90.0;
-constexpr float kNoticed = 0.3F;       // of the power before, that more of it would be noticed
-constexpr float kAlikeScatter = 0.9F;  // of ln power in an octave: places struck differ
+constexpr float kDetectable = 0.3F;   // least addition to a power that could be detected, of that power
+constexpr float kSameScatter = 0.9F;  // of ln power in an octave: the place struck varies
 constexpr float kOtherScatter = 2.5F;
-constexpr float kLeastOfBand = -2.5F;
-constexpr float kShare = 0.5F;  // octaves are not independent of each other
-constexpr float kMostLogOdds = 4.0F;
+constexpr float kMinLogOddsOfBand = -2.5F;
+constexpr float kIndependence = 0.5F;  // factor on the log odds, since octaves are correlated
+constexpr float kMaxLogOdds = 4.0F;
 
 /// Octave of each bin; -1 = below all.
 std::vector<int> octaves(std::size_t n_bins, double bin_hz) {
@@ -59,7 +59,7 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
     const auto before = powers();
     for (int b = 0; b < kEnergyBands; ++b) {
       const float added = std::max(0.0F, after[b] - before[b]);
-      band_energies[c].log_power[b] = std::log(std::max(added, kNoticed * before[b]) + 1e-20F);
+      band_energies[c].log_power[b] = std::log(std::max(added, kDetectable * before[b]) + 1e-20F);
       band_energies[c].added_share[b] = added / (after[b] + before[b] + 1e-20F);
     }
   }
@@ -68,24 +68,25 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
 
 float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
   float weight = 1e-6F;
-  float louder = 0.0F;
+  float loudness = 0.0F;  // of b over a
   for (int k = 0; k < kEnergyBands; ++k) {
     const float both = a.added_share[k] * b.added_share[k];
     weight += both;
-    louder += both * (b.log_power[k] - a.log_power[k]);
+    loudness += both * (b.log_power[k] - a.log_power[k]);
   }
-  louder /= weight;
-  constexpr float kCurvature = 0.5F / (kAlikeScatter * kAlikeScatter) - 0.5F / (kOtherScatter * kOtherScatter);
-  static const float gain = std::log(kOtherScatter / kAlikeScatter);
-  float sum = -gain;  // for the loudness, which was taken from them
+  loudness /= weight;
+  constexpr float kCurvature = 0.5F / (kSameScatter * kSameScatter) - 0.5F / (kOtherScatter * kOtherScatter);
+  static const float log_ratio = std::log(kOtherScatter / kSameScatter);
+  float sum = -log_ratio;  // one degree of freedom for the loudness
   for (int k = 0; k < kEnergyBands; ++k) {
     const float both = a.added_share[k] * b.added_share[k];
-    const float difference = b.log_power[k] - a.log_power[k] - louder;
-    // where one is not heard it may be as faint as it likes: the louder one's being heard is enough
-    const float louder_heard = difference > 0.0F ? b.added_share[k] : difference < 0.0F ? a.added_share[k] : 0.0F;
-    sum += std::max(both, louder_heard) * std::max(kLeastOfBand, gain - kCurvature * difference * difference);
+    const float difference = b.log_power[k] - a.log_power[k] - loudness;
+    // an octave in which one adds nothing counts too, by the added share of the louder one
+    const float share_of_louder = difference > 0.0F ? b.added_share[k] : difference < 0.0F ? a.added_share[k] : 0.0F;
+    sum +=
+        std::max(both, share_of_louder) * std::max(kMinLogOddsOfBand, log_ratio - kCurvature * difference * difference);
   }
-  return 1.0F / (1.0F + std::exp(std::clamp(-kShare * sum, -kMostLogOdds, kMostLogOdds)));
+  return 1.0F / (1.0F + std::exp(std::clamp(-kIndependence * sum, -kMaxLogOdds, kMaxLogOdds)));
 }
 
 }  // namespace bouncelab::detection

@@ -11,24 +11,24 @@ namespace bouncelab::detection {
 
 constexpr int kEnergyBands = 8;  // octaves from 90 Hz on
 
-/// What a sound brings in each octave over what was there before it.
+/// Energy that a sound adds in each octave to what was there before.
 struct BandEnergies {
-  std::array<float, kEnergyBands> log_power{};    ///< ln of the power added, or of the least that would be noticed
-  std::array<float, kEnergyBands> added_share{};  ///< share of it in the power heard, 0 ... 1
+  std::array<float, kEnergyBands> log_power{};    ///< ln of the power added, or of the least that could be detected
+  std::array<float, kEnergyBands> added_share{};  ///< of the power added in the power before and after, 0 ... 1
 };
 
 /// Of the 12 ms after each candidate against the 12 ms before it, differenced, under half a Hann window.
 std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
                                                 const std::vector<Candidate>& candidates);
 
-/// Probability that two sounds are of one kind (a ball's impacts, one voice, one pair of hands) where half of all pairs
-/// are: how far their spectra differ beside their loudness. Of one kind they scatter by 4 dB an octave, of two by 11
-/// dB; an octave in which neither is added_share says nothing. .02 ... .98.
+/// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
+/// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source, of
+/// 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
 float same_source_probability(const BandEnergies& a, const BandEnergies& b);
 
-/// How much one sound is a rival of another, or of its train: fully, where nothing tells them apart.
-constexpr double same_source_weight(double same_source_probability) {
-  return same_source_probability < 0.5 ? 2.0 * same_source_probability : 1.0;
-}
+/// Weight of one sound as clutter for another: 1 where they cannot be distinguished, less where they are of two
+/// sources.
+/// @param probability  that they are of one source, 0 ... 1
+constexpr double same_source_weight(double probability) { return probability < 0.5 ? 2.0 * probability : 1.0; }
 
 }  // namespace bouncelab::detection

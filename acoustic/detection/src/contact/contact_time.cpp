@@ -7,15 +7,14 @@
 namespace bouncelab::detection {
 namespace {
 
-// what is known of any ball that rings a plate before it is heard: steel balls of 1 to 10 mm radius (Hertz); sounds
-// that say otherwise by three standard errors are believed
-constexpr double kUsual_s = 35e-6;
-constexpr double kUsualSpread_s = 20e-6;
-constexpr double kContradiction = 3.0;
-constexpr double kSoft_hz = 3e3;  // a tenth of a cycle in the usual duration: steel would ring higher modes too
-constexpr double kCertain = 2.0;  // standard errors of tau^2: four of tau
-// standard errors by which two pulses must differ before it counts: neighbouring bands share what neither explains
-constexpr double kDoubt = 2.0;
+// prior: steel balls of 1 to 10 mm radius (Hertz); dropped where a recording differs by three standard errors
+constexpr double kPrior_s = 35e-6;
+constexpr double kPriorSigma_s = 20e-6;
+constexpr double kMaxDifference = 3.0;
+constexpr double kSoft_hz = 3e3;      // a tenth of a cycle in the prior's duration: steel would excite higher modes too
+constexpr double kSignificant = 2.0;  // standard errors of tau^2: four of tau
+// standard errors by which two pulses must differ before it counts: neighbouring bands are correlated
+constexpr double kMinPulseDifference = 2.0;
 
 ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvidence::*pulse) {
   ContactFit pooled;
@@ -35,9 +34,9 @@ ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvi
   return pooled;
 }
 
-/// How probable it is that Hertz's pulse is the more likely one over all bands, were others drawn: a band that no pulse
-/// explains speaks as one, however many impacts it was heard in.
-double share_of_hertz(const std::vector<ContactEvidence>& drops) {
+/// Probability that Hertz's pulse is the more likely one, by a paired test of the log-likelihoods over bands: a band
+/// that neither pulse explains counts once, whatever the number of impacts.
+double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
   double n = 0.0, sum = 0.0, squares = 0.0;
   for (const ContactEvidence& drop : drops)
     for (std::size_t m = 0; m < drop.hertz.log_likelihood.size(); ++m) {
@@ -46,22 +45,22 @@ double share_of_hertz(const std::vector<ContactEvidence>& drops) {
     }
   const double error = std::sqrt(std::max(squares - sum * sum / n, 1e-30) / (n - 1.0) * n);
   const double z = sum / error;
-  return 0.5 * std::erfc(-std::copysign(std::max(0.0, std::abs(z) - kDoubt), z) / std::sqrt(2.0));
+  return 0.5 * std::erfc(-std::copysign(std::max(0.0, std::abs(z) - kMinPulseDifference), z) / std::sqrt(2.0));
 }
 
-/// With what is known beforehand, where the two do not contradict each other.
-ContactFit with_usual(ContactFit fit) {
-  const double usual = kUsual_s * kUsual_s;
-  const double spread = 2.0 * kUsual_s * kUsualSpread_s;
-  if (std::abs(fit.tau2_s2 - usual) > kContradiction * std::hypot(fit.sigma2_s2, spread)) return fit;
+/// Combined with the prior, where the two are compatible.
+ContactFit with_prior(ContactFit fit) {
+  const double prior = kPrior_s * kPrior_s;
+  const double spread = 2.0 * kPrior_s * kPriorSigma_s;
+  if (std::abs(fit.tau2_s2 - prior) > kMaxDifference * std::hypot(fit.sigma2_s2, spread)) return fit;
   const double weight = 1.0 / (fit.sigma2_s2 * fit.sigma2_s2);
-  const double usual_weight = 1.0 / (spread * spread);
-  fit.tau2_s2 = (weight * fit.tau2_s2 + usual_weight * usual) / (weight + usual_weight);
-  fit.sigma2_s2 = std::sqrt(1.0 / (weight + usual_weight));
+  const double prior_weight = 1.0 / (spread * spread);
+  fit.tau2_s2 = (weight * fit.tau2_s2 + prior_weight * prior) / (weight + prior_weight);
+  fit.sigma2_s2 = std::sqrt(1.0 / (weight + prior_weight));
   return fit;
 }
 
-/// The root, where it is real.
+/// tau_1 from its square; 0 where that is negative.
 ContactLaw law_of(const ContactFit& fit) {
   const double square = std::max(fit.tau2_s2, 0.0);
   return {std::sqrt(square), std::sqrt(square + fit.sigma2_s2) - std::sqrt(square)};
@@ -75,21 +74,21 @@ double contact_delay(double v_mps, double reference_scaling) {
 
 ContactLaw assumed_contact(double rms_hz) {
   if (rms_hz < kSoft_hz) return {0.0, 0.5 / rms_hz};
-  return {kUsual_s, kUsualSpread_s, kUsual_s};
+  return {kPrior_s, kPriorSigma_s, kPrior_s};
 }
 
 std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops) {
   if (drops.empty()) return std::nullopt;
-  const ContactFit heard[] = {pool(drops, &ContactEvidence::hertz), pool(drops, &ContactEvidence::half_sine)};
-  const ContactLaw a = law_of(with_usual(heard[0]));
-  const ContactLaw b = law_of(with_usual(heard[1]));
-  const double share = share_of_hertz(drops);
+  const ContactFit pooled[] = {pool(drops, &ContactEvidence::hertz), pool(drops, &ContactEvidence::half_sine)};
+  const ContactLaw a = law_of(with_prior(pooled[0]));
+  const ContactLaw b = law_of(with_prior(pooled[1]));
+  const double p_hertz = probability_of_hertz(drops);
   ContactLaw law;
-  law.tau_1_s = share * a.tau_1_s + (1.0 - share) * b.tau_1_s;
-  law.sigma_s = std::sqrt(share * a.sigma_s * a.sigma_s + (1.0 - share) * b.sigma_s * b.sigma_s +
-                          share * (1.0 - share) * std::pow(a.tau_1_s - b.tau_1_s, 2));
+  law.tau_1_s = p_hertz * a.tau_1_s + (1.0 - p_hertz) * b.tau_1_s;
+  law.sigma_s = std::sqrt(p_hertz * a.sigma_s * a.sigma_s + (1.0 - p_hertz) * b.sigma_s * b.sigma_s +
+                          p_hertz * (1.0 - p_hertz) * std::pow(a.tau_1_s - b.tau_1_s, 2));
   law.hertz_tau_1_s = a.tau_1_s;
-  law.is_significant = heard[0].tau2_s2 > kCertain * heard[0].sigma2_s2;
+  law.is_significant = pooled[0].tau2_s2 > kSignificant * pooled[0].sigma2_s2;
   return law;
 }
 

@@ -8,53 +8,53 @@
 
 namespace bouncelab::detection {
 
-/// Duration of a contact at 1 m/s under one shape of the force pulse, as its square: ln P falls like (f tau)^2, so that
-/// this is what a sound tells, with an error that does not depend on it; where there is little to be told it may be
-/// negative.
+/// Duration of contact at 1 m/s under one shape of the force pulse, as its square: ln P is linear in (f tau)^2 for
+/// small f tau, so that tau^2 is estimated with an error that does not depend on it; it may be negative where the error
+/// is large.
 struct ContactFit {
   double tau2_s2 = 0.0;
-  double sigma2_s2 = 0.0;
+  double sigma2_s2 = 0.0;              ///< standard error of tau2_s2
   std::vector<double> log_likelihood;  ///< by band, up to constants that all pulses share
 };
 
-/// What the impacts of one drop say of their durations.
+/// Contact time by the impacts of one drop.
 struct ContactEvidence {
   ContactFit hertz;
   ContactFit half_sine;
 };
 
-/// Duration of contact tau = tau_1 v^(-1/5) (Hertz), as the recording itself shows it.
+/// Duration of contact tau = tau_1 v^(-1/5) (Hertz).
 struct ContactLaw {
   double tau_1_s = 0.0;         ///< at 1 m/s
   double sigma_s = 0.0;         ///< its standard error
   double hertz_tau_1_s = 0.0;   ///< under Hertz's pulse alone
-  bool is_significant = false;  ///< the sound alone tells it, to four standard errors
+  bool is_significant = false;  ///< the recording alone gives it at four standard errors
 };
 
-/// How much later than the start of contact, against a wave of v^(-1/5) = reference_scaling, a wave places an impact,
-/// per tau_1: the centres of the pulses coincide, their beginnings differ by half the difference of the durations,
+/// How much later than the start of contact a template of scaling v^(-1/5) = reference_scaling places an impact, per
+/// tau_1: the centres of the pulses coincide, their beginnings differ by half the difference of the durations,
 /// (v^(-1/5) - reference_scaling) / 2.
 double contact_delay(double v_mps, double reference_scaling);
 
-/// A contact of duration tau multiplies the plate's response by P(f tau), the spectrum of its force pulse. A longer
-/// contact at lower speed thus dulls the sound, which over a drop gives tau:
+/// tau_1 of one drop from its band levels. A contact of duration tau multiplies the plate's response by P(f tau), the
+/// spectrum of its force pulse, so that longer contacts at lower speeds lower the high bands:
 ///
-///   level_km = c_k h_m P(f_m tau_1 u_k) (1 + timbre) + noise
+///   level_km = c_k h_m P(f_m tau_1 u_k) (1 + scatter) + noise,   u_k = v_k^(-1/5)
 ///
-/// with a gain c_k for each impact and a response h_m for each band, by Gauss and Newton from tau_1 = 30 us (steel on
-/// glass), with Hertz's pulse and with a half-sine. Each band has its own opinion of tau_1; how far they disagree
-/// weighs them and gives the error, so that a mode whose level drifts with the place struck counts once and not as
-/// often as it was struck. Absent where fewer than six bands tell anything.
+/// with an amplitude c_k for each impact and a response h_m for each band (level_model.hpp), by Gauss-Newton steps from
+/// tau_1 = 30 us (steel on glass), with Hertz's pulse and with a half-sine. tau_1 is estimated per band and pooled; the
+/// between-band scatter sets weights and error, so that a mode whose level drifts with the place struck counts once and
+/// not once an impact. Absent with fewer than eight impacts or six usable bands.
 std::optional<ContactEvidence> fit_contact(const BandLevels& levels);
 
-/// Where the sound tells nothing of the duration: what is known of steel balls; of a ball that sounds below 3 kHz only
-/// that its contact is of the order of half a period, 0 +- 1 / (2 rms_hz).
-/// @param rms_hz  root mean square frequency of the wave; positive
+/// The contact law that is assumed where no drop determines it: that of steel balls; of a ball whose sound has an rms
+/// frequency below 3 kHz only that its contact is of the order of half a period, 0 +- 1 / (2 rms_hz).
+/// @param rms_hz  root mean square frequency of the template; positive
 ContactLaw assumed_contact(double rms_hz);
 
-/// One ball, one law: the mean over drops under each pulse, and with what is known of steel balls on glass, 35 +- 20
-/// us, unless the sound contradicts it; the pulse that is more likely counts, or the mean of both where the sound
-/// cannot tell. Absent where there is no evidence.
+/// One ball, one law: the weighted mean over drops under each pulse, combined with the prior for steel balls on glass,
+/// 35 +- 20 us, unless the two differ by more than three standard errors; then the mean of the two pulses, weighted by
+/// their probabilities. Absent where there is no evidence.
 std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops);
 
 }  // namespace bouncelab::detection

@@ -15,7 +15,7 @@ double half_sine_force(double s) { return 0.5 * kPi * std::sin(kPi * s); }
 
 PulseSpectrum::PulseSpectrum(double (*force)(double)) {
   // the trapezoidal rule over theta, s = (1 - cos theta)/2, where force ds/dtheta is smooth and periodic
-  // (but for a half-sine's ends: 48 nodes leave 3e-7); what is before the middle sounds as what is after it
+  // (but for a half-sine's ends: 48 nodes leave 3e-7); both pulses are symmetric about the middle
   constexpr int kAll = 48;
   constexpr int kNodes = kAll / 2;
   std::vector<double> middle_out(kNodes), weight(kNodes);
@@ -26,7 +26,7 @@ PulseSpectrum::PulseSpectrum(double (*force)(double)) {
     weight[q] = std::sin(theta) * force(0.5 + middle_out[q]);
     total += weight[q];
   }
-  // each node's phasor turns on by its own angle from x to x: 2048 roundings
+  // each node's phasor advances by its own angle from x to x: 2048 roundings
   std::vector<double> slope_weight(kNodes), c(kNodes, 1.0), s(kNodes, 0.0), turn_c(kNodes), turn_s(kNodes);
   for (int q = 0; q < kNodes; ++q) {
     const double phase = 2.0 * kPi * middle_out[q];

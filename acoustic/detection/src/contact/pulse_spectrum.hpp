@@ -7,7 +7,7 @@
 namespace bouncelab::detection {
 
 /// Spectrum P(x) of a contact's force pulse about its middle, x = frequency times duration, P(0) = 1, with its slope.
-/// A contact multiplies what a blow without duration would sound like by it: longer contacts sound duller.
+/// The sound of an impact is that of an impulse multiplied by it: longer contacts have less at high frequencies.
 class PulseSpectrum {
  public:
   static constexpr double kLargest = 4.0;  ///< x; beyond, value and slope are 0

@@ -22,7 +22,7 @@ std::vector<double> sums_of_columns(const BandTable& x) {
 
 namespace {
 
-/// One round of taking off weighted means of rows, then of columns.
+/// One round: subtracts weighted means of rows, then of columns.
 /// @param per_row, per_column  1 / sum of the weights
 /// @return sum of squares of the means of columns
 double demean_once(double* __restrict x, const double* __restrict weight, const double* per_row,
@@ -56,19 +56,19 @@ double demean_once(double* __restrict x, const double* __restrict weight, const 
 }  // namespace
 
 void demean_two_way(BandTable& x, const BandTable& weight) {
-  constexpr int kSweeps = 12;
-  constexpr double kLeft = 1e-12;  // of the squares that the first sweep finds
+  constexpr int kMaxRounds = 12;
+  constexpr double kConverged = 1e-12;  // of the sum of squares of the first round
   std::vector<double> per_row = sums_of_rows(weight);
   std::vector<double> per_column = sums_of_columns(weight);
   for (double& sum : per_row) sum = 1.0 / (sum + 1e-300);
   for (double& sum : per_column) sum = 1.0 / (sum + 1e-300);
   std::vector<double> means(x.n_bands());
   double first = 0.0;
-  for (int round = 0; round < kSweeps; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const double squares =
         demean_once(x[0], weight[0], per_row.data(), per_column.data(), means.data(), x.n_impacts(), x.n_bands());
     if (round == 0) first = squares;
-    if (squares <= kLeft * first) break;
+    if (squares <= kConverged * first) break;
   }
 }
 

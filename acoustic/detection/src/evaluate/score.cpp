@@ -18,7 +18,7 @@ struct Pair {
   std::size_t truth, detected;
 };
 
-/// Order by recording, then time: matches can then be looked for by bisection, whatever the order of the tables.
+/// Order by recording, then time, so that matches are found by bisection whatever the order of the tables.
 bool earlier(const Onset& a, const Onset& b) { return std::tie(a.recording, a.t_s) < std::tie(b.recording, b.t_s); }
 
 std::vector<Pair> candidate_pairs(const Onsets& truth, const Onsets& detected, double tolerance_s) {
@@ -54,44 +54,44 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// A matched impact of a drop that states its sigma.
-struct Known {
+/// A matched impact of a drop with a stated sigma.
+struct StatedError {
   double error_s = 0.0;
   double sigma_s = 0.0;
-  double u = 0.0;  // proportional to v^(-1/5); 0 = not known
+  double scaling = 0.0;  // proportional to v^(-1/5); 0 = not known
 };
 
-/// v^(-1/5) but for a factor, from the flight before the impact (of the first: after it).
-double slowness(const Onsets& truth, const std::vector<std::size_t>& drop, std::size_t k) {
+/// v^(-1/5) up to a factor, from the flight before the impact (of the first: after it).
+double contact_scaling(const Onsets& truth, const std::vector<std::size_t>& drop, std::size_t k) {
   const std::size_t from = k > 0 ? k - 1 : k;
   if (from + 1 >= drop.size() || truth[drop[from + 1]].impact != truth[drop[from]].impact + 1) return 0.0;
   const double flight_s = truth[drop[from + 1]].t_s - truth[drop[from]].t_s;
   return flight_s > 0.0 ? std::pow(flight_s, -0.2) : 0.0;
 }
 
-/// Sum of squared errors over their sigmas, about the mean that their sigmas make the best one and, where it can be
-/// told, the multiple of v^(-1/5); and how many are free.
+/// Sum of squared errors over their sigmas about their weighted regression on a constant and, with enough impacts, on
+/// v^(-1/5); and its degrees of freedom.
 struct ChiSquared {
   double chi2 = 0.0;
   double ndf = 0.0;
 
-  void add(const std::vector<Known>& drop) {
+  void add(const std::vector<StatedError>& drop) {
     constexpr std::size_t kEnough = 6;  // impacts for two constants
-    const bool of_speed =
-        drop.size() >= kEnough && std::all_of(drop.begin(), drop.end(), [](const Known& k) { return k.u > 0.0; });
+    const bool of_speed = drop.size() >= kEnough &&
+                          std::all_of(drop.begin(), drop.end(), [](const StatedError& k) { return k.scaling > 0.0; });
     double w = 0.0, u = 0.0, e = 0.0;
-    for (const Known& k : drop) {
+    for (const StatedError& k : drop) {
       const double weight = 1.0 / (k.sigma_s * k.sigma_s);
-      w += weight, u += weight * k.u, e += weight * k.error_s;
+      w += weight, u += weight * k.scaling, e += weight * k.error_s;
     }
     u /= w, e /= w;
     double uu = 0.0, ue = 0.0;
-    for (const Known& k : drop) {
+    for (const StatedError& k : drop) {
       const double weight = 1.0 / (k.sigma_s * k.sigma_s);
-      uu += weight * (k.u - u) * (k.u - u), ue += weight * (k.u - u) * k.error_s;
+      uu += weight * (k.scaling - u) * (k.scaling - u), ue += weight * (k.scaling - u) * k.error_s;
     }
     const double slope = of_speed && uu > 0.0 ? ue / uu : 0.0;
-    for (const Known& k : drop) chi2 += std::pow((k.error_s - e - slope * (k.u - u)) / k.sigma_s, 2);
+    for (const StatedError& k : drop) chi2 += std::pow((k.error_s - e - slope * (k.scaling - u)) / k.sigma_s, 2);
     ndf += static_cast<double>(drop.size()) - (of_speed ? 2.0 : 1.0);
   }
 };
@@ -106,14 +106,14 @@ void score_within_drops(const Onsets& truth, const Onsets& detected, OnsetScore&
     std::sort(impacts.begin(), impacts.end(),
               [&](std::size_t a, std::size_t b) { return truth[a].impact < truth[b].impact; });
     std::vector<double> of_drop;
-    std::vector<Known> known;
+    std::vector<StatedError> known;
     for (std::size_t i = 0; i < impacts.size(); ++i) {
       const std::size_t k = impacts[i];
       if (!score.match[k]) continue;
       const Onset& onset = detected[*score.match[k]];
       of_drop.push_back(onset.t_s - truth[k].t_s);
       if (onset.sigma_t_s && *onset.sigma_t_s > 0.0)
-        known.push_back({of_drop.back(), *onset.sigma_t_s, slowness(truth, impacts, i)});
+        known.push_back({of_drop.back(), *onset.sigma_t_s, contact_scaling(truth, impacts, i)});
     }
     if (of_drop.empty()) continue;
     const double offset_s = median(of_drop);

@@ -6,8 +6,8 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kAround = 8;  // bins on either side
-constexpr double kByChance = 0.5;   // of 17 bins of noise: one and a half standard deviations
+constexpr std::size_t kAround = 8;   // bins on either side
+constexpr double kNoiseShare = 0.5;  // what 17 bins of noise reach at one and a half standard deviations
 
 }  // namespace
 
@@ -23,14 +23,14 @@ std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, c
     common[k + 1] = common[k] + product / (weight_a * weight_b);
     all[k + 1] = all[k] + (re * re + im * im) / (weight * weight);
   }
-  std::vector<float> share(n);
+  std::vector<float> weights(n);
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t from = k > kAround ? k - kAround : 0;
     const std::size_t to = std::min(n, k + kAround + 1);
     const double ratio = (common[to] - common[from]) / (all[to] - all[from] + 1e-30);
-    share[k] = static_cast<float>(std::clamp((ratio - kByChance) / (1.0 - kByChance), 0.0, 1.0));
+    weights[k] = static_cast<float>(std::clamp((ratio - kNoiseShare) / (1.0 - kNoiseShare), 0.0, 1.0));
   }
-  return share;
+  return weights;
 }
 
 }  // namespace bouncelab::detection

@@ -7,10 +7,10 @@
 
 namespace bouncelab::detection {
 
-/// Share of the power of a mean that its two halves have in common, by bin, over the 17 bins around: 1 where they
-/// agree, 0 where the mean is noise. What Wiener's filter would multiply it by, but for shares below 0.3, which noise
-/// reaches by chance; they count as 0, and those above are stretched to make up for it.
-/// @param a, b    sums of weighted spectra, over one half of the recordings each
+/// Coherence (Wiener) weight of a mean, by bin: the share c of its power that two halves of the data have in common,
+/// over the 17 bins around. 1 where the halves agree, 0 where the mean is noise. Shares below 0.5, which noise reaches
+/// by chance, count as 0, and those above are rescaled: (c - 0.5) / (1 - 0.5), limited to 0 ... 1.
+/// @param a, b    sums of weighted spectra, over one half of the impacts each
 /// @param weight_a, weight_b  sums of the squared weights; positive
 /// Source: Wiener 1949; Bendat & Piersol, Random Data (2010), 6.1 (coherence).
 std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,

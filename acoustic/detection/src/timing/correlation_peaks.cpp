@@ -12,48 +12,49 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMostPlaces = 8;
+constexpr std::size_t kMaxPeaks = 8;
 
 struct Peak {
-  std::int64_t at = 0;  // in halves
+  std::int64_t at = 0;  // in halves of a sample
   double height = 0.0;
 };
 
 }  // namespace
 
-std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& wave, const audio::Spectrum& sound,
+std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& filter, const audio::Spectrum& sound,
                                                     double from, double to) {
-  // in halves: at a whole sample's spacing what lies near the Nyquist frequency could be missed altogether
-  audio::RealFft twice(2 * wave.n_window());
-  const std::vector<float> products = twice.inverse(audio::product_conj(wave.wave(), sound));
+  // steps of half a sample: with whole samples a peak near the Nyquist frequency could fall between two steps
+  audio::RealFft twice(2 * filter.n_window());
+  const std::vector<float> products = twice.inverse(audio::product_conj(filter.spectrum(), sound));
   const auto n = static_cast<std::int64_t>(products.size());
   const std::int64_t lowest = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
   const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest, n / 2 - 2);
-  std::vector<float> likely(static_cast<std::size_t>(highest - lowest + 3), -INFINITY);  // and one on either side
+  std::vector<float> correlation(static_cast<std::size_t>(highest - lowest + 3), -INFINITY);  // and one on either side
   for (std::int64_t k = lowest; k <= highest; ++k)
-    likely[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
-  const auto top = std::find(likely.begin(), likely.end(), audio::largest(likely));
-  const Peak best{top - likely.begin() - 1 + lowest, *top};
+    correlation[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
+  const auto top = std::find(correlation.begin(), correlation.end(), audio::largest(correlation));
+  const Peak best{top - correlation.begin() - 1 + lowest, *top};
   std::vector<Peak> peaks;
-  for (std::size_t k = 1; k + 1 < likely.size(); ++k) {
-    // no branches: what rises and falls is as good as noise to the processor's guesses
-    const bool is_peak = (likely[k] > 0.0F) & (likely[k] >= likely[k - 1]) & (likely[k] >= likely[k + 1]);
+  for (std::size_t k = 1; k + 1 < correlation.size(); ++k) {
+    // no branches: they would be mispredicted half of the time
+    const bool is_peak =
+        (correlation[k] > 0.0F) & (correlation[k] >= correlation[k - 1]) & (correlation[k] >= correlation[k + 1]);
     const std::int64_t at = static_cast<std::int64_t>(k) - 1 + lowest;
-    if (is_peak && std::abs(at - best.at) > 2) peaks.push_back({at, likely[k]});
+    if (is_peak && std::abs(at - best.at) > 2) peaks.push_back({at, correlation[k]});
   }
-  const std::size_t n_others = std::min(peaks.size(), kMostPlaces - 1);
+  const std::size_t n_others = std::min(peaks.size(), kMaxPeaks - 1);
   std::partial_sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(n_others), peaks.end(),
                     [](const Peak& a, const Peak& b) { return a.height > b.height; });
   peaks.resize(n_others);
   // the inverse holds sums of products over sqrt(n_window)
-  const double scale = 0.5 * static_cast<double>(wave.n_window()) / wave.energy();
-  const auto place = [&](const Peak& peak) {
+  const double scale = 0.5 * static_cast<double>(filter.n_window()) / filter.energy();
+  const auto to_peak = [&](const Peak& peak) {
     const double height = std::max(0.0, peak.height);
     return CorrelationPeak{0.5 * static_cast<double>(peak.at), scale * height * height};
   };
-  std::vector<CorrelationPeak> places{place(best)};
-  for (const Peak& peak : peaks) places.push_back(place(peak));
-  return places;
+  std::vector<CorrelationPeak> found{to_peak(best)};
+  for (const Peak& peak : peaks) found.push_back(to_peak(peak));
+  return found;
 }
 
 }  // namespace bouncelab::detection

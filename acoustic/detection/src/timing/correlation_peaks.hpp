@@ -7,15 +7,16 @@
 
 namespace bouncelab::detection {
 
-/// Where a wave may lie.
+/// A local maximum of the cross-correlation of a sound with the template.
 struct CorrelationPeak {
-  double shift = 0.0;
-  double log_likelihood_ratio = 0.0;  ///< log likelihood ratio against no impact, noise variance 1
+  double shift = 0.0;                 ///< of the template within the window [samples]
+  double log_likelihood_ratio = 0.0;  ///< of an impact there against none, noise variance 1
 };
 
-/// Shifts from ... to, in steps of a half, at which the likelihood, maximised over a positive amplitude, has a
-/// local maximum: the best first, then at most seven others in falling order.
-std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& wave, const audio::Spectrum& sound,
+/// Local maxima of the cross-correlation for shifts in [from, to], step 0.5 sample: the highest first, then at most
+/// seven others in falling order. The likelihood is maximised over a positive amplitude,
+/// LLR(s) = max(0, r(s))^2 / (2 E), E the energy of the template.
+std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& filter, const audio::Spectrum& sound,
                                                     double from, double to);
 
 }  // namespace bouncelab::detection

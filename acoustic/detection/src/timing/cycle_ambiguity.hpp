@@ -2,35 +2,27 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
+
+#include "timing/timed_impact.hpp"
 
 namespace bouncelab::detection {
 
-/// Log odds from which the sound alone decides.
-inline constexpr double kUnambiguousLogOdds = 15.0;
-
-/// A time at which an impact may have been.
-struct DelayHypothesis {
-  double t_s = 0.0;
-  double log_odds_margin =
-      0.0;  ///< log odds of the most likely place against this one, as the sound alone has them, >= 0
-};
-
-/// An impact of a train that may have been at one of several times, cycles of its wave apart.
-struct ImpactHypotheses {
-  std::int64_t impact = 0;
-  std::vector<DelayHypothesis> places;  ///< the most likely first
-};
-
+/// The time chosen for one impact: hypothesis 0 is its fit's, hypothesis k > 0 its fit's alternatives[k - 1].
 struct CycleChoice {
-  std::size_t place = 0;
-  std::vector<double> log_odds_margin;  ///< log odds of the chosen against each place, sound and train together
+  std::size_t hypothesis = 0;
+  std::vector<double> log_odds_margin;  ///< of the chosen against each hypothesis, by sound and track together
 };
 
-/// Decides between the places by the smoothness of the train: ln(T_{k+1}/T_k) scatters about the median of its
-/// neighbours like Student's t with four degrees of freedom, whose width the train shows itself. The most probable
-/// sequence, by dynamic programming; the odds of each impact with its neighbours as chosen.
-std::vector<CycleChoice> resolve_cycle_slips(const std::vector<ImpactHypotheses>& impacts);
+/// Time of a hypothesis [s].
+double hypothesis_time(const TimedImpact& impact, std::size_t hypothesis);
+
+/// Resolves cycle slips by the smoothness of the track: ln(T_{k+1}/T_k) scatters about the median of its neighbours
+/// like Student's t with four degrees of freedom, its width estimated from the track. The most probable sequence of
+/// hypotheses by Viterbi's algorithm over pairs of neighbours; each margin holds with the neighbours as chosen. Tracks
+/// of fewer than seven impacts keep the times of their fits.
+/// @return one choice an impact
+/// Source: Viterbi, IEEE Trans. Inf. Theory 13, 260 (1967), doi:10.1109/TIT.1967.1054010
+std::vector<CycleChoice> resolve_cycle_slips(const std::vector<TimedImpact>& track);
 
 }  // namespace bouncelab::detection

@@ -9,46 +9,45 @@
 
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
+#include "candidates/candidates.hpp"
 #include "timing/subband_delay.hpp"
 
 namespace bouncelab::detection {
 
-/// A wave is learned from impacts that are not clipped where there are so many of them.
-inline constexpr std::ptrdiff_t kFewestWhole = 5;
-
-/// An impact whose time is known to a millisecond or better.
-struct RoughImpact {
-  double t_s = 0.0;
-  double amplitude = 0.0;  ///< any unit, the same for all
-  double reach_s = 1e-3;   ///< how far from t_s it may lie
-  bool clipped = false;    ///< learned from only where too few others are
-};
-
-/// The sound of an impact, whitened by the noise, as learned from the recording.
+/// The matched-filter template of a recording's impacts, whitened by the noise. Windows begin at a sample of the
+/// recording; positions within them count from there.
 struct ImpactTemplate {
   std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
-  MatchedFilter wave;
+  MatchedFilter filter;
   Subbands subbands;
-  std::size_t n_template = 0;        ///< samples from the window's first after which the wave is quiet
+  std::size_t n_template = 0;        ///< samples from the window's first after which the template is 0
   double contact_index = 0.0;        ///< start of contact, in samples from the window's first
-  double correlation = 0.0;          ///< median of the learned impacts with the wave
-  std::int64_t n_impacts = 0;        ///< learned from
-  std::vector<double> training_t_s;  ///< when they were
-  double training_weight = 0.0;      ///< sum of their squared amplitudes, in units of the wave
-  std::vector<double> waveform;      ///< the mean wave as recorded, not whitened
+  double correlation = 0.0;          ///< median of the training impacts with the template
+  std::int64_t n_impacts = 0;        ///< that it is the mean of
+  std::vector<double> training_t_s;  ///< their times
+  double training_weight = 0.0;      ///< sum of their squared amplitudes, in units of the template
+  std::vector<double> waveform;      ///< the mean as recorded, not whitened
   std::vector<double> spread;        ///< its standard deviation from impact to impact
-  double peak = 0.0;                 ///< of `heard`
-  float clip_level = INFINITY;       ///< of the sound as recorded; samples at or beyond it are not to be believed
+  double peak = 0.0;                 ///< largest magnitude of `waveform`
+  float clip_level = INFINITY;       ///< of the sound as recorded; samples at or beyond it carry no information
 };
 
-/// Learns the wave from the recording's own strong and isolated impacts: aligned below a sample, averaged, again; then
-/// the noise and the jitter of its subbands. Absent where no three impacts sound alike.
+/// Estimates the template from the recording's own strong and isolated impacts: aligned below a sample and averaged,
+/// in turns; then the noise and the jitter of its sub-bands.
+/// @param impacts  with times to a millisecond or better, in time order
+/// @param clipped  for each whether the recording is at its limit there; such impacts are used only where too few
+///                 others are (has_enough_unclipped)
+/// @param clip_level  limit of the recording; infinity where it is not reached
+/// @return absent where no three impacts are alike
 std::optional<ImpactTemplate> estimate_template(const audio::AudioSource& sound, const audio::ArModel& noise,
-                                                const std::vector<RoughImpact>& impacts);
+                                                const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
+                                                float clip_level = INFINITY);
 
-/// Share of an impact's sound that the wave explains, as a correlation 0 ... 1.
+/// Whether a template can be estimated from unclipped impacts alone.
+bool has_enough_unclipped(const std::vector<bool>& clipped);
+
+/// Share of an impact's sound that the template explains, as a correlation 0 ... 1.
 /// @param total  sum of squares of the window
-double correlation(const DelayEstimate& reading, double total);
+double correlation(const DelayEstimate& estimate, double total);
 
 }  // namespace bouncelab::detection

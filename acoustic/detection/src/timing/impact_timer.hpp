@@ -6,43 +6,36 @@
 
 #include "bouncelab/audio/audio_source.hpp"
 #include "timing/correlation_peaks.hpp"
-#include "timing/cycle_ambiguity.hpp"
 #include "timing/impact_template.hpp"
+#include "timing/timed_impact.hpp"
 
 namespace bouncelab::detection {
 
-/// An impact timed by maximum likelihood.
-struct TimedImpact {
-  double t_s = 0.0;
-  double sigma_s = 0.0;
-  double amplitude = 0.0;             ///< in units of the wave
-  double log_likelihood_ratio = 0.0;  ///< log likelihood ratio against no impact there, noise variance 1
-  double residual_variance = 0.0;     ///< mean square residual, noise = 1
-  double noise = 1.0;                 ///< variance of the noise there, as the whitener leaves it; at least 1
-  double correlation = 0.0;           ///< of the sound with the wave, 0 ... 1
-  std::vector<DelayHypothesis>
-      others;  ///< where else it may have been, cycles off; none where the sound has settled it
-};
-
-/// Times impacts one after the other, what still rings of the earlier ones subtracted.
+/// Times single impacts by maximum likelihood, the ringing of known ones subtracted.
+///
+/// Model of a window of whitened sound: y(t) = sum_i A_i w(t - t_i) + A w(t - t_0) + white noise, with the template w,
+/// the known impacts i, and A, t_0 to be estimated. Of a window that reaches the next impact only the part before it
+/// is used; a clipped impact is compared with the template limited alike.
+/// Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory (1993), ch. 3, 7.
 class ImpactTimer {
  public:
-  /// @param sound, wave  kept by reference
-  ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& wave);
+  /// @param sound, learned  kept by reference
+  ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& learned);
 
-  /// The most likely impact within reach_s of t_s. Does not subtract_from_later it.
+  /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact
-  TimedImpact time(double t_s, double reach_s, double until_s);
-  /// From now on its ringing is subtracted. Impacts come in time order.
-  void subtract_from_later(const TimedImpact& impact);
+  ImpactFit time(double t_s, double reach_s, double until_s);
+  /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
+  void subtract_from_later(const ImpactFit& impact);
 
  private:
-  struct Ringing {
-    TimedImpact impact;
-    std::int64_t first = 0;   // sample at which the window begins
-    std::vector<float> wave;  // placed in it; made when first needed
+  struct KnownImpact {
+    double t_s = 0.0;
+    double amplitude = 0.0;
+    std::int64_t first = 0;     // sample at which its window begins
+    std::vector<float> placed;  // the template in it; computed when first needed
   };
-  /// What of a window counts: factors of its samples; empty = all of it.
+  /// Factors of a window's samples; empty = all are 1.
   using Mask = std::vector<float>;
   /// A window of the sound and where in it the impact may be.
   struct FitWindow {
@@ -52,33 +45,31 @@ class ImpactTimer {
     std::vector<float> sound;
     double total = 0.0;  // sum of squares
     audio::Spectrum spectrum;
-    std::vector<CorrelationPeak> places;
+    std::vector<CorrelationPeak> peaks;
   };
   /// @param end  sample from which on the sound belongs to the next impact
   FitWindow cut(std::int64_t first, std::int64_t end);
-  std::vector<CorrelationPeak> peaks_in(const FitWindow& c, double from, double to);
-  /// Mean square of what an impact of so much gain leaves of a window.
-  double residual_variance(const FitWindow& c, double log_likelihood_ratio) const;
-  /// The subbands at the best of its places.
-  DelayEstimate read_cut(const FitWindow& c);
-  /// The first n_fit samples.
-  Mask beginning(std::size_t n_fit) const;
+  std::vector<CorrelationPeak> peaks_in(const FitWindow& window, double from, double to);
+  /// Mean square of what an impact leaves of a window.
+  double residual_variance(const FitWindow& window, double log_likelihood_ratio) const;
+  /// Delay at the highest of its peaks.
+  DelayEstimate estimate_in(const FitWindow& window);
+  /// 1 for the first n_fit samples, with a tapered end.
+  Mask mask_of(std::size_t n_fit) const;
   bool is_clipped(std::int64_t first) const;
-  /// What the converter makes of a wave so loud: limited as recorded, then whitened.
-  MatchedFilter clipped_wave(double amplitude, double shift, const Mask& mask);
-  /// Time of a clipped impact by the zeros of its sound and by what is below the limit, its amplitude by how long it is
-  /// beyond it.
-  /// @param total  sum of squares of the window
-  DelayEstimate read_clipped(const audio::Spectrum& y, double total, double shift, const Mask& mask);
+  /// The template as the converter limits it at this amplitude, then whitened.
+  MatchedFilter clipped_template(double amplitude, double shift, const Mask& mask);
+  /// Delay of a clipped impact: the amplitude by grid search, since it only shows in how long the sound is limited.
+  DelayEstimate estimate_clipped(const FitWindow& window, double shift);
+  /// Whitened sound less the ringing of the known impacts.
   std::vector<float> read(std::int64_t first, const Mask& mask);
-  /// The wave as far as it counts.
-  MatchedFilter masked_wave(double shift, const Mask& mask);
+  MatchedFilter masked_template(double shift, const Mask& mask);
 
   const audio::AudioSource& sound_;
-  const ImpactTemplate& wave_;
+  const ImpactTemplate& learned_;
   audio::RealFft fourier_;
   double noise_;
-  std::vector<Ringing> timed_;
+  std::vector<KnownImpact> known_;
 };
 
 }  // namespace bouncelab::detection

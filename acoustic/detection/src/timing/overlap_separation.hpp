@@ -7,18 +7,19 @@
 #include "bouncelab/audio/audio_source.hpp"
 #include "contact/contact_time.hpp"
 #include "timing/impact_template.hpp"
-#include "timing/track_timer.hpp"
+#include "timing/timed_impact.hpp"
 
 namespace bouncelab::detection {
 
-/// Times anew the impacts whose sounds reach into each other, each by all of its sound once that of its neighbours,
-/// earlier and later, is taken away, until nothing moves any more. Slow impacts last longer and sound duller than those
-/// that the wave was learned from: each is given the wave times P(f tau_1 u) / P(f tau_1 reference_scaling), with
-/// Hertz's pulse.
-/// @param u    v^(-1/5) of each onset; 0 = not known
-/// @param reference_scaling  of the learned wave
-void separate_overlaps(const audio::AudioSource& sound, const ImpactTemplate& wave,
-                       const std::optional<ContactLaw>& law, const std::vector<double>& u, double reference_scaling,
-                       std::vector<TimedTrackImpact>& onsets);
+/// Joint estimation of impacts whose sounds overlap, by coordinate descent: each flagged one is timed by all of its
+/// sound once that of its neighbours, earlier and later, is subtracted, until none moves by a fifth of its standard
+/// error. Slow impacts have longer contacts than those of the template and so fewer high frequencies: each is compared
+/// with the template times P(f tau_1 u) / P(f tau_1 u_0), P the spectrum of Hertz's pulse, u = v^(-1/5).
+/// @param law               absent = the template as it is
+/// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
+/// @param impacts           of one track, in time order; v_mps 0 = the template as it is
+void separate_overlaps(const audio::AudioSource& sound, const ImpactTemplate& learned,
+                       const std::optional<ContactLaw>& law, double template_scaling,
+                       std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

@@ -14,29 +14,29 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kLeastBins = 8;    // below, neighbours share their modes and are no subbands of their own
-constexpr double kLeastShare = 0.25;     // of what a band knows on average
-constexpr std::size_t kLeastModes = 20;  // an edge is looked for within so many'th parts of the band
-// disagreement of the subbands counts like this many that agree: eleven differences alone know their scatter to 20 %
+constexpr std::size_t kMinBins = 8;            // narrower sub-bands share their modes with their neighbours
+constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
+constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
+// prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
 constexpr double kPriorSubbands = 8.0;
-constexpr int kMostSteps = 6;
-constexpr double kArrived = 1e-4;     // samples; below the error at 80 dB
-constexpr double kLargestMove = 1.0;  // samples; the subbands of the highest frequencies turn by half a cycle
+constexpr int kMaxSteps = 6;
+constexpr double kConverged = 1e-4;  // samples; below the error at 80 dB
+constexpr double kMaxStep = 1.0;     // samples; half a cycle at the highest frequencies
 
-/// Amplitude at which a subband's sound stands, drawn to the wave's where noise hides it.
+/// Amplitude in one sub-band, shrunk towards the common one where its signal-to-noise ratio is low.
 double subband_amplitude(double own, double common, double energy, double noise) {
-  constexpr double kPrior = 10.0;  // worth as much as so much energy over noise
+  constexpr double kPrior = 10.0;  // weight of the common one, as a signal-to-noise ratio
   const double snr = common * common * energy / noise;
   return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
 }
 
-/// Each subband's amplitude and what its time lies beyond `shift`.
+/// In-phase and quadrature sums of each sub-band at a shift.
 struct Sums {
   std::array<double, kMaxSubbands> in_phase;
-  std::array<double, kMaxSubbands> quadrature;  // omega times
+  std::array<double, kMaxSubbands> quadrature;  // times omega
 };
 
-/// @param moved  room of the size of z
+/// @param moved  workspace of the size of z
 Sums sums_at(const audio::Spectrum& z, const Subbands& subbands, double omega, double shift, audio::Spectrum& moved) {
   audio::phase_shift(z, omega * shift, moved);
   Sums sums{};
@@ -49,36 +49,36 @@ Sums sums_at(const audio::Spectrum& z, const Subbands& subbands, double omega, d
   return sums;
 }
 
-/// A band that knows little is the skirt of a mode in the next one and errs with it: joins the two.
-void merge_weak_subbands(const MatchedFilter& wave, std::vector<std::size_t>& edge) {
-  const auto knows = [&](std::size_t j) { return wave.information(edge[j], edge[j + 1]); };
+/// A sub-band of little information is the skirt of a mode in the next one and its error is correlated: merges the two.
+void merge_weak_subbands(const MatchedFilter& filter, std::vector<std::size_t>& edge) {
+  const auto information_of = [&](std::size_t j) { return filter.information(edge[j], edge[j + 1]); };
   const double enough =
-      kLeastShare * wave.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
+      kMinInformationShare * filter.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
   while (edge.size() > 2) {
     const auto n = edge.size() - 1;
     std::size_t least = 0;
     for (std::size_t j = 1; j < n; ++j)
-      if (knows(j) < knows(least)) least = j;
-    if (knows(least) > enough) return;
-    const bool is_above = least + 1 == n || (least > 0 && knows(least - 1) > knows(least + 1));
+      if (information_of(j) < information_of(least)) least = j;
+    if (information_of(least) > enough) return;
+    const bool is_above = least + 1 == n || (least > 0 && information_of(least - 1) > information_of(least + 1));
     edge.erase(edge.begin() + static_cast<std::ptrdiff_t>(is_above ? least : least + 1));
   }
 }
 
-/// What is added to the variance of the mean because jitters, and so weights, are only estimated:
-/// sum 4 p (1 - p) / nu (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). Of the degrees of freedom nu a subband
-/// that the mean follows has few; noise is known.
+/// Factor on the variance of the mean because jitters, and with them weights, are estimates: 1 + sum 4 w (1 - w) / nu
+/// (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). A sub-band that dominates the mean has few degrees of freedom
+/// nu; the noise is taken as known.
 double weight_error_factor(const Subbands& subbands, const SubbandMean& mean) {
-  double doubt = 1.0;
-  for (std::size_t j = 0; subbands.n_learned > 0 && j < subbands.n(); ++j) {
+  double factor = 1.0;
+  for (std::size_t j = 0; subbands.n_training > 0 && j < subbands.n(); ++j) {
     const double kept = std::max(kMinResidualShare, 1.0 - mean.design_effect * mean.weight[j]);
-    const double n_free = static_cast<double>(subbands.n_learned) * kept * kept;
-    doubt += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
+    const double n_free = static_cast<double>(subbands.n_training) * kept * kept;
+    factor += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
   }
-  return doubt;
+  return factor;
 }
 
-/// Variance of the shift, from how far the subbands disagree.
+/// Variance of the shift, scaled by how far the sub-bands disagree.
 double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
   const SubbandMean m = subband_mean(subbands, r.noise_variance);
   const std::size_t n = subbands.n();
@@ -93,16 +93,16 @@ double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
 
 }  // namespace
 
-MatchedFilter::MatchedFilter(audio::Spectrum wave, std::size_t n_window)
-    : wave_(std::move(wave)),
+MatchedFilter::MatchedFilter(audio::Spectrum spectrum, std::size_t n_window)
+    : spectrum_(std::move(spectrum)),
       n_window_(n_window),
       omega_(2.0 * kPi / static_cast<double>(n_window)),
-      running_(wave_.size() + 1, 0.0),
-      running_information_(wave_.size() + 1, 0.0) {
-  for (std::size_t k = 0; k < wave_.size(); ++k) {
+      running_(spectrum_.size() + 1, 0.0),
+      running_information_(spectrum_.size() + 1, 0.0) {
+  for (std::size_t k = 0; k < spectrum_.size(); ++k) {
     const double w = omega_ * static_cast<double>(k);
     const double power =
-        static_cast<double>(wave_.re[k]) * wave_.re[k] + static_cast<double>(wave_.im[k]) * wave_.im[k];
+        static_cast<double>(spectrum_.re[k]) * spectrum_.re[k] + static_cast<double>(spectrum_.im[k]) * spectrum_.im[k];
     running_[k + 1] = running_[k] + power;
     running_information_[k + 1] = running_information_[k] + w * w * power;
   }
@@ -113,31 +113,31 @@ double MatchedFilter::rms_frequency() const {
   return std::max(1e-6, std::sqrt(running_information_.back() / (energy_ + 1e-30)) / (2.0 * kPi));
 }
 
-Subbands split_into_subbands(const MatchedFilter& wave) {
-  const std::size_t n_bins = wave.wave().size() - 1;
-  const double all = wave.information(0, n_bins);
+Subbands split_into_subbands(const MatchedFilter& filter) {
+  const std::size_t n_bins = filter.spectrum().size() - 1;
+  const double all = filter.information(0, n_bins);
   const auto bin_at = [&](double part) {
     std::size_t k = 1;
-    while (k < n_bins && wave.information(0, k) < part * all) ++k;
+    while (k < n_bins && filter.information(0, k) < part * all) ++k;
     return k;
   };
   const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
-  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kLeastBins), 1, kMaxSubbands);
-  const std::size_t reach = std::max(kLeastBins / 2, n_occupied / kLeastModes);
-  const auto density = [&](std::size_t k) { return wave.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
+  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kMinBins), 1, kMaxSubbands);
+  const std::size_t reach = std::max(kMinBins / 2, n_occupied / kEdgeSearchShare);
+  const auto density = [&](std::size_t k) { return filter.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
   Subbands subbands;
   subbands.edge.push_back(1);
   for (std::size_t share = 1; share < n; ++share) {
     const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
-    const std::size_t lo = std::max(subbands.edge.back() + kLeastBins, middle > reach ? middle - reach : 1);
-    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kLeastBins));
+    const std::size_t lo = std::max(subbands.edge.back() + kMinBins, middle > reach ? middle - reach : 1);
+    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kMinBins));
     std::size_t lowest = lo;
     for (std::size_t k = lo; k <= hi; ++k)
       if (density(k) < density(lowest)) lowest = k;
     if (lo <= hi) subbands.edge.push_back(lowest);
   }
   subbands.edge.push_back(n_bins);
-  merge_weak_subbands(wave, subbands.edge);
+  merge_weak_subbands(filter, subbands.edge);
   subbands.noise.assign(subbands.edge.size() - 1, 1.0);
   subbands.jitter2.assign(subbands.edge.size() - 1, 0.0);
   return subbands;
@@ -174,26 +174,26 @@ SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& no
   return m;
 }
 
-DelayEstimate estimate_delay(const MatchedFilter& wave, const Subbands& subbands, const audio::Spectrum& sound,
+DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start) {
-  const audio::Spectrum z = audio::product_conj(wave.wave(), sound);
+  const audio::Spectrum z = audio::product_conj(filter.spectrum(), sound);
   audio::Spectrum moved = z;
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;
   r.deviation.resize(n);
   r.noise_variance.resize(n);
-  for (int step = 0; step < kMostSteps; ++step) {
-    const Sums sums = sums_at(z, subbands, wave.omega(), r.shift, moved);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Sums sums = sums_at(z, subbands, filter.omega(), r.shift, moved);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
-    r.amplitude = in_phase / wave.energy();
-    r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / wave.energy() : 0.0;
+    r.amplitude = in_phase / filter.energy();
+    r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / filter.energy() : 0.0;
     if (r.amplitude <= 0.0) break;
     double weights = 0.0;
     double mean = 0.0;
     for (std::size_t j = 0; j < n; ++j) {
-      const double energy = wave.energy(subbands.edge[j], subbands.edge[j + 1]);
-      const double information = wave.information(subbands.edge[j], subbands.edge[j + 1]);
+      const double energy = filter.energy(subbands.edge[j], subbands.edge[j + 1]);
+      const double information = filter.information(subbands.edge[j], subbands.edge[j + 1]);
       const double a = subband_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, subbands.noise[j]);
       r.noise_variance[j] = subbands.noise[j] / (a * a * information + 1e-30);
       r.deviation[j] = sums.quadrature[j] / (a * information + 1e-30);
@@ -202,10 +202,10 @@ DelayEstimate estimate_delay(const MatchedFilter& wave, const Subbands& subbands
       mean += weight * r.deviation[j];
     }
     mean /= weights;
-    const double move = std::clamp(mean, -kLargestMove, kLargestMove);
+    const double move = std::clamp(mean, -kMaxStep, kMaxStep);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
-    if (std::abs(move) < kArrived) break;
+    if (std::abs(move) < kConverged) break;
   }
   if (r.amplitude > 0.0) r.variance = delay_variance(r, subbands);
   return r;

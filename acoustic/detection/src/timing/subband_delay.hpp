@@ -9,48 +9,50 @@
 
 namespace bouncelab::detection {
 
-inline constexpr std::size_t kMaxSubbands = 10;  // of one wave
+inline constexpr std::size_t kMaxSubbands = 10;  // of one template
 
-/// Least share of its variance that a subband's deviations from the mean keep: the mean follows none altogether.
+/// Least share of its variance that a sub-band's deviations from the mean keep: a mean that rests on one sub-band alone
+/// follows it altogether.
 inline constexpr double kMinResidualShare = 0.2;
 
-/// Bands of a wave's spectrum, each a subband of its own that says when an impact was.
+/// Sub-bands of a template's spectrum, each of which gives an estimate of the delay of its own.
 ///
-/// A band's time errs by the noise, with variance noise / (amplitude^2 sum omega^2 |wave|^2), and by the modes in it
-/// that are struck differently each time, with the variance `jitter2`, whatever the amplitude. How far the subbands
-/// disagree over the impacts of a recording tells the latter: what no residual of a fit shows, since a fit takes the
-/// part of a residual_variance that looks like a shift for a shift.
+/// The variance of a sub-band's delay has two components: noise, with noise / (amplitude^2 sum omega^2 |W|^2), and
+/// jitter, since the modes in it are excited differently each time, with `jitter2` whatever the amplitude. The jitter
+/// is estimated from how far the sub-bands disagree over many impacts of a recording; no residual of a fit shows it,
+/// since a fit takes the part of a residual that looks like a delay for a delay.
 struct Subbands {
-  std::vector<std::size_t> edge;  ///< bins; band j is edge[j] ... edge[j+1] - 1
-  std::vector<double> noise;      ///< variance of the noise in each real and imaginary part
-  std::vector<double> jitter2;    ///< [samples^2]
-  double correlation = 0.0;       ///< of the jitter of neighbours; of subbands further apart its power
-  std::size_t n_learned = 0;      ///< impacts that the jitter is known from; 0 = it is known
+  std::vector<std::size_t> edge;  ///< bins; sub-band j is edge[j] ... edge[j+1] - 1
+  std::vector<double> noise;      ///< noise variance in each real and imaginary part
+  std::vector<double> jitter2;    ///< variance of the delay by jitter [samples^2]
+  double correlation = 0.0;       ///< of the jitter of neighbours; at lag k its k-th power
+  std::size_t n_training = 0;     ///< impacts that the jitter is estimated from; 0 = the jitter is exact
   std::size_t n() const { return noise.size(); }
 };
 
-/// A wave and what its bands know.
+/// The spectrum W that sounds are correlated with, with running sums of its energy and of its Fisher information on a
+/// delay.
 class MatchedFilter {
  public:
   MatchedFilter() = default;
   /// @param n_window  samples of the window that the spectrum is of
-  MatchedFilter(audio::Spectrum wave, std::size_t n_window);
+  MatchedFilter(audio::Spectrum spectrum, std::size_t n_window);
 
-  const audio::Spectrum& wave() const { return wave_; }
+  const audio::Spectrum& spectrum() const { return spectrum_; }
   std::size_t n_window() const { return n_window_; }
   double energy() const { return energy_; }
   /// 2 pi / n_window
   double omega() const { return omega_; }
   /// Root mean square frequency [cycles per sample]; at least 1e-6.
   double rms_frequency() const;
-  /// sum |wave|^2 and sum omega^2 |wave|^2 over bins from ... to - 1
+  /// sum |W|^2 and sum omega^2 |W|^2 over bins from ... to - 1
   double energy(std::size_t from, std::size_t to) const { return running_[to] - running_[from]; }
   double information(std::size_t from, std::size_t to) const {
     return running_information_[to] - running_information_[from];
   }
 
  private:
-  audio::Spectrum wave_;
+  audio::Spectrum spectrum_;
   std::size_t n_window_ = 0;
   double omega_ = 0.0;
   double energy_ = 0.0;
@@ -58,40 +60,42 @@ class MatchedFilter {
   std::vector<double> running_information_;
 };
 
-/// Up to ten bands of about equal information on the time, parted where the spectrum is low, so that no mode is told by
-/// two subbands; noise 1 and jitter 0.
-Subbands split_into_subbands(const MatchedFilter& wave);
+/// Up to ten sub-bands of about equal information on the delay, with edges at minima of the spectrum, so that no mode
+/// is shared by two; noise 1 and jitter 0.
+Subbands split_into_subbands(const MatchedFilter& filter);
 
-/// The mean of an impact's subbands, weighted by their variances, and how each subband goes with it.
+/// Weights and covariances of the mean of an impact's sub-band delays d_j, weighted by their inverse variances.
 struct SubbandMean {
   double variance = 0.0;                      ///< of the mean
-  double design_effect = 1.0;                 ///< its variance over what it were if the subbands were independent
-  std::array<double, kMaxSubbands> weight{};  ///< in the mean; the sum is 1
-  std::array<double, kMaxSubbands> jitter{};  ///< share of each subband's variance
-  std::array<double, kMaxSubbands>
-      relative_covariance{};  ///< covariance of each with the mean over what it were if independent
+  double design_effect = 1.0;                 ///< variance of the mean / that of independent sub-bands
+  std::array<double, kMaxSubbands> weight{};  ///< w_j; the sum is 1
+  std::array<double, kMaxSubbands> jitter{};  ///< share of jitter in Var(d_j)
+  /// Cov(d_j, mean) / (w_j Var(d_j)); 1 for independent sub-bands
+  std::array<double, kMaxSubbands> relative_covariance{};
 };
 
-/// Noise is independent from subband to subband, jitter is correlated like rho^lag.
+/// Noise is independent from sub-band to sub-band; jitter is correlated like rho^|j - k|.
+/// @param noise_variance  of each sub-band's delay [samples^2], positive
 SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& noise_variance);
 
-/// What the subbands say of one impact.
+/// Delay and amplitude of one impact.
 struct DelayEstimate {
-  double shift = 0.0;                  ///< of the wave within the window [samples]
-  double amplitude = 0.0;              ///< in units of the wave
-  double log_likelihood_ratio = 0.0;   ///< log likelihood ratio against no impact, noise variance 1
+  double shift = 0.0;                  ///< of the template within the window [samples]
+  double amplitude = 0.0;              ///< in units of the template
+  double log_likelihood_ratio = 0.0;   ///< against no impact, noise variance 1
   double variance = 0.0;               ///< of the shift [samples^2]
-  std::vector<double> deviation;       ///< each subband's time minus `shift`
-  std::vector<double> noise_variance;  ///< of each subband's time, without jitter
+  std::vector<double> deviation;       ///< each sub-band's delay minus `shift` [samples]
+  std::vector<double> noise_variance;  ///< of each sub-band's delay, without jitter [samples^2]
 };
 
-/// Reads all subbands and takes their mean, weighted by their variances, from a start within half a cycle.
+/// Weighted mean of the sub-bands' delays, by Gauss-Newton steps from a start within half a cycle:
 ///
-///   x_j = Re sum conj(W) Y e^(i omega s),  d_j = -sum omega Im(conj(W) Y e^(i omega s)),  time_j = s + d_j / (A I_j)
+///   x_j = Re sum conj(W) Y e^(i omega s),  d_j = -sum omega Im(conj(W) Y e^(i omega s)),  delay_j = s + d_j / (A I_j)
 ///
-/// by Gauss and Newton; the variance follows how far the subbands disagree, (8 + chi2) / (8 + n - 1) of what is
-/// expected.
-DelayEstimate estimate_delay(const MatchedFilter& wave, const Subbands& subbands, const audio::Spectrum& sound,
+/// with the information I_j of sub-band j. The stated variance is scaled by how far the sub-bands disagree,
+/// (8 + chi2) / (8 + n - 1).
+/// Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory (1993), ch. 3, 7.
+DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start);
 
 }  // namespace bouncelab::detection

@@ -9,17 +9,18 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr int kRounds = 8;
-constexpr double kLeastOfTypical = 0.5;  // phase variance of the steadiest subband over that of the typical one
-constexpr double kPriorImpacts = 4.0;    // impacts that the typical phase variance is worth
-constexpr double kMostCorrelated = 0.95;
+constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band over the median one
+constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
+constexpr double kMaxCorrelation = 0.95;
 
-/// Jitter at which the squared deviations of one subband, each over its expected size, average 1.
+/// Jitter at which the squared deviations of one sub-band, each over its expected value, average 1; by bisection.
 double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise,
                  const std::vector<double>& share) {
   const auto excess = [&](double jitter2) {
     double total = 0.0;
     for (std::size_t k = 0; k < squares.size(); ++k)
-      total += std::min(squares[k] / (share[k] * (noise[k] + jitter2)), 9.0) - 1.0;  // a knock is no jitter
+      total += std::min(squares[k] / (share[k] * (noise[k] + jitter2)), 9.0) -
+               1.0;  // robust against single disturbed impacts
     return total;
   };
   if (excess(0.0) <= 0.0) return 0.0;
@@ -32,18 +33,18 @@ double jitter_of(const std::vector<double>& squares, const std::vector<double>& 
   return 0.5 * (lo + hi);
 }
 
-/// Deviations of each subband from the mean of all, by subband and impact.
-struct Disagreement {
+/// Deviations of each sub-band from the mean of all, by sub-band and impact.
+struct Deviations {
   std::vector<std::vector<double>> deviation, squares, noise;
   std::vector<SubbandMean> mean;
 };
 
-Disagreement disagreement(const std::vector<DelayEstimate>& readings, const Subbands& subbands) {
+Deviations deviations_of(const std::vector<DelayEstimate>& estimates, const Subbands& subbands) {
   const std::size_t n = subbands.n();
-  const std::vector<std::vector<double>> room(n, std::vector<double>(readings.size()));
-  Disagreement d{room, room, room, {}};
-  for (std::size_t k = 0; k < readings.size(); ++k) {
-    const DelayEstimate& r = readings[k];
+  const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
+  Deviations d{zeros, zeros, zeros, {}};
+  for (std::size_t k = 0; k < estimates.size(); ++k) {
+    const DelayEstimate& r = estimates[k];
     d.mean.push_back(subband_mean(subbands, r.noise_variance));
     double mean = 0.0;
     for (std::size_t j = 0; j < n; ++j) mean += d.mean[k].weight[j] * r.deviation[j];
@@ -56,9 +57,9 @@ Disagreement disagreement(const std::vector<DelayEstimate>& readings, const Subb
   return d;
 }
 
-/// Shares of its variance that a subband's deviations from the mean keep: the mean follows it, and its neighbours with
-/// it.
-std::vector<double> shares(const Disagreement& d, std::size_t subband) {
+/// Var(d_j - mean) / Var(d_j) for each impact: the mean follows each sub-band and, by their correlation, its
+/// neighbours.
+std::vector<double> residual_shares(const Deviations& d, std::size_t subband) {
   std::vector<double> shares;
   for (const SubbandMean& m : d.mean)
     shares.push_back(std::max(kMinResidualShare,
@@ -66,10 +67,10 @@ std::vector<double> shares(const Disagreement& d, std::size_t subband) {
   return shares;
 }
 
-/// Correlation rho of the jitter of neighbours. Taking off the mean has lowered the products of two deviations by
-/// (with_j + with_k - dependence) sqrt(w_j w_k). What is found counts by rho^2 / (rho^2 + its variance): chance alone
-/// hardly raises it.
-double correlation(const Disagreement& d, const Subbands& subbands) {
+/// Correlation rho of the jitter of neighbours. Subtracting the mean lowers the expected product of two deviations by
+/// (r_j + r_k - design effect) sqrt(w_j w_k), r the relative covariances. The estimate is shrunk by rho^2 / (rho^2 +
+/// its variance), so that chance alone hardly raises it.
+double correlation(const Deviations& d, const Subbands& subbands) {
   double products = 0.0;
   double pairs = 0.0;
   for (std::size_t j = 0; j + 1 < subbands.n(); ++j)
@@ -84,39 +85,40 @@ double correlation(const Disagreement& d, const Subbands& subbands) {
       products += std::sqrt(jitter2) * (z(j) * z(j + 1) + taken_off);
       pairs += jitter2;
     }
-  const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMostCorrelated);
+  const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMaxCorrelation);
   return found * found * found / (found * found + 1.0 / (pairs + 1e-30));
 }
 
-/// A mode's phase wanders about alike at all frequencies: each subband's jitter is drawn to that of the typical one.
-void draw_to_typical(const MatchedFilter& wave, double n_impacts, Subbands& subbands) {
+/// Phases vary about alike at all frequencies: each sub-band's jitter is shrunk towards the median phase variance.
+void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& subbands) {
   const std::size_t n = subbands.n();
   const auto energy_over_information = [&](std::size_t j) {
-    return wave.energy(subbands.edge[j], subbands.edge[j + 1]) /
-           (wave.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30);
+    return filter.energy(subbands.edge[j], subbands.edge[j + 1]) /
+           (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30);
   };
   std::vector<double> phase2(n);
   for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (energy_over_information(j) + 1e-30);
   std::vector<double> sorted = phase2;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
-  const double typical = sorted[n / 2];
+  const double median = sorted[n / 2];
   for (std::size_t j = 0; j < n; ++j)
-    subbands.jitter2[j] = (n_impacts * std::max(phase2[j], kLeastOfTypical * typical) + kPriorImpacts * typical) /
+    subbands.jitter2[j] = (n_impacts * std::max(phase2[j], kMinOfMedian * median) + kPriorImpacts * median) /
                           (n_impacts + kPriorImpacts) * energy_over_information(j);
 }
 
 }  // namespace
 
-void estimate_jitter(const std::vector<DelayEstimate>& readings, const MatchedFilter& wave, Subbands& subbands) {
+void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedFilter& filter, Subbands& subbands) {
   const std::size_t n = subbands.n();
-  if (readings.size() < 3 || n < 2) return;
+  if (estimates.size() < 3 || n < 2) return;
   subbands.correlation = 0.0;
-  subbands.n_learned = readings.size();
+  subbands.n_training = estimates.size();
   for (int round = 0; round < kRounds; ++round) {
-    const Disagreement d = disagreement(readings, subbands);
-    for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(d.squares[j], d.noise[j], shares(d, j));
-    draw_to_typical(wave, static_cast<double>(readings.size()), subbands);
-    subbands.correlation = correlation(disagreement(readings, subbands), subbands);
+    const Deviations d = deviations_of(estimates, subbands);
+    for (std::size_t j = 0; j < n; ++j)
+      subbands.jitter2[j] = jitter_of(d.squares[j], d.noise[j], residual_shares(d, j));
+    shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
+    subbands.correlation = correlation(deviations_of(estimates, subbands), subbands);
   }
 }
 

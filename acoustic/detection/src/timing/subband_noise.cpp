@@ -11,23 +11,23 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kLeastNoise = 1e-6;  // of white noise of variance 1
+constexpr double kMinNoise = 1e-6;  // of white noise of variance 1
 
-struct Quiet {
-  double told = 0.0;          // what it would tell of a time, by all subbands
-  double energy = 0.0;        // sum of squares
-  std::vector<double> power;  // by subband
+struct QuietWindow {
+  double weighted_power = 0.0;  // with the weights of the delay, over all sub-bands
+  double energy = 0.0;          // sum of squares
+  std::vector<double> power;    // by sub-band
 };
 
-Quiet power_of(const audio::Spectrum& sound, const MatchedFilter& wave, const Subbands& subbands) {
-  Quiet quiet;
+QuietWindow measure_power(const audio::Spectrum& sound, const MatchedFilter& filter, const Subbands& subbands) {
+  QuietWindow quiet;
   for (std::size_t j = 0; j < subbands.n(); ++j) {
     double sum = 0.0;
     for (std::size_t k = subbands.edge[j]; k < subbands.edge[j + 1]; ++k)
-      sum += wave.information(k, k + 1) *
+      sum += filter.information(k, k + 1) *
              (static_cast<double>(sound.re[k]) * sound.re[k] + static_cast<double>(sound.im[k]) * sound.im[k]);
-    quiet.power.push_back(0.5 * sum / (wave.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
-    quiet.told += sum;
+    quiet.power.push_back(0.5 * sum / (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
+    quiet.weighted_power += sum;
   }
   return quiet;
 }
@@ -35,22 +35,22 @@ Quiet power_of(const audio::Spectrum& sound, const MatchedFilter& wave, const Su
 }  // namespace
 
 double estimate_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
-                      const std::vector<std::int64_t>& begins, const MatchedFilter& wave, Subbands& subbands) {
-  audio::RealFft fourier(wave.n_window());
-  std::vector<Quiet> windows;
+                      const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands) {
+  audio::RealFft fourier(filter.n_window());
+  std::vector<QuietWindow> windows;
   for (const std::int64_t begin : begins) {
-    const std::int64_t first = begin - static_cast<std::int64_t>(wave.n_window());
-    const std::vector<float> white = audio::read_white(sound, whitener, first, wave.n_window()).sound;
-    windows.push_back(power_of(fourier.forward(white), wave, subbands));
+    const std::int64_t first = begin - static_cast<std::int64_t>(filter.n_window());
+    const std::vector<float> white = audio::read_white(sound, whitener, first, filter.n_window()).sound;
+    windows.push_back(measure_power(fourier.forward(white), filter, subbands));
     windows.back().energy = audio::dot(white, white);
   }
   const std::size_t n_quiet = (windows.size() + 1) / 2;
   std::nth_element(windows.begin(), windows.begin() + static_cast<std::ptrdiff_t>(n_quiet - 1), windows.end(),
-                   [](const Quiet& a, const Quiet& b) { return a.told < b.told; });
+                   [](const QuietWindow& a, const QuietWindow& b) { return a.weighted_power < b.weighted_power; });
   for (std::size_t j = 0; j < subbands.n(); ++j) {
     double sum = 0.0;
     for (std::size_t k = 0; k < n_quiet; ++k) sum += windows[k].power[j];
-    subbands.noise[j] = std::max(sum / static_cast<double>(n_quiet), kLeastNoise);
+    subbands.noise[j] = std::max(sum / static_cast<double>(n_quiet), kMinNoise);
   }
   double energy = 0.0;
   for (std::size_t k = 0; k < n_quiet; ++k) energy += windows[k].energy / static_cast<double>(n_quiet);

@@ -1,31 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "candidates/candidates.hpp"
-#include "timing/impact_timer.hpp"
+#include "timing/impact_template.hpp"
+#include "timing/timed_impact.hpp"
 #include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {
 
-/// One impact of a train, timed.
-struct TimedTrackImpact {
-  std::int64_t impact = 0;
-  TimedImpact timed;
-  double until_s = 0.0;   ///< from here on the sound belongs to the next impact
-  bool inferred = false;  ///< found only because the train expected it
-  bool overlap = false;   ///< its sound reaches into that of the next
-  bool doubtful = false;  ///< may be a cycle off
-  double doubt_s = 0.0;   ///< what that adds to the standard error, in quadrature
-};
-
-/// Times a train by the learned wave. Where an impact is missing it is searched for at the time that its neighbours
-/// predict; the train is followed on beyond its last impact as long as the sound supports the next one; impacts at its
-/// end that the wave does not support are given up.
-/// @param begin_s, end_s  stretch of the recording that belongs to this train
-std::vector<TimedTrackImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& wave,
-                                         const Train& train, const std::vector<Candidate>& candidates, double end_s);
+/// Times the impacts of one track with the template, in this order:
+///
+/// 1. each candidate, in time order, the ringing of the impacts before it subtracted; where impacts are missing between
+///    two candidates they are searched for at the times that a geometric series of intervals predicts (fill_gap);
+/// 2. impacts at the end that the template does not support are removed (trim_tail);
+/// 3. the track is continued beyond its last impact as long as the sound supports the next one (extend);
+/// 4. cycle slips are resolved by the smoothness of the track (cycle_ambiguity.hpp).
+///
+/// @param end_s  the next track, or the end of the recording: impacts are searched for up to it [s]
+std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned, const Train& track,
+                                    const std::vector<Candidate>& candidates, double end_s);
 
 }  // namespace bouncelab::detection

@@ -12,7 +12,7 @@ namespace bouncelab::detection {
 constexpr int kChanceOctaves = 12;
 
 /// Candidates within 2 ms, 4 ms ... 4 s of one: all of them, itself included, and those at least as strong, each
-/// counted by how much it is a rival (timbre.hpp).
+/// counted by how much it is a rival (band_energies.hpp).
 struct Rivals {
   std::array<float, kChanceOctaves> all{};
   std::array<float, kChanceOctaves> stronger{};

@@ -7,7 +7,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kSharp_s = 1.8e-3;  // reach of the shortest window, in the low band too
+constexpr double kSharp_s = 1.8e-3;  // reach of the shortest window at 4 kHz and more; at 1 kHz all are longer
 constexpr double kTimingOfReach = 0.15;
 
 }  // namespace

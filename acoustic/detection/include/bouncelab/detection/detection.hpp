@@ -4,4 +4,4 @@
 
 #include "bouncelab/detection/detect.hpp"        // the detector
 #include "bouncelab/detection/score.hpp"         // detected against true times
-#include "bouncelab/detection/wave_preview.hpp"  // a recording small enough to be drawn
+#include "bouncelab/detection/wave_preview.hpp"  // a recording reduced for a plot

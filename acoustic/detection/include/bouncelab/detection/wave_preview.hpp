@@ -12,7 +12,7 @@
 
 namespace bouncelab::detection {
 
-/// The sound around one impact, with every mark that falls into it.
+/// The sound around one impact, with all marks within.
 struct WaveExcerpt {
   struct Mark {
     double t_s = 0.0;
@@ -26,7 +26,7 @@ struct WaveExcerpt {
   std::vector<Mark> marks;
 };
 
-/// A recording small enough to be drawn: extremes in about 2,000 columns, and a few impacts at full resolution.
+/// A recording reduced for a plot: extremes in at most 2,000 columns, and a few impacts at full resolution.
 struct WavePreview {
   std::string recording;
   double rate_hz = 0.0;
@@ -39,11 +39,11 @@ struct WavePreview {
   std::vector<WaveExcerpt> excerpts;  ///< an early, two middle, a late impact: 3 ms before to 8 ms after
 };
 
-/// @param onsets  of this recording (others are passed over by their name)
+/// @param onsets  of this recording (those of other recordings are ignored, by their name)
 WavePreview wave_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
                          const Onsets& onsets);
-/// One drop of it: the stretch from a tenth of the drop before its first impact to a tenth after its last (10 ms to 0.5
-/// s each), with excerpts of that drop. @throws InvalidArgument where there is no such drop
+/// One drop of it, with margins of a tenth of its duration (10 ms to 0.5 s) before its first and after its last impact,
+/// and excerpts of that drop. @throws InvalidArgument where there is no such drop
 WavePreview drop_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
                          const Onsets& onsets, std::int64_t drop);
 /// @throws FileError where the recording cannot be read

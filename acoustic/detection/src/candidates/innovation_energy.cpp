@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "candidates/innovation_energy.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+namespace bouncelab::detection {
+namespace {
+
+float square(float x) { return x * x; }
+
+bool any_over(const double* before, const double* here, const double* after, double factor, double least,
+              std::int64_t n) {
+  std::int64_t n_over = 0;
+  for (std::int64_t k = 0; k < n; ++k) n_over += factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0;
+  return n_over > 0;
+}
+
+}  // namespace
+
+void InnovationEnergy::load(std::int64_t first_hop, std::int64_t n_hops) {
+  const std::int64_t first = first_hop - margin_hops_;
+  const std::int64_t n = n_hops + 2 * margin_hops_;
+  const std::int64_t n_before = std::ssize(innovations_) / hop_;
+  const std::int64_t n_held = std::clamp<std::int64_t>(first_hop_ + n_before - first, 0, std::min(n, n_before));
+  std::copy(innovations_.end() - n_held * hop_, innovations_.end(), innovations_.begin());
+  innovations_.resize(static_cast<std::size_t>(n * hop_));
+  first_hop_ = first;
+  read_innovations_padded(n_held * hop_);
+  running_.resize(static_cast<std::size_t>(n) + 1);
+  sum_hops(innovations_.data(), floor_ * static_cast<double>(hop_));
+}
+
+bool InnovationEnergy::any_rise(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor,
+                                double least) const {
+  const double* here = running_.data() + (first - first_hop_);
+  return any_over(here - factor * after_hops, here, here + after_hops, static_cast<double>(factor), least, n);
+}
+
+std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t last) const {
+  std::vector<double> sums(static_cast<std::size_t>(last - first) + 1);
+  const float* x = innovations_.data() + (first - first_hop_ * hop_);
+  double sum = 0.0;
+  for (std::size_t k = 1; k < sums.size(); ++k, ++x) sums[k] = sum = sum + (static_cast<double>(*x * *x) + floor_);
+  return sums;
+}
+
+void InnovationEnergy::sum_hops(const float* x, double floor) {
+  constexpr std::size_t kSideBySide = 4;  // independent sums: with one, each addition waits for the one before
+  double running = running_[0] = 0.0;
+  std::size_t k = 1;
+  for (; k + kSideBySide <= running_.size(); k += kSideBySide, x += kSideBySide * hop_) {
+    std::array<float, kSideBySide> sum{};
+    for (std::int64_t i = 0; i < hop_; ++i)
+      for (std::size_t j = 0; j < kSideBySide; ++j) sum[j] += square(x[i + static_cast<std::int64_t>(j) * hop_]);
+    for (std::size_t j = 0; j < kSideBySide; ++j) running_[k + j] = running += static_cast<double>(sum[j]) + floor;
+  }
+  for (; k < running_.size(); ++k, x += hop_)
+    running_[k] = running +=
+        static_cast<double>(std::accumulate(x, x + hop_, 0.0F, [](float sum, float y) { return sum + square(y); })) +
+        floor;
+}
+
+double InnovationEnergy::before_sample(std::int64_t sample) const {
+  const std::int64_t offset = sample - first_hop_ * hop_;
+  const std::int64_t n_hops = offset / hop_;
+  double sum = running_[static_cast<std::size_t>(n_hops)];
+  const float* x = innovations_.data();
+  for (std::int64_t k = n_hops * hop_; k < offset; ++k) sum += static_cast<double>(square(x[k])) + floor_;
+  return sum;
+}
+
+void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
+  // the quiet level before the samples that the model needs to predict the first innovation, and after the last
+  const std::int64_t begin = first_hop_ * hop_;
+  const std::int64_t first = begin + n_held;
+  const std::int64_t last = begin + std::ssize(innovations_);
+  const std::int64_t n_known = std::min<std::int64_t>(std::ssize(model_.filter) - 1, sound_.n_samples);
+  const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, last);
+  const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, last);
+  if (hi > lo) audio::read_innovations(sound_, model_, lo, std::span(innovations_).subspan(lo - begin, hi - lo));
+  const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
+  std::fill(innovations_.begin() + n_held, innovations_.begin() + (lo - begin), level);
+  std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "contact/level_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kMinPulse = 0.25;    // of P; near its first zero the model of the pulse does not hold
+constexpr double kMaxArgument = 1.5;  // f tau: beyond lie the pulse's side lobes
+constexpr double kMinScatter = 0.03;  // of a level, relative; less than any ball has
+
+using Values = std::vector<double>;
+
+// The loops over the bands of one impact. All are elementwise.
+
+/// @param one_over_pulse, dlogp_dtau2  hold P and its slope before
+void divide_by_pulse(const double* level, const double* f_hz, double half_u_over_tau, const double* active,
+                     double* __restrict one_over_pulse, double* __restrict dlogp_dtau2,
+                     double* __restrict level_over_pulse, double* __restrict weight, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) {
+    const double one_over = 1.0 / (one_over_pulse[m] > 0.02 ? one_over_pulse[m] : 0.02);
+    one_over_pulse[m] = one_over;
+    dlogp_dtau2[m] *= half_u_over_tau * f_hz[m] * one_over;
+    level_over_pulse[m] = level[m] * one_over;
+    weight[m] = active[m] * (weight[m] > 1e-12 ? weight[m] : 1e-12);
+  }
+}
+
+void relative_residuals(double one_over_amplitude, const double* one_over_response, const double* one_over_pulse,
+                        const double* level_over_pulse, const double* level_noise2, double* __restrict residual,
+                        double* __restrict noise2, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) {
+    const double scale = one_over_amplitude * one_over_response[m];
+    const double unit = scale * one_over_pulse[m];
+    residual[m] = scale * level_over_pulse[m] - 1.0;
+    noise2[m] = level_noise2[m] * unit * unit;
+  }
+}
+
+/// Adds what the squares of the residuals have beyond the noise, weighted by their variances.
+void add_excess(const double* residual, const double* noise2, const double* scatter2, double row_inflation,
+                double* __restrict sum, double* __restrict weights, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) {
+    const double size2 = scatter2[m] + noise2[m];
+    const double weight = 1.0 / (size2 * size2);
+    const double largest = 2.0 * kHuber * kHuber * size2;
+    const double square = residual[m] * residual[m] / row_inflation;
+    sum[m] += ((square < largest ? square : largest) - noise2[m]) * weight;
+    weights[m] += weight;
+  }
+}
+
+void limited_squares(const double* residual, const double* noise2, const double* scatter2, double* __restrict squares,
+                     std::size_t n) {
+  constexpr double kLargest = 100.0;
+  for (std::size_t m = 0; m < n; ++m) {
+    const double square = residual[m] * residual[m] / (scatter2[m] + noise2[m]);
+    squares[m] = square < kLargest ? square : kLargest;
+  }
+}
+
+void huber_weights(const double* residual, const double* noise2, const double* scatter2, const double* active,
+                   double row_inflation, double* __restrict weight, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) {
+    const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
+    const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
+    weight[m] = active[m] * (near < 1.0 ? near : 1.0) / size2;
+  }
+}
+
+Values inverse(Values x) {
+  for (double& value : x) value = 1.0 / value;
+  return x;
+}
+
+void set_residuals(LevelModel& model) {
+  const Values one_over_response = inverse(model.response);
+  for (std::size_t k = 0; k < model.n_impacts(); ++k)
+    relative_residuals(1.0 / model.amplitude[k], one_over_response.data(), model.one_over_pulse[k],
+                       model.level_over_pulse[k], model.levels.noise2.data(), model.residual[k],
+                       model.relative_noise2[k], model.n_bands());
+}
+
+/// Scatter of each band, half its own and half the median one: the own estimate of a band that happened to scatter
+/// little would give it too much weight.
+void estimate_scatter(LevelModel& model) {
+  const std::size_t n = model.n_bands();
+  Values sum(n, 0.0), weights(n, 1e-300);
+  for (std::size_t k = 0; k < model.n_impacts(); ++k)
+    add_excess(model.residual[k], model.relative_noise2[k], model.scatter2.data(), model.row_inflation[k], sum.data(),
+               weights.data(), n);
+  Values sorted;
+  for (std::size_t m = 0; m < n; ++m) {
+    sum[m] = model.is_active[m] ? std::max(sum[m] / weights[m], kMinScatter * kMinScatter) : 0.0;
+    if (model.is_active[m]) sorted.push_back(sum[m]);
+  }
+  if (sorted.empty()) return;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  for (std::size_t m = 0; m < n; ++m) model.scatter2[m] = 0.5 * (sum[m] + sorted[sorted.size() / 2]);
+}
+
+void estimate_row_inflation(LevelModel& model) {
+  constexpr double kTypical = 1.3;  // mean of squares that noise alone hardly exceeds
+  constexpr double kPrior = 4.0;    // weight of an inflation of 1, in bands
+  const double n = std::accumulate(model.active_mask.begin(), model.active_mask.end(), 0.0);
+  Values squares(model.n_bands());
+  for (std::size_t k = 0; k < model.n_impacts(); ++k) {
+    limited_squares(model.residual[k], model.relative_noise2[k], model.scatter2.data(), squares.data(),
+                    model.n_bands());
+    const double sum = audio::dot(squares.data(), model.active_mask.data(), model.n_bands());
+    model.row_inflation[k] = std::max(1.0, (sum + kPrior) / (n + kPrior) / kTypical);
+  }
+}
+
+}  // namespace
+
+LevelModel::LevelModel(const BandLevels& of)
+    : levels(of),
+      level_over_pulse(of.contact_scaling.size(), of.f_hz.size()),
+      one_over_pulse(level_over_pulse),
+      dlogp_dtau2(level_over_pulse),
+      weight(of.contact_scaling.size(), of.f_hz.size(), 1.0),
+      residual(level_over_pulse),
+      relative_noise2(level_over_pulse),
+      amplitude(of.contact_scaling.size(), 1.0),
+      response(of.f_hz.size(), 1.0),
+      scatter2(of.f_hz.size(), 0.1),
+      row_inflation(of.contact_scaling.size(), 1.0),
+      is_active(of.f_hz.size(), false),
+      active_mask(of.f_hz.size(), 0.0) {
+  for (std::size_t k = 0; k < n_impacts(); ++k) {
+    const Values& row = of.level[k];
+    amplitude[k] = std::max(std::accumulate(row.begin(), row.end(), 0.0) / static_cast<double>(n_bands()), 1e-9);
+  }
+}
+
+void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
+  const BandLevels& l = model.levels;
+  const double largest_scaling = *std::max_element(l.contact_scaling.begin(), l.contact_scaling.end());
+  for (std::size_t m = 0; m < model.n_bands(); ++m) {
+    const double largest = l.f_hz[m] * tau_1_s * largest_scaling;
+    if (!model.bands_are_fixed) model.is_active[m] = pulse.at(largest).value > kMinPulse && largest < kMaxArgument;
+    model.active_mask[m] = model.is_active[m] ? 1.0 : 0.0;
+  }
+  for (std::size_t k = 0; k < model.n_impacts(); ++k) {
+    for (std::size_t m = 0; m < model.n_bands(); ++m) {
+      const auto [value, slope] = pulse.at(l.f_hz[m] * l.contact_scaling[k] * tau_1_s);
+      model.one_over_pulse[k][m] = value;
+      model.dlogp_dtau2[k][m] = slope;
+    }
+    divide_by_pulse(l.level[k].data(), l.f_hz.data(), 0.5 * l.contact_scaling[k] / tau_1_s, model.active_mask.data(),
+                    model.one_over_pulse[k], model.dlogp_dtau2[k], model.level_over_pulse[k], model.weight[k],
+                    model.n_bands());
+  }
+}
+
+void fit_amplitudes(LevelModel& model) {
+  const std::size_t n_impacts = model.n_impacts(), n_bands = model.n_bands();
+  BandTable weighted(n_impacts, n_bands);
+  for (std::size_t k = 0; k < n_impacts; ++k)
+    audio::multiply(model.weight[k], model.level_over_pulse[k], weighted[k], n_bands);
+  const Values of_row = sums_of_rows(model.weight);
+  const Values of_column = sums_of_columns(model.weight);
+  for (int round = 0; round < 3; ++round) {
+    const Values one_over_response = inverse(model.response);
+    Values sums(n_bands, 0.0);
+    for (std::size_t k = 0; k < n_impacts; ++k) {
+      double& c = model.amplitude[k];
+      c = std::max(audio::dot(weighted[k], one_over_response.data(), n_bands) / (of_row[k] + 1e-300), 0.1 * c);
+      audio::add_scaled(sums.data(), 1.0 / c, weighted[k], n_bands);
+    }
+    for (std::size_t m = 0; m < n_bands; ++m)
+      if (model.is_active[m]) model.response[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * model.response[m]);
+  }
+}
+
+void update_weights(LevelModel& model) {
+  set_residuals(model);
+  estimate_scatter(model);
+  estimate_row_inflation(model);
+  for (std::size_t k = 0; k < model.n_impacts(); ++k)
+    huber_weights(model.residual[k], model.relative_noise2[k], model.scatter2.data(), model.active_mask.data(),
+                  model.row_inflation[k], model.weight[k], model.n_bands());
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/drop_timer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "contact/band_levels.hpp"
+#include "timing/clipping.hpp"
+#include "timing/impact_timer.hpp"
+#include "timing/overlap_separation.hpp"
+#include "timing/track_timer.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kSigmaOfReach = 0.25;  // standard error of a candidate's time over its reach
+
+bool is_unflagged(const TimedImpact& impact) {
+  return !impact.overlap && !impact.inferred && !impact.doubtful && !impact.clipped;
+}
+
+/// Times of the candidates, where there is no template.
+std::vector<TimedImpact> times_of_candidates(const TimingInput& input, const Train& track) {
+  std::vector<TimedImpact> impacts;
+  for (const TrainImpact& of_track : track.impacts) {
+    const Candidate& c = input.candidates[of_track.candidate];
+    TimedImpact impact;
+    impact.impact = of_track.impact;
+    impact.fit.t_s = c.t_s;
+    impact.fit.sigma_s = kSigmaOfReach * c.reach_s;
+    impacts.push_back(impact);
+  }
+  return impacts;
+}
+
+void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts) {
+  for (TimedImpact& impact : impacts) impact.clipped = !std::isinf(clip_level(whole, impact.fit.t_s));
+}
+
+/// Speeds g T / 2 from the flight before each impact; where that is not known, from the one after it over eps.
+void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
+  const auto flight_s = [&](std::size_t k) {  // between impact k - 1 and k; 0 where one is missing between them
+    return impacts[k].impact == impacts[k - 1].impact + 1 ? impacts[k].fit.t_s - impacts[k - 1].fit.t_s : 0.0;
+  };
+  for (std::size_t k = 1; k < impacts.size(); ++k) impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k);
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k)
+    if (impacts[k].v_mps == 0.0 && flight_s(k + 1) > 0.0) {
+      const double next_s = k + 2 < impacts.size() ? flight_s(k + 2) : 0.0;
+      const double eps = next_s > 0.0 ? std::clamp(next_s / flight_s(k + 1), 0.3, 1.0) : 1.0;
+      impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k + 1) / eps;
+    }
+}
+
+/// v^(-1/5) of the impacts that a template mostly is the mean of.
+double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
+  double sum = 0.0;
+  double weight = 1e-300;
+  for (const TimedImpact& impact : impacts) {
+    const double amplitude = impact.fit.amplitude;
+    sum += amplitude * amplitude * std::pow(impact.v_mps, -0.2);
+    weight += amplitude * amplitude;
+  }
+  return sum / weight;
+}
+
+}  // namespace
+
+std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Train>& tracks) {
+  constexpr float kBelowLimit = 0.999F;
+  std::vector<Candidate> impacts;
+  std::vector<bool> clipped;
+  float limit = INFINITY;
+  for (const Train& track : tracks)
+    for (const TrainImpact& impact : track.impacts) {
+      impacts.push_back(input.candidates[impact.candidate]);
+      const float level = clip_level(input.whole, impacts.back().t_s);
+      clipped.push_back(!std::isinf(level));
+      limit = std::min(limit, level);
+    }
+  // a low band does not show where the converter was limited
+  return estimate_template(input.band, input.noise, impacts, clipped,
+                           input.is_full_band ? kBelowLimit * limit : INFINITY);
+}
+
+TimedDrop time_drop(const TimingInput& input, const Train& track, const ImpactTemplate* learned, double end_s) {
+  TimedDrop drop;
+  drop.impacts = learned != nullptr ? time_track(input.band, *learned, track, input.candidates, end_s)
+                                    : times_of_candidates(input, track);
+  set_speeds(input.gravity_mps2, drop.impacts);
+  mark_clipped(input.whole, drop.impacts);
+  if (learned == nullptr) return drop;
+  drop.peak = learned->peak;
+  std::vector<TimedImpact> all;
+  std::vector<TimedImpact> clear;
+  for (const TimedImpact& impact : drop.impacts) {
+    if (!(impact.v_mps > 0.0)) continue;
+    all.push_back(impact);
+    if (is_unflagged(impact)) clear.push_back(impact);
+  }
+  drop.contact = fit_contact(measure_levels(input.band, *learned, clear));
+  drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
+  const std::optional<ContactLaw> law = drop.contact ? pool_contacts({*drop.contact}) : std::nullopt;
+  separate_overlaps(input.band, *learned, law, drop.reference_scaling, drop.impacts);
+  mark_clipped(input.whole, drop.impacts);  // the times may have moved
+  return drop;
+}
+
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, const audio::AudioSource& band,
+                        TimedDrop& drop) {
+  constexpr std::size_t kStrongest = 5;
+  constexpr double kReach_s = 0.2e-3;
+  constexpr double kAlike = 0.9;  // of the correlation with its own template: the same modes were excited
+  std::vector<std::size_t> clear;
+  for (std::size_t k = 0; k + 1 < drop.impacts.size(); ++k)
+    if (is_unflagged(drop.impacts[k])) clear.push_back(k);
+  std::sort(clear.begin(), clear.end(), [&](std::size_t a, std::size_t b) {
+    return drop.impacts[a].fit.amplitude * *drop.peak > drop.impacts[b].fit.amplitude * *drop.peak;
+  });
+  if (clear.size() < kStrongest) return;
+  ImpactTimer timer(band, reference.learned);
+  std::vector<double> later_s;
+  for (std::size_t k = 0; k < kStrongest; ++k) {
+    const double t_s = drop.impacts[clear[k]].fit.t_s;
+    const ImpactFit fit = timer.time(t_s, kReach_s, drop.impacts[clear[k] + 1].fit.t_s);
+    if (fit.correlation > kAlike * own.correlation) later_s.push_back(fit.t_s - t_s);
+  }
+  if (later_s.size() < kStrongest) return;
+  std::nth_element(later_s.begin(), later_s.begin() + kStrongest / 2, later_s.end());
+  for (TimedImpact& impact : drop.impacts) impact.fit.t_s += later_s[kStrongest / 2];
+  drop.reference_scaling = reference.scaling;
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "candidates/candidates.hpp"
+#include "contact/contact_time.hpp"
+#include "timing/impact_template.hpp"
+#include "timing/timed_impact.hpp"
+#include "tracking/tracker.hpp"
+
+namespace bouncelab::detection {
+
+/// What the timing needs to know of a recording. Refers to what it is made from.
+struct TimingInput {
+  const audio::AudioSource& band;   ///< the sound in the band that was selected
+  const audio::AudioSource& whole;  ///< the sound as recorded
+  bool is_full_band = true;         ///< whether the two are one
+  const audio::ArModel& noise;      ///< of the band
+  const std::vector<Candidate>& candidates;
+  const std::vector<Train>& tracks;
+  double gravity_mps2 = 0.0;
+};
+
+/// One track, timed.
+struct TimedDrop {
+  std::vector<TimedImpact> impacts;
+  std::optional<double> peak;  ///< of the template as recorded; absent where the drop was timed without template
+  std::optional<ContactEvidence> contact;
+  double reference_scaling = 0.0;  ///< v^(-1/5) of its strongest impacts
+};
+
+/// Template of the impacts of some tracks of a recording.
+std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Train>& tracks);
+
+/// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
+/// and then the impacts that overlap, jointly.
+/// @param learned  null = none: then the times are those of the candidates
+/// @param end_s    the next track, or the end of the recording [s]
+TimedDrop time_drop(const TimingInput& input, const Train& track, const ImpactTemplate* learned, double end_s);
+
+/// The template that the times of all drops refer to.
+struct ReferenceTemplate {
+  ImpactTemplate learned;
+  double scaling = 0.0;  ///< v^(-1/5) of the impacts that it is the mean of
+};
+
+/// Each drop's template has an onset of its own, uncertain by a sample or two: moves all times of a drop by the median
+/// difference to those that the reference gives its five strongest impacts. Leaves a drop whose impacts do not
+/// correlate with the reference, or that has fewer than five clear ones.
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, const audio::AudioSource& band,
+                        TimedDrop& drop);
+
+}  // namespace bouncelab::detection

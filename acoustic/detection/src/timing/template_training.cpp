@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/template_training.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/units.hpp"
+#include "timing/coherence_weight.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kShortTemplate_s = 15e-3;
+constexpr double kLongTemplate_s = 40e-3;
+constexpr double kClose_s = 20e-3;
+constexpr std::size_t kManyClose = 20;
+constexpr std::size_t kManyIsolated = 12;
+constexpr std::size_t kMinIsolated = 5;
+constexpr std::size_t kMaxTraining = 32;
+constexpr double kTaper_s = 2e-3;            // at the template's end
+constexpr std::size_t kMinForCoherence = 4;  // impacts; with fewer, halves are too noisy to be compared
+
+double template_length_s(const std::vector<Candidate>& impacts) {
+  std::size_t n_close = 0;
+  std::size_t n_far = 0;
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k) {
+    n_close += impacts[k + 1].t_s - impacts[k].t_s < kClose_s ? 1 : 0;
+    n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kLongTemplate_s ? 1 : 0;
+  }
+  return n_close >= kManyClose && n_far >= kManyIsolated ? kLongTemplate_s : kShortTemplate_s;
+}
+
+/// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
+/// @param mean  receives it as a function of time
+audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
+                        audio::RealFft& fourier, std::vector<float>& mean) {
+  mean = fourier.inverse(sum);
+  const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
+  const auto fall = static_cast<std::size_t>(window.samples(kTaper_s));
+  const auto rise = static_cast<std::size_t>(window.samples(0.25 * kTemplateLead_s)) + 1;
+  const std::size_t n_template = window.n_template;
+  for (std::size_t n = 0; n < window.n_window; ++n) {
+    double w = n < n_template ? scale : 0.0;
+    if (n < rise) w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(rise)), 2);
+    if (n < n_template && n + fall > n_template)
+      w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(n_template - n) / static_cast<double>(fall)), 2);
+    mean[n] *= static_cast<float>(w);
+  }
+  return fourier.forward(mean);
+}
+
+double omega_of(const TemplateWindow& window) { return 2.0 * kPi / static_cast<double>(window.n_window); }
+
+}  // namespace
+
+std::int64_t TemplateWindow::samples(double duration_s) const { return std::llround(duration_s * rate_hz); }
+
+TemplateWindow template_window(const audio::AudioSource& sound, const std::vector<Candidate>& impacts) {
+  const double length_s = template_length_s(impacts);
+  TemplateWindow w{sound.rate_hz, 0, 0};
+  w.n_window = std::bit_ceil(static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s + 2.0 * kRoughTimeError_s)));
+  w.n_template = std::min(w.n_window, static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s)));
+  return w;
+}
+
+std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
+                                                 const std::vector<bool>& clipped) {
+  const double length_s = template_length_s(impacts);
+  std::vector<std::size_t> isolated;
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    all.push_back(k);
+    const bool next_far =
+        k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > length_s + 2.0 * kRoughTimeError_s;
+    const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > length_s;
+    if (next_far && last_far) isolated.push_back(k);
+  }
+  std::vector<std::size_t> unclipped = isolated;
+  std::erase_if(unclipped, [&](std::size_t k) { return clipped[k]; });
+  if (std::ssize(unclipped) >= kMinUnclipped) isolated = unclipped;
+  std::vector<std::size_t>& chosen = isolated.size() >= kMinIsolated ? isolated : all;
+  const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
+  if (chosen.size() > kMaxTraining) {
+    std::nth_element(chosen.begin(), chosen.begin() + kMaxTraining, chosen.end(), stronger);
+    chosen.resize(kMaxTraining);
+  }
+  std::sort(chosen.begin(), chosen.end(), stronger);
+  return chosen;
+}
+
+void cut_window(const audio::AudioSource& sound, const std::vector<float>& whitener, std::int64_t first,
+                audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact) {
+  impact.window = audio::read_white(sound, whitener, first, n_window);
+  impact.spectrum = fourier.forward(impact.window.sound);
+  impact.total = audio::dot(impact.window.sound, impact.window.sound);
+}
+
+TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
+                           audio::RealFft& fourier) {
+  const std::vector<float> none(window.n_window / 2 + 1, 0.0F);
+  audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
+  double weights[2] = {0.0, 0.0};
+  std::size_t n_averaged = 0;
+  for (const TrainingImpact& impact : training) {
+    if (!impact.is_averaged()) continue;
+    const double a = impact.estimate.amplitude;
+    const std::size_t half = n_averaged++ % 2;
+    audio::add_scaled(sums[half], audio::phase_shifted(impact.spectrum, omega_of(window) * impact.position), a);
+    weights[half] += a * a;
+  }
+  audio::Spectrum sum = sums[0];
+  audio::add_scaled(sum, sums[1], 1.0);
+  TemplateAverage average;
+  average.spectrum = tapered(sum, weights[0] + weights[1], window, fourier, average.mean);
+  if (n_averaged >= kMinForCoherence) {
+    const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
+    for (std::size_t k = 0; k < average.spectrum.size(); ++k) {
+      average.spectrum.re[k] *= weight[k];
+      average.spectrum.im[k] *= weight[k];
+    }
+  }
+  return average;
+}
+
+TemplateAverage first_template(const TrainingImpact& impact, const TemplateWindow& window, audio::RealFft& fourier) {
+  TemplateAverage average;
+  average.spectrum = tapered(audio::phase_shifted(impact.spectrum, omega_of(window) * impact.position), 1.0, window,
+                             fourier, average.mean);
+  return average;
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/track_prediction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kDefaultEps = 0.97;
+constexpr double kMinEpsReach = 0.015;
+constexpr double kMaxEpsReach = 0.06;  // four times the scatter that bounce_model.cpp starts from
+constexpr std::size_t kMaxRatios = 9;
+constexpr std::size_t kMinRatiosForReach = 7;
+constexpr std::size_t kMaxAmplitudes = 15;
+constexpr std::size_t kMinAmplitudes = 4;
+
+using Track = std::vector<TimedImpact>;
+
+/// Ratios of the last intervals, sorted.
+std::vector<double> last_ratios(const Track& track) {
+  std::vector<double> ratios;
+  for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kMaxRatios;)
+    if (track[k].impact - track[k - 2].impact == 2)
+      ratios.push_back((track[k].fit.t_s - track[k - 1].fit.t_s) / (track[k - 1].fit.t_s - track[k - 2].fit.t_s));
+  std::sort(ratios.begin(), ratios.end());
+  return ratios;
+}
+
+/// Median of amplitude over interval before, of impacts with a candidate of their own.
+std::optional<double> amplitude_per_s(const Track& track) {
+  std::vector<double> ratios;
+  for (std::size_t k = track.size(); k-- > 1 && ratios.size() < kMaxAmplitudes;)
+    if (!track[k].inferred && track[k].impact == track[k - 1].impact + 1)
+      ratios.push_back(track[k].fit.amplitude / (track[k].fit.t_s - track[k - 1].fit.t_s));
+  if (ratios.size() < kMinAmplitudes) return std::nullopt;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+}  // namespace
+
+double predicted_eps(const Track& track) {
+  const std::vector<double> ratios = last_ratios(track);
+  // at most 0.999, so that a geometric series of it has a finite sum
+  return ratios.empty() ? kDefaultEps : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
+}
+
+double predicted_eps_reach(const Track& track) {
+  constexpr double kQuartilesToSigma = 0.74;  // the quartiles of a normal distribution are 1.35 sigma apart
+  const std::vector<double> ratios = last_ratios(track);
+  if (ratios.size() < kMinRatiosForReach) return kMaxEpsReach;
+  const double quartiles = ratios[3 * ratios.size() / 4] - ratios[ratios.size() / 4];
+  return std::clamp(4.0 * kQuartilesToSigma * quartiles, kMinEpsReach, kMaxEpsReach);
+}
+
+double last_flight(const Track& track) {
+  const TimedImpact& last = track.back();
+  const TimedImpact& before = track[track.size() - 2];
+  const auto n = static_cast<double>(last.impact - before.impact);
+  const double eps = predicted_eps(track);
+  return (last.fit.t_s - before.fit.t_s) * std::pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - std::pow(eps, n));
+}
+
+double first_of_missing(const Track& track, double n_missing, double total_s) {
+  const double eps = predicted_eps(track);
+  return total_s * (1.0 - eps) / (1.0 - std::pow(eps, n_missing + 1.0));
+}
+
+bool is_predicted_amplitude(const Track& track, double amplitude, double interval_s) {
+  const std::optional<double> per_s = amplitude_per_s(track);
+  if (!per_s) return true;
+  const double ratio = amplitude / (*per_s * interval_s);
+  return ratio > 1.0 / kMaxAmplitudeRatio && ratio < kMaxAmplitudeRatio;
+}
+
+}  // namespace bouncelab::detection
