@@ -13,7 +13,8 @@ float clip_level(const audio::AudioSource& sound, double t_s) {
   std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
   audio::read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
   int n_flat = 0;  // 0 for most impacts, and this loop is vectorised
-  for (std::size_t k = 2; k < x.size(); ++k) n_flat += (x[k] == x[k - 1]) & (x[k] == x[k - 2]) & (x[k] != 0.0F) ? 1 : 0;
+  for (std::size_t k = 2; k < x.size(); ++k)
+    n_flat += static_cast<int>(x[k] == x[k - 1]) & static_cast<int>(x[k] == x[k - 2]) & static_cast<int>(x[k] != 0.0F);
   if (n_flat == 0) return INFINITY;
   float largest = 0.0F;
   for (const float value : x) largest = std::max(largest, std::abs(value));

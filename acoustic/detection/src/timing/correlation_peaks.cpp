@@ -37,10 +37,11 @@ std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& filter,
   std::vector<Peak> peaks;
   for (std::size_t k = 1; k + 1 < correlation.size(); ++k) {
     // no branches: they would be mispredicted half of the time
-    const bool is_peak =
-        (correlation[k] > 0.0F) & (correlation[k] >= correlation[k - 1]) & (correlation[k] >= correlation[k + 1]);
+    const int is_peak = static_cast<int>(correlation[k] > 0.0F) &
+                        static_cast<int>(correlation[k] >= correlation[k - 1]) &
+                        static_cast<int>(correlation[k] >= correlation[k + 1]);
     const std::int64_t at = static_cast<std::int64_t>(k) - 1 + lowest;
-    if (is_peak && std::abs(at - best.at) > 2) peaks.push_back({at, correlation[k]});
+    if (is_peak != 0 && std::abs(at - best.at) > 2) peaks.push_back({at, correlation[k]});
   }
   const std::size_t n_others = std::min(peaks.size(), kMaxPeaks - 1);
   std::partial_sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(n_others), peaks.end(),
