@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
@@ -19,19 +20,30 @@ constexpr int kImpacts = 20;
 
 double time_of(int k) { return 0.2 + 0.25 * k + 1e-5 * k * k; }
 
-/// Twenty impacts of three modes in noise.
+/// Adds three damped modes from t_s on.
+void add_impact(std::vector<float>& samples, double t_s) {
+  for (auto n = static_cast<std::size_t>(std::ceil(t_s * kRate_hz)); n < samples.size(); ++n) {
+    const double s = static_cast<double>(n) / kRate_hz - t_s;
+    if (s > 0.05) break;
+    for (const double f_hz : {2100.0, 5300.0, 7700.0})
+      samples[n] += static_cast<float>(0.2 * std::exp(-s / 3e-3) * std::sin(2.0 * kPi * f_hz * s));
+  }
+}
+
+/// Twenty impacts in noise.
 std::vector<float> recording() {
   std::vector<float> samples(static_cast<std::size_t>(5.5 * kRate_hz));
   Random random(7, RandomStream::test, 0);
   for (float& x : samples) x = static_cast<float>(1e-2 * random.normal());
-  for (int k = 0; k < kImpacts; ++k)
-    for (auto n = static_cast<std::size_t>(std::ceil(time_of(k) * kRate_hz)); n < samples.size(); ++n) {
-      const double s = static_cast<double>(n) / kRate_hz - time_of(k);
-      if (s > 0.05) break;
-      for (const double f_hz : {2100.0, 5300.0, 7700.0})
-        samples[n] += static_cast<float>(0.2 * std::exp(-s / 3e-3) * std::sin(2.0 * kPi * f_hz * s));
-    }
+  for (int k = 0; k < kImpacts; ++k) add_impact(samples, time_of(k));
   return samples;
+}
+
+std::optional<ImpactTemplate> template_of(const audio::AudioSource& sound) {
+  std::vector<Candidate> impacts;
+  for (int k = 0; k < kImpacts; ++k) impacts.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
+  const std::vector<bool> clipped(impacts.size(), false);
+  return estimate_template(sound, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
 }
 
 TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
@@ -39,10 +51,7 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   // and no other time is as likely
   const std::vector<float> samples = recording();
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  std::vector<Candidate> impacts;
-  for (int k = 0; k < kImpacts; ++k) impacts.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
-  const std::vector<bool> clipped(impacts.size(), false);
-  const auto learned = estimate_template(sound, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
   ImpactTimer timer(sound, *learned);
   const ImpactFit near = timer.time(time_of(10), 1e-4, time_of(11));
@@ -51,6 +60,33 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   EXPECT_NEAR(far.log_likelihood_ratio / near.log_likelihood_ratio, 1.0, 0.01);
   ASSERT_FALSE(near.log_likelihood_ratio < 10.0 * kUnambiguousLogOdds);
   EXPECT_TRUE(far.alternatives.empty());
+}
+
+TEST(ImpactTimer, SubtractsKnownImpactsInAnyOrder) {
+  // a third impact in the ringing of two others, 4 and 8 ms before it
+  const double first_s = time_of(10), second_s = first_s + 4e-3, third_s = first_s + 8e-3;
+  std::vector<float> samples = recording();
+  add_impact(samples, second_s);
+  add_impact(samples, third_s);
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  const ImpactFit alone = ImpactTimer(sound, *learned).time(time_of(5), 1e-4, time_of(6));
+  const double onset_s = alone.t_s - time_of(5);  // where in the template contact begins
+  ImpactFit first = alone, second = alone;
+  first.t_s = first_s + onset_s;
+  second.t_s = second_s + onset_s;
+  ImpactTimer forward(sound, *learned);
+  forward.subtract_from_later(first);
+  forward.subtract_from_later(second);
+  ImpactTimer backward(sound, *learned);
+  backward.subtract_from_later(second);
+  backward.subtract_from_later(first);
+  const ImpactFit a = forward.time(third_s, 1e-4, time_of(11));
+  const ImpactFit b = backward.time(third_s, 1e-4, time_of(11));
+  EXPECT_NEAR(a.t_s, b.t_s, 1e-3 * a.sigma_s);  // rounding of sums in single precision
+  EXPECT_NEAR(a.t_s - onset_s, third_s, 4.0 * std::hypot(a.sigma_s, alone.sigma_s));  // four standard errors
+  EXPECT_NEAR(a.amplitude / alone.amplitude, 1.0, 0.05);  // noise of 1e-2 on an amplitude of 0.2 over 100 samples
 }
 
 }  // namespace
