@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "law/law_likelihood.hpp"
@@ -154,6 +155,29 @@ std::vector<Estimate> estimates_of(const RestitutionSamples& samples, const LawF
   return estimates;
 }
 
+CalibrationResult calibrate_on_these_threads(const CalibrationConfig& config, const ProgressCallback& progress) {
+  CalibrationResult result;
+  result.rows = rows_of(config);
+  std::vector<Sums> sums(result.rows.size());
+  LawFitConfig fit_config;
+  fit_config.orders = orders_of(config.law);
+  fit_config.node_speeds_mps = kNodeSpeeds_mps;
+  fit_config.intervals = config.intervals;
+  const HistogramConfig windows{windows_of(config), kWindowWidth_mps};
+  for (std::size_t i = 0; i < config.n_seeds; ++i) {
+    if (progress) progress(static_cast<double>(i), static_cast<double>(config.n_seeds));
+    const std::vector<Estimate> found = estimates_of(calibration_samples(config, i), fit_config, windows);
+    if (found.size() != sums.size()) {
+      ++result.n_failed;
+      continue;
+    }
+    for (std::size_t j = 0; j < sums.size(); ++j) sums[j].add(found[j], result.rows[j].truth);
+  }
+  for (std::size_t j = 0; j < sums.size(); ++j)
+    if (sums[j].n > 1.0) sums[j].put(result.rows[j]);
+  return result;
+}
+
 }  // namespace
 
 RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uint64_t index) {
@@ -179,24 +203,7 @@ CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallb
   check(config);
   validate(config.law);
   CalibrationResult result;
-  result.rows = rows_of(config);
-  std::vector<Sums> sums(result.rows.size());
-  LawFitConfig fit_config;
-  fit_config.orders = orders_of(config.law);
-  fit_config.node_speeds_mps = kNodeSpeeds_mps;
-  fit_config.intervals = config.intervals;
-  const HistogramConfig windows{windows_of(config), kWindowWidth_mps};
-  for (std::size_t i = 0; i < config.n_seeds; ++i) {
-    if (progress) progress(static_cast<double>(i), static_cast<double>(config.n_seeds));
-    const std::vector<Estimate> found = estimates_of(calibration_samples(config, i), fit_config, windows);
-    if (found.size() != sums.size()) {
-      ++result.n_failed;
-      continue;
-    }
-    for (std::size_t j = 0; j < sums.size(); ++j) sums[j].add(found[j], result.rows[j].truth);
-  }
-  for (std::size_t j = 0; j < sums.size(); ++j)
-    if (sums[j].n > 1.0) sums[j].put(result.rows[j]);
+  with_threads(config.n_threads, [&] { result = calibrate_on_these_threads(config, progress); });
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/parallel.hpp"
 #include "text/words.hpp"
 
 namespace bouncelab::fit {
@@ -54,9 +55,8 @@ RestitutionSamples without(const RestitutionSamples& samples, const std::vector<
   return kept;
 }
 
-}  // namespace
-
-FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress) {
+FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
+                               const ProgressCallback& progress) {
   constexpr double kSteps = 5.0;
   const auto step = [&](double done) {
     if (progress) progress(done, kSteps);
@@ -92,6 +92,14 @@ FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, co
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
   result.warnings = warnings_of(result, used);
   result.answers = answers_of(result);
+  return result;
+}
+
+}  // namespace
+
+FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress) {
+  FitResult result;
+  with_threads(config.n_threads, [&] { result = fit_on_these_threads(samples, config, progress); });
   return result;
 }
 

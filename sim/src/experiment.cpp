@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/sim/experiment.hpp"
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <cmath>
 #include <mutex>
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/flight.hpp"
 
@@ -188,23 +184,16 @@ DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelop
 
 SimulationResult simulate(const SimulationConfig& config, const Surface& surface, const ProgressCallback& progress) {
   validate(config);
-  const int n_threads = config.n_threads > 0 ? config.n_threads : oneapi::tbb::info::default_concurrency();
   const ProgressCallback not_yet = [&](double, double) { progress(0.0, static_cast<double>(config.n_drops)); };
-  const Envelope envelope(config.ball, surface, n_threads, progress ? not_yet : ProgressCallback{});
+  const Envelope envelope(config.ball, surface, config.n_threads, progress ? not_yet : ProgressCallback{});
   std::vector<DropResult> drops(static_cast<std::size_t>(config.n_drops));
   std::mutex mutex;
   std::int64_t n_done = 0;
-  // as many workers as asked for, even where there are fewer cores
-  const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
-                                          static_cast<std::size_t>(n_threads));
-  oneapi::tbb::task_arena arena(n_threads);
-  arena.execute([&] {
-    oneapi::tbb::parallel_for(std::int64_t{0}, config.n_drops, [&](std::int64_t k) {
-      drops[static_cast<std::size_t>(k)] = simulate_drop(config, envelope, config.first_drop + k);
-      if (!progress) return;
-      const std::lock_guard lock(mutex);
-      progress(static_cast<double>(++n_done), static_cast<double>(config.n_drops));
-    });
+  parallel_for(drops.size(), config.n_threads, [&](std::size_t k) {
+    drops[k] = simulate_drop(config, envelope, config.first_drop + static_cast<std::int64_t>(k));
+    if (!progress) return;
+    const std::lock_guard lock(mutex);
+    progress(static_cast<double>(++n_done), static_cast<double>(config.n_drops));
   });
   SimulationResult result;
   for (const DropResult& drop : drops) {

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drop_stream.hpp"
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <ctime>
 #include <mutex>
@@ -14,6 +9,7 @@
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "progress_line.hpp"
 
@@ -136,10 +132,6 @@ std::vector<Row> rows_from(const Json& json) {
   return rows;
 }
 
-int threads_of(const Run& run) {
-  return run.common.n_threads > 0 ? run.common.n_threads : oneapi::tbb::info::default_concurrency();
-}
-
 }  // namespace
 
 SoundStage make_sound_stage(const synthesis::SynthesisConfig& config, const Impacts& impacts) {
@@ -217,15 +209,9 @@ std::vector<HeardDrop> hear_drops(const Impacts& impacts, const std::string& bal
     heard.push_back(std::move(drop));
     progress(static_cast<double>(++n_done), static_cast<double>(pending.size()));
   };
-  const int n_threads = threads_of(run);
-  const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
-                                          static_cast<std::size_t>(n_threads));
-  oneapi::tbb::task_arena arena(n_threads);
-  arena.execute([&] {
-    oneapi::tbb::parallel_for(std::size_t{0}, pending.size(), [&](std::size_t k) {
-      const std::size_t drop = pending[k];
-      finish(hear_drop(rows_of(impacts, begins[drop], begins[drop + 1]), ball, stage));
-    });
+  parallel_for(pending.size(), run.common.n_threads, [&](std::size_t k) {
+    const std::size_t drop = pending[k];
+    finish(hear_drop(rows_of(impacts, begins[drop], begins[drop + 1]), ball, stage));
   });
   std::sort(heard.begin(), heard.end(), [](const HeardDrop& a, const HeardDrop& b) { return a.drop < b.drop; });
   return heard;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "streamed_loop.hpp"
 
-#include <oneapi/tbb/parallel_invoke.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <ctime>
+#include <functional>
 
+#include "bouncelab/core/parallel.hpp"
 #include "progress_line.hpp"
 #include "stages.hpp"
 
@@ -117,16 +116,12 @@ void fit_everything(StreamedLoop& loop, const LoopOptions& options, const Run& r
     result = fit::fit_all(samples, config);
   };
   progress_line(run, "fit", "fits")(0.0, 4.0);
-  oneapi::tbb::task_arena arena(run.common.n_threads > 0 ? run.common.n_threads : oneapi::tbb::task_arena::automatic);
-  arena.execute([&] {
-    oneapi::tbb::parallel_invoke([&] { fit(loop.samples_sound, loop.sound); },
-                                 [&] { fit(loop.samples_true, loop.true_times); },
-                                 [&] { fit(loop.samples_direct, loop.direct); },
-                                 [&] {
-                                   if (!loop.smooth.drops.empty())
-                                     fit(from(onsets_of(loop.smooth.drops)), loop.smooth_sound);
-                                 });
-  });
+  std::vector<std::function<void()>> fits{[&] { fit(loop.samples_sound, loop.sound); },
+                                          [&] { fit(loop.samples_true, loop.true_times); },
+                                          [&] { fit(loop.samples_direct, loop.direct); }};
+  if (!loop.smooth.drops.empty())
+    fits.emplace_back([&] { fit(from(onsets_of(loop.smooth.drops)), loop.smooth_sound); });
+  parallel_for(fits.size(), run.common.n_threads, [&](std::size_t k) { fits[k](); });
 }
 
 }  // namespace

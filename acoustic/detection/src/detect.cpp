@@ -251,7 +251,7 @@ std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordin
   std::vector<Detection> found(recordings.size());
   std::mutex mutex;
   double n_done = 0.0;
-  in_parallel(recordings.size(), resolved_threads(n_threads), [&](std::size_t k) {
+  parallel_for(recordings.size(), n_threads, [&](std::size_t k) {
     try {
       found[k] = detect(recordings[k], config);
     } catch (const FileError& error) {

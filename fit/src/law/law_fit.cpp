@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/law_result.hpp"
 #include "law/maximise.hpp"

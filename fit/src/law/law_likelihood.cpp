@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/law_likelihood.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
@@ -101,7 +100,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
   const std::size_t n_blocks = (data_.size() + kBlock - 1) / kBlock;
   std::vector<double> sums(n_blocks, 0.0);
   Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
-  tbb::parallel_for(std::size_t{0}, n_blocks, [&](std::size_t block) {
+  parallel_for(n_blocks, 0, [&](std::size_t block) {
     double* of_block = gradient ? gradients.col(static_cast<Eigen::Index>(block)).data() : nullptr;
     for (std::size_t k = block * kBlock; k < std::min(data_.size(), (block + 1) * kBlock); ++k) {
       std::array<double, kMostLawParameters> row;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/replicates.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "law/start_values.hpp"
 
@@ -85,7 +84,7 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);
   std::vector<double> a2(n_replicates, 0.0);
-  tbb::parallel_for(std::size_t{0}, n_replicates, [&](std::size_t i) {
+  parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, i);
     LawData data = design;
     for (std::size_t k = 0; k < data.size(); ++k)
@@ -108,7 +107,7 @@ std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, 
   if (n_drops < kFewestDrops) return {};
   const Eigen::MatrixXd information = likelihood.information(maximum.x);
   std::vector<std::optional<Eigen::VectorXd>> found(n_replicates);
-  tbb::parallel_for(std::size_t{0}, n_replicates, [&](std::size_t i) {
+  parallel_for(n_replicates, 0, [&](std::size_t i) {
     // indices beyond those of the goodness of fit
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{1} << 32) + i);
     const LawData drawn = resampled(data, n_drops, random);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/histogram_fit.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "law/goodness.hpp"
 #include "law/law_likelihood.hpp"
 #include "windows/shape_fit.hpp"
@@ -176,7 +175,7 @@ std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, cons
   check(config);
   const double width = config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(samples, config.centres_mps);
   std::vector<HistogramFit> results(config.centres_mps.size());
-  tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
+  parallel_for(results.size(), 0, [&](std::size_t i) {
     results[i] = fit_histogram(samples, config.centres_mps[i], width, config.n_min, law);
   });
   return results;

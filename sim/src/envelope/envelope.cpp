@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/sim/envelope.hpp"
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <numeric>
 
+#include "bouncelab/core/parallel.hpp"
 #include "envelope/cube_cell.hpp"
 #include "envelope/dominance.hpp"
 #include "envelope/floor_map.hpp"
@@ -177,18 +174,12 @@ Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, cons
   const Distribution distribution = distribute(ball, surface, n_side_, floors.least());
   std::mutex mutex;
   std::size_t n_done = 0;
-  // as many workers as asked for, even where there are fewer cores
-  const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
-                                          static_cast<std::size_t>(n_threads));
-  oneapi::tbb::task_arena arena(n_threads);
-  arena.execute([&] {
-    oneapi::tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t patch) {
-      const CubeCell cell = cell_of_patch(patch, n_side_);
-      PatchBuilder(floors, sites_of(ball, surface, distribution, patch, cell.face), patches_[patch]).build(cell);
-      if (!progress) return;
-      const std::lock_guard lock(mutex);
-      progress(static_cast<double>(++n_done), static_cast<double>(patches_.size()));
-    });
+  parallel_for(patches_.size(), n_threads, [&](std::size_t patch) {
+    const CubeCell cell = cell_of_patch(patch, n_side_);
+    PatchBuilder(floors, sites_of(ball, surface, distribution, patch, cell.face), patches_[patch]).build(cell);
+    if (!progress) return;
+    const std::lock_guard lock(mutex);
+    progress(static_cast<double>(++n_done), static_cast<double>(patches_.size()));
   });
   for (const Patch& patch : patches_)
     max_elevation_ = std::max(max_elevation_, static_cast<double>(patch.nodes.front().max_elevation));

@@ -44,6 +44,7 @@ Json json_of(const fit::CalibrationResult& result) {
 
 Outcome run_calibrate(CalibrateOptions options, Run& run) {
   options.config.seed = run.common.seed;
+  options.config.n_threads = run.common.n_threads;
   if (options.covariance_intervals) options.config.intervals = fit::IntervalMethod::covariance;
   const fit::CalibrationResult result = fit::calibrate(options.config, progress_line(run, "calibrate", "seeds"));
   Outcome outcome;

@@ -97,6 +97,7 @@ Outcome run_fit(const FitOptions& options, Run& run) {
   const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
   fit::FitConfig config = options.config;
   config.law.seed = run.common.seed;
+  config.n_threads = run.common.n_threads;
   read_corrections(options.samples, config.budget);
   const fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   Outcome outcome;

@@ -56,7 +56,7 @@ double StrikeSound::largest_delay_s() const {
 
 std::vector<double> StrikeSound::peaks(std::span<const Strike> strikes) const {
   std::vector<double> result(strikes.size());
-  in_parallel(strikes.size(), resolved_threads(config_.n_threads), [&](std::size_t k) {
+  parallel_for(strikes.size(), config_.n_threads, [&](std::size_t k) {
     result[k] =
         instrument_->meter().peak(contact(wanted_channel_, strikes[k]), amplitudes(wanted_channel_, strikes[k]));
   });
@@ -85,7 +85,7 @@ std::vector<TrueImpact> StrikeSound::truth(std::span<const Strike> strikes) cons
   for (const Strike& strike : strikes)
     if (strike.impact_index >= 0) hits.push_back(&strike);
   std::vector<TrueImpact> rows(hits.size());
-  in_parallel(hits.size(), resolved_threads(config_.n_threads),
+  parallel_for(hits.size(), config_.n_threads,
               [&](std::size_t k) { rows[k] = true_impact(*hits[k]); });
   return rows;
 }

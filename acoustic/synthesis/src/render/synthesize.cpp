@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -112,11 +111,12 @@ class RecordingWriter {
 
   void write_batch(std::int64_t first, std::int64_t end) {
     const std::int64_t step = renderer_.segment_frames();
-    std::vector<std::future<std::vector<double>>> segments;
-    for (std::int64_t k = first; k < end; k += step)
-      segments.push_back(std::async(end - first <= step ? std::launch::deferred : std::launch::async,
-                                    [this, k, n = std::min(step, end - k)] { return renderer_.frames(k, n); }));
-    for (auto& segment : segments) writer_.write(segment.get());
+    std::vector<std::vector<double>> segments(static_cast<std::size_t>((end - first + step - 1) / step));
+    parallel_for(segments.size(), config_.n_threads, [&](std::size_t s) {
+      const std::int64_t begin = first + static_cast<std::int64_t>(s) * step;
+      segments[s] = renderer_.frames(begin, std::min(step, end - begin));
+    });
+    for (const auto& segment : segments) writer_.write(segment);
   }
 
   const SynthesisConfig& config_;

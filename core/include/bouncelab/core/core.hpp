@@ -10,6 +10,7 @@
 #include "bouncelab/core/impacts.hpp"          // simulate writes, synthesize reads
 #include "bouncelab/core/onsets.hpp"           // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"      // whole or not at all
+#include "bouncelab/core/parallel.hpp"         // loops on several threads
 #include "bouncelab/core/progress.hpp"         // long computations report here
 #include "bouncelab/core/random.hpp"           // counter-based random numbers
 #include "bouncelab/core/restitution_law.hpp"  // eps(v)

@@ -1,31 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <future>
-#include <thread>
-#include <vector>
+#include <functional>
 
 namespace bouncelab {
 
-/// 0 means all cores.
-inline int resolved_threads(int n_threads) {
-  return n_threads > 0 ? n_threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+/// Number of threads for an option whose 0 means all cores. @return n_threads, or the number of cores where it is <= 0
+int resolved_threads(int n_threads);
 
-/// Runs task(k) for k = 0 ... n-1 on so many threads, each on a stretch of its own. Rethrows what a task threw.
-template <class Task>
-void in_parallel(std::size_t n, int n_threads, const Task& task) {
-  const std::size_t n_stretches =
-      std::clamp<std::size_t>(static_cast<std::size_t>(n_threads), 1, std::max<std::size_t>(n, 1));
-  std::vector<std::future<void>> running;
-  for (std::size_t s = 0; s < n_stretches; ++s)
-    running.push_back(
-        std::async(n_stretches == 1 ? std::launch::deferred : std::launch::async, [&task, n, s, n_stretches] {
-          for (std::size_t k = n * s / n_stretches; k < n * (s + 1) / n_stretches; ++k) task(k);
-        }));
-  for (auto& stretch : running) stretch.get();
-}
+/// Calls body(k) once for each k = 0 ... n-1, on at most n_threads threads; returns when all are done.
+///
+/// Each thread takes the next k that nobody has, so that a long piece of work among many short ones delays nobody.
+/// Loops may be nested: an inner loop shares the threads of the outermost one and never adds to them; one with
+/// n_threads = 1 runs on the thread that calls it, and so do the loops in it. Results do not depend on the number of threads where body(k) writes
+/// only what belongs to k.
+/// @param n_threads  0: all cores; it may exceed their number. Within another loop or within with_threads anything but
+///                   1 means the threads given there
+/// @throws what body threw; where it threw for several k, what it threw for the smallest
+void parallel_for(std::size_t n, int n_threads, const std::function<void(std::size_t)>& body);
+
+/// Calls work() on this thread, and limits to n_threads the threads of all loops in it. Within another loop or
+/// with_threads only n_threads = 1 has an effect.
+/// @param n_threads  0: all cores
+/// @throws what work threw
+void with_threads(int n_threads, const std::function<void()>& work);
 
 }  // namespace bouncelab

@@ -22,6 +22,7 @@ struct CalibrationConfig {
   double v_lo_mps = 0.2, v_hi_mps = 1.4;
   IntervalMethod intervals = IntervalMethod::profile;
   std::uint64_t seed = 1;
+  int n_threads = 0;  ///< 0: all cores; the result does not depend on it
 };
 
 /// Of one quantity (eps at a node, a constant A_i, a slope of p(eps)) over all seeds.

@@ -28,6 +28,7 @@ struct FitConfig {
   HistogramConfig histograms;
   BudgetConfig budget;
   std::optional<double> hand_off_speed_mps;  ///< absent: the middle node
+  int n_threads = 0;                         ///< 0: all cores; the result does not depend on it
 };
 
 /// A question that a reader of the report brings, and what the fit has to say to it.

@@ -41,7 +41,7 @@ class Envelope {
   };
 
   /// @param surface    directions of unit length, radii in (0, R)
-  /// @param n_threads  >= 1; the result does not depend on it
+  /// @param n_threads  0: all cores; the result does not depend on it
   /// @param progress   called with patches done; may throw to stop
   Envelope(const Ball& ball, const Surface& surface, int n_threads = 1, const ProgressCallback& progress = {});
 

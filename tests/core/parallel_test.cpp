@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/parallel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace bouncelab {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Counts who works, and how many at once.
+class Observed {
+ public:
+  void work() {
+    const int now = ++n_now_;
+    for (int most = n_most_; now > most && !n_most_.compare_exchange_weak(most, now);) {
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      threads_.insert(std::this_thread::get_id());
+    }
+    std::this_thread::sleep_for(200us);  // long enough for other threads to come
+    --n_now_;
+  }
+  int n_most() const { return n_most_; }
+  std::size_t n_threads() const { return threads_.size(); }
+
+ private:
+  std::atomic<int> n_now_ = 0, n_most_ = 0;
+  std::mutex mutex_;
+  std::set<std::thread::id> threads_;
+};
+
+TEST(ParallelFor, CallsEachIndexOnce) {
+  for (const int n_threads : {0, 1, 2, 7}) {
+    std::vector<std::atomic<int>> calls(1000);
+    parallel_for(calls.size(), n_threads, [&](std::size_t k) { ++calls[k]; });
+    EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& n) { return n == 1; })) << n_threads;
+  }
+  parallel_for(0, 3, [](std::size_t) { FAIL() << "a call of an empty loop"; });
+}
+
+TEST(ParallelFor, UsesNoMoreThreadsThanAllowedAndMoreThanOneWhereAllowed) {
+  for (const int n_threads : {1, 2, 5}) {  // 5: more than many machines have cores
+    Observed observed;
+    parallel_for(200, n_threads, [&](std::size_t) { observed.work(); });
+    EXPECT_LE(observed.n_most(), n_threads);
+    EXPECT_EQ(observed.n_threads() > 1, n_threads > 1) << n_threads;
+  }
+}
+
+TEST(ParallelFor, AnInnerLoopSharesTheThreadsOfTheOuterOne) {
+  for (const int n_threads : {1, 3}) {
+    Observed observed;
+    parallel_for(6, n_threads, [&](std::size_t) {
+      parallel_for(20, 0, [&](std::size_t) { observed.work(); });
+      parallel_for(20, 16, [&](std::size_t) { observed.work(); });
+    });
+    EXPECT_LE(observed.n_most(), n_threads);
+  }
+}
+
+TEST(ParallelFor, AnInnerLoopOfOneThreadStaysOnIt) {
+  parallel_for(8, 4, [](std::size_t) {
+    const auto here = std::this_thread::get_id();
+    parallel_for(20, 1, [&](std::size_t) {
+      EXPECT_EQ(std::this_thread::get_id(), here);
+      parallel_for(3, 0, [&](std::size_t) { EXPECT_EQ(std::this_thread::get_id(), here); });
+    });
+  });
+}
+
+TEST(ParallelFor, FreeThreadsHelpInTheInnerLoopOfTheLastCall) {
+  // two threads, two calls of which one ends at once: its thread must come to the inner loop of the other
+  std::atomic<bool> came = false;
+  parallel_for(2, 2, [&](std::size_t k) {
+    if (k == 1) return;
+    const auto here = std::this_thread::get_id();
+    const auto deadline = std::chrono::steady_clock::now() + 20s;  // a loaded machine may let the thread wait
+    parallel_for(100000, 2, [&](std::size_t) {
+      if (std::this_thread::get_id() != here) came = true;
+      if (!came && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(100us);
+    });
+  });
+  EXPECT_TRUE(came);
+}
+
+TEST(ParallelFor, OneLongCallDelaysNoOther) {
+  // the first call waits for all others: a loop that deals out stretches beforehand would wait for ever
+  constexpr int kOthers = 50;
+  std::atomic<int> n_others = 0;
+  parallel_for(kOthers + 1, 2, [&](std::size_t k) {
+    if (k > 0) {
+      ++n_others;
+      return;
+    }
+    const auto deadline = std::chrono::steady_clock::now() + 20s;  // a loaded machine may let the thread wait
+    while (n_others < kOthers && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
+    EXPECT_EQ(n_others, kOthers);
+  });
+}
+
+TEST(ParallelFor, RethrowsTheFailureOfTheSmallestIndex) {
+  for (const int n_threads : {1, 2, 5})
+    for (int again = 0; again < 20; ++again) try {
+        parallel_for(100, n_threads, [](std::size_t k) {
+          if (k >= 17) throw std::runtime_error(std::to_string(k));
+          std::this_thread::sleep_for(20us);  // so that later calls fail first
+        });
+        FAIL() << "no failure";
+      } catch (const std::runtime_error& error) {
+        EXPECT_STREQ(error.what(), "17");
+      }
+}
+
+TEST(ParallelFor, AFailureOfAnInnerLoopReachesTheCaller) {
+  EXPECT_THROW(parallel_for(4, 2,
+                            [](std::size_t) {
+                              parallel_for(4, 0, [](std::size_t k) {
+                                if (k == 2) throw std::runtime_error("inner");
+                              });
+                            }),
+               std::runtime_error);
+  // and the limit ends with the loop
+  Observed observed;
+  parallel_for(200, 3, [&](std::size_t) { observed.work(); });
+  EXPECT_GT(observed.n_threads(), 1u);
+}
+
+TEST(WithThreads, LimitsTheLoopsInIt) {
+  for (const int n_threads : {1, 2}) {
+    Observed observed;
+    with_threads(n_threads, [&] {
+      parallel_for(50, 0, [&](std::size_t) { observed.work(); });
+      parallel_for(50, 8, [&](std::size_t) { observed.work(); });
+    });
+    EXPECT_LE(observed.n_most(), n_threads);
+    EXPECT_EQ(observed.n_threads() > 1, n_threads > 1);
+  }
+}
+
+TEST(ResolvedThreads, TakesAllCoresForNone) {
+  EXPECT_GE(resolved_threads(0), 1);
+  EXPECT_EQ(resolved_threads(9), 9);
+}
+
+}  // namespace
+}  // namespace bouncelab
