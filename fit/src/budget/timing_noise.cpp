@@ -5,15 +5,10 @@
 #include <cmath>
 
 #include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::fit {
 namespace {
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Two neighbouring impacts of a drop.
 struct Pair {
@@ -72,7 +67,7 @@ std::optional<double> stated_timing_s(const RestitutionSamples& samples) {
     stated.push_back(*s.sigma_eps * (interval_s / s.eps) / of_times);
   }
   if (stated.empty()) return std::nullopt;
-  return median_of(stated);
+  return upper_median(stated);
 }
 
 }  // namespace

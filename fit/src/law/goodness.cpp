@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/statistics.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
@@ -64,8 +65,7 @@ ResidualBin residual_bin(const LawLikelihood& likelihood, const Eigen::VectorXd&
   }
   const std::size_t middle = (begin + end) / 2;
   information = static_cast<double>(bin.n) * likelihood.information_of(theta, middle).ll;
-  std::nth_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(bin.n / 2), residuals.end());
-  bin.median_residual = residuals[bin.n / 2];
+  bin.median_residual = upper_median(std::move(residuals));
   bin.pull = score / std::sqrt(information);
   bin.scatter_ratio = distance / expected;
   return bin;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "bouncelab/core/quadrature.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
@@ -61,18 +62,13 @@ Information3 pure_laplace_information(double b_below, double b_above) {
   return {1.0 / (b_below * b_above), -cross, cross, q * (2.0 - q), -p * q, p * (2.0 - p)};
 }
 
-// Gauss-Legendre, 12 points, positive half
-constexpr std::array<double, 6> kGaussX{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
-                                        0.7699026741943047, 0.9041172563704749, 0.9815606342467193};
-constexpr std::array<double, 6> kGaussW{0.2491470458134028, 0.2334925365383548, 0.2031674267230659,
-                                        0.1600783285433462, 0.1069393259953184, 0.0471753363865118};
-
 void add_panel(Information3& sum, double lo, double hi, double b_below, double b_above, double tau) {
   const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-  for (std::size_t k = 0; k < kGaussX.size(); ++k) {
+  for (std::size_t k = 0; k < kGaussLegendre12Positive.nodes.size(); ++k) {
     for (const double side : {-1.0, 1.0}) {
-      const NormalLaplace f = normal_laplace(middle + side * half * kGaussX[k], b_below, b_above, tau);
-      const double w = std::abs(half) * kGaussW[k] * std::exp(f.log_density);
+      const NormalLaplace f =
+          normal_laplace(middle + side * half * kGaussLegendre12Positive.nodes[k], b_below, b_above, tau);
+      const double w = std::abs(half) * kGaussLegendre12Positive.weights[k] * std::exp(f.log_density);
       sum.ll += w * f.d_location * f.d_location;
       sum.lb += w * f.d_location * f.d_log_below;
       sum.la += w * f.d_location * f.d_log_above;

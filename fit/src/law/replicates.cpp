@@ -6,6 +6,7 @@
 
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "law/start_values.hpp"
 
 namespace bouncelab::fit {
@@ -127,16 +128,10 @@ BootstrapErrors bootstrap_errors(std::vector<double> values) {
   double mean = 0.0, square = 0.0;
   for (const double x : values) mean += x / n;
   for (const double x : values) square += (x - mean) * (x - mean);
-  const auto quantile = [&](double p) {
-    const double at = p * (n - 1.0);
-    const auto k = static_cast<std::size_t>(at);
-    const double rest = at - static_cast<double>(k);
-    return k + 1 < values.size() ? values[k] + rest * (values[k + 1] - values[k]) : values[k];
-  };
   BootstrapErrors errors;
   errors.se = std::sqrt(square / (n - 1.0));
-  errors.ci68 = {quantile(0.15866), quantile(0.84134)};
-  errors.ci95 = {quantile(0.025), quantile(0.975)};
+  errors.ci68 = {quantile(values, 0.15866), quantile(values, 0.84134)};
+  errors.ci95 = {quantile(values, 0.025), quantile(values, 0.975)};
   errors.n_replicates = values.size();
   return errors;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/statistics.hpp"
+
 namespace bouncelab::fit {
 namespace {
 
@@ -12,12 +14,6 @@ struct SpeedBin {
   std::size_t begin = 0, end = 0;
   double v_mps = 0.0, median_eps = 0.0;
 };
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<SpeedBin> speed_bins(const LawData& data) {
   const std::size_t n = data.size();
@@ -27,8 +23,8 @@ std::vector<SpeedBin> speed_bins(const LawData& data) {
     SpeedBin bin{j * n / n_bins, (j + 1) * n / n_bins};
     if (bin.begin == bin.end) continue;
     bin.v_mps = data.v_mps[(bin.begin + bin.end) / 2];
-    bin.median_eps = median_of({data.eps.begin() + static_cast<std::ptrdiff_t>(bin.begin),
-                                data.eps.begin() + static_cast<std::ptrdiff_t>(bin.end)});
+    bin.median_eps = upper_median({data.eps.begin() + static_cast<std::ptrdiff_t>(bin.begin),
+                                   data.eps.begin() + static_cast<std::ptrdiff_t>(bin.end)});
     bins.push_back(bin);
   }
   return bins;

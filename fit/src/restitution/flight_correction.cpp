@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/flight_correction.hpp"
 
-#include <array>
 #include <cmath>
+
+#include "bouncelab/core/quadrature.hpp"
 
 namespace bouncelab::fit {
 namespace {
-
-// Gauss-Legendre on [0, 1], 6 points
-constexpr std::array<double, 6> kX{0.033765242898423975, 0.16939530676686776, 0.3806904069584015,
-                                   0.6193095930415985,   0.8306046932331322,  0.966234757101576};
-constexpr std::array<double, 6> kW{0.08566224618958517, 0.1803807865240693, 0.23395696728634552,
-                                   0.23395696728634552, 0.1803807865240693, 0.08566224618958517};
 
 struct Leg {
   double duration_s = 0.0;
@@ -21,9 +16,10 @@ struct Leg {
 /// From rest to speed v or back; drag helps to stop on the way up (sign +1) and holds up on the way down (-1).
 Leg leg(const Ball& ball, const Air& air, double v_mps, double gravity_mps2, double sign) {
   Leg result;
-  for (std::size_t k = 0; k < kX.size(); ++k) {
-    const double v = v_mps * kX[k];
-    const double weight = v_mps * kW[k] / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
+  for (std::size_t k = 0; k < kGaussLegendre6.nodes.size(); ++k) {
+    const double v = v_mps * kGaussLegendre6.nodes[k];
+    const double weight =
+        v_mps * kGaussLegendre6.weights[k] / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
     result.duration_s += weight;
     result.height_m += weight * v;
   }
@@ -35,7 +31,7 @@ Leg leg(const Ball& ball, const Air& air, double v_mps, double gravity_mps2, dou
 double drag_deceleration_mps2(const Ball& ball, const Air& air, double v_mps) {
   const double reynolds = 2.0 * ball.radius_m * v_mps * air.density_kgpm3 / air.viscosity_pas;
   const double stokes = 4.5 * air.viscosity_pas * v_mps / (ball.material.density_kgpm3 * ball.radius_m * ball.radius_m);
-  return stokes * (1.0 + 0.15 * std::pow(reynolds, 0.687));
+  return stokes * schiller_naumann_factor(reynolds);
 }
 
 double fall_with_drag_mps(const Ball& ball, const Air& air, double height_m, double gravity_mps2) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -90,12 +91,6 @@ RestitutionSample first_sample(const Onset& here, const Onset& after, const Rest
   return sample;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Samples at successive impacts: b follows a with nothing between.
 bool adjacent(std::span<const RestitutionSample> drop, std::size_t a, std::size_t b) {
   return a < drop.size() && b < drop.size() && drop[b].impact - drop[a].impact == static_cast<std::int64_t>(b - a);
@@ -109,7 +104,7 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& 
   if (drop.size() < kEnoughForAMedian) return;
   std::vector<double> ratios;
   for (const auto& s : drop) ratios.push_back(s.eps);
-  const double m = median(ratios);
+  const double m = upper_median(ratios);
   const double factor = std::sqrt(1.0 + m);
   for (std::size_t k = 0; k < drop.size(); ++k) {
     const double ratio = ratios[k] / m;
@@ -162,9 +157,7 @@ std::optional<double> median_eps(const RestitutionSamples& samples) {
   for (const RestitutionSample& sample : samples)
     if (sample.flags.empty()) eps.push_back(sample.eps);
   if (eps.empty()) return std::nullopt;
-  const auto middle = eps.begin() + static_cast<std::ptrdiff_t>(eps.size() / 2);
-  std::nth_element(eps.begin(), middle, eps.end());
-  return eps.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(eps.begin(), middle));
+  return median(std::move(eps));
 }
 
 void check(const RestitutionConfig& config) {

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/sim/energy_shares.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "bouncelab/sim/energy.hpp"
 
 namespace bouncelab::sim {
 namespace {
 
-/// The q-quantile by nearest rank.
-double quantile(std::vector<double>& values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+/// The q-quantile by nearest rank: always one of the values.
+double nearest_quantile(const std::vector<double>& values, double q) {
+  return order_statistic(values, static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5));
 }
 
 }  // namespace
@@ -40,8 +38,8 @@ std::vector<EnergyShares> energy_shares(const Ball& ball, const Impacts& impacts
     EnergyShares& mean = shares[k];
     if (mean.n == 0) continue;
     for (double* share : {&mean.vertical, &mean.horizontal, &mean.rotational}) *share /= static_cast<double>(mean.n);
-    mean.rotational_lo = quantile(rotational[k], 0.16);
-    mean.rotational_hi = quantile(rotational[k], 0.84);
+    mean.rotational_lo = nearest_quantile(rotational[k], 0.16);
+    mean.rotational_hi = nearest_quantile(rotational[k], 0.84);
   }
   return shares;
 }

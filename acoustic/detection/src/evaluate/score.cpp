@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -39,13 +40,6 @@ std::vector<Pair> candidate_pairs(const Onsets& truth, const Onsets& detected, d
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.distance_s < b.distance_s; });
   return pairs;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 double root_mean_square(const std::vector<double>& values) {

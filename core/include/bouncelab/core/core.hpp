@@ -15,6 +15,7 @@
 #include "bouncelab/core/random.hpp"           // counter-based random numbers
 #include "bouncelab/core/restitution_law.hpp"  // eps(v)
 #include "bouncelab/core/samples.hpp"          // restitution writes, fit reads
+#include "bouncelab/core/statistics.hpp"       // medians, quantiles
 #include "bouncelab/core/table.hpp"            // columns by name
 #include "bouncelab/core/units.hpp"            // pi, g
 #include "bouncelab/core/version.hpp"          // version and commit

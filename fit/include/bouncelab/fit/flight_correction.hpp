@@ -11,8 +11,7 @@ namespace bouncelab::fit {
 ///
 ///   d = (3/8) rho_air v^2 Cd / (rho R),   Cd = 24/Re (1 + 0.15 Re^0.687),   Re = 2 R v rho_air / mu
 ///
-/// Within 5 % for Re < 800. Source: Schiller & Naumann (1933), as in Clift, Grace, Weber, Bubbles, Drops and Particles
-/// (1978), table 5.1.
+/// the factor by Schiller & Naumann (air.hpp); rho and R of the ball.
 double drag_deceleration_mps2(const Ball& ball, const Air& air, double v_mps);
 
 /// Speeds at the two ends of a vertical flight from the plate and back.

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+
+#include "bouncelab/fit/calibration.hpp"
+#include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/json.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// Threads that the process has, those included that wait for work.
+int n_threads_now() {
+  return static_cast<int>(std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}));
+}
+
+/// Runs the work in a process of its own and counts the threads that it leaves there.
+template <class Work>
+void expect_threads(int n, const Work& work) {
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(
+      {
+        work();
+        std::_Exit(n_threads_now());
+      },
+      [n](int status) {
+        const int seen = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+        return seen <= n && seen >= std::min(n, 2);  // not all need have come to help
+      },
+      "");
+}
+
+FitConfig config_with(int n_threads) {
+  FitConfig config;
+  config.n_threads = n_threads;
+  config.n_goodness = 9;
+  config.law.n_bootstrap = 9;
+  return config;
+}
+
+TEST(FitThreadsDeathTest, FitAllStartsNoMoreThreadsThanItMay) {
+  for (const int n : {1, 3})
+    expect_threads(n, [n] { fit_all(testing::independent_samples({}, 5000, 0.2, 1.4, 1e-4), config_with(n)); });
+}
+
+TEST(FitThreadsDeathTest, CalibrateStartsNoMoreThreadsThanItMay) {
+  CalibrationConfig config;
+  config.n_samples = 5000;
+  config.n_seeds = 2;
+  for (config.n_threads = 1; config.n_threads <= 3; config.n_threads += 2)
+    expect_threads(config.n_threads, [&] { calibrate(config); });
+}
+
+TEST(FitThreads, TheResultDoesNotDependOnTheirNumber) {
+  const auto samples = testing::independent_samples({}, 5000, 0.2, 1.4, 1e-4);
+  const std::string one = to_json(fit_all(samples, config_with(1)));
+  EXPECT_EQ(to_json(fit_all(samples, config_with(3))), one);
+  EXPECT_EQ(to_json(fit_all(samples, config_with(8))), one);
+}
+
+}  // namespace
+}  // namespace bouncelab::fit
