@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/core/parallel.hpp"
-#include "text/words.hpp"
+#include "text/findings.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -85,13 +85,13 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.budget = error_budget(believed, result.law, config.budget);
   step(kSteps);
   if (!result.law.nodes.empty())
-    result.hand_off =
-        hand_off(result.law, config.hand_off_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps));
+    result.dem_export =
+        dem_export(result.law, config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps));
   result.status = result.law.status;
   result.n_used = result.law.n;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
   result.warnings = warnings_of(result, used);
-  result.answers = answers_of(result);
+  result.findings = findings_of(result);
   return result;
 }
 

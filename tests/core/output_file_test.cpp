@@ -40,7 +40,7 @@ TEST_F(OutputFileTest, AppearsOnlyWhenCommitted) {
 
 TEST_F(OutputFileTest, AnExistingFileIsKeptUnlessItMayBeReplaced) {
   write_whole(folder_ / "a.csv", "old", false);
-  EXPECT_THROW(write_whole(folder_ / "a.csv", "newer", false), FileError);
+  EXPECT_THROW(write_whole(folder_ / "a.csv", "newer", false), FileExists);
   EXPECT_EQ(fs::file_size(folder_ / "a.csv"), 3u);
   write_whole(folder_ / "a.csv", "newer", true);
   EXPECT_EQ(fs::file_size(folder_ / "a.csv"), 5u);

@@ -9,9 +9,9 @@
 namespace bouncelab::fit {
 namespace {
 
-TEST(HandOff, FillsTheParameterOfEveryCodeWithEpsAtTheSpeedStated) {
+TEST(DemExport, FillsTheParameterOfEveryCodeWithEpsAtTheSpeedStated) {
   const auto fit = fit_law(testing::independent_samples({}, 2000, 0.2, 1.4, 0.0), {});
-  const auto handed = hand_off(fit, 0.6);
+  const auto handed = dem_export(fit, 0.6);
   ASSERT_TRUE(handed);
   EXPECT_NEAR(handed->eps, restitution(*fit.law, 0.6), 1e-15);
   ASSERT_EQ(handed->snippets.size(), 4u);
@@ -23,10 +23,10 @@ TEST(HandOff, FillsTheParameterOfEveryCodeWithEpsAtTheSpeedStated) {
     EXPECT_THAT(s.text, ::testing::HasSubstr("constant")) << s.program;
   }
   EXPECT_THAT(handed->warning, ::testing::Not(::testing::HasSubstr("outside")));
-  EXPECT_THAT(hand_off(fit, 5.0)->warning, ::testing::HasSubstr("outside the data"));
+  EXPECT_THAT(dem_export(fit, 5.0)->warning, ::testing::HasSubstr("outside the data"));
 }
 
-TEST(HandOff, TableHasTheCurveAndItsBand) {
+TEST(DemExport, TableHasTheCurveAndItsBand) {
   const auto fit = fit_law(testing::independent_samples({}, 2000, 0.2, 1.4, 0.0), {});
   const Table table = law_table(fit);
   ASSERT_EQ(table.n_rows(), fit.curve.size());
@@ -36,11 +36,11 @@ TEST(HandOff, TableHasTheCurveAndItsBand) {
   }
 }
 
-TEST(HandOff, OfNoLawOrEpsAboveOneIsNothing) {
-  EXPECT_FALSE(hand_off({}, 0.6));
+TEST(DemExport, OfNoLawOrEpsAboveOneIsNothing) {
+  EXPECT_FALSE(dem_export({}, 0.6));
   auto samples = testing::independent_samples({}, 200, 0.2, 1.4, 0.0);
   for (auto& s : samples) s.eps += 0.2;
-  EXPECT_FALSE(hand_off(fit_law(samples, {}), 0.6));
+  EXPECT_FALSE(dem_export(fit_law(samples, {}), 0.6));
 }
 
 }  // namespace

@@ -84,15 +84,15 @@ TEST(FitAll, WarnsInWordsOfConstantsThatCannotBeToldApart) {
 
 TEST(FitAll, AnswersTheFiveQuestionsOfAReader) {
   const auto result = fit_all(testing::independent_samples({}, 20000, 0.2, 1.4, 1e-4), {});
-  ASSERT_EQ(result.answers.size(), 5u);
+  ASSERT_EQ(result.findings.size(), 5u);
   const auto says = [&](std::size_t k, const char* words) {
-    return result.answers[k].answer.find(words) != std::string::npos;
+    return result.findings[k].answer.find(words) != std::string::npos;
   };
-  EXPECT_TRUE(says(0, "A2 = 0.0") && says(0, "gamma = ")) << result.answers[0].answer;
-  EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << result.answers[1].answer;
-  EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing") && says(2, "air drag")) << result.answers[2].answer;
-  EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8")) << result.answers[3].answer;
-  EXPECT_TRUE(says(4, "eps = 0.979") && says(4, "0.6 m/s")) << result.answers[4].answer;
+  EXPECT_TRUE(says(0, "A2 = 0.0") && says(0, "gamma = ")) << result.findings[0].answer;
+  EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << result.findings[1].answer;
+  EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing") && says(2, "air drag")) << result.findings[2].answer;
+  EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8")) << result.findings[3].answer;
+  EXPECT_TRUE(says(4, "eps = 0.979") && says(4, "0.6 m/s")) << result.findings[4].answer;
 }
 
 TEST(FitAll, WarnsOfDragThatMovesTheCurveByMoreThanItsError) {
@@ -102,7 +102,7 @@ TEST(FitAll, WarnsOfDragThatMovesTheCurveByMoreThanItsError) {
     config.budget.drag = drag;
     const auto warnings = fit_all(samples, config).warnings;
     return std::any_of(warnings.begin(), warnings.end(),
-                       [](const auto& w) { return w.find("--correct-drag") != std::string::npos; });
+                       [](const auto& w) { return w.find("correct the flights") != std::string::npos; });
   };
   EXPECT_TRUE(warned(Effect::present));
   EXPECT_FALSE(warned(Effect::corrected));

@@ -114,7 +114,7 @@ TEST(LawFit, ProfileIsTheCovarianceWhereSamplesAreMany) {
   const auto profile = fit_law(samples, {}), covariance = fit_law(samples, quick());
   for (int j = 0; j < 3; ++j) {
     const auto &p = profile.parameters[j].estimate, &c = covariance.parameters[j].estimate;
-    ASSERT_EQ(p.interval_method, "profile");
+    ASSERT_EQ(p.interval_method, IntervalMethod::profile);
     // the surface's third derivative and its grain at n = 20000: a few percent of the standard error
     EXPECT_NEAR(p.ci95->lo, c.ci95->lo, 0.15 * *c.se);
     EXPECT_NEAR(p.ci95->hi, c.ci95->hi, 0.15 * *c.se);

@@ -82,7 +82,7 @@ TEST(SimulatorToFit, CorrectionsLeaveABiasBelowOneStandardError) {
 
 TEST(SimulatorToFit, WhatIsNotTakenOutIsInTheBudget) {
   const fit::FitResult result = analysed({true, true, 3e-6}, false);
-  // eps(1.2 m/s) is low by the drag's 8.5e-4 of docs/physics.md 5, and the budget says by how much
+  // eps(1.2 m/s) is low by the drag's 8.5e-4 of docs/physics.md, and the budget says by how much
   const fit::NodeEstimate& fast = result.law.nodes.at(2);
   const double bias = fast.eps.value - restitution(SeriesLaw{}, fast.v_mps);
   EXPECT_LT(bias, -6e-4);
@@ -91,7 +91,7 @@ TEST(SimulatorToFit, WhatIsNotTakenOutIsInTheBudget) {
   const double shift = row.shift_drag * std::pow(fast.v_mps / row.v_mps, 1.5) + row.shift_contact_time;
   EXPECT_NEAR(shift, bias, 3.0 * *fast.eps.se + 0.05 * std::abs(bias));
   EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(), [](const std::string& w) {
-    return w.find("air drag") != std::string::npos && w.find("--correct-drag") != std::string::npos;
+    return w.find("air drag") != std::string::npos && w.find("correct the flights") != std::string::npos;
   }));
   ASSERT_TRUE(result.budget.timing);
   EXPECT_NEAR((result.budget.timing->variance_s2 - 9e-12) / result.budget.timing->variance_se_s2, 0.0, 4.0);

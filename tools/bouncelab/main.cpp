@@ -142,6 +142,9 @@ int main(int argc, char** argv) {
   } catch (const Interrupted& error) {
     std::cerr << "bouncelab: " << error.what() << "\n";
     return cli::kInterrupted;
+  } catch (const FileExists& error) {
+    std::cerr << "bouncelab: " << error.what() << "; --force replaces it\n";
+    return cli::kFileTrouble;
   } catch (const FileError& error) {
     std::cerr << "bouncelab: " << error.what() << "\n";
     return cli::kFileTrouble;

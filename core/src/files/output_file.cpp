@@ -20,7 +20,7 @@ OutputFile::OutputFile(fs::path path, bool may_replace) : path_(std::move(path))
     throw FileError(name, "is a folder; the name of a file is needed");
   if (!fs::is_directory(folder, error))
     throw FileError(name, "the folder " + folder.string() + " does not exist; create it first");
-  if (!may_replace && fs::exists(path_, error)) throw FileError(name, "exists already; --force replaces it");
+  if (!may_replace && fs::exists(path_, error)) throw FileExists(name);
   // the extension stays last: audio libraries and HDF5 choose the format by it
   temporary_path_ =
       folder / ("." + path_.stem().string() + ".partial-" + std::to_string(::getpid()) + path_.extension().string());

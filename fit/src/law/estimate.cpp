@@ -19,6 +19,8 @@ const char* to_string(FitStatus status) {
   return "unknown";
 }
 
+const char* to_string(IntervalMethod method) { return method == IntervalMethod::profile ? "profile" : "covariance"; }
+
 Estimate normal_estimate(double value, double se) {
   constexpr double k95 = 1.959963984540054;  // normal quantile of 0.975
   Estimate estimate;
@@ -26,7 +28,7 @@ Estimate normal_estimate(double value, double se) {
   estimate.se = se;
   estimate.ci68 = Interval{value - se, value + se};
   estimate.ci95 = Interval{value - k95 * se, value + k95 * se};
-  estimate.interval_method = "covariance";
+  estimate.interval_method = IntervalMethod::covariance;
   return estimate;
 }
 

@@ -5,11 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 #include "law/goodness.hpp"
 #include "law/profile.hpp"
+#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -58,8 +58,8 @@ double small_sample_inflation(const LawFit& fit) {
   return n / std::max(1.0, n - p);
 }
 
-/// What is known of the law's coordinates q.
-struct Knowledge {
+/// The law's coordinates q with their covariance, by the model of the scatter and (robust) without it.
+struct ParameterCovariance {
   Eigen::VectorXd q;
   Eigen::MatrixXd covariance;
   std::optional<Eigen::MatrixXd> robust;
@@ -88,7 +88,7 @@ bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, dou
 
 /// Parameters tied to one that is not identified by a correlation above .99 are as little known as that one: the
 /// likelihood knows their sum only.
-void spread_ignorance(std::vector<NamedEstimate>& parameters, const Eigen::MatrixXd& correlation) {
+void propagate_unidentified(std::vector<NamedEstimate>& parameters, const Eigen::MatrixXd& correlation) {
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -102,13 +102,7 @@ void spread_ignorance(std::vector<NamedEstimate>& parameters, const Eigen::Matri
   }
 }
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
-
-void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Knowledge& known) {
+void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const ParameterCovariance& known) {
   const LawModel& model = likelihood.model();
   const Eigen::VectorXd& q = known.q;
   const Eigen::MatrixXd j = model.reported_jacobian(q);
@@ -125,13 +119,13 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Kno
     a.identified = (values.size() == 1 || enough) && is_identified(model, i, a, v_middle, eps_middle);
     fit.parameters.push_back({names[static_cast<std::size_t>(i)], a});
   }
-  spread_ignorance(fit.parameters, correlation);
+  propagate_unidentified(fit.parameters, correlation);
   std::string unknown, intervals;
   for (const NamedEstimate& p : fit.parameters) {
     if (p.estimate.identified) continue;
     unknown += (unknown.empty() ? "" : ", ") + p.name;
-    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + number(p.estimate.ci95->lo) + " to " +
-                 number(p.estimate.ci95->hi);
+    intervals += (intervals.empty() ? "" : ", ") + p.name + " " + formatted("%.3g", p.estimate.ci95->lo) + " to " +
+                 formatted("%.3g", p.estimate.ci95->hi);
   }
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
@@ -145,7 +139,7 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Kno
   }
 }
 
-void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Knowledge& known,
+void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const ParameterCovariance& known,
                     const std::vector<double>& node_speeds_mps) {
   const Eigen::VectorXd& q = known.q;
   const LawModel& model = likelihood.model();
@@ -210,7 +204,7 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
     };
     e.ci68 = ordered(offsets->offset68);
     e.ci95 = ordered(offsets->offset95);
-    e.interval_method = "profile";
+    e.interval_method = IntervalMethod::profile;
   };
   const Eigen::MatrixXd rows = model.reported_jacobian(q);
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
@@ -230,8 +224,8 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
   const double inflation = small_sample_inflation(fit);
-  Knowledge known{maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law),
-                  std::nullopt};
+  ParameterCovariance known{maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law),
+                            std::nullopt};
   if (const auto robust = sandwich(likelihood, maximum.x, white)) known.robust = robust->topLeftCorner(n_law, n_law);
   fit.scatter = likelihood.scatter_model(maximum.x);
   fit.law = likelihood.model().law(known.q);
@@ -241,7 +235,8 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, white);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;
-    fit.message = "the search did not converge: a gain of " + number(maximum.gain_left) + " in log-likelihood is left";
+    fit.message =
+        "the search did not converge: a gain of " + formatted("%.3g", maximum.gain_left) + " in log-likelihood is left";
   }
 }
 

@@ -3,16 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {
-
-std::string words(const char* format, double a, double b = 0.0, double c = 0.0, double d = 0.0) {
-  char text[240];
-  std::snprintf(text, sizeof text, format, a, b, c, d);
-  return text;
-}
 
 /// Windows with a fit.
 std::vector<const HistogramFit*> fitted(const FitResult& result) {
@@ -22,8 +17,9 @@ std::vector<const HistogramFit*> fitted(const FitResult& result) {
   return windows;
 }
 
-const ShapeFit* shape(const HistogramFit& h, const char* name) {
-  const auto found = std::find_if(h.shapes.begin(), h.shapes.end(), [&](const ShapeFit& s) { return s.shape == name; });
+const ShapeFit* shape_fit(const HistogramFit& h, DensityShape shape) {
+  const auto found =
+      std::find_if(h.shapes.begin(), h.shapes.end(), [&](const ShapeFit& s) { return s.shape == shape; });
   return found == h.shapes.end() ? nullptr : &*found;
 }
 
@@ -40,13 +36,13 @@ Conclusion not_normal(const FitResult& rough) {
     if (!h->delta_aic_gaussian) continue;
     if (!c.value || *h->delta_aic_gaussian < *c.value) {
       c.value = *h->delta_aic_gaussian;
-      c.detail = words("smallest at %.1f m/s", h->v_mps);
+      c.detail = formatted("smallest at %.1f m/s", h->v_mps);
     }
-    const ShapeFit* normal = shape(*h, "normal");
+    const ShapeFit* normal = shape_fit(*h, DensityShape::normal);
     if (normal != nullptr && normal->p_value) largest_p = std::max(largest_p, *normal->p_value);
   }
   c.holds = c.value && *c.value > 10.0;
-  if (c.value) c.detail += words("; largest p-value of a normal (Pearson's χ²) %.2g", largest_p);
+  if (c.value) c.detail += formatted("; largest p-value of a normal (Pearson's χ²) %.2g", largest_p);
   return c;
 }
 
@@ -63,8 +59,8 @@ Conclusion two_slopes(const FitResult& rough) {
     if (c.ci95 && h->slope_ratio->ci95->lo >= c.ci95->lo) continue;
     c.value = h->slope_ratio->value;
     c.ci95 = h->slope_ratio->ci95;
-    c.detail = words("least at %.1f m/s: %.0f rising, %.0f falling", h->v_mps, h->slope_rising->value,
-                     h->slope_falling->value);
+    c.detail = formatted("least at %.1f m/s: %.0f rising, %.0f falling", h->v_mps, h->slope_rising->value,
+                         h->slope_falling->value);
   }
   c.holds = c.ci95 && c.ci95->lo > 1.0;
   return c;
@@ -89,9 +85,9 @@ Conclusion peaks_follow_the_law(const FitResult& rough, const std::optional<Rest
     n += 1.0;
     if (c.value && std::abs(pull) <= *c.value) continue;
     c.value = std::abs(pull);
-    c.detail = words("largest at %.1f m/s: %.1e off", h->v_mps, h->peak_eps->value - restitution(*law, h->v_mps));
+    c.detail = formatted("largest at %.1f m/s: %.1e off", h->v_mps, h->peak_eps->value - restitution(*law, h->v_mps));
   }
-  if (n > 0.0) c.detail += words("; root mean square of %.0f pulls %.2f", n, std::sqrt(square / n));
+  if (n > 0.0) c.detail += formatted("; root mean square of %.0f pulls %.2f", n, std::sqrt(square / n));
   c.holds = c.value && *c.value < 3.0;
   return c;
 }
@@ -118,7 +114,7 @@ Conclusion asperities_scatter(const FitResult& rough, const FitResult& smooth) {
     const double ratio = same->spread / row.spread;
     if (c.value && ratio <= *c.value) continue;
     c.value = ratio;
-    c.detail = words("largest at %.2f m/s: %.2g against %.2g", row.v_mps, same->spread, row.spread);
+    c.detail = formatted("largest at %.2f m/s: %.2g against %.2g", row.v_mps, same->spread, row.spread);
   }
   c.holds = c.value && *c.value < 0.1;
   return c;
@@ -132,8 +128,9 @@ Conclusion scatter_grows(const FitResult& rough) {
   c.ci95 = k->ci95;
   c.holds = k->ci95 && k->ci95->hi < 0.0;
   if (!rough.budget.rows.empty())
-    c.detail = words("spread %.2g at %.2f m/s, %.2g at %.2f m/s", rough.budget.rows.front().spread,
-                     rough.budget.rows.front().v_mps, rough.budget.rows.back().spread, rough.budget.rows.back().v_mps);
+    c.detail =
+        formatted("spread %.2g at %.2f m/s, %.2g at %.2f m/s", rough.budget.rows.front().spread,
+                  rough.budget.rows.front().v_mps, rough.budget.rows.back().spread, rough.budget.rows.back().v_mps);
   return c;
 }
 

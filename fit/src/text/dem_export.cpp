@@ -3,45 +3,41 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+
+#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-std::string with(const char* format, auto... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 std::vector<Snippet> snippets(double eps, double v_mps) {
-  const std::string where = with("coefficient of restitution at %.3g m/s, constant in this model", v_mps);
+  const std::string where = formatted("coefficient of restitution at %.3g m/s, constant in this model", v_mps);
   return {
       {"LIGGGHTS", "property/global coefficientRestitution",
        "# " + where + "\n" +
-           with("fix m3 all property/global coefficientRestitution peratomtypepair 1 %.6f\n"
-                "pair_style gran model hertz tangential history\n",
-                eps)},
+           formatted("fix m3 all property/global coefficientRestitution peratomtypepair 1 %.6f\n"
+                     "pair_style gran model hertz tangential history\n",
+                     eps)},
       {"LAMMPS", "pair_style granular, second coefficient of hertz/material with damping coeff_restitution",
        "# " + where + "; ${E}, ${nu}, ${mu}: Young's modulus, Poisson's ratio, friction\npair_style granular\n" +
-           with("pair_coeff * * hertz/material ${E} %.6f ${nu} tangential mindlin NULL 1.0 ${mu} damping "
-                "coeff_restitution\n",
-                eps)},
+           formatted("pair_coeff * * hertz/material ${E} %.6f ${nu} tangential mindlin NULL 1.0 ${mu} damping "
+                     "coeff_restitution\n",
+                     eps)},
       {"Yade", "Ip2_FrictMat_FrictMat_MindlinPhys.en",
        "# " + where + "\n" +
-           with("Ip2_FrictMat_FrictMat_MindlinPhys(en=%.6f)  # with Law2_ScGeom_MindlinPhys_Mindlin()\n", eps)},
+           formatted("Ip2_FrictMat_FrictMat_MindlinPhys(en=%.6f)  # with Law2_ScGeom_MindlinPhys_Mindlin()\n", eps)},
       {"MercuryDPM", "HertzianViscoelasticMindlinSpecies::setEffectiveElasticModulusAndRestitutionCoefficient",
        "// " + where + "\n" +
-           with("species.setEffectiveElasticModulusAndRestitutionCoefficient(effectiveElasticModulus, %.6f);\n", eps)},
+           formatted("species.setEffectiveElasticModulusAndRestitutionCoefficient(effectiveElasticModulus, %.6f);\n",
+                     eps)},
   };
 }
 
 }  // namespace
 
-std::optional<HandOff> hand_off(const LawFit& fit, double v_mps) {
+std::optional<DemExport> dem_export(const LawFit& fit, double v_mps) {
   if (!fit.law || fit.curve.empty()) return std::nullopt;
-  HandOff result;
+  DemExport result;
   result.v_mps = v_mps;
   result.eps = restitution(*fit.law, v_mps);
   if (!(result.eps > 0.0 && result.eps <= 1.0)) return std::nullopt;
@@ -49,12 +45,12 @@ std::optional<HandOff> hand_off(const LawFit& fit, double v_mps) {
     return std::abs(a.x - v_mps) < std::abs(b.x - v_mps);
   });
   if (point->band95) result.se = (point->band95->hi - point->band95->lo) / (2.0 * 1.959963984540054);
-  result.warning = with(
+  result.warning = formatted(
       "these codes take eps as constant; measured, it goes from %.4f at %.3g m/s to %.4f at %.3g m/s, and scatters "
       "from impact to impact",
       fit.curve.front().y, fit.curve.front().x, fit.curve.back().y, fit.curve.back().x);
   if (v_mps < fit.curve.front().x || v_mps > fit.curve.back().x)
-    result.warning += with("; %.3g m/s lies outside the data", v_mps);
+    result.warning += formatted("; %.3g m/s lies outside the data", v_mps);
   result.snippets = snippets(result.eps, v_mps);
   return result;
 }

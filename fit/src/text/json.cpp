@@ -18,7 +18,7 @@ Json json_of(const BootstrapErrors& b);
 Json json_of(const AndersonDarling& a);
 Json json_of(const ScatterModel& s);
 Json json_of(const TimingNoise& t);
-Json json_of(const HandOff& h);
+Json json_of(const DemExport& h);
 template <class T>
 Json json_of(const std::optional<T>& x) {
   return x ? json_of(*x) : Json(nullptr);
@@ -47,8 +47,9 @@ Json comparison_of(const std::vector<LawComparison>& comparison) {
 }
 
 Json json_of(const Estimate& e) {
-  return {{"value", json_of(e.value)},         {"se", json_of(e.se)},       {"se_robust", json_of(e.se_robust)},
-          {"ci68", json_of(e.ci68)},           {"ci95", json_of(e.ci95)},   {"intervals", e.interval_method},
+  return {{"value", json_of(e.value)},         {"se", json_of(e.se)},
+          {"se_robust", json_of(e.se_robust)}, {"ci68", json_of(e.ci68)},
+          {"ci95", json_of(e.ci95)},           {"intervals", e.interval_method ? to_string(*e.interval_method) : ""},
           {"bootstrap", json_of(e.bootstrap)}, {"identified", e.identified}};
 }
 
@@ -139,15 +140,9 @@ Json json_of(const ShapeFit& shape) {
   for (const NamedEstimate& p : shape.parameters) parameters[p.name] = json_of(p.estimate);
   Json expected = Json::array();
   for (const double n : shape.expected) expected.push_back(json_of(n));
-  return {{"shape", shape.shape},
-          {"status", to_string(shape.status)},
-          {"parameters", parameters},
-          {"loglik", json_of(shape.loglik)},
-          {"delta_aic", json_of(shape.delta_aic)},
-          {"chi2", json_of(shape.chi2)},
-          {"ndf", json_of(shape.ndf)},
-          {"p_value", json_of(shape.p_value)},
-          {"expected", expected}};
+  return {{"shape", to_string(shape.shape)}, {"status", to_string(shape.status)},     {"parameters", parameters},
+          {"loglik", json_of(shape.loglik)}, {"delta_aic", json_of(shape.delta_aic)}, {"chi2", json_of(shape.chi2)},
+          {"ndf", json_of(shape.ndf)},       {"p_value", json_of(shape.p_value)},     {"expected", expected}};
 }
 
 Json json_of(const HistogramFit& h) {
@@ -229,7 +224,7 @@ Json json_of(const ErrorBudget& budget) {
           {"rows", rows}};
 }
 
-Json json_of(const HandOff& h) {
+Json json_of(const DemExport& h) {
   Json snippets = Json::array();
   for (const Snippet& s : h.snippets)
     snippets.push_back({{"program", s.program}, {"parameter", s.parameter}, {"text", s.text}});
@@ -246,7 +241,7 @@ std::string to_json(const FitResult& result) {
   Json histograms = Json::array();
   for (const HistogramFit& h : result.histograms) histograms.push_back(json_of(h));
   Json answers = Json::array();
-  for (const Answer& a : result.answers) answers.push_back({{"question", a.question}, {"answer", a.answer}});
+  for (const Finding& a : result.findings) answers.push_back({{"question", a.question}, {"answer", a.answer}});
   const Json j{{"status", to_string(result.status)},
                {"warnings", result.warnings},
                {"answers", answers},
@@ -259,7 +254,7 @@ std::string to_json(const FitResult& result) {
                {"law_viscoelastic", json_of(result.law_viscoelastic)},
                {"histograms", histograms},
                {"budget", json_of(result.budget)},
-               {"hand_off", json_of(result.hand_off)},
+               {"hand_off", json_of(result.dem_export)},
                {"density",
                 {{"v_edges_mps", result.density.v_edges_mps},
                  {"eps_edges", result.density.eps_edges},

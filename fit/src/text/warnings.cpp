@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "text/words.hpp"
+#include "text/findings.hpp"
+#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -19,10 +20,11 @@ void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) 
         worst_j = j;
       }
   if (worst_i == worst_j) return;
-  warnings.push_back(law.parameters[worst_j].name + " and " + law.parameters[worst_i].name +
-                     words(" cannot be told apart with these speeds: their correlation is %.4f; quote eps(v) at the "
-                           "nodes, or the constants with their covariance",
-                           law.correlation[worst_i][worst_j]));
+  warnings.push_back(
+      law.parameters[worst_j].name + " and " + law.parameters[worst_i].name +
+      formatted(" cannot be told apart with these speeds: their correlation is %.4f; quote eps(v) at the "
+                "nodes, or the constants with their covariance",
+                law.correlation[worst_i][worst_j]));
 }
 
 void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
@@ -32,18 +34,18 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
   if (law.p_value && *law.p_value < 0.001) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
-    warnings.push_back(words("the scatter about eps(v) is not as the fit assumes: chi2 / ndf = %.2f, p = %.1e; ",
-                             *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
-                       (ratio < 0.8 ? words("it is %.2f of what the stated timing errors alone explain: these are "
-                                            "stated too large, and so are all errors given here",
-                                            ratio)
+    warnings.push_back(formatted("the scatter about eps(v) is not as the fit assumes: chi2 / ndf = %.2f, p = %.1e; ",
+                                 *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
+                       (ratio < 0.8 ? formatted("it is %.2f of what the stated timing errors alone explain: these are "
+                                                "stated too large, and so are all errors given here",
+                                                ratio)
                                     : "standard errors may be too small; se_robust does not depend on it"));
   }
   if (!law.outliers.empty())
     warnings.push_back(
-        words("%zu of the samples lie further from eps(v) than the scatter can put them and were left out, of the "
-              "histograms too: missed or invented impacts?",
-              law.outliers.size()));
+        formatted("%zu of the samples lie further from eps(v) than the scatter can put them and were left out, of the "
+                  "histograms too: missed or invented impacts?",
+                  law.outliers.size()));
 }
 
 /// Where the noise that neighbouring samples share is not what the detector states.
@@ -54,8 +56,8 @@ void warn_of_timing(const ErrorBudget& budget, std::vector<std::string>& warning
   if (std::abs(t.variance_s2 - stated2) < 4.0 * t.variance_se_s2 || !t.sigma_s) return;
   // a tenth of the noise is of no consequence however well it is measured
   if (std::abs(*t.sigma_s / *t.stated_s - 1.0) < 0.1) return;
-  warnings.push_back(words("neighbouring samples show a timing noise of %.2g us where %.2g us are stated",
-                           *t.sigma_s * 1e6, *t.stated_s * 1e6));
+  warnings.push_back(formatted("neighbouring samples show a timing noise of %.2g us where %.2g us are stated",
+                               *t.sigma_s * 1e6, *t.stated_s * 1e6));
 }
 
 void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& warnings) {
@@ -66,19 +68,20 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
   const double unknown = count([](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
   if (unknown > 0.0)
     warnings.push_back(
-        words("%.0f of %.0f samples state no timing error: it is neglected there, and the scatter "
-              "includes it",
-              unknown, n));
+        formatted("%.0f of %.0f samples state no timing error: it is neglected there, and the scatter "
+                  "includes it",
+                  unknown, n));
   const double above_one = count([](const auto& s) { return s.eps > 1.0; });
   if (above_one > 0.1 * n)
-    warnings.push_back(words("%.0f of %.0f samples have eps > 1: time order or units of the input?", above_one, n));
+    warnings.push_back(formatted("%.0f of %.0f samples have eps > 1: time order or units of the input?", above_one, n));
   const double below_zero = count([](const auto& s) { return s.eps < 0.0; });
   if (below_zero > 0.1 * n)
-    warnings.push_back(words("%.0f of %.0f samples have eps < 0: time order or columns of the input?", below_zero, n));
+    warnings.push_back(
+        formatted("%.0f of %.0f samples have eps < 0: time order or columns of the input?", below_zero, n));
   const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
   if (implausible > 0.1 * n)
     warnings.push_back(
-        words("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
+        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
 }
 
 /// Rows that a flag of the detector or of the intervals excludes were counted where the flag was set. Rows that are
@@ -90,8 +93,8 @@ void warn_of_rows_left_out(const FitResult& result, std::vector<std::string>& wa
     std::string in_words = "flag " + reason;
     if (flag) in_words = "not finite";
     if (reason == "speed_not_positive") in_words = "speed not positive";
-    warnings.push_back(words("%zu of the samples left out: %s; the first is number %zu", result.n_left_out.at(reason),
-                             in_words.c_str(), first));
+    warnings.push_back(formatted("%zu of the samples left out: %s; the first is number %zu",
+                                 result.n_left_out.at(reason), in_words.c_str(), first));
   }
 }
 
@@ -105,22 +108,22 @@ void warn_of_shift(const ErrorBudget& budget, double BudgetRow::*shift, const st
       worst = &row;
   if (!worst || std::abs(worst->*shift) <= *worst->se_curve) return;
   warnings.push_back(cause +
-                     words(" is not taken out: it moves eps(%.2g m/s) by %+.1e, %.1f standard errors; ", worst->v_mps,
-                           worst->*shift, std::abs(worst->*shift) / *worst->se_curve) +
+                     formatted(" is not taken out: it moves eps(%.2g m/s) by %+.1e, %.1f standard errors; ",
+                               worst->v_mps, worst->*shift, std::abs(worst->*shift) / *worst->se_curve) +
                      remedy);
 }
 
 void warn_of_shifts(const ErrorBudget& budget, std::vector<std::string>& warnings) {
-  const std::string ball = "(" + in_words(budget.ball) + ")";
-  warn_of_shift(budget, &BudgetRow::shift_drag, "air drag " + ball, "restitution --correct-drag", warnings);
+  const std::string ball = "(" + describe(budget.ball) + ")";
+  warn_of_shift(budget, &BudgetRow::shift_drag, "air drag " + ball, "correct the flights for it", warnings);
   warn_of_shift(budget, &BudgetRow::shift_contact_time, "the duration of contact " + ball,
-                "restitution --correct-contact-time", warnings);
+                "correct the intervals for it", warnings);
 }
 
 }  // namespace
 
-std::string in_words(const Ball& ball) {
-  return words("a ball of %.3g mm radius and %.4g kg/m^3", 1e3 * ball.radius_m, ball.material.density_kgpm3);
+std::string describe(const Ball& ball) {
+  return formatted("a ball of %.3g mm radius and %.4g kg/m^3", 1e3 * ball.radius_m, ball.material.density_kgpm3);
 }
 
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used) {

@@ -102,10 +102,18 @@ void compare_with_other_densities(HistogramFit& result, const LawData& data, con
 /// Differences of AIC beyond which one shape is called better (Burnham & Anderson, 2002: "essentially no support").
 constexpr double kDecided = 10.0;
 
-const char* in_words(const std::string& shape) {
-  if (shape == "two_exponentials") return "two exponentials";
-  if (shape == "student_t") return "a Student t";
-  return shape == "gumbel" ? "a Gumbel" : "a normal";
+const char* describe(DensityShape shape) {
+  switch (shape) {
+    case DensityShape::two_exponentials:
+      return "two exponentials";
+    case DensityShape::normal:
+      return "a normal";
+    case DensityShape::gumbel:
+      return "a Gumbel";
+    case DensityShape::student_t:
+      return "a Student t";
+  }
+  return "unknown";
 }
 
 std::string verdict(const HistogramFit& h) {
@@ -115,12 +123,12 @@ std::string verdict(const HistogramFit& h) {
   std::string rivals;
   for (const ShapeFit& s : h.shapes)
     if (&s != &*best && s.delta_aic - best->delta_aic < kDecided)
-      rivals += (rivals.empty() ? "" : " or ") + std::string(in_words(s.shape));
-  std::string text = rivals.empty() ? std::string(in_words(best->shape)) + " describe" +
-                                          (best->shape == "two_exponentials" ? "" : "s") + " it best"
-                                    : std::string(in_words(best->shape)) + ", not to be told from " + rivals;
+      rivals += (rivals.empty() ? "" : " or ") + std::string(describe(s.shape));
+  std::string text = rivals.empty() ? std::string(describe(best->shape)) + " describe" +
+                                          (best->shape == DensityShape::two_exponentials ? "" : "s") + " it best"
+                                    : std::string(describe(best->shape)) + ", not to be told from " + rivals;
   if (best->p_value && *best->p_value < 1e-3) text += ", though not within the errors";
-  if (h.p_equal_slopes && best->shape == "two_exponentials")
+  if (h.p_equal_slopes && best->shape == DensityShape::two_exponentials)
     text += *h.p_equal_slopes < 1e-3 ? "; the slopes differ" : "; the slopes may be equal";
   return text;
 }
@@ -169,6 +177,20 @@ void check(const HistogramConfig& config) {
 }
 
 }  // namespace
+
+const char* to_string(DensityShape shape) {
+  switch (shape) {
+    case DensityShape::two_exponentials:
+      return "two_exponentials";
+    case DensityShape::normal:
+      return "normal";
+    case DensityShape::gumbel:
+      return "gumbel";
+    case DensityShape::student_t:
+      return "student_t";
+  }
+  return "unknown";
+}
 
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law) {

@@ -72,7 +72,7 @@ class Blur {
 
 /// A shape: parameters of the search (location, then logarithms), and how they are reported.
 struct ShapeModel {
-  std::string name;
+  DensityShape shape;
   Eigen::VectorXd start;
   /// Probability below the cells, of each cell, and above them.
   std::function<Eigen::VectorXd(const Eigen::VectorXd& theta, const Blur& blur)> cells;
@@ -161,22 +161,22 @@ std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
     return x;
   };
   const auto tail = [&](double sign) {
-    return ShapeModel{"gumbel",
+    return ShapeModel{DensityShape::gumbel,
                       start({mean - sign * kEuler * scale, std::log(scale)}),
                       [sign](const Eigen::VectorXd& x, const Blur& blur) { return gumbel(x, blur, sign); },
                       {"mode", "scale"},
                       {sign}};
   };
-  return {{"two_exponentials",
+  return {{DensityShape::two_exponentials,
            start({s.peak, std::log(s.b_below), std::log(s.b_above)}),
            two_exponentials,
            {"peak_eps", "slope_rising", "slope_falling"},
            {1.0, 1.0},
            -1.0},
-          {"normal", start({mean, std::log(sd)}), normal, {"mean", "sd"}, {1.0}},
+          {DensityShape::normal, start({mean, std::log(sd)}), normal, {"mean", "sd"}, {1.0}},
           tail(-1.0),
           tail(1.0),
-          {"student_t",
+          {DensityShape::student_t,
            start({0.5 * (mean + s.peak), std::log(0.7 * sd), std::log(4.0)}),
            student_t,
            {"location", "scale", "nu"},
@@ -249,7 +249,7 @@ ShapeFit fit_shape(const ShapeModel& model, const Blur& blur, const Eigen::Vecto
   for (int i = 0; i < 4 && !maximum.converged; ++i)
     maximum = maximise(function, maximum.x, likelihood.observed_information(maximum.x));
   ShapeFit fit;
-  fit.shape = model.name;
+  fit.shape = model.shape;
   fit.status = maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   fit.loglik = maximum.loglik;
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);

@@ -22,7 +22,7 @@ Estimate exponential_estimate(double log_value, double se, const std::optional<P
   };
   e.ci68 = through(profile ? profile->offset68 : Interval{-se, se});
   e.ci95 = through(profile ? profile->offset95 : Interval{-k95 * se, k95 * se});
-  if (profile) e.interval_method = "profile";
+  if (profile) e.interval_method = IntervalMethod::profile;
   return e;
 }
 
@@ -58,7 +58,7 @@ Estimate peak_estimate(const WindowFit& fit) {
   if (const auto profile = profile_of(fit, 0)) {
     e.ci68 = {e.value + profile->offset68.lo, e.value + profile->offset68.hi};
     e.ci95 = {e.value + profile->offset95.lo, e.value + profile->offset95.hi};
-    e.interval_method = "profile";
+    e.interval_method = IntervalMethod::profile;
   }
   return e;
 }

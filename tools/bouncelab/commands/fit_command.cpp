@@ -66,7 +66,7 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
   app.add_option("--goodness-replicates", options.config.n_goodness,
                  "Replicates of the Anderson-Darling test, 0 = none")
       ->check(CLI::Range(0, 100000));
-  app.add_option("--hand-off-speed", options.config.hand_off_speed_mps,
+  app.add_option("--hand-off-speed", options.config.dem_speed_mps,
                  "Speed of the constant eps for DEM codes, m/s; default the middle node")
       ->check(CLI::PositiveNumber);
   app.add_option("--windows", options.config.histograms.centres_mps, "Centres of the histograms' windows of speed, m/s")

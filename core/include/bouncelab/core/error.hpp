@@ -28,6 +28,12 @@ class FileError : public Error {
   FileError(const std::string& path, const std::string& what) : Error(path + ": " + what) {}
 };
 
+/// A file that is to be written exists, and may not be replaced.
+class FileExists : public FileError {
+ public:
+  explicit FileExists(const std::string& path) : FileError(path, "exists already") {}
+};
+
 /// The user (Ctrl-C) or the system asked to stop. Thrown by progress callbacks; unfinished outputs vanish.
 class Interrupted : public Error {
  public:

@@ -11,8 +11,8 @@ namespace bouncelab {
 /// removed by the destructor otherwise (an exception, Ctrl-C).
 class OutputFile {
  public:
-  /// @throws FileError where the folder does not exist or cannot be written, or where the file exists and may not be
-  ///         replaced (remedy: --force)
+  /// @throws FileExists where the file exists and may not be replaced; FileError where the folder does not exist or
+  ///         cannot be written
   OutputFile(std::filesystem::path path, bool may_replace);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;

@@ -18,7 +18,7 @@ struct Snippet {
 };
 
 /// The fitted law at one speed for codes that know a constant coefficient of restitution only.
-struct HandOff {
+struct DemExport {
   double v_mps = 0.0;
   double eps = 0.0;
   std::optional<double> se;
@@ -28,7 +28,7 @@ struct HandOff {
 
 /// @param v_mps  where the simulated collisions are, within the data
 /// @return nullopt where the fit has no law, or eps is not in (0, 1] as these codes demand
-std::optional<HandOff> hand_off(const LawFit& fit, double v_mps);
+std::optional<DemExport> dem_export(const LawFit& fit, double v_mps);
 
 /// The law as a table v_mps, eps, lo95, hi95.
 Table law_table(const LawFit& fit);

@@ -24,6 +24,11 @@ struct Interval {
   double hi = 0.0;
 };
 
+/// How a confidence interval is made: from the profile likelihood, or as value -+ a multiple of the standard error.
+enum class IntervalMethod { profile, covariance };
+/// The words of fit.json: "profile", "covariance".
+const char* to_string(IntervalMethod method);
+
 /// From resampling.
 struct BootstrapErrors {
   double se = 0.0;
@@ -39,9 +44,9 @@ struct Estimate {
                                     ///< the model of the scatter does not, or samples of a drop are correlated
   std::optional<Interval> ci68;     ///< 68.27 % confidence interval
   std::optional<Interval> ci95;     ///< 95 % confidence interval
-  std::string interval_method;      ///< of ci68 and ci95: "covariance" or "profile"
-  std::optional<BootstrapErrors> bootstrap;  ///< by drop, where asked for
-  bool identified = true;                    ///< false: the data do not determine it (see the fit's message)
+  std::optional<IntervalMethod> interval_method;  ///< of ci68 and ci95, where there are any
+  std::optional<BootstrapErrors> bootstrap;       ///< by drop, where asked for
+  bool identified = true;                         ///< false: the data do not determine it (see the fit's message)
 };
 
 struct NamedEstimate {

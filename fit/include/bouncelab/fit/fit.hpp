@@ -27,12 +27,12 @@ struct FitConfig {
   std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none
   HistogramConfig histograms;
   BudgetConfig budget;
-  std::optional<double> hand_off_speed_mps;  ///< absent: the middle node
-  int n_threads = 0;                         ///< 0: all cores; the result does not depend on it
+  std::optional<double> dem_speed_mps;  ///< absent: the middle node
+  int n_threads = 0;                    ///< 0: all cores; the result does not depend on it
 };
 
-/// A question that a reader of the report brings, and what the fit has to say to it.
-struct Answer {
+/// A question that a reader of the report has, and the answer that follows from the fit.
+struct Finding {
   std::string question;
   std::string answer;
 };
@@ -45,9 +45,9 @@ struct FitResult {
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   ErrorBudget budget;
-  std::optional<HandOff> hand_off;
+  std::optional<DemExport> dem_export;
   std::vector<std::string> warnings;  ///< in words, most important first
-  std::vector<Answer> answers;        ///< what are the constants, how sure, what limits them ...; empty without a law
+  std::vector<Finding> findings;      ///< what are the constants, how sure, what limits them ...; empty without a law
   std::size_t n_used = 0;
   std::map<std::string, std::size_t> n_left_out;      ///< by reason
   std::map<std::string, std::size_t> first_left_out;  ///< by reason: number of the first such sample, from 1

@@ -26,6 +26,11 @@ struct Bins {
   std::size_t overflow = 0;
 };
 
+/// The shapes of p(eps) that are compared.
+enum class DensityShape { two_exponentials, normal, gumbel, student_t };
+/// The words of fit.json: "two_exponentials", "normal", "gumbel", "student_t".
+const char* to_string(DensityShape shape);
+
 /// One shape of p(eps), fitted to the counts of the bins (under- and overflow are bins too) by maximum likelihood, each
 /// shape blurred by the timing errors of the window's samples.
 ///
@@ -34,7 +39,7 @@ struct Bins {
 ///   gumbel            mode, scale (negative: the long tail points to low eps), density exp(-z - exp(-z)) / |scale|
 ///   student_t         location, scale, nu
 struct ShapeFit {
-  std::string shape;
+  DensityShape shape = DensityShape::two_exponentials;
   FitStatus status = FitStatus::not_converged;
   std::vector<NamedEstimate> parameters;  ///< with errors from the binned likelihood's information
   double loglik = 0.0;                    ///< multinomial, without its constant, which all shapes share

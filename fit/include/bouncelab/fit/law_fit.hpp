@@ -28,15 +28,11 @@ enum class LawMethod {
 const char* to_string(LawKind kind);
 const char* to_string(LawMethod method);
 
-/// How confidence intervals are made. `profile` also for the reported nodes and constants; the curve's band always by
-/// covariance.
-enum class IntervalMethod { profile, covariance };
-
 struct LawFitConfig {
   LawKind kind = LawKind::series;
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
   LawMethod method = LawMethod::asymmetric_laplace;
-  IntervalMethod intervals = IntervalMethod::profile;
+  IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants; the curve's band is by covariance
   /// Terms of log b(v) on each side, 1 to 8; 0: by BIC among 1 to 3 below 1000 samples, 3 below 20,000, from there 3 or
   /// 6 by BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;

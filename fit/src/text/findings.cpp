@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "text/words.hpp"
+#include "text/findings.hpp"
+#include "text/format.hpp"
 
 namespace bouncelab::fit {
 
 std::string measured(double value, double se) {
   const int decimals = se > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(se))), 0, 12) : 6;
-  return words("%.*f +- %.*f", decimals, value, decimals, se);
+  return formatted("%.*f +- %.*f", decimals, value, decimals, se);
 }
 
 namespace {
@@ -19,10 +20,10 @@ std::string joined(const std::vector<std::string>& parts, const char* separator 
   return text;
 }
 
-std::string nodes_in_words(const LawFit& law) {
+std::string describe_nodes(const LawFit& law) {
   std::vector<std::string> nodes;
   for (const NodeEstimate& node : law.nodes)
-    nodes.push_back(words("eps(%.3g m/s) = ", node.v_mps) + measured(node.eps.value, node.eps.se.value_or(0.0)));
+    nodes.push_back(formatted("eps(%.3g m/s) = ", node.v_mps) + measured(node.eps.value, node.eps.se.value_or(0.0)));
   return joined(nodes);
 }
 
@@ -37,7 +38,7 @@ std::string constants(const FitResult& r) {
   if (!unknown.empty())
     text += (text.empty() ? "" : "; ") + joined(unknown) + " cannot be known from these " + std::to_string(r.law.n) +
             " impacts";
-  text += ". The curve: " + nodes_in_words(r.law) + ".";
+  text += ". The curve: " + describe_nodes(r.law) + ".";
   if (!r.law_viscoelastic.parameters.empty()) {
     const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
     text += " With one dissipation parameter: gamma = " + measured(gamma.value, gamma.se.value_or(0.0)) + ".";
@@ -49,16 +50,17 @@ std::string certainty(const LawFit& law) {
   std::vector<std::string> intervals;
   for (const NodeEstimate& node : law.nodes)
     if (node.eps.ci95)
-      intervals.push_back(words("eps(%.3g m/s) from %.6f to %.6f", node.v_mps, node.eps.ci95->lo, node.eps.ci95->hi));
+      intervals.push_back(
+          formatted("eps(%.3g m/s) from %.6f to %.6f", node.v_mps, node.eps.ci95->lo, node.eps.ci95->hi));
   std::string text = "95 % intervals: " + joined(intervals) + ".";
   if (law.p_value)
     text += *law.p_value < 0.001
-                ? words(
+                ? formatted(
                       " The scatter is not as the fit assumes (p = %.1e), so trust the errors between drops rather "
                       "than the likelihood's where they are larger.",
                       *law.p_value)
-                : words(" The samples are scattered as the fit assumes (chi2/ndf = %.2f, p = %.2g).",
-                        *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
+                : formatted(" The samples are scattered as the fit assumes (chi2/ndf = %.2f, p = %.2g).",
+                            *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
   return text + " The constants go together: use them with their correlation, or quote the curve.";
 }
 
@@ -68,18 +70,18 @@ std::string limits(const FitResult& r) {
   const BudgetRow& row = r.budget.rows[r.budget.rows.size() / 2];
   std::vector<std::string> parts;
   const auto part = [&](double share, const char* cause) {
-    if (share >= 0.001) parts.push_back(words("%.*f %% ", share < 0.1 ? 1 : 0, 100.0 * share) + cause);
+    if (share >= 0.001) parts.push_back(formatted("%.*f %% ", share < 0.1 ? 1 : 0, 100.0 * share) + cause);
   };
   part(row.share_asperities, "the ball itself");
   part(row.share_timing, "timing");
   part(row.share_travel_time, "travel time of the sound");
   part(row.share_unexplained, "not explained");
-  std::string text = words("Of the variance of eps at %.2g m/s: ", row.v_mps) + joined(parts) + ".";
+  std::string text = formatted("Of the variance of eps at %.2g m/s: ", row.v_mps) + joined(parts) + ".";
   // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
   if (const double chance = std::sqrt(5.0 / static_cast<double>(row.n)); row.share_unexplained >= 0.001 && row.n > 0)
-    text += words(" (Of %zu samples there, %.0f %% may be chance.)", row.n, std::min(100.0, 100.0 * chance));
+    text += formatted(" (Of %zu samples there, %.0f %% may be chance.)", row.n, std::min(100.0, 100.0 * chance));
   if (row.se_curve)
-    text += words(
+    text += formatted(
         " With %.0f samples that leaves a standard error of %.1e of the curve there; four times the samples "
         "halve it.",
         static_cast<double>(r.n_used), *row.se_curve);
@@ -88,12 +90,12 @@ std::string limits(const FitResult& r) {
       return std::abs(a.*member) < std::abs(b.*member);
     });
     if (std::abs((*worst).*member) > 0.0)
-      text += words(" Not taken out: %s, %+.1e at %.2g m/s.", cause, (*worst).*member, worst->v_mps);
+      text += formatted(" Not taken out: %s, %+.1e at %.2g m/s.", cause, (*worst).*member, worst->v_mps);
   };
   const std::size_t before = text.size();
   shift(&BudgetRow::shift_drag, "air drag");
   shift(&BudgetRow::shift_contact_time, "contact time");
-  return text.size() == before ? text : text + " (For " + in_words(r.budget.ball) + " on glass.)";
+  return text.size() == before ? text : text + " (For " + describe(r.budget.ball) + " on glass.)";
 }
 
 std::string gaussian(const std::vector<HistogramFit>& histograms) {
@@ -110,29 +112,27 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
     most = std::max(most, *h.delta_aic_gaussian);
   }
   if (n == 0) return "Cannot be said: too few samples at any one speed.";
-  const auto of = [&](std::size_t k) { return words("%zu of %zu", k, n); };
+  const auto of = [&](std::size_t k) { return formatted("%zu of %zu", k, n); };
   const std::string head = n_against == n      ? "No"
                            : n_for == n        ? "Yes"
                            : n_against > n_for ? "Probably not"
                                                : "Undecided";
-  return head + ": two exponentials beat a normal by more than " + words("%.0f", kDecided) + " in AIC in " +
+  return head + ": two exponentials beat a normal by more than " + formatted("%.0f", kDecided) + " in AIC in " +
          of(n_against) + " windows of speed, a normal beats them in " + of(n_for) +
-         words(" (AIC of the normal less that of the two exponentials: %.0f to %.0f). ", least, most) +
+         formatted(" (AIC of the normal less that of the two exponentials: %.0f to %.0f). ", least, most) +
          "Their slopes differ (95 %) in " + of(n_unequal) + " windows.";
 }
 
 std::string in_dem(const FitResult& r) {
-  if (!r.hand_off) return "Not at all: eps is not between 0 and 1 there.";
-  return words(
-             "Codes with a constant coefficient: eps = %s at %.2g m/s; choose the speed of your collisions with "
-             "--hand-off-speed. ",
-             measured(r.hand_off->eps, r.hand_off->se.value_or(0.0)).c_str(), r.hand_off->v_mps) +
+  if (!r.dem_export) return "Not at all: eps is not between 0 and 1 there.";
+  return formatted("Codes with a constant coefficient: eps = %s at %.2g m/s; choose the speed of your collisions. ",
+                   measured(r.dem_export->eps, r.dem_export->se.value_or(0.0)).c_str(), r.dem_export->v_mps) +
          "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and eps(v) as a table, are at the end.";
 }
 
 }  // namespace
 
-std::vector<Answer> answers_of(const FitResult& result) {
+std::vector<Finding> findings_of(const FitResult& result) {
   if (!usable(result)) return {};
   return {{"What are the constants?", constants(result)},
           {"How sure is that?", certainty(result.law)},

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -9,24 +8,17 @@
 
 namespace bouncelab::fit {
 
-/// Numbers into a text, as printf does.
-std::string words(const char* format, auto... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 /// "0.98169 +- 0.00004": as many digits as the standard error warrants.
 std::string measured(double value, double se);
 
 /// "a ball of 3 mm radius and 7900 kg/m^3"
-std::string in_words(const Ball& ball);
+std::string describe(const Ball& ball);
 
 /// What a user must know before using the result, most important first.
 /// @param used  the samples that were fitted
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used);
 
 /// The five questions that a reader brings, answered in a sentence or two from the numbers of the result.
-std::vector<Answer> answers_of(const FitResult& result);
+std::vector<Finding> findings_of(const FitResult& result);
 
 }  // namespace bouncelab::fit
