@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <numbers>
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
@@ -20,7 +21,7 @@ Vector3 gravity(const SimulationConfig& config) {
 /// Uniform on the rotations (Shoemake, Graphics Gems III (1992), 124).
 Quaternion random_orientation(Random& random) {
   const double u = random.uniform();
-  const double p = 2.0 * kPi * random.uniform(), q = 2.0 * kPi * random.uniform();
+  const double p = 2.0 * std::numbers::pi * random.uniform(), q = 2.0 * std::numbers::pi * random.uniform();
   const double a = std::sqrt(1.0 - u), b = std::sqrt(u);
   return normalized(Quaternion{a * std::sin(p), a * std::cos(p), b * std::sin(q), b * std::cos(q)});
 }
@@ -38,22 +39,30 @@ ImpactState impact_state(const Ball& ball, const BallState& s, const Motion& aft
   const auto by_kind = [](const KineticEnergy& e) {
     return std::array<double, 3>{e.vertical_j, e.horizontal_j, e.rotational_j};
   };
-  return {{s.x_m, s.y_m, s.clearance_m + ball.radius_m},
-          {q.w, q.x, q.y, q.z},
-          array(s.motion.velocity_mps),
-          array(s.motion.spin_radps),
-          array(after.velocity_mps),
-          array(after.spin_radps),
-          by_kind(energy.before),
-          by_kind(energy.after),
-          energy.dissipated_j,
-          energy.created_j};
+  return {.position_m = {s.x_m, s.y_m, s.clearance_m + ball.radius_m},
+          .orientation = {q.w, q.x, q.y, q.z},
+          .velocity_mps = array(s.motion.velocity_mps),
+          .spin_radps = array(s.motion.spin_radps),
+          .velocity_after_mps = array(after.velocity_mps),
+          .spin_after_radps = array(after.spin_radps),
+          .energy_j = by_kind(energy.before),
+          .energy_after_j = by_kind(energy.after),
+          .dissipated_j = energy.dissipated_j,
+          .created_j = energy.created_j};
 }
 
 Impact impact_row(std::int64_t drop, std::int64_t impact, double t_s, const Motion& before, const Collision& collision,
                   std::int64_t asperity) {
   const double v = -before.velocity_mps.z, v_after = collision.after.velocity_mps.z;
-  return {drop, impact, t_s, v, v_after, v_after / v, collision.v_contact_mps, collision.eps_contact, asperity};
+  return {.drop = drop,
+          .impact = impact,
+          .t_s = t_s,
+          .v_mps = v,
+          .v_after_mps = v_after,
+          .eps_macro = v_after / v,
+          .v_contact_mps = collision.v_contact_mps,
+          .eps_contact = collision.eps_contact,
+          .asperity = asperity};
 }
 
 bool is_on_plate(const SimulationConfig& config, const BallState& state) {

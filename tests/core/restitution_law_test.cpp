@@ -4,22 +4,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab {
 namespace {
 
 TEST(RestitutionLaw, ClosedFormsOfTheCoefficientsHold) {
-  const double c2 = -std::sqrt(kPi) * std::tgamma(0.6) / (std::pow(2.0, 0.2) * std::pow(5.0, 0.4) * std::tgamma(2.1));
+  const double c2 =
+      -std::sqrt(std::numbers::pi) * std::tgamma(0.6) / (std::pow(2.0, 0.2) * std::pow(5.0, 0.4) * std::tgamma(2.1));
   EXPECT_NEAR(kViscoelasticC[2], c2, 1e-14);  // a few roundings of numbers near 1
   EXPECT_NEAR(kViscoelasticC[4], 0.6 * c2 * c2, 1e-14);
 }
 
 TEST(RestitutionLaw, PaperConstantsGiveThePublishedCurve) {
-  // docs/physics.md 4, five printed digits: half a unit of the last
+  // docs/physics.md, five printed digits: half a unit of the last
   const SeriesLaw paper;
   const double v[] = {0.15, 0.3, 0.5, 0.7, 1.0, 1.4};
   const double eps[] = {0.98348, 0.98169, 0.97988, 0.97835, 0.97633, 0.97393};
@@ -73,7 +74,7 @@ TEST(RestitutionLaw, BadParametersAreRefused) {
 }
 
 TEST(Ball, HertzContactOfThePapersBallOnGlassLastsTensOfMicroseconds) {
-  // docs/physics.md 5: 26 to 44 us between 1.4 m/s and small speeds
+  // docs/physics.md: 26 to 44 us between 1.4 m/s and small speeds
   EXPECT_NEAR(hertz_contact_time_s(Ball{}, kGlass, 1.4) * 1e6, 26.0, 1.5);
   EXPECT_NEAR(hertz_contact_time_s(Ball{}, kGlass, 0.2) / hertz_contact_time_s(Ball{}, kGlass, 1.0),
               std::pow(0.2, -0.2), 1e-12);

@@ -111,7 +111,7 @@ TEST(Collide, PaperRuleCanCreateEnergyWithSpin) {
     const Motion after = collide(ball, ConstantLaw{1.0}, PaperContact{}, lever, before).after;
     n_created += impact_energy(ball, before, after).created_j > 0.0 ? 1 : 0;
   }
-  EXPECT_GT(n_created, 20);  // docs/physics.md 3: beta = 1 is not frictionless
+  EXPECT_GT(n_created, 20);  // docs/physics.md: beta = 1 is not frictionless
 }
 
 TEST(Collide, CoulombSlidesByTheConeAndSticksBelowIt) {

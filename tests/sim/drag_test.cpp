@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/sim/sim.hpp"
 
@@ -24,7 +25,7 @@ TEST(Drag, IsStokesLawForSlowMotion) {
   const Air air;
   const double v = 1e-9;
   // 6 pi mu R v / m; the correction 0.15 Re^0.687 is 3e-6 at Re = 4e-7
-  const double stokes = 6 * kPi * air.viscosity_pas * ball.radius_m * v / mass_kg(ball);
+  const double stokes = 6 * std::numbers::pi * air.viscosity_pas * ball.radius_m * v / mass_kg(ball);
   EXPECT_NEAR(-drag_acceleration_mps2(ball, air, {v, 0, 0}).x / stokes, 1.0, 2e-5);
 }
 
@@ -34,7 +35,7 @@ TEST(Drag, HasTheTextbookCoefficientAtReynoldsOneHundred) {
   const Air air;
   const double d = 2 * ball.radius_m, v = 100 * air.viscosity_pas / (air.density_kgpm3 * d);
   const double force = mass_kg(ball) * norm(drag_acceleration_mps2(ball, air, {0, v, 0}));
-  EXPECT_NEAR(force / (0.5 * air.density_kgpm3 * v * v * kPi * ball.radius_m * ball.radius_m), 1.09, 0.01);
+  EXPECT_NEAR(force / (0.5 * air.density_kgpm3 * v * v * std::numbers::pi * ball.radius_m * ball.radius_m), 1.09, 0.01);
 }
 
 TEST(Drag, FlightAgreesWithAnAdaptiveIntegrator) {
@@ -56,7 +57,7 @@ TEST(Drag, FlightAgreesWithAnAdaptiveIntegrator) {
 }
 
 TEST(Drag, BiasesTheIntervalMethodAsComputedIndependently) {
-  // docs/physics.md 5: eps from intervals is low by 1e-4, 3.6e-4, 6.3e-4, 9.6e-4 at 0.3, 0.7, 1.0, 1.3 m/s; two digits
+  // docs/physics.md: eps from intervals is low by 1e-4, 3.6e-4, 6.3e-4, 9.6e-4 at 0.3, 0.7, 1.0, 1.3 m/s; two digits
   // given.
   const double at_mps[] = {0.3, 0.7, 1.0, 1.3}, bias[] = {-1e-4, -3.6e-4, -6.3e-4, -9.6e-4};
   for (int k = 0; k < 4; ++k) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "bouncelab/core/csv.hpp"
@@ -149,7 +150,7 @@ TEST(Simulate, RefusesWhatCannotBe) {
   };
   refuses([](SimulationConfig& c) { c.n_drops = 0; });
   refuses([](SimulationConfig& c) { c.gravity_mps2 = -9.81; });
-  refuses([](SimulationConfig& c) { c.tilt_rad = kPi / 2; });
+  refuses([](SimulationConfig& c) { c.tilt_rad = std::numbers::pi / 2; });
   refuses([](SimulationConfig& c) { c.drop_height_min_m = c.drop_height_max_m = 0.5e-3; });  // asperity of 1 mm
   refuses([](SimulationConfig& c) { c.drop_height_max_m = 0.01; });
   refuses([](SimulationConfig& c) { c.law = ConstantLaw{2.0}; });

@@ -90,7 +90,7 @@ class PaperSize : public testing::Test {
 const std::vector<Sample>* PaperSize::samples_ = nullptr;
 
 TEST_F(PaperSize, ScatterHasTheWidthComputedIndependently) {
-  // docs/physics.md 1, uniform radii, one or two digits given: half a unit of the last
+  // docs/physics.md, uniform radii, one or two digits given: half a unit of the last
   EXPECT_NEAR(sd(in_window(*samples_, 0.3)), 0.0023, 0.00025);
   EXPECT_NEAR(sd(in_window(*samples_, 0.7)), 0.0008, 0.0001);
   EXPECT_NEAR(sd(in_window(*samples_, 1.0)), 0.0005, 0.0001);
@@ -116,7 +116,7 @@ TEST_F(PaperSize, PeaksFollowTheLawAndTheLowSideIsLonger) {
 }
 
 TEST(Scatter, OfExponentialRadiiIsTensOfTimesWider) {
-  // docs/physics.md 1: .063, .025, .014, from one surface and a run of unstated length; 200,000 impacts of ours give
+  // docs/physics.md: .063, .025, .014, from one surface and a run of unstated length; 200,000 impacts of ours give
   // .0683, .0258, .0145. The few highest asperities differ from surface to surface: a tenth is allowed; so many drops
   // keep the noise of this estimate at a percent
   const std::vector<Sample> samples = samples_of(ExponentialRadii{}, 2320);

@@ -4,8 +4,7 @@
 #include <Random123/philox.h>
 
 #include <cmath>
-
-#include "bouncelab/core/units.hpp"
+#include <numbers>
 
 namespace bouncelab {
 
@@ -36,7 +35,7 @@ double Random::normal() {
     return spare_normal_;
   }
   const double radius = std::sqrt(-2.0 * std::log(uniform()));
-  const double angle = 2.0 * kPi * uniform();
+  const double angle = 2.0 * std::numbers::pi * uniform();
   spare_normal_ = radius * std::sin(angle);
   has_spare_ = true;
   return radius * std::cos(angle);

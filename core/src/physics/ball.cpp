@@ -2,13 +2,12 @@
 #include "bouncelab/core/ball.hpp"
 
 #include <cmath>
-
-#include "bouncelab/core/units.hpp"
+#include <numbers>
 
 namespace bouncelab {
 
 double mass_kg(const Ball& ball) {
-  return 4.0 / 3.0 * kPi * ball.radius_m * ball.radius_m * ball.radius_m * ball.material.density_kgpm3;
+  return 4.0 / 3.0 * std::numbers::pi * ball.radius_m * ball.radius_m * ball.radius_m * ball.material.density_kgpm3;
 }
 
 double moment_of_inertia_kgm2(const Ball& ball) { return 0.4 * mass_kg(ball) * ball.radius_m * ball.radius_m; }

@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <vector>
-
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab {
 namespace {
@@ -63,7 +62,7 @@ PointImpulses hertz_impulses(double duration_samples) {
   PointImpulses points;
   double total = 0.0;
   for (int k = 1; k < n; ++k) {
-    const double theta = kPi * k / n;
+    const double theta = std::numbers::pi * k / n;
     points.nodes.push_back(0.5 * (1.0 - std::cos(theta)));
     points.weights.push_back(std::sin(theta) * hertz_force(points.nodes.back()));
     total += points.weights.back();

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/core/statistics.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
 
@@ -42,9 +42,10 @@ namespace {
 double expected_distance(const LawLikelihood& likelihood, const ScatterModel& scatter, std::size_t k) {
   const double v = likelihood.data().v_mps[k], tau = likelihood.data().tau[k];
   const double below = scatter.below(v), above = scatter.above(v);
-  if (likelihood.scatter().kind == ScatterKind::normal) return std::sqrt(2.0 / kPi) * std::hypot(below, tau);
+  if (likelihood.scatter().kind == ScatterKind::normal)
+    return std::sqrt(2.0 / std::numbers::pi) * std::hypot(below, tau);
   // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
-  return std::hypot((below * below + above * above) / (below + above), tau * std::sqrt(2.0 / kPi));
+  return std::hypot((below * below + above * above) / (below + above), tau * std::sqrt(2.0 / std::numbers::pi));
 }
 
 ResidualBin residual_bin(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const ScatterModel& scatter,

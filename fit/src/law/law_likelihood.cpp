@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -20,7 +20,8 @@ constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
   const double ratio = d * d / variance;
-  return {-0.5 * (ratio + std::log(2.0 * kPi * variance)), d / variance, (ratio - 1.0) * s * s / variance, 0.0};
+  return {-0.5 * (ratio + std::log(2.0 * std::numbers::pi * variance)), d / variance, (ratio - 1.0) * s * s / variance,
+          0.0};
 }
 
 double polynomial(const double* c, std::size_t n, double x) {

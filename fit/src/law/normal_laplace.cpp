@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/core/quadrature.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -120,7 +120,7 @@ double scaled_erfc(double x) {
     denominator = (denominator + q[i]) * y;
   }
   const double correction = y * (numerator + p[4]) / (denominator + q[4]);
-  return (1.0 / std::sqrt(kPi) - correction) / x;
+  return (1.0 / std::sqrt(std::numbers::pi) - correction) / x;
 }
 
 double mills_ratio(double u) { return kSqrtHalfPi * scaled_erfc(u * kInvSqrt2); }

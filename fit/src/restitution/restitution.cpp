@@ -29,13 +29,18 @@ std::optional<double> sigma_of_v(const Onset& before, const Onset& here, double 
   return 0.5 * gravity_mps2 * std::hypot(*before.sigma_t_s, *here.sigma_t_s);
 }
 
-/// Speeds at the two ends of the flight within an interval, as far as the corrections are on.
-Flight flight_of(double interval_s, const RestitutionConfig& config, bool with_drag, bool with_contact) {
+/// What is taken out of an interval.
+struct Corrections {
+  bool drag = false, contact_time = false;
+};
+
+/// Speeds at the two ends of the flight within an interval.
+Flight flight_of(double interval_s, const RestitutionConfig& config, Corrections corrections) {
   const double g = config.gravity_mps2;
   double duration_s = interval_s;
   // the ball came down about as fast as it went up: the contact time goes as v^(-1/5)
-  if (with_contact) duration_s -= hertz_contact_time_s(config.ball, config.plate, 0.5 * g * interval_s);
-  if (with_drag && duration_s > 0.0) return flight_with_drag(config.ball, config.air, duration_s, g);
+  if (corrections.contact_time) duration_s -= hertz_contact_time_s(config.ball, config.plate, 0.5 * g * interval_s);
+  if (corrections.drag && duration_s > 0.0) return flight_with_drag(config.ball, config.air, duration_s, g);
   return {0.5 * g * duration_s, 0.5 * g * duration_s};
 }
 
@@ -43,9 +48,9 @@ Flight flight_of(double interval_s, const RestitutionConfig& config, bool with_d
 struct Rebound {
   double v_mps, eps;
 };
-Rebound rebound(double before_s, double after_s, const RestitutionConfig& config, bool with_drag, bool with_contact) {
-  const double landing_mps = flight_of(before_s, config, with_drag, with_contact).landing_mps;
-  return {landing_mps, flight_of(after_s, config, with_drag, with_contact).launch_mps / landing_mps};
+Rebound rebound(double before_s, double after_s, const RestitutionConfig& config, Corrections corrections) {
+  const double landing_mps = flight_of(before_s, config, corrections).landing_mps;
+  return {landing_mps, flight_of(after_s, config, corrections).launch_mps / landing_mps};
 }
 
 /// Sums of what each correction does alone.
@@ -67,12 +72,12 @@ RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const R
   const Onset &before = piece[k - 1], &here = piece[k], &after = piece[k + 1];
   const double before_s = here.t_s - before.t_s, after_s = after.t_s - here.t_s;
   RestitutionSample sample = sample_of(here);
-  const Rebound corrected = rebound(before_s, after_s, config, config.correct_drag, config.correct_contact_time);
+  const Rebound corrected = rebound(before_s, after_s, config, {config.correct_drag, config.correct_contact_time});
   sample.v_mps = corrected.v_mps;
   sample.eps = corrected.eps;
-  if (config.correct_drag) shifts.drag += rebound(before_s, after_s, config, true, false).eps - after_s / before_s;
+  if (config.correct_drag) shifts.drag += rebound(before_s, after_s, config, {.drag = true}).eps - after_s / before_s;
   if (config.correct_contact_time)
-    shifts.contact += rebound(before_s, after_s, config, false, true).eps - after_s / before_s;
+    shifts.contact += rebound(before_s, after_s, config, {.contact_time = true}).eps - after_s / before_s;
   sample.sigma_v_mps = sigma_of_v(before, here, config.gravity_mps2);
   sample.sigma_eps = sigma_of_eps(before, here, after, sample.eps, before_s);
   return sample;
@@ -85,7 +90,7 @@ RestitutionSample first_sample(const Onset& here, const Onset& after, const Rest
   sample.v_mps = config.correct_drag ? fall_with_drag_mps(config.ball, config.air, h, g) : std::sqrt(2.0 * g * h);
   const double interval_s = after.t_s - here.t_s;
   sample.eps =
-      flight_of(interval_s, config, config.correct_drag, config.correct_contact_time).launch_mps / sample.v_mps;
+      flight_of(interval_s, config, {config.correct_drag, config.correct_contact_time}).launch_mps / sample.v_mps;
   if (here.sigma_t_s && after.sigma_t_s)
     sample.sigma_eps = sample.eps * std::hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s;
   return sample;

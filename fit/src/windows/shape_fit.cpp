@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 
-#include "bouncelab/core/units.hpp"
 #include "law/goodness.hpp"
 #include "law/maximise.hpp"
 
@@ -131,7 +131,7 @@ Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) 
 Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
   const double scale = std::exp(x[1]), nu = std::exp(std::clamp(x[2], -0.7, 7.0));
   const double norm =
-      std::exp(gsl_sf_lngamma(0.5 * (nu + 1.0)) - gsl_sf_lngamma(0.5 * nu)) / std::sqrt(nu * kPi) / scale;
+      std::exp(gsl_sf_lngamma(0.5 * (nu + 1.0)) - gsl_sf_lngamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
   const auto density = [&](double eps) {
     const double z = (eps - x[0]) / scale;
     return norm * std::exp(-0.5 * (nu + 1.0) * std::log1p(z * z / nu));
@@ -154,7 +154,7 @@ std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
   constexpr double kEuler = 0.5772156649015329;
   // the Gumbel's short side falls as exp(-exp(z)): a start that gives the outermost bins no chance has no gradient
   const double reach = std::max(mean - bins.eps_edges.front(), bins.eps_edges.back() - mean);
-  const double scale = std::max(sd * std::sqrt(6.0) / kPi, reach / 5.0);
+  const double scale = std::max(sd * std::sqrt(6.0) / std::numbers::pi, reach / 5.0);
   const auto start = [](std::initializer_list<double> values) {
     Eigen::VectorXd x(static_cast<Eigen::Index>(values.size()));
     std::copy(values.begin(), values.end(), x.begin());

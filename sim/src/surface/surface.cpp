@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "surface/radius_law.hpp"
 
 namespace bouncelab::sim {
@@ -14,7 +14,7 @@ namespace {
 
 Vector3 random_direction(Random& random) {
   const double z = random.uniform(-1.0, 1.0);
-  const double azimuth = 2.0 * kPi * random.uniform();
+  const double azimuth = 2.0 * std::numbers::pi * random.uniform();
   const double s = std::sqrt((1.0 - z) * (1.0 + z));
   return normalized(Vector3{s * std::cos(azimuth), s * std::sin(azimuth), z});
 }

@@ -277,7 +277,7 @@ TEST(Synthesis, TheTimbreChangesAsTheBallWanders) {
   EXPECT_EQ(b.truth()[0].x_m, 0.02);
   const double nearer_m = std::hypot(0.115, 0.065) - std::hypot(0.095, 0.055);
   EXPECT_NEAR(a.truth()[0].travel_time_s - b.truth()[0].travel_time_s, nearer_m / rayleigh_speed_mps(kGlass), 1e-15);
-  EXPECT_NEAR(1e6 * 0.01 / rayleigh_speed_mps(kGlass), 3.25, 0.1) << "3 to 5 us per cm (docs/physics.md 5)";
+  EXPECT_NEAR(1e6 * 0.01 / rayleigh_speed_mps(kGlass), 3.25, 0.1) << "3 to 5 us per cm (docs/physics.md)";
 }
 
 TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {

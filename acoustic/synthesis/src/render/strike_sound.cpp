@@ -85,8 +85,7 @@ std::vector<TrueImpact> StrikeSound::truth(std::span<const Strike> strikes) cons
   for (const Strike& strike : strikes)
     if (strike.impact_index >= 0) hits.push_back(&strike);
   std::vector<TrueImpact> rows(hits.size());
-  parallel_for(hits.size(), config_.n_threads,
-              [&](std::size_t k) { rows[k] = true_impact(*hits[k]); });
+  parallel_for(hits.size(), config_.n_threads, [&](std::size_t k) { rows[k] = true_impact(*hits[k]); });
   return rows;
 }
 

@@ -13,8 +13,8 @@ int resolved_threads(int n_threads);
 ///
 /// Each thread takes the next k that nobody has, so that a long piece of work among many short ones delays nobody.
 /// Loops may be nested: an inner loop shares the threads of the outermost one and never adds to them; one with
-/// n_threads = 1 runs on the thread that calls it, and so do the loops in it. Results do not depend on the number of threads where body(k) writes
-/// only what belongs to k.
+/// n_threads = 1 runs on the thread that calls it, and so do the loops in it. Results do not depend on the number of
+/// threads where body(k) writes only what belongs to k.
 /// @param n_threads  0: all cores; it may exceed their number. Within another loop or within with_threads anything but
 ///                   1 means the threads given there
 /// @throws what body threw; where it threw for several k, what it threw for the smallest

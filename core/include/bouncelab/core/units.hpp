@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <numbers>
+
 namespace bouncelab {
 
-inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kPi = std::numbers::pi;
 
-/// Gravity used throughout unless stated otherwise [m/s^2]; the default of `--gravity`.
+/// Gravity used throughout unless stated otherwise [m/s^2].
 inline constexpr double kDefaultGravity_mps2 = 9.81;
 
 }  // namespace bouncelab
