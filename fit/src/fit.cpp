@@ -70,19 +70,19 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.law = fit_law(used, main);
   step(1.0);
   // what the law cannot explain would widen every other fit
-  const RestitutionSamples believed = without(used, result.law.outliers);
+  const RestitutionSamples kept = without(used, result.law.outliers);
   result.law_least_squares =
-      fit_law(believed, alternative(config.law, config.law.kind, LawMethod::least_squares, result.law));
+      fit_law(kept, alternative(config.law, config.law.kind, LawMethod::least_squares, result.law));
   step(2.0);
   result.law_least_absolute =
-      fit_law(believed, alternative(config.law, config.law.kind, LawMethod::least_absolute, result.law));
+      fit_law(kept, alternative(config.law, config.law.kind, LawMethod::least_absolute, result.law));
   step(3.0);
   result.law_viscoelastic =
-      fit_law(believed, alternative(config.law, LawKind::viscoelastic, config.law.method, result.law));
+      fit_law(kept, alternative(config.law, LawKind::viscoelastic, config.law.method, result.law));
   step(4.0);
-  result.histograms = fit_histograms(believed, config.histograms, result.law);
+  result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
-  result.budget = error_budget(believed, result.law, config.budget);
+  result.budget = error_budget(kept, result.law, config.budget);
   step(kSteps);
   if (!result.law.nodes.empty())
     result.dem_export =

@@ -9,7 +9,7 @@
 
 namespace bouncelab {
 
-/// Values know "not known" as an absent optional, tables as an empty cell (NaN).
+/// "Not known" is an absent optional in a value and an empty cell (NaN) in a table.
 inline double cell_of(const std::optional<double>& value) {
   return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }

@@ -225,12 +225,8 @@ double scale_at(const std::vector<double>& c, double x) {
   for (std::size_t k = c.size(); k-- > 0;) sum = sum * x + c[k];
   return std::exp(sum);
 }
-}  // namespace
 
-double ScatterModel::below(double v_mps) const { return scale_at(log_below, std::log(v_mps / v_ref_mps)); }
-double ScatterModel::above(double v_mps) const { return scale_at(log_above, std::log(v_mps / v_ref_mps)); }
-
-LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   LawFit fit;
   fit.kind = config.kind;
   fit.method = config.method;
@@ -265,6 +261,18 @@ LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
     fit.anderson_darling = anderson_darling_test(likelihood, candidate->maximum, config.n_goodness, config.seed);
   if (config.n_bootstrap > 0) add_bootstrap(fit, likelihood, candidate->maximum, config);
   if (config.compare_laws) fit.comparison = comparison(*candidate, config);
+  return fit;
+}
+
+}  // namespace
+
+double ScatterModel::below(double v_mps) const { return scale_at(log_below, std::log(v_mps / v_ref_mps)); }
+double ScatterModel::above(double v_mps) const { return scale_at(log_above, std::log(v_mps / v_ref_mps)); }
+
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+  LawFit fit;
+  // once for the whole search, not for each of its likelihoods
+  with_threads(0, [&] { fit = fitted_law(samples, config); });
   return fit;
 }
 

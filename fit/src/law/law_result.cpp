@@ -26,7 +26,7 @@ Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
   return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
 }
 
-/// Covariance of theta that does not lean on the model of the scatter: H^-1 (sum over drops of score score^T) H^-1.
+/// Covariance of theta without the model of the scatter: H^-1 (sum over drops of score score^T) H^-1.
 ///
 /// In coordinates whitened by the model's own covariance, where H is minus the unit matrix if the model holds. H by
 /// differences over one standard error: that far the kinks of single samples are smoothed out.
@@ -72,7 +72,8 @@ struct ParameterCovariance {
   }
 };
 
-/// Fewer samples per parameter: the information matrix says little about a surface whose grain is single samples.
+/// With fewer samples per parameter the information matrix describes the likelihood badly: single samples are its
+/// grain.
 constexpr std::size_t kSamplesPerParameter = 30;
 
 /// A parameter is identified when it is known to a third of itself, or its term C_i A_i v^(i/10) is known, in the
@@ -86,8 +87,8 @@ bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, dou
   return *a.se * of_term < std::abs(1.0 - eps);
 }
 
-/// Parameters tied to one that is not identified by a correlation above .99 are as little known as that one: the
-/// likelihood knows their sum only.
+/// Parameters tied to one that is not identified by a correlation above .99 are not identified either: the
+/// likelihood determines their sum only.
 void propagate_unidentified(std::vector<NamedEstimate>& parameters, const Eigen::MatrixXd& correlation) {
   for (bool changed = true; changed;) {
     changed = false;

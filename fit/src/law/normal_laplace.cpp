@@ -79,48 +79,52 @@ void add_panel(Information3& sum, double lo, double hi, double b_below, double b
   }
 }
 
+// Cody's coefficients, from high powers to low ones but for the numerator's highest, which comes last
+constexpr std::array<double, 5> kErfNumerator{3.1611237438705656, 113.864154151050156, 377.485237685302021,
+                                              3209.37758913846947, 0.185777706184603153};
+constexpr std::array<double, 4> kErfDenominator{23.6012909523441209, 244.024637934444173, 1282.61652607737228,
+                                                2844.23683343917062};
+constexpr std::array<double, 9> kErfcNumerator{0.564188496988670089, 8.88314979438837594, 66.1191906371416295,
+                                               298.635138197400131,  881.95222124176909,  1712.04761263407058,
+                                               2051.07837782607147,  1230.33935479799725, 2.15311535474403846e-8};
+constexpr std::array<double, 8> kErfcDenominator{15.7449261107098347, 117.693950891312499, 537.181101862009858,
+                                                 1621.38957456669019, 3290.79923573345963, 4362.61909014324716,
+                                                 3439.36767414372164, 1230.33935480374942};
+constexpr std::array<double, 6> kTailNumerator{0.305326634961232344,  0.360344899949804439,   0.125781726111229246,
+                                               0.0160837851487422766, 6.58749161529837803e-4, 0.0163153871373020978};
+constexpr std::array<double, 5> kTailDenominator{2.56852019228982242, 1.87295284992346725, 0.527905102951428412,
+                                                 0.0605183413124413191, 0.00233520497626869185};
+
+struct Ratio {
+  double numerator, denominator;
+};
+
+/// Two polynomials of the same degree by Horner's rule; the denominator's highest power has the coefficient 1.
+template <std::size_t n>
+Ratio ratio(const std::array<double, n + 1>& numerator, const std::array<double, n>& denominator, double x) {
+  Ratio sum{numerator[n] * x, x};
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    sum.numerator = (sum.numerator + numerator[i]) * x;
+    sum.denominator = (sum.denominator + denominator[i]) * x;
+  }
+  return {sum.numerator + numerator[n - 1], sum.denominator + denominator[n - 1]};
+}
+
 }  // namespace
 
 double scaled_erfc(double x) {
-  static constexpr std::array<double, 9> c{0.564188496988670089, 8.88314979438837594, 66.1191906371416295,
-                                           298.635138197400131,  881.95222124176909,  1712.04761263407058,
-                                           2051.07837782607147,  1230.33935479799725, 2.15311535474403846e-8};
-  static constexpr std::array<double, 8> d{15.7449261107098347, 117.693950891312499, 537.181101862009858,
-                                           1621.38957456669019, 3290.79923573345963, 4362.61909014324716,
-                                           3439.36767414372164, 1230.33935480374942};
-  static constexpr std::array<double, 6> p{0.305326634961232344,  0.360344899949804439,   0.125781726111229246,
-                                           0.0160837851487422766, 6.58749161529837803e-4, 0.0163153871373020978};
-  static constexpr std::array<double, 5> q{2.56852019228982242, 1.87295284992346725, 0.527905102951428412,
-                                           0.0605183413124413191, 0.00233520497626869185};
-  static constexpr std::array<double, 5> a{3.1611237438705656, 113.864154151050156, 377.485237685302021,
-                                           3209.37758913846947, 0.185777706184603153};
-  static constexpr std::array<double, 4> b{23.6012909523441209, 244.024637934444173, 1282.61652607737228,
-                                           2844.23683343917062};
   if (x <= 0.46875) {
     const double y = x * x;
-    double numerator = a[4] * y, denominator = y;
-    for (std::size_t i = 0; i < 3; ++i) {
-      numerator = (numerator + a[i]) * y;
-      denominator = (denominator + b[i]) * y;
-    }
-    return std::exp(y) * (1.0 - x * (numerator + a[3]) / (denominator + b[3]));
+    const Ratio erf = ratio(kErfNumerator, kErfDenominator, y);
+    return std::exp(y) * (1.0 - x * erf.numerator / erf.denominator);
   }
   if (x <= 4.0) {
-    double numerator = c[8] * x, denominator = x;
-    for (std::size_t i = 0; i < 7; ++i) {
-      numerator = (numerator + c[i]) * x;
-      denominator = (denominator + d[i]) * x;
-    }
-    return (numerator + c[7]) / (denominator + d[7]);
+    const Ratio erfc = ratio(kErfcNumerator, kErfcDenominator, x);
+    return erfc.numerator / erfc.denominator;
   }
   const double y = 1.0 / (x * x);
-  double numerator = p[5] * y, denominator = y;
-  for (std::size_t i = 0; i < 4; ++i) {
-    numerator = (numerator + p[i]) * y;
-    denominator = (denominator + q[i]) * y;
-  }
-  const double correction = y * (numerator + p[4]) / (denominator + q[4]);
-  return (1.0 / std::sqrt(std::numbers::pi) - correction) / x;
+  const Ratio tail = ratio(kTailNumerator, kTailDenominator, y);
+  return (1.0 / std::sqrt(std::numbers::pi) - y * tail.numerator / tail.denominator) / x;
 }
 
 double mills_ratio(double u) { return kSqrtHalfPi * scaled_erfc(u * kInvSqrt2); }

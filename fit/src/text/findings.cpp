@@ -78,8 +78,10 @@ std::string limits(const FitResult& r) {
   part(row.share_unexplained, "not explained");
   std::string text = formatted("Of the variance of eps at %.2g m/s: ", row.v_mps) + joined(parts) + ".";
   // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
-  if (const double chance = std::sqrt(5.0 / static_cast<double>(row.n)); row.share_unexplained >= 0.001 && row.n > 0)
-    text += formatted(" (Of %zu samples there, %.0f %% may be chance.)", row.n, std::min(100.0, 100.0 * chance));
+  if (const double random_share = std::sqrt(5.0 / static_cast<double>(row.n));
+      row.share_unexplained >= 0.001 && row.n > 0)
+    text += formatted(" (Of %zu samples there, %.0f %% may be random error.)", row.n,
+                      std::min(100.0, 100.0 * random_share));
   if (row.se_curve)
     text += formatted(
         " With %.0f samples that leaves a standard error of %.1e of the curve there; four times the samples "

@@ -120,13 +120,13 @@ std::string verdict(const HistogramFit& h) {
   if (h.shapes.empty()) return {};
   const auto best = std::min_element(h.shapes.begin(), h.shapes.end(),
                                      [](const ShapeFit& a, const ShapeFit& b) { return a.delta_aic < b.delta_aic; });
-  std::string rivals;
+  std::string undecided;
   for (const ShapeFit& s : h.shapes)
     if (&s != &*best && s.delta_aic - best->delta_aic < kDecided)
-      rivals += (rivals.empty() ? "" : " or ") + std::string(describe(s.shape));
-  std::string text = rivals.empty() ? std::string(describe(best->shape)) + " describe" +
-                                          (best->shape == DensityShape::two_exponentials ? "" : "s") + " it best"
-                                    : std::string(describe(best->shape)) + ", not to be told from " + rivals;
+      undecided += (undecided.empty() ? "" : " or ") + std::string(describe(s.shape));
+  std::string text = undecided.empty() ? std::string(describe(best->shape)) + " describe" +
+                                             (best->shape == DensityShape::two_exponentials ? "" : "s") + " it best"
+                                       : std::string(describe(best->shape)) + ", not to be told from " + undecided;
   if (best->p_value && *best->p_value < 1e-3) text += ", though not within the errors";
   if (h.p_equal_slopes && best->shape == DensityShape::two_exponentials)
     text += *h.p_equal_slopes < 1e-3 ? "; the slopes differ" : "; the slopes may be equal";

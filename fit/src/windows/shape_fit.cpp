@@ -152,7 +152,7 @@ Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
 std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
   const double sd = std::hypot(s.b_below, s.b_above), mean = s.peak + s.b_above - s.b_below;
   constexpr double kEuler = 0.5772156649015329;
-  // the Gumbel's short side falls as exp(-exp(z)): a start that gives the outermost bins no chance has no gradient
+  // the Gumbel's short side falls as exp(-exp(z)): a start that gives the outermost bins no probability has no gradient
   const double reach = std::max(mean - bins.eps_edges.front(), bins.eps_edges.back() - mean);
   const double scale = std::max(sd * std::sqrt(6.0) / std::numbers::pi, reach / 5.0);
   const auto start = [](std::initializer_list<double> values) {

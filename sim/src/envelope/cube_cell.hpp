@@ -55,7 +55,7 @@ inline constexpr double kRegionMargin = 1.15;
 
 /// How far a direction at (a, b) of the face may turn and stay in the region of the cell [rad]. The inverse of the
 /// gnomonic map stretches by at most 1 + a^2 + b^2.
-inline double room_in_region(const CubeCell& cell, double a, double b) {
+inline double margin_in_region(const CubeCell& cell, double a, double b) {
   const double h = kRegionMargin * cell.h;
   const double a_most = std::abs(cell.a) + h, b_most = std::abs(cell.b) + h;
   return (h - std::max(std::abs(a - cell.a), std::abs(b - cell.b))) / (1.0 + a_most * a_most + b_most * b_most);

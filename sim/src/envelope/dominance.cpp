@@ -11,8 +11,8 @@ namespace {
 using Site = Envelope::Site;
 using List = std::vector<std::uint32_t>;
 
-/// Lists up to this length are held against rivals, and longer ones that the floor no longer halves.
-constexpr std::size_t kRivalsLength = 64;
+/// Lists up to this length are compared with five competitors, and longer ones that the floor no longer halves.
+constexpr std::size_t kCompetitorsLength = 64;
 /// Up to this length every pair is compared, unless the list is short enough already.
 constexpr std::size_t kPairsLength = 24;
 constexpr std::size_t kShortLength = 8;
@@ -33,20 +33,21 @@ std::vector<Bid> bids_of(std::span<const Site> sites, const List& list, const Re
   return bids;
 }
 
-/// The least that `rival` is above `bid` in the region, times |X|; >= 0 where it beats the bid everywhere. The rounding
-/// of u.X0 makes it uncertain by 4e-16: 1e-18 m of a ball of 3 mm.
-double least_lead(const Bid& bid, const Bid& rival, const Region& region) {
-  const double higher = rival.height - bid.height;
-  return (rival.centre - bid.centre) - region.half() * (std::abs(rival.y - bid.y) + std::abs(rival.z - bid.z)) +
+/// The least that `competitor` is above `bid` in the region, times |X|; >= 0 where it beats the bid everywhere. The
+/// rounding of u.X0 makes it uncertain by 4e-16: 1e-18 m of a ball of 3 mm.
+double least_lead(const Bid& bid, const Bid& competitor, const Region& region) {
+  const double higher = competitor.height - bid.height;
+  return (competitor.centre - bid.centre) -
+         region.half() * (std::abs(competitor.y - bid.y) + std::abs(competitor.z - bid.z)) +
          (higher * region.shortest() + std::min(higher, 0.0) * (region.longest() - region.shortest()));
 }
 
-using Rivals = std::array<std::size_t, 5>;
+using Competitors = std::array<std::size_t, 5>;
 
 /// The highest at the centre and at four points around it.
-Rivals find_rivals(const std::vector<Bid>& bids, const Region& region) {
+Competitors find_competitors(const std::vector<Bid>& bids, const Region& region) {
   const double step = 0.7 * region.half(), length = 0.5 * (region.shortest() + region.longest());
-  Rivals rivals{};
+  Competitors competitors{};
   std::array<double, 5> best;
   best.fill(-2.0);
   for (std::size_t i = 0; i < bids.size(); ++i) {
@@ -55,19 +56,19 @@ Rivals find_rivals(const std::vector<Bid>& bids, const Region& region) {
     for (std::size_t p = 0; p < 5; ++p) {
       if (reach[p] <= best[p]) continue;
       best[p] = reach[p];
-      rivals[p] = i;
+      competitors[p] = i;
     }
   }
-  return rivals;
+  return competitors;
 }
 
-void drop_what_rivals_beat(std::span<const Site> sites, const Region& region, List& list) {
+void drop_what_competitors_beat(std::span<const Site> sites, const Region& region, List& list) {
   const std::vector<Bid> bids = bids_of(sites, list, region);
-  const Rivals rivals = find_rivals(bids, region);
+  const Competitors competitors = find_competitors(bids, region);
   std::size_t n_kept = 0;
   for (std::size_t i = 0; i < bids.size(); ++i) {
-    const bool is_beaten = std::any_of(rivals.begin(), rivals.end(), [&](std::size_t rival) {
-      return rival != i && least_lead(bids[i], bids[rival], region) >= 0.0;
+    const bool is_beaten = std::any_of(competitors.begin(), competitors.end(), [&](std::size_t competitor) {
+      return competitor != i && least_lead(bids[i], bids[competitor], region) >= 0.0;
     });
     list[n_kept] = list[i];
     n_kept += is_beaten ? 0 : 1;
@@ -78,7 +79,7 @@ void drop_what_rivals_beat(std::span<const Site> sites, const Region& region, Li
 /// Is bid i beaten by any other? Of equal ones the first is not.
 bool is_beaten_by_any(const std::vector<Bid>& bids, std::size_t i, const Region& region) {
   int n_better = 0;  // without branches: most often there is none
-  for (const Bid& rival : bids) n_better += least_lead(bids[i], rival, region) >= 0.0 ? 1 : 0;
+  for (const Bid& competitor : bids) n_better += least_lead(bids[i], competitor, region) >= 0.0 ? 1 : 0;
   if (n_better <= 1) return false;  // itself
   for (std::size_t k = 0; k < bids.size(); ++k)
     if (k != i && least_lead(bids[i], bids[k], region) >= 0.0 &&
@@ -91,7 +92,7 @@ void drop_what_any_beats(std::span<const Site> sites, const Region& region, List
   const std::vector<Bid> bids = bids_of(sites, list, region);
   std::size_t n_kept = 0;
   for (std::size_t i = 0; i < bids.size(); ++i) {
-    // those dropped count as rivals too: what beats them beats this
+    // those dropped count as competitors too: what beats them beats this
     const bool is_beaten = is_beaten_by_any(bids, i, region);
     list[n_kept] = list[i];
     n_kept += is_beaten ? 0 : 1;
@@ -115,8 +116,8 @@ List above_floor(const Region& region, double floor, std::span<const Site> sites
 
 List contenders_within(const Region& region, double floor, std::span<const Site> sites, const List& wider) {
   List within = above_floor(region, floor, sites, wider);
-  if (!within.empty() && (within.size() <= kRivalsLength || 2 * within.size() > wider.size()))
-    drop_what_rivals_beat(sites, region, within);
+  if (!within.empty() && (within.size() <= kCompetitorsLength || 2 * within.size() > wider.size()))
+    drop_what_competitors_beat(sites, region, within);
   if (within.size() > kShortLength && within.size() <= kPairsLength) drop_what_any_beats(sites, region, within);
   return within;
 }

@@ -17,8 +17,8 @@ inline double elevation_at_most(const Envelope::Site& site, const Region& region
 }
 
 /// Reduces the list of a wider region to a region within: a superset of the sites that are the highest somewhere in
-/// it. In turn goes what stays below the floor; what one of five rivals beats everywhere in the region; in short lists
-/// what any other beats. The order stays; of equal sites the first stays.
+/// it. In turn goes what stays below the floor; what one of five competitors beats everywhere in the region; in short
+/// lists what any other beats. The order stays; of equal sites the first stays.
 /// @param floor  the envelope is nowhere in the region lower than this
 /// @param sites  with directions in the frame of the region's face
 /// @param wider  indices into the sites

@@ -19,7 +19,7 @@ using Node = Envelope::Node;
 using Patch = Envelope::Patch;
 using List = std::vector<std::uint32_t>;
 
-/// Lists up to this length are not split: shorter ones cost more memory and levels than they save looks.
+/// Lists up to this length are not split: shorter ones cost more memory and levels than they save comparisons.
 constexpr std::size_t kListLength = 16;
 /// Where more sites than kListLength meet in one point (a regular surface), splitting never ends by itself; a cell of
 /// level 24 is 1e-7 wide.
@@ -201,7 +201,7 @@ Envelope::Cell Envelope::find(Vector3 n, double elevation) const {
     cell = child_of(cell, child);
   }
   Cell found{
-      room_in_region(cell, point.a, point.b), static_cast<double>(node->max_elevation), !is_inner(*node), {}, {}};
+      margin_in_region(cell, point.a, point.b), static_cast<double>(node->max_elevation), !is_inner(*node), {}, {}};
   if (found.is_leaf) {
     found.list = std::span(patch.lists).subspan(node->first, node->n_list);
     found.sites = patch.sites;

@@ -10,7 +10,7 @@
 
 namespace bouncelab::sim {
 
-/// Guaranteed elevation of the envelope, by small squares of the cube's faces: what makes it cheap to tell that an
+/// Guaranteed elevation of the envelope, by small squares of the cube's faces: makes it cheap to decide that an
 /// asperity cannot touch in a region, before it is held against any other.
 ///
 /// The highest asperity of a square q' is nowhere in a square q seen lower than height - D^2/2, D the largest distance

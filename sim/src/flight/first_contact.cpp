@@ -40,13 +40,13 @@ double safe_step_s(double gap_m, double slope_mps, double bend_mps2) {
 /// A bound of the envelope is passed by when the ball is higher by this: far below what matters (femtoseconds),
 /// far above the rounding of heights.
 constexpr double kClear_m = 1e-12;
-/// Looks at the envelope after which a search is given up: only a broken state gets there.
-constexpr int kMaxLooks = 10'000'000;
+/// Cells after which a search is given up: only an invalid state gets there.
+constexpr int kMaxSteps = 10'000'000;
 
 /// Lists up to this length are narrowed.
 constexpr std::size_t kMostNarrowed = 32;
 
-/// Tells the processor what will be read: sites lie apart, and the search can do other things meanwhile.
+/// Asks the processor to load a site early: sites lie apart in memory, and the search has other work meanwhile.
 void prefetch(const Envelope::Site* site) {
 #if defined(__GNUC__)
   __builtin_prefetch(site);
@@ -78,14 +78,14 @@ class Search {
 
   Found run() {
     double t = time_of_unhindered_rise();
-    for (int look = 0; look < kMaxLooks; ++look) {
+    for (int step = 0; step < kMaxSteps; ++step) {
       t = skip_above(envelope_.max_elevation(), t);
       const Pole here = pole_.from(t);
       const Vector3 n = here.along + here.cosine;
       // most often the leaf under the pole is where the ball comes down
       const Envelope::Cell leaf = envelope_.find(n, -1.0);
       for (const std::uint32_t k : leaf.list) prefetch(&leaf.sites[k]);
-      const double t_exit = t + leaf.room_rad / pole_.speed_radps;
+      const double t_exit = t + leaf.margin_rad / pole_.speed_radps;
       const double t_reach = skip_above(leaf.max_elevation, t);
       if (t_reach < t_exit) {
         if (const auto found = search_leaf(leaf, here, t, t_reach, t_exit)) return *found;
@@ -94,10 +94,10 @@ class Search {
       }
       // else stay in the widest cell that the ball is above; the leaf itself at the least
       const Envelope::Cell cell = envelope_.find(n, (path_.height_m(t) - kClear_m) / radius_m_);
-      t = std::max(t_exit, std::min(t + cell.room_rad / pole_.speed_radps, skip_above(cell.max_elevation, t)));
+      t = std::max(t_exit, std::min(t + cell.margin_rad / pole_.speed_radps, skip_above(cell.max_elevation, t)));
     }
-    throw Error("flight: no contact found in " + std::to_string(kMaxLooks) +
-                " looks at the surface; is the spin or the speed absurd?");
+    throw Error("flight: no contact found in " + std::to_string(kMaxSteps) +
+                " cells of the surface; is the spin or the speed absurd?");
   }
 
  private:
@@ -119,9 +119,9 @@ class Search {
     return path_.height_m(t) > level_m + kClear_m ? path_.descent_to(level_m, t) : t;
   }
 
-  /// What is looked at in a leaf: all of its list, until most of it is ruled out. Longer lists than fit are not
-  /// narrowed; leaves hold so many only where as many asperities meet in a point.
-  struct Rivals {
+  /// The sites of a leaf that are examined: all of its list, until most of it is ruled out. Longer lists than fit are
+  /// not narrowed; leaves hold so many only where as many asperities meet in a point.
+  struct LeafSites {
     std::span<const std::uint32_t> list;
     bool is_narrow = false;
     std::array<std::uint32_t, kMostNarrowed> few;
@@ -132,15 +132,15 @@ class Search {
   /// t_here
   std::optional<Found> search_leaf(const Envelope::Cell& cell, const Pole& here, double t_here, double t,
                                    double t_exit) const {
-    Rivals rivals;
-    rivals.list = cell.list;
+    LeafSites listed;
+    listed.list = cell.list;
     while (t < t_exit) {
-      const Candidate first = nearest(cell, rivals, t, here.at(t - t_here));
+      const Candidate first = nearest(cell, listed, t, here.at(t - t_here));
       const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
       // after a safe step the gap is at most bend step^2: what is left is that over the closing speed
       const double left_s = bend_mps2_ * first.step_s * first.step_s / -first.slope_mps;
       if (first.slope_mps < 0.0 && left_s <= resolution_s) return Found{t + first.step_s, first.site};
-      if (!rivals.is_narrow) narrow(rivals, first, t_exit - t);
+      if (!listed.is_narrow) narrow(listed, first, t_exit - t);
       t += std::max(first.step_s, resolution_s);
       if (path_.height_m(t) > radius_m_ * cell.max_elevation + kClear_m)
         t = std::max(t, std::min(t_exit, skip_above(cell.max_elevation, t)));
@@ -149,16 +149,16 @@ class Search {
   }
 
   /// The smallest safe step of all that can touch.
-  Candidate nearest(const Envelope::Cell& cell, Rivals& rivals, double t, const Pole::Instant& pole) const {
+  Candidate nearest(const Envelope::Cell& cell, LeafSites& listed, double t, const Pole::Instant& pole) const {
     const double y = path_.height_m(t), v = path_.velocity_mps(t);
     Candidate first = judge(nullptr, y, v, t);
-    for (std::size_t i = 0; i < rivals.list.size(); ++i) {
-      const Envelope::Site& site = cell.sites[rivals.list[i]];
+    for (std::size_t i = 0; i < listed.list.size(); ++i) {
+      const Envelope::Site& site = cell.sites[listed.list[i]];
       const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
       const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
       if (i < kMostNarrowed) {
-        rivals.gap_m[i] = gap;
-        rivals.slope_mps[i] = slope;
+        listed.gap_m[i] = gap;
+        listed.slope_mps[i] = slope;
       }
       if (is_open_until(first.step_s, gap, slope)) continue;
       const Candidate candidate = judge(&site, gap, slope, t);
@@ -168,18 +168,18 @@ class Search {
   }
 
   /// Rules out what is open for sure until `first` has closed for sure, where that is before the leaf is left.
-  void narrow(Rivals& rivals, const Candidate& first, double room_s) const {
+  void narrow(LeafSites& listed, const Candidate& first, double leaf_left_s) const {
     const double left = first.slope_mps * first.slope_mps - 2.0 * bend_mps2_ * first.gap_m;
-    if (!(first.slope_mps < 0.0 && left > 0.0 && rivals.list.size() <= kMostNarrowed)) return;
+    if (!(first.slope_mps < 0.0 && left > 0.0 && listed.list.size() <= kMostNarrowed)) return;
     const double latest_s = 2.0 * first.gap_m / (std::sqrt(left) - first.slope_mps);
-    if (!(latest_s < room_s)) return;
+    if (!(latest_s < leaf_left_s)) return;
     std::size_t n = 0;
-    for (std::size_t i = 0; i < rivals.list.size(); ++i) {
-      rivals.few[n] = rivals.list[i];
-      n += is_open_until(latest_s, rivals.gap_m[i], rivals.slope_mps[i]) ? 0 : 1;
+    for (std::size_t i = 0; i < listed.list.size(); ++i) {
+      listed.few[n] = listed.list[i];
+      n += is_open_until(latest_s, listed.gap_m[i], listed.slope_mps[i]) ? 0 : 1;
     }
-    rivals.list = std::span(rivals.few).first(n);
-    rivals.is_narrow = true;
+    listed.list = std::span(listed.few).first(n);
+    listed.is_narrow = true;
   }
 
   bool is_open_until(double step_s, double gap_m, double slope_mps) const {

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Start here: everything the rooms share. Values and their tables first, then what files and random numbers need.
+/// Start here: everything that the other modules share. Values and their tables, numerics, files and random numbers.
 #pragma once
 
-#include "bouncelab/core/air.hpp"              // density and viscosity
+#include "bouncelab/core/air.hpp"              // density, viscosity, drag of a sphere
 #include "bouncelab/core/ball.hpp"             // material, mass, Hertz contact time
 #include "bouncelab/core/csv.hpp"              // tables as files
 #include "bouncelab/core/error.hpp"            // what is thrown
+#include "bouncelab/core/file_bytes.hpp"       // bytes of a file without reading it whole
 #include "bouncelab/core/flags.hpp"            // of onsets and samples
+#include "bouncelab/core/hertz_pulse.hpp"      // force over time of an impact
 #include "bouncelab/core/impacts.hpp"          // simulate writes, synthesize reads
 #include "bouncelab/core/onsets.hpp"           // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"      // whole or not at all
 #include "bouncelab/core/parallel.hpp"         // loops on several threads
 #include "bouncelab/core/progress.hpp"         // long computations report here
+#include "bouncelab/core/quadrature.hpp"       // Gauss-Legendre
 #include "bouncelab/core/random.hpp"           // counter-based random numbers
 #include "bouncelab/core/restitution_law.hpp"  // eps(v)
 #include "bouncelab/core/samples.hpp"          // restitution writes, fit reads

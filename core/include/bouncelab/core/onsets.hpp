@@ -11,12 +11,12 @@
 
 namespace bouncelab {
 
-/// One impact as heard.
+/// One impact as detected in a recording.
 struct Onset {
-  std::string recording;            ///< file as named by the user
-  std::int64_t drop = 0;            ///< number of the drop within the recording, from 0
-  std::int64_t impact = 0;          ///< number within its drop, from 0
-  double t_s = 0.0;                 ///< start of contact as heard, from the first sample of the recording
+  std::string recording;    ///< file as named by the user
+  std::int64_t drop = 0;    ///< number of the drop within the recording, from 0
+  std::int64_t impact = 0;  ///< number within its drop, from 0
+  double t_s = 0.0;         ///< start of contact, plus the travel time of the sound, from the recording's first sample
   std::optional<double> sigma_t_s;  ///< standard error of t_s against the other times of its drop
   std::optional<double> amplitude;  ///< peak of the impact's sound, full scale = 1
   std::optional<double> snr_db;     ///< amplitude over noise rms

@@ -25,8 +25,8 @@ struct ColumnSpec {
   bool required = true;
 };
 
-/// Columns of equal length: what a CSV file or an HDF5 group holds. The file formats know tables only, the value types
-/// know tables only; neither knows the other.
+/// Columns of equal length: what a CSV file or an HDF5 group holds. File formats and value types both convert to and
+/// from tables; neither depends on the other.
 struct Table {
   std::vector<Column> columns;
   // of the file it was read from, counted from 1

@@ -17,7 +17,7 @@ struct Snippet {
   std::string text;
 };
 
-/// The fitted law at one speed for codes that know a constant coefficient of restitution only.
+/// The fitted law at one speed for codes that take a constant coefficient of restitution.
 struct DemExport {
   double v_mps = 0.0;
   double eps = 0.0;

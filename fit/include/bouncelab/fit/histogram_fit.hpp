@@ -43,7 +43,8 @@ struct ShapeFit {
   FitStatus status = FitStatus::not_converged;
   std::vector<NamedEstimate> parameters;  ///< with errors from the binned likelihood's information
   double loglik = 0.0;                    ///< multinomial, without its constant, which all shapes share
-  double delta_aic = 0.0;  ///< AIC less that of the two exponentials on the same bins: > 0 speaks against this shape
+  double delta_aic =
+      0.0;  ///< AIC less that of the two exponentials on the same bins: > 0: the two exponentials are preferred
   std::optional<double> chi2;      ///< Pearson's, bins with fewer than 5 expected joined to their neighbours
   std::optional<std::size_t> ndf;  ///< bins less one less parameters
   std::optional<double> p_value;
@@ -66,7 +67,8 @@ struct HistogramFit {
   std::optional<double> p_equal_slopes;                           ///< likelihood ratio against one slope for both sides
   std::optional<double> loglik, chi2, p_value;                    ///< Pearson's chi2 in bins of equal probability
   std::optional<std::size_t> ndf;
-  std::optional<double> delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0 speaks against the normal
+  std::optional<double>
+      delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0: the two exponentials are preferred
   Bins bins;
   std::vector<CurvePoint> curve;  ///< fitted density, timing error included
   std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t

@@ -118,7 +118,7 @@ struct LawFit {
 /// the estimate, which exists also where the density has a kink; they hold when the scatter is as modelled and
 /// samples are independent (timing errors of neighbours are not: then they are too large, never too small).
 ///
-/// Samples without sigma_eps are taken as free of timing noise. So that the kink does no harm to the search every
+/// Samples without sigma_eps are taken as free of timing noise. So that the search meets no kink, every
 /// sample's timing error is widened, in quadrature, to b sqrt(p/n), b the local scatter: about the standard error of
 /// the curve, which shifts the estimate by less than a hundredth of it.
 /// @throws InvalidArgument where orders are not valid or a sample is not finite

@@ -24,7 +24,7 @@ struct RestitutionConfig {
   bool correct_contact_time = false;  ///< flights are intervals less the Hertz contact that they begin with
   std::optional<TravelTime> travel_time;  ///< taken out of the times before anything else
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
-  /// v_0 = sqrt(2 g h). Only where impact 0 was heard.
+  /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
   std::optional<double> drop_height_m;
 };
 

@@ -14,7 +14,7 @@ namespace bouncelab::fit {
 struct TravelTime {
   double wave_speed_mps = 0.0;  ///< c > 0: 2500 or so in a glass plate, 343 in air
   double sensor_x_m = 0.0, sensor_y_m = 0.0;
-  /// x, y of each impact by (drop, impact), as `simulate --state` or a camera tells; one recording.
+  /// x, y of each impact by (drop, impact), from a simulation or a camera; one recording.
   std::map<std::pair<std::int64_t, std::int64_t>, std::pair<double, double>> position_m;
 };
 

@@ -19,7 +19,7 @@ namespace bouncelab::sim {
 /// a power diagram restricted to the sphere. Each face of the cube around the sphere carries a quadtree in gnomonic
 /// coordinates. A cell answers for a region, itself and a margin; it lists every asperity that can be the highest
 /// anywhere in its region (a superset; none is missed), because e_k - e_j is linear in n, so that where k beats j in
-/// the whole region is told from its corners. Cells are split until the list is short: one large asperity lengthens no
+/// the whole region follows from its corners. Cells are split until the list is short: one large asperity lengthens no
 /// list but those of the cells in which it can touch. Source: Aurenhammer, SIAM J. Comput. 16, 78 (1987),
 /// doi:10.1137/0216006 (power diagrams).
 class Envelope {
@@ -33,7 +33,7 @@ class Envelope {
 
   /// Where a direction n lies: a cell and what can touch in its region.
   struct Cell {
-    double room_rad = 0.0;       ///< n may turn by this and stay in the region
+    double margin_rad = 0.0;     ///< n may turn by this and stay in the region
     double max_elevation = 0.0;  ///< E(n) <= max_elevation in the region
     bool is_leaf = false;
     std::span<const std::uint32_t> list;  ///< of a leaf: what can be highest somewhere in the region, as indices ...
