@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <mutex>
+#include <numeric>
+#include <system_error>
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -228,6 +232,20 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   return d;
 }
 
+/// A long recording that began last would keep one thread busy and all others waiting.
+std::vector<std::size_t> largest_first(const std::vector<std::filesystem::path>& recordings) {
+  std::vector<std::uintmax_t> n_bytes;
+  for (const auto& recording : recordings) {
+    std::error_code unreadable;
+    const std::uintmax_t n = std::filesystem::file_size(recording, unreadable);
+    n_bytes.push_back(unreadable ? 0 : n);
+  }
+  std::vector<std::size_t> order(recordings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return n_bytes[a] > n_bytes[b]; });
+  return order;
+}
+
 }  // namespace
 
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
@@ -251,7 +269,9 @@ std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordin
   std::vector<Detection> found(recordings.size());
   std::mutex mutex;
   double n_done = 0.0;
-  parallel_for(recordings.size(), n_threads, [&](std::size_t k) {
+  const std::vector<std::size_t> order = largest_first(recordings);
+  parallel_for(recordings.size(), n_threads, [&](std::size_t i) {
+    const std::size_t k = order[i];
     try {
       found[k] = detect(recordings[k], config);
     } catch (const FileError& error) {
