@@ -42,14 +42,7 @@ class Calls {
   /// Makes calls until there is none left to make. Those before a failed one are still made, so that the same failure
   /// is reported whatever the number of threads.
   void make() {
-    for (std::size_t k = next_++; k < n_ && k < first_failed_; k = next_++) try {
-        body_(k);
-      } catch (...) {
-        const std::lock_guard lock(mutex_);
-        if (k >= first_failed_) continue;
-        first_failed_ = k;
-        failure_ = std::current_exception();
-      }
+    for (std::size_t k = next_++; k < n_ && k < first_failed_; k = next_++) call(k);
   }
 
   void rethrow() const {
@@ -57,6 +50,17 @@ class Calls {
   }
 
  private:
+  void call(std::size_t k) {
+    try {
+      body_(k);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (k >= first_failed_) return;
+      first_failed_ = k;
+      failure_ = std::current_exception();
+    }
+  }
+
   std::size_t n_;
   const std::function<void(std::size_t)>& body_;
   std::atomic<std::size_t> next_ = 0;
