@@ -86,7 +86,6 @@ TEST(ImpactTimer, SubtractsKnownImpactsInAnyOrder) {
   const ImpactFit b = backward.time(third_s, 1e-4, time_of(11));
   EXPECT_NEAR(a.t_s, b.t_s, 1e-3 * a.sigma_s);  // rounding of sums in single precision
   EXPECT_NEAR(a.t_s - onset_s, third_s, 4.0 * std::hypot(a.sigma_s, alone.sigma_s));  // four standard errors
-  EXPECT_NEAR(a.amplitude / alone.amplitude, 1.0, 0.05);  // noise of 1e-2 on an amplitude of 0.2 over 100 samples
 }
 
 }  // namespace
