@@ -2,13 +2,13 @@
 #include "files/hdf5_table.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 class Hdf5Table : public testing::Test {
  protected:
-  void TearDown() override { fs::remove(path_); }
-  fs::path path_ = fs::path(testing::TempDir()) / ("bouncelab_" + std::to_string(::getpid()) + ".h5");
+  test::TemporaryFolder folder_;
+  const fs::path path_ = folder_ / "a.h5";
 };
 
 TEST_F(Hdf5Table, GivesBackRealsIntegersAndTextsBitByBit) {

@@ -20,7 +20,7 @@ class PaperLoop : public ProgramTest {
   /// Starts the command and kills it (SIGKILL) once its journal has so many lines.
   void kill_at(const std::string& arguments, const fs::path& journal, int n_lines) const {
     const std::string script =
-        "cd '" + folder_.string() + "' && ('" BOUNCELAB_PROGRAM "' " + arguments +
+        "cd '" + folder_.path().string() + "' && ('" BOUNCELAB_PROGRAM "' " + arguments +
         " >/dev/null 2>&1 & pid=$!; while [ \"$(wc -l < '" + journal.string() + "' 2>/dev/null || echo 0)\" -lt " +
         std::to_string(n_lines) +
         " ] && kill -0 $pid 2>/dev/null; do sleep 0.01; done; kill -9 $pid; wait $pid) 2>/dev/null";

@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -14,6 +13,8 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::cli_test {
 
@@ -34,18 +35,9 @@ inline std::string content_of(const fs::path& path) {
 /// Each test gets an empty folder; `run("detect a.wav --out b.csv")` runs there.
 class ProgramTest : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("bouncelab_cli_") + info->test_suite_name() + "_" +
-                                              info->name() + "_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Result run(const std::string& arguments) const {
-    const fs::path out = folder_.string() + ".out", err = folder_.string() + ".err";
-    const std::string line = "cd '" + folder_.string() + "' && '" BOUNCELAB_PROGRAM "' " + arguments + " >'" +
+    const fs::path out = folder_.path().string() + ".out", err = folder_.path().string() + ".err";
+    const std::string line = "cd '" + folder_.path().string() + "' && '" BOUNCELAB_PROGRAM "' " + arguments + " >'" +
                              out.string() + "' 2>'" + err.string() + "' </dev/null";
     const int status = std::system(line.c_str());
     Result result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
@@ -66,7 +58,7 @@ class ProgramTest : public testing::Test {
     return names;
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 /// One line on standard error, with this exit code and these words in it: what bad input gets.

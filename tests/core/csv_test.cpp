@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab {
 namespace {
@@ -18,8 +18,8 @@ namespace {
 using testing::HasSubstr;
 
 std::filesystem::path file_with(const std::string& content) {
-  const auto path =
-      std::filesystem::path(testing::TempDir()) / ("bouncelab_csv_test_" + std::to_string(::getpid()) + ".csv");
+  static const test::TemporaryFolder folder;
+  const auto path = folder / "a.csv";
   std::ofstream(path, std::ios::binary) << content;
   return path;
 }

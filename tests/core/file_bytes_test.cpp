@@ -10,23 +10,21 @@
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab {
 namespace {
 
 class FileBytesTest : public ::testing::Test {
  protected:
-  void TearDown() override { std::filesystem::remove(path_); }
-
   void write(std::size_t n) {
     content_.resize(n);
     for (std::size_t k = 0; k < n; ++k) content_[k] = static_cast<char>((k * 2654435761U) >> 13);
     std::ofstream(path_, std::ios::binary) << content_;
   }
 
-  std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() /
-      ("bouncelab_file_bytes_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+  test::TemporaryFolder folder_;
+  const std::filesystem::path path_ = folder_ / "bytes";
   std::string content_;
 };
 

@@ -2,12 +2,12 @@
 #include "bouncelab/core/output_file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <iterator>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab {
 namespace {
@@ -16,14 +16,8 @@ namespace fs = std::filesystem;
 
 class OutputFileTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("bouncelab_output_file_test_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directory(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   long n_files() const { return std::distance(fs::directory_iterator(folder_), {}); }
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(OutputFileTest, AppearsOnlyWhenCommitted) {

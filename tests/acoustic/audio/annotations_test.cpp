@@ -11,6 +11,7 @@
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -183,13 +184,6 @@ TEST(Annotations, WhatIsNotMarksIsNamed) {
 
 class Cues : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("bouncelab_cues_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directory(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string bytes(const fs::path& path) const {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
@@ -210,7 +204,7 @@ class Cues : public testing::Test {
     sf_close(file);
     return x;
   }
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(Cues, ACopyOfTheRecordingHoldsThemAndItsSamplesAreUntouched) {

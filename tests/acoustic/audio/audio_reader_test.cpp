@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -19,15 +20,6 @@ using ::testing::HasSubstr;
 
 class AudioReaderTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() /
-        ("bouncelab_audio_reader_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path write(const std::string& name, int format, int rate_hz, int n_channels,
                               const std::vector<float>& interleaved) {
     SF_INFO info{};
@@ -58,7 +50,7 @@ class AudioReaderTest : public ::testing::Test {
     return "accepted";
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 std::vector<float> ramp(int n) {

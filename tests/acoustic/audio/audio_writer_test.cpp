@@ -12,6 +12,7 @@
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -20,16 +21,7 @@ namespace fs = std::filesystem;
 
 class AudioWriterTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::path(testing::TempDir()) /
-        ("bouncelab_audio_writer_test_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directory(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 std::vector<double> ramp() {

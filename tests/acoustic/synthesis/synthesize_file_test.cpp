@@ -15,6 +15,7 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/synthesis/hard_cases.hpp"
 #include "few_impacts.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -41,18 +42,11 @@ TruthSink collect(std::vector<DropTruth>& all) {
 
 class SynthesizeFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("bouncelab_synthesize_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directory(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string bytes(const fs::path& path) const {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(SynthesizeFile, SameBytesForAnyNumberOfThreads) {
