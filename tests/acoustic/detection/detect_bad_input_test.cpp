@@ -12,7 +12,8 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/detection/detect.hpp"
-#include "bouncing_sound.hpp"
+#include "support/bouncing_sound.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -47,12 +48,9 @@ TEST(DetectBadInput, TakesNoMusicForABall) {
       if (random.uniform() < 0.4) continue;
       const double f_hz = 220.0 * std::pow(2.0, std::floor(random.uniform(0.0, 24.0)) / 12.0);
       const double start_s = t_s + 0.005 * random.normal();
-      const auto first = static_cast<std::size_t>(start_s * kRate_hz);
-      for (std::size_t n = first; n < std::min(x.size(), first + 24000); ++n) {
-        const double dt = static_cast<double>(n) / kRate_hz - start_s;
-        for (int h = 1; h <= 5; ++h)
-          x[n] += static_cast<float>(0.1 / h * std::exp(-6.0 * dt) * std::sin(2.0 * kPi * f_hz * h * dt));
-      }
+      test::ModalSound note{{}, 0.5};
+      for (int h = 1; h <= 5; ++h) note.modes.push_back({f_hz * h, 1.0 / 6.0, 1.0 / h});
+      test::add_modal_sound(x, kRate_hz, start_s, 0.1, note);
     }
     test::add_noise(x, 1e-3, seed);
     EXPECT_TRUE(detect(x, kRate_hz, "music").onsets.empty()) << "seed " << seed;
@@ -71,8 +69,8 @@ TEST(DetectBadInput, FindsTheLiveOneAmongDeadAndNoisyChannels) {
     for (std::size_t k = 0; k < ball.size(); ++k)
       for (int channel = 0; channel < n_channels; ++channel)
         x.push_back(channel == live ? ball[k] : channel == 0 ? 0.0F : channel == n_channels - 1 ? 0.4F : noise[k]);
-    const std::filesystem::path file =
-        std::filesystem::temp_directory_path() / ("bouncelab_channels_" + std::to_string(n_channels) + ".wav");
+    const test::TemporaryFolder folder;
+    const std::filesystem::path file = folder / "channels.wav";
     SF_INFO info{};
     info.samplerate = static_cast<int>(b.rate_hz);
     info.channels = n_channels;
@@ -85,7 +83,6 @@ TEST(DetectBadInput, FindsTheLiveOneAmongDeadAndNoisyChannels) {
     EXPECT_EQ(d.summary.n_channels, n_channels);
     EXPECT_EQ(d.summary.channel, live);
     EXPECT_EQ(d.onsets.size(), 30U) << n_channels << " channels";
-    std::filesystem::remove(file);
   }
 }
 

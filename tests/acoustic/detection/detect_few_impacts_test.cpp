@@ -2,12 +2,12 @@
 // Balls that bounce a few times: basketball, tennis, rubber, coefficients of restitution 0.55 to 0.85.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "bouncelab/detection/detect.hpp"
-#include "bouncing_sound.hpp"
-#include "thuds.hpp"
+#include "support/bouncing_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -120,11 +120,7 @@ TEST(DetectFewImpacts, FindsThumpsThatNoiseMasksInEveryOtherBand) {
     const std::vector<double> truth = test::impact_times(b);
     std::vector<float> x(static_cast<std::size_t>((truth.back() + b.tail_s) * b.rate_hz));
     for (std::size_t k = 0; k < truth.size(); ++k)
-      for (auto n = static_cast<std::size_t>(truth[k] * b.rate_hz) + 1; n < x.size(); ++n) {
-        const double t_s = static_cast<double>(n) / b.rate_hz - truth[k];
-        if (t_s > 0.15) break;
-        x[n] += static_cast<float>(0.3 * std::pow(0.78, k) * std::exp(-t_s / 20e-3) * std::sin(2.0 * kPi * 80.0 * t_s));
-      }
+      test::add_modal_sound(x, b.rate_hz, truth[k], 0.3 * std::pow(0.78, k), test::equal_modes({80.0}, 20e-3, 0.15));
     test::add_noise(x, 0.07, seed);
     const Detection d = detect(x, b.rate_hz, "thumps");
     std::size_t n_near = 0;
@@ -143,7 +139,8 @@ TEST(DetectFewImpacts, KeepsALastImpactThatIsFaint) {
   const std::vector<double> truth = test::impact_times(b);
   std::vector<float> x(static_cast<std::size_t>((truth.back() + b.tail_s) * b.rate_hz));
   for (std::size_t k = 0; k < truth.size(); ++k)
-    test::add_impact(x, b.rate_hz, truth[k], k + 1 < truth.size() ? 0.5 * std::pow(0.8, k) : 0.02);
+    test::add_modal_sound(x, b.rate_hz, truth[k], k + 1 < truth.size() ? 0.5 * std::pow(0.8, k) : 0.02,
+                          test::plate_impact());
   test::add_noise(x, b.noise_rms, b.seed);
   expect_found(b, x);
 }
@@ -166,7 +163,8 @@ TEST(DetectFewImpacts, FollowsASingleLossWhereTheIntervalsAreShort) {
   }
   std::vector<float> x(static_cast<std::size_t>((t.back() + 0.5) * b.rate_hz));
   for (std::size_t k = 0; k < t.size(); ++k)
-    test::add_impact(x, b.rate_hz, t[k], 0.5 * flights_s[k > 0 ? k - 1 : 0] / b.first_flight_s);
+    test::add_modal_sound(x, b.rate_hz, t[k], 0.5 * flights_s[k > 0 ? k - 1 : 0] / b.first_flight_s,
+                          test::plate_impact());
   test::add_noise(x, 1e-4, 3);
   const Detection d = detect(x, b.rate_hz, "loss");
   ASSERT_EQ(d.onsets.size(), t.size());
@@ -183,9 +181,9 @@ TEST(DetectFewImpacts, EndsWhereTheBallIsCaught) {
     std::vector<float> x(static_cast<std::size_t>((truth.back() + 1.0) * b.rate_hz));
     Random random(seed, RandomStream::test, 2);
     for (std::size_t k = 0; k < truth.size(); ++k) {
-      test::Shares shares;
-      for (double& share : shares) share = random.normal();
-      test::add_thud(x, b.rate_hz, truth[k], 0.2 * std::pow(b.eps, static_cast<double>(k)), shares);
+      std::array<double, test::kThudModes> levels;
+      for (double& level : levels) level = random.normal();
+      test::add_modal_sound(x, b.rate_hz, truth[k], 0.2 * std::pow(b.eps, static_cast<double>(k)), test::thud(levels));
     }
     test::add_noise(x, 0.02, seed);
     for (const Onset& onset : detect(x, b.rate_hz, "caught").onsets) n_beyond += onset.t_s > truth.back() + 0.05;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bouncelab/detection/detect.hpp"
-#include "bouncing_sound.hpp"
+#include "support/bouncing_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -16,40 +16,30 @@ constexpr double kRate_hz = 44100.0;
 constexpr double kDuration_s = 30.0;
 constexpr std::uint64_t kSeeds = 4;
 
-std::vector<float> room() { return std::vector<float>(static_cast<std::size_t>(kDuration_s * kRate_hz), 0.0F); }
+std::vector<float> silence() { return std::vector<float>(static_cast<std::size_t>(kDuration_s * kRate_hz), 0.0F); }
 
-/// Noise through one resonance, dying away: a clap, a key, a step.
-void add_thud(std::vector<float>& x, double t_s, double amplitude, double f_hz, double decay_s, Random& random) {
-  const double radius = std::exp(-kPi * 0.6 * f_hz / kRate_hz);
-  const double a1 = 2.0 * radius * std::cos(2.0 * kPi * f_hz / kRate_hz);
-  double y1 = 0.0, y2 = 0.0;
-  const auto first = static_cast<std::size_t>(t_s * kRate_hz);
-  for (std::size_t n = first; n < std::min(x.size(), first + 8192); ++n) {
-    const double y = (1.0 - radius) * random.normal() + a1 * y1 - radius * radius * y2;
-    y2 = y1, y1 = y;
-    x[n] += static_cast<float>(amplitude * y * std::exp(-static_cast<double>(n - first) / kRate_hz / decay_s));
-  }
+/// A clap, a key, a step.
+void add_burst(std::vector<float>& x, double t_s, double amplitude, double f_hz, double decay_s, Random& random) {
+  test::add_noise_burst(x, kRate_hz, t_s, amplitude, {f_hz, decay_s}, random);
 }
 
 /// Glottal pulses of a gliding pitch through three formants, in syllables of 80 to 300 ms, some behind a burst.
 std::vector<float> speech(Random& random) {
   constexpr double kVowels_hz[4][3] = {{730, 1090, 2440}, {270, 2290, 3010}, {300, 870, 2240}, {530, 1840, 2480}};
-  std::vector<float> x = room();
+  std::vector<float> x = silence();
   const double pitch_hz = random.uniform(90.0, 220.0);
   for (double t_s = 0.3; t_s < kDuration_s - 1.0;) {
-    if (random.uniform() < 0.5) add_thud(x, t_s, random.uniform(0.1, 0.6), random.uniform(2e3, 6e3), 5e-3, random);
+    if (random.uniform() < 0.5) add_burst(x, t_s, random.uniform(0.1, 0.6), random.uniform(2e3, 6e3), 5e-3, random);
     const double length_s = random.uniform(0.08, 0.3);
     const double* vowel_hz = kVowels_hz[static_cast<int>(random.uniform(0.0, 4.0))];
     const double glide = random.uniform(-0.3, 0.3);
     for (double pulse_s = 0.0; pulse_s < length_s;) {
       const double envelope = std::sin(kPi * pulse_s / length_s);
       const auto first = static_cast<std::size_t>((t_s + pulse_s) * kRate_hz);
-      for (std::size_t n = first; n < std::min(x.size(), first + 900); ++n) {
-        const double dt = static_cast<double>(n - first) / kRate_hz;
-        for (int f = 0; f < 3; ++f)
-          x[n] += static_cast<float>(0.2 / (1 + f) * envelope * std::exp(-kPi * (60.0 + 40.0 * f) * dt) *
-                                     std::sin(2.0 * kPi * vowel_hz[f] * dt));
-      }
+      test::ModalSound formants{{}, 900.0 / kRate_hz};
+      for (int f = 0; f < 3; ++f)
+        formants.modes.push_back({vowel_hz[f], 1.0 / (kPi * (60.0 + 40.0 * f)), 0.2 / (1 + f)});
+      test::add_modal_sound(x, kRate_hz, static_cast<double>(first) / kRate_hz, envelope, formants);
       pulse_s += (1.0 + 0.01 * random.normal()) / (pitch_hz * (1.0 + glide * pulse_s / length_s));
     }
     t_s += length_s + (random.uniform() < 0.8 ? 0.04 * random.exponential() : random.uniform(0.2, 0.9));
@@ -60,11 +50,11 @@ std::vector<float> speech(Random& random) {
 /// A row of hits whose intervals grow or shrink by `tempo` and scatter by `scatter`, again and again.
 std::vector<float> rows(Random& random, double interval_s, double scatter, double tempo, int n, double f_hz,
                         double decay_s) {
-  std::vector<float> x = room();
+  std::vector<float> x = silence();
   for (double t_s = 0.4; t_s < kDuration_s - 1.0; t_s += random.uniform(0.5, 1.5)) {
     double step_s = interval_s * random.uniform(0.8, 1.2);
     for (int k = 0; k < n && t_s < kDuration_s - 1.0; ++k, step_s *= tempo) {
-      add_thud(x, t_s, std::exp(0.3 * random.normal()), f_hz, decay_s, random);
+      add_burst(x, t_s, std::exp(0.3 * random.normal()), f_hz, decay_s, random);
       t_s += step_s * (1.0 + scatter * random.normal());
     }
   }
@@ -72,11 +62,11 @@ std::vector<float> rows(Random& random, double interval_s, double scatter, doubl
 }
 
 std::vector<float> typing(Random& random) {
-  std::vector<float> x = room();
+  std::vector<float> x = silence();
   for (double t_s = 0.4; t_s < kDuration_s - 1.0;) {
     const double amplitude = std::exp(0.4 * random.normal());
-    add_thud(x, t_s, amplitude, random.uniform(1500.0, 5000.0), 3e-3, random);
-    add_thud(x, t_s + random.uniform(0.05, 0.11), 0.4 * amplitude, random.uniform(1500.0, 5000.0), 4e-3, random);
+    add_burst(x, t_s, amplitude, random.uniform(1500.0, 5000.0), 3e-3, random);
+    add_burst(x, t_s + random.uniform(0.05, 0.11), 0.4 * amplitude, random.uniform(1500.0, 5000.0), 4e-3, random);
     t_s += 0.15 * std::exp(0.4 * random.normal()) + (random.uniform() < 0.1 ? 1.0 : 0.0);
   }
   return x;
@@ -84,12 +74,12 @@ std::vector<float> typing(Random& random) {
 
 /// Handling: bunches of four to eight sounds at random within three seconds, then quiet.
 std::vector<float> bunches(Random& random) {
-  std::vector<float> x = room();
+  std::vector<float> x = silence();
   for (double t_s = 0.4; t_s < kDuration_s - 5.0; t_s += 5.0) {
     const int n = static_cast<int>(random.uniform(4.0, 9.0));
     for (int k = 0; k < n; ++k)
-      add_thud(x, t_s + random.uniform(0.0, 3.0), std::exp(0.6 * random.normal()), random.uniform(100.0, 5000.0), 8e-3,
-               random);
+      add_burst(x, t_s + random.uniform(0.0, 3.0), std::exp(0.6 * random.normal()), random.uniform(100.0, 5000.0), 8e-3,
+                random);
   }
   return x;
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncing_sound.hpp"
+#include "support/bouncing_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {

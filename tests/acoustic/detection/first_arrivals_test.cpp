@@ -4,21 +4,20 @@
 #include <sndfile.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <vector>
 
 #include "bouncelab/detection/detect.hpp"
-#include "bouncing_sound.hpp"
-#include "thuds.hpp"
+#include "support/bouncing_sound.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-using test::add_room_noise;
-using test::add_thud;
 using test::BouncingSound;
-using test::Shares;
+using Levels = std::array<double, test::kThudModes>;
 
 TEST(FirstArrivals, AreFoundWhereEachSoundRisesInTwoSteps) {
   // the floor first, a wall's louder answer 3.2 ms later: which of them stands out changes from impact to impact
@@ -37,14 +36,14 @@ TEST(FirstArrivals, AreFoundWhereEachSoundRisesInTwoSteps) {
     Random random(seed, RandomStream::test, 2);
     for (std::size_t k = 0; k < truth.size(); ++k) {
       const double v = std::pow(b.eps, static_cast<double>(k));
-      Shares floor{1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  // about, since the ball turns
-      Shares wall{1.0, -1.0, 1.0, -1.0, 1.0, 1.0};
-      for (double& share : floor) share += 0.3 * random.normal();
-      for (double& share : wall) share += 0.3 * random.normal();
-      add_thud(x, b.rate_hz, truth[k], 0.1 * v, floor);
-      add_thud(x, b.rate_hz, truth[k] + 3.2e-3, 0.25 * v, wall);
+      Levels floor{1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  // about, since the ball turns
+      Levels wall{1.0, -1.0, 1.0, -1.0, 1.0, 1.0};
+      for (double& level : floor) level += 0.3 * random.normal();
+      for (double& level : wall) level += 0.3 * random.normal();
+      test::add_modal_sound(x, b.rate_hz, truth[k], 0.1 * v, test::thud(floor));
+      test::add_modal_sound(x, b.rate_hz, truth[k] + 3.2e-3, 0.25 * v, test::thud(wall));
     }
-    add_room_noise(x, 0.025, seed);
+    test::add_low_noise(x, 0.025, seed);
     const Detection d = detect(x, b.rate_hz, "steps");
     n_impacts += b.n_impacts;
     for (const double t_s : truth)
@@ -78,11 +77,10 @@ TEST(FirstArrivals, AreNotTheNoiseThatACodecPutsInFrontOfThem) {
     b.n_impacts = 25;
     b.noise_rms = 3e-5;
     b.seed = seed;
-    const std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("bouncelab_vorbis_" + std::to_string(seed) + ".ogg");
+    const test::TemporaryFolder folder;
+    const std::filesystem::path path = folder / "a.ogg";
     write_vorbis(path, render(b), b.rate_hz, 0.2);
     const Detection d = detect(path);
-    std::filesystem::remove(path);
     const std::vector<double> truth = test::impact_times(b);
     ASSERT_GE(d.onsets.size(), truth.size()) << "seed " << seed;
     for (std::size_t k = 0; k < truth.size(); ++k)

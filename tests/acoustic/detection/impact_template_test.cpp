@@ -3,29 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
+#include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
 constexpr double kRate_hz = 44100.0;
 constexpr int kImpacts = 20;
-
-/// Adds a sound of three modes, ringing from t_s on.
-void strike(std::vector<float>& sound, double t_s, double amplitude, const std::vector<double>& frequencies_hz) {
-  for (auto n = static_cast<std::size_t>(std::ceil(t_s * kRate_hz)); n < sound.size(); ++n) {
-    const double s = static_cast<double>(n) / kRate_hz - t_s;
-    if (s > 0.05) break;
-    for (const double f : frequencies_hz)
-      sound[n] += static_cast<float>(amplitude * std::exp(-s / 3e-3) * std::sin(2.0 * kPi * f * s));
-  }
-}
 
 /// Twenty impacts of one ball and, louder than all, a door: the strongest rise is not that of the ball.
 TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsOfAnotherSource) {
@@ -36,8 +25,9 @@ TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsOfAnotherSource) {
   for (int k = 0; k <= kImpacts; ++k) {
     const bool is_door = k == 4;
     const double t_s = 0.2 + 0.25 * k + 1e-4 * random.uniform();
-    strike(samples, t_s, is_door ? 0.8 : 0.2,
-           is_door ? std::vector{700.0, 1300.0, 9000.0} : std::vector{2100.0, 5300.0, 7700.0});
+    const std::vector<double> modes_hz =
+        is_door ? std::vector{700.0, 1300.0, 9000.0} : std::vector{2100.0, 5300.0, 7700.0};
+    test::add_modal_sound(samples, kRate_hz, t_s, is_door ? 0.8 : 0.2, test::equal_modes(modes_hz, 3e-3, 0.05));
     impacts.push_back({t_s, is_door ? 800.0 : 200.0, 0.4e-3, 50.0});
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);

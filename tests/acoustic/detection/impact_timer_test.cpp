@@ -10,7 +10,7 @@
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
+#include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -22,12 +22,7 @@ double time_of(int k) { return 0.2 + 0.25 * k + 1e-5 * k * k; }
 
 /// Adds three damped modes from t_s on.
 void add_impact(std::vector<float>& samples, double t_s) {
-  for (auto n = static_cast<std::size_t>(std::ceil(t_s * kRate_hz)); n < samples.size(); ++n) {
-    const double s = static_cast<double>(n) / kRate_hz - t_s;
-    if (s > 0.05) break;
-    for (const double f_hz : {2100.0, 5300.0, 7700.0})
-      samples[n] += static_cast<float>(0.2 * std::exp(-s / 3e-3) * std::sin(2.0 * kPi * f_hz * s));
-  }
+  test::add_modal_sound(samples, kRate_hz, t_s, 0.2, test::equal_modes({2100.0, 5300.0, 7700.0}, 3e-3, 0.05));
 }
 
 /// Twenty impacts in noise.

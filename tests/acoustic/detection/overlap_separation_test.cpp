@@ -10,6 +10,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
 #include "contact/pulse_spectrum.hpp"
+#include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -22,13 +23,10 @@ constexpr double kTau_1_s = 30e-6;
 /// Eight modes from 3 to 24 kHz that ring for a millisecond.
 std::vector<float> template_waveform() {
   std::vector<float> x(kWindow, 0.0F);
-  for (std::size_t n = 0; n < kWindow; ++n) {
-    const double t = static_cast<double>(n) - kContact;
-    if (t <= 0.0) continue;
-    double sum = 0.0;
-    for (int m = 0; m < 8; ++m) sum += std::sin((0.2 + 0.2 * m) * t) * std::exp(-t / 90.0);
-    x[n] = static_cast<float>(sum * (1.0 - std::exp(-t * t / 8.0)));
-  }
+  test::ModalSound sound;
+  for (int m = 0; m < 8; ++m) sound.modes.push_back({(0.2 + 0.2 * m) / (2.0 * kPi), 90.0});
+  sound.rise_s = std::sqrt(8.0);
+  test::add_modal_sound(x, 1.0, kContact, 1.0, sound);
   return x;
 }
 

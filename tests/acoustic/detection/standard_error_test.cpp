@@ -13,6 +13,7 @@
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/detection/score.hpp"
+#include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -28,18 +29,14 @@ struct Drop {
   std::uint64_t seed = 1;
 };
 
-struct Mode {
-  double omega = 0.0, decay_per_s = 0.0, level = 0.0;
-};
-
-std::vector<Mode> modes_of(const Drop& drop) {
+std::vector<test::Mode> modes_of(const Drop& drop) {
   constexpr int kModes = 25;
   Random random(drop.seed, RandomStream::test, 20);
-  std::vector<Mode> modes;
+  std::vector<test::Mode> modes;
   for (int m = 0; m < kModes; ++m) {
     const double f_hz = 1e3 * std::pow(20.0, random.uniform());
     const double q = random.uniform(40.0, 200.0);
-    modes.push_back({2.0 * kPi * f_hz, kPi * f_hz / q, random.normal()});
+    modes.push_back({f_hz, q / (kPi * f_hz), random.normal()});
   }
   return modes;
 }
@@ -63,25 +60,19 @@ Onsets truth_of(const Drop& drop) {
 
 std::vector<float> sound_of(const Drop& drop, const Onsets& truth) {
   Random random(drop.seed, RandomStream::test, 22);
-  const std::vector<Mode> modes = modes_of(drop);
+  const std::vector<test::Mode> modes = modes_of(drop);
   std::vector<float> x(static_cast<std::size_t>((truth.back().t_s + 0.4) * kRate_hz));
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const double flight_s = k == 0 ? 0.27 : truth[k].t_s - truth[k - 1].t_s;
     const double v_mps = 0.5 * 9.81 * flight_s;
     const double tau_s = 30e-6 * std::pow(v_mps, -0.2);
-    const auto first = static_cast<std::int64_t>(std::ceil(truth[k].t_s * kRate_hz));
-    for (const Mode& mode : modes) {
-      const double x_f = mode.omega * tau_s / (2.0 * kPi);
+    for (const test::Mode& mode : modes) {
+      const double x_f = mode.f_hz * tau_s;
       const double level = v_mps * mode.level * (1.0 + drop.level_wander * random.normal()) * std::cos(kPi * x_f) /
                            (1.0 - 4.0 * x_f * x_f);
       const double phase = drop.phase_wander * random.normal();
-      for (std::int64_t n = first; n < static_cast<std::int64_t>(x.size()); ++n) {
-        const double s = static_cast<double>(n) / kRate_hz - truth[k].t_s;
-        if (s * mode.decay_per_s > 9.0) break;
-        const double rise = 1.0 - std::exp(-s * s / (tau_s * tau_s));
-        x[static_cast<std::size_t>(n)] += static_cast<float>(level * rise * std::exp(-mode.decay_per_s * s) *
-                                                             std::sin(mode.omega * (s - 0.5 * tau_s) + phase));
-      }
+      const test::Mode struck{mode.f_hz, mode.decay_s, 1.0, phase - kPi * mode.f_hz * tau_s};
+      test::add_modal_sound(x, kRate_hz, truth[k].t_s, level, {{struck}, 9.0 * mode.decay_s, tau_s});
     }
   }
   float peak = 0.0F;

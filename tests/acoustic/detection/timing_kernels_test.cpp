@@ -14,6 +14,7 @@
 #include "bouncelab/core/units.hpp"
 #include "contact/pulse_spectrum.hpp"
 #include "support/direct_fourier.hpp"
+#include "support/modal_sound.hpp"
 #include "timing/coherence_weight.hpp"
 #include "timing/correlation_peaks.hpp"
 #include "timing/cycle_ambiguity.hpp"
@@ -35,14 +36,11 @@ std::vector<float> noise(std::size_t n, std::uint64_t seed) {
 /// Eight damped modes that start softly at sample `start`; phases[m] is added to mode m.
 std::vector<float> modes(double start, const std::vector<double>& phases) {
   std::vector<float> x(kWindow, 0.0F);
-  for (std::size_t n = 0; n < kWindow; ++n) {
-    const double t = static_cast<double>(n) - start;
-    if (t <= 0.0) continue;
-    double sum = 0.0;
-    for (std::size_t m = 0; m < 8; ++m)
-      sum += std::sin((0.2 + 0.3 * static_cast<double>(m)) * t + phases[m]) * std::exp(-t / 60.0);
-    x[n] = static_cast<float>(sum * (1.0 - std::exp(-t * t / 8.0)));
-  }
+  test::ModalSound sound;
+  for (std::size_t m = 0; m < 8; ++m)
+    sound.modes.push_back({(0.2 + 0.3 * static_cast<double>(m)) / (2.0 * kPi), 60.0, 1.0, phases[m]});
+  sound.rise_s = std::sqrt(8.0);
+  test::add_modal_sound(x, 1.0, start, 1.0, sound);
   return x;
 }
 

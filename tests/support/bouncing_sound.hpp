@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A small sound generator for the detector's tests, independent of the project's synthesizer: damped modes started at
-// exact times, white noise.
+// Recordings of a bouncing ball for the detector's tests, and the noise in them.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
+#include "support/modal_sound.hpp"
 
 namespace bouncelab::test {
 
@@ -37,24 +37,36 @@ inline std::vector<double> impact_times(const BouncingSound& b) {
   return t;
 }
 
-/// Adds one impact: eight modes from 2 to 12 kHz, each a sine that starts at t_s and decays in 1 to 4 ms.
-inline void add_impact(std::vector<float>& x, double rate_hz, double t_s, double amplitude) {
-  const auto first = static_cast<std::int64_t>(std::ceil(t_s * rate_hz));
-  for (std::int64_t n = std::max<std::int64_t>(0, first); n < static_cast<std::int64_t>(x.size()); ++n) {
-    const double dt = static_cast<double>(n) / rate_hz - t_s;
-    if (dt > 30e-3) break;
-    double sum = 0.0;
-    for (int m = 0; m < 8; ++m) {
-      const double f_hz = 2000.0 * std::pow(6.0, m / 7.0);
-      sum += std::exp(-dt / (4e-3 - m * 0.4e-3)) * std::sin(2.0 * kPi * f_hz * dt);
-    }
-    x[static_cast<std::size_t>(n)] += static_cast<float>(amplitude * sum / 4.0);
-  }
-}
-
+/// White noise.
 inline void add_noise(std::vector<float>& x, double rms, std::uint64_t seed) {
   Random random(seed, RandomStream::test, 1);
   for (float& sample : x) sample += static_cast<float>(rms * random.normal());
+}
+
+/// Noise as of a room with people in it: 6 dB less an octave higher, from 140 Hz on.
+inline void add_low_noise(std::vector<float>& x, double rms, std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 1);
+  double last = 0.0;
+  for (float& sample : x) sample += static_cast<float>(last = 0.98 * last + 0.2 * rms * random.normal());
+}
+
+/// Noise through one resonance, decaying: a clap, a key, a step.
+inline void add_noise_burst(std::vector<float>& x, double rate_hz, double t_s, double amplitude, const Mode& resonance,
+                            Random& random) {
+  const double radius = std::exp(-kPi * 0.6 * resonance.f_hz / rate_hz);
+  const double a1 = 2.0 * radius * std::cos(2.0 * kPi * resonance.f_hz / rate_hz);
+  double y1 = 0.0, y2 = 0.0;
+  const auto first = static_cast<std::size_t>(t_s * rate_hz);
+  for (std::size_t n = first; n < std::min(x.size(), first + 8192); ++n) {
+    const double y = (1.0 - radius) * random.normal() + a1 * y1 - radius * radius * y2;
+    y2 = y1, y1 = y;
+    x[n] += static_cast<float>(amplitude * y * std::exp(-static_cast<double>(n - first) / rate_hz / resonance.decay_s));
+  }
+}
+
+/// One impact of a steel ball on a plate.
+inline void add_impact(std::vector<float>& x, double rate_hz, double t_s, double amplitude) {
+  add_modal_sound(x, rate_hz, t_s, amplitude, plate_impact());
 }
 
 inline std::vector<float> render(const BouncingSound& b) {
