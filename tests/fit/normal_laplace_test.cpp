@@ -64,7 +64,7 @@ TEST(NormalLaplace, DerivativesAreThoseOfItsLogarithm) {
   for (const auto& [below, above, tau] : kShapes)
     for (const double d : {-30.0, -1.7, -0.2, 0.0, 0.03, 0.9, 40.0}) {
       const auto f = normal_laplace(d, below, above, tau);
-      const auto at = [&](double x, double b, double a) { return normal_laplace(x, b, a, tau).log_density; };
+      const auto at = [tau = tau](double x, double b, double a) { return normal_laplace(x, b, a, tau).log_density; };
       const double h = 1e-5 * std::min(tau, std::min(below, above));
       const double g = 1e-5;
       // central differences: error h^2 f''' / 6 plus rounding 1e-16 |log f| / h

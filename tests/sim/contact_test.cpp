@@ -54,7 +54,7 @@ TEST(Collide, ConservesAngularMomentumAboutThePointOfContact) {
     for (const ContactModel& model :
          {ContactModel{PaperContact{0.3}}, ContactModel{FrictionlessContact{}}, ContactModel{CoulombContact{0.1}}}) {
       const Motion after = collide(ball, SeriesLaw{}, model, lever, before).after;
-      const auto about_contact = [&](const Motion& s) {
+      const auto about_contact = [&, lever = lever](const Motion& s) {
         return (j / (m * ball.radius_m)) * s.spin_radps - (1.0 / ball.radius_m) * cross(lever, s.velocity_mps);
       };
       EXPECT_LT(norm(about_contact(after) - about_contact(before)), kRounding);
