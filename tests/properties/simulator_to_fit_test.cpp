@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The rooms sim and fit against each other: the simulator's times, disturbed and not, give back the law that went in.
+// The modules sim and fit against each other: the simulator's times, disturbed and not, give back the law that went in.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ struct Disturbed {
   double timing_sigma_s = 0.0;
 };
 
-/// 150 drops of 95 impacts on 100,000 asperities, as heard: later by all contacts before, and by the clock's noise.
-Onsets heard(const Disturbed& by) {
+/// 150 drops of 95 impacts on 100,000 asperities, as detected: later by all contacts before, and by the clock's noise.
+Onsets detected(const Disturbed& by) {
   sim::SimulationConfig config;
   config.n_drops = 150;
   config.n_impacts_max = 96;
@@ -55,7 +55,7 @@ fit::FitResult analysed(const Disturbed& by, bool corrected) {
   fit.budget.drag = effect(by.drag);
   fit.budget.contact_time = effect(by.contact_time);
   fit.budget.travel_time = fit::Effect::absent;
-  return fit::fit_all(fit::restitution_samples(heard(by), config).samples, fit);
+  return fit::fit_all(fit::restitution_samples(detected(by), config).samples, fit);
 }
 
 void expect_truth(const fit::FitResult& result) {

@@ -90,7 +90,7 @@ FirstContact first_contact(const Ball& ball, const Surface& surface, const BallS
   for (const Window& span : windows_of(ball, surface, start, g, t_smooth)) {
     for (std::size_t j = 0; j < surface.asperities.size(); ++j) {
       const Asperity& asperity = surface.asperities[j];
-      // room for the midpoint's rounding: 1e-15 m
+      // a margin for the midpoint's rounding: 1e-15 m
       if (span.least_gap(ball, asperity, bend) > 1e-15) continue;
       const Gap gap{y,
                     v,

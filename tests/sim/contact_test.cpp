@@ -13,7 +13,7 @@
 namespace bouncelab::sim {
 namespace {
 
-constexpr double kRounding = 1e-12;  // of speeds near 1 m/s and lever arms of 3 mm, with room for cancellation
+constexpr double kRounding = 1e-12;  // of speeds near 1 m/s and lever arms of 3 mm, with a margin for cancellation
 
 /// An eccentric approach: lever up to 10 degrees off the vertical, speeds near 1 m/s, spin up to R omega = 1 m/s.
 struct Approach {

@@ -43,7 +43,7 @@ inline void add_noise(std::vector<float>& x, double rms, std::uint64_t seed) {
   for (float& sample : x) sample += static_cast<float>(rms * random.normal());
 }
 
-/// Noise as of a room with people in it: 6 dB less an octave higher, from 140 Hz on.
+/// Noise as in a lived-in building: 6 dB less an octave higher, from 140 Hz on.
 inline void add_low_noise(std::vector<float>& x, double rms, std::uint64_t seed) {
   Random random(seed, RandomStream::test, 1);
   double last = 0.0;

@@ -172,7 +172,7 @@ TEST(DetectFewImpacts, FollowsASingleLossWhereTheIntervalsAreShort) {
 }
 
 TEST(DetectFewImpacts, EndsWhereTheBallIsCaught) {
-  // eight thuds, each another mixture of modes, and then only the room: its noise is no further impact
+  // eight thuds, each another mixture of modes, and then only noise, which is no further impact
   int n_beyond = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     BouncingSound b = lively_ball(0.82, 8);

@@ -23,7 +23,7 @@ inline Impacts impacts(const std::vector<double>& times_s, double v_mps = 1.0) {
   return result;
 }
 
-/// A short recording in which only the ball is heard: noise at -200 dB.
+/// A short recording of the ball alone: noise at -200 dB.
 inline SynthesisConfig quiet() {
   SynthesisConfig config;
   config.snr_db = 200.0;

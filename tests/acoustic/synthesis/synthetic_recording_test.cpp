@@ -117,7 +117,7 @@ TEST(Synthesis, SamplesDependNeitherOnThreadsNorOnSegments) {
 }
 
 TEST(Synthesis, AcrossASegmentsBorderTheWaveGoesOn) {
-  // at 8 kHz the converter hears an impact 4 ms ahead
+  // at 8 kHz the converter's filter responds 4 ms before an impact
   for (const int rate_hz : {8000, 96000}) {
     SynthesisConfig config = quiet();
     config.rate_hz = rate_hz;
@@ -236,7 +236,7 @@ TEST(Synthesis, AfterTheContactThereIsNothingButTheModesOfTheTable) {
   };
   EXPECT_LT(left_over(plate.modes().size()), 1e-12) << "rounding, raised by up to 4 by each of eight factors";
   for (std::size_t k = 0; k < plate.modes().size(); ++k)
-    EXPECT_GT(left_over(k), 1e-7) << "mode " << k << " is not heard";
+    EXPECT_GT(left_over(k), 1e-7) << "mode " << k << " is not in the sound";
 }
 
 TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
