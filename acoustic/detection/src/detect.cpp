@@ -259,7 +259,7 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
                  const ProgressCallback& progress) {
   if (!(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
-  const audio::AudioSource sound = audio::source_in_memory(samples, rate_hz);
+  audio::AudioSource sound = audio::source_in_memory(samples, rate_hz);
   return detect_in([&](int) { return sound; }, 1, name, config, progress);
 }
 

@@ -31,7 +31,7 @@ std::vector<float> low_pass(int factor) {
 AudioSource decimate(const AudioSource& source, int factor) {
   const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
     std::vector<float> x(out.size() * static_cast<std::size_t>(factor) + taps.size());
-    read_padded(source, first * factor - 8 * factor, x);
+    read_padded(source, (first - 8) * factor, x);
     for (std::size_t n = 0; n < out.size(); ++n)
       out[n] = static_cast<float>(dot(taps, std::span(x).subspan(n * static_cast<std::size_t>(factor), taps.size())));
   };
