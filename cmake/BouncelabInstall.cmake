@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# find_package(bouncelab COMPONENTS sim acoustic fit) for other projects
+# find_package(bouncelab COMPONENTS sim acoustic fit loop) for other projects
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/bouncelab)
 configure_package_config_file(cmake/bouncelab-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config.cmake

@@ -9,12 +9,31 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
 step(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${WORK_DIR}/prefix)
-step(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
-  "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
-step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
-step(${WORK_DIR}/build/bounce)
-message("${output}")
-if(NOT output MATCHES "eps\\(0\\.6 m/s\\) = 0\\.97")
-  message(FATAL_ERROR "the consumer ran, but did not print eps(0.6 m/s) = 0.97...:\n${output}")
-endif()
 step(${WORK_DIR}/prefix/bin/bouncelab --version)
+
+# all components: the loop closes with every impact found, and eps within its error of the truth
+step(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
+     -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
+step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
+step(${WORK_DIR}/build/closed_loop)
+message("${output}")
+if(NOT output MATCHES "([0-9]+) impacts, ([0-9]+) found, 0 missed, 0 invented" OR NOT CMAKE_MATCH_1 EQUAL CMAKE_MATCH_2)
+  message(FATAL_ERROR "not every impact was found:\n${output}")
+endif()
+string(REGEX MATCHALL "pull -?[0-9.]+" pulls "${output}")
+list(LENGTH pulls n_pulls)
+if(NOT n_pulls EQUAL 3)
+  message(FATAL_ERROR "eps at 3 speeds was expected:\n${output}")
+endif()
+foreach(pull IN LISTS pulls)
+  # 3 standard errors: three nodes, one fixed seed
+  if(NOT pull MATCHES "pull -?[0-2]\\.")
+    message(FATAL_ERROR "eps is further than 3 standard errors from the truth (${pull}):\n${output}")
+  endif()
+endforeach()
+
+# one module alone
+foreach(module IN ITEMS sim detection fit)
+  step(${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/${module} -G ${GENERATOR} -DMODULE=${module}
+       -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
+endforeach()

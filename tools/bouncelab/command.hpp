@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// What every command of the command line is made of. A command registers its options, fills a struct, calls one
-/// function of a room, writes files. Nothing is computed here.
+/// What every command of the command line is made of. A command takes options, calls one function of a library, writes
+/// files. Nothing is computed here.
 #pragma once
 
-#include <CLI/App.hpp>
+#include <algorithm>
 #include <cstdint>
-#include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-namespace bouncelab::cli {
+#include "bouncelab/loop/settings.hpp"
 
-using Json = nlohmann::ordered_json;
+namespace bouncelab::cli {
 
 /// Options that every command has.
 struct CommonOptions {
@@ -24,36 +22,45 @@ struct CommonOptions {
   bool force = false;
 };
 
-/// An option that is to run through several values.
-struct SweepAxis {
-  std::string option;  ///< without dashes in front
+/// An option with the values in force.
+struct Parameter {
+  std::string name;  ///< without dashes in front
   std::vector<std::string> values;
 };
+using Parameters = std::vector<Parameter>;
 
 /// One call of the program, as a command sees it.
 struct Run {
   CommonOptions common;
   std::vector<std::string> command_line;
-  Json parameters;                     ///< every option of the command, resolved, for the provenance
+  Parameters parameters;               ///< every option of the command, resolved, for the provenance
   std::vector<std::string> arguments;  ///< of the command, those of the configuration file first
-  std::vector<SweepAxis> sweep;        ///< lists of the configuration file, in its order
+  std::vector<loop::SweepAxis> sweep;  ///< lists of the configuration file, in its order
 };
 
-enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileTrouble = 3, kInterrupted = 130 };
+enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileError = 3, kInterrupted = 130 };
 
-/// What a command has to say. Files are written already.
+/// The result of a command. Its files are written already.
 struct Outcome {
   int exit_code = kDone;
-  Json summary = Json::object();      ///< printed with --json
+  std::string json = "{}";            ///< printed with --json
   std::string text;                   ///< printed on standard output otherwise
   std::vector<std::string> warnings;  ///< one line each, on standard error
-  std::string trouble;                ///< why the result is not usable: one line on standard error, --quiet or not
+  std::string error;                  ///< why the result is not usable: one line on standard error, even with --quiet
 };
 
-/// A command as main knows it.
-struct Command {
-  CLI::App* app = nullptr;
-  std::function<Outcome(Run&)> run;
+/// Both lists, without the lines of the second that are in the first already.
+inline std::vector<std::string> joined(std::vector<std::string> lines, const std::vector<std::string>& more) {
+  for (const std::string& line : more)
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  return lines;
+}
+
+/// The result of a command that is a stage of `analyze` or `loop`, with the values that later stages need.
+template <class Result>
+struct Stage {
+  Outcome outcome;
+  Result result;
 };
 
 }  // namespace bouncelab::cli

@@ -11,16 +11,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
-#include "commands/analyze_command.hpp"
-#include "commands/calibrate_command.hpp"
-#include "commands/convert_command.hpp"
-#include "commands/detect_command.hpp"
-#include "commands/fit_command.hpp"
-#include "commands/loop_command.hpp"
-#include "commands/report_command.hpp"
-#include "commands/restitution_command.hpp"
-#include "commands/simulate_command.hpp"
-#include "commands/synthesize_command.hpp"
+#include "options/commands.hpp"
 #include "options/common_options.hpp"
 #include "options/config_file.hpp"
 #include "progress_line.hpp"
@@ -47,7 +38,7 @@ bool is_command(const std::vector<std::string>& typed) {
 /// rest wins. The file's lists, through which `loop` runs, stay apart.
 struct FullLine {
   std::vector<std::string> arguments;
-  std::vector<SweepAxis> lists;
+  std::vector<loop::SweepAxis> lists;
 };
 
 FullLine with_config(const std::vector<std::string>& typed, const CLI::App& app) {
@@ -73,9 +64,9 @@ FullLine with_config(const std::vector<std::string>& typed, const CLI::App& app)
 int report(const Outcome& outcome, const CommonOptions& common) {
   if (!common.quiet)
     for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << "\n";
-  if (!outcome.trouble.empty()) std::cerr << "bouncelab: " << outcome.trouble << "\n";
+  if (!outcome.error.empty()) std::cerr << "bouncelab: " << outcome.error << "\n";
   if (common.json)
-    std::cout << outcome.summary.dump(2) << "\n";
+    std::cout << outcome.json << "\n";
   else if (!common.quiet)
     std::cout << outcome.text;
   std::cout.flush();
@@ -94,7 +85,7 @@ int wrong_usage(const CLI::ParseError& error, const CLI::App& app) {
 
 int run(std::vector<std::string> line) {
   CLI::App app{
-      "The coefficient of restitution of a bouncing ball: simulated, heard, measured.\n"
+      "The coefficient of restitution of a bouncing ball: simulated, detected in sound, measured.\n"
       "impact times -> sound -> impact times -> constants; each arrow is a command and a file.",
       "bouncelab"};
   app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")");
@@ -106,7 +97,7 @@ int run(std::vector<std::string> line) {
   const std::vector<std::string> typed(line.begin() + 1, line.end());
   std::vector<Command> commands;
   for (const auto& [name, add] : kCommands)
-    // to describe the options of all takes as long as to hear a second of sound
+    // registering the options of all commands takes as long as detection in a second of sound
     if (!is_command(typed) || typed.front() == name) commands.push_back(add(app));
   for (const Command& command : commands) add_common_options(*command.app, common);
 
@@ -125,7 +116,7 @@ int run(std::vector<std::string> line) {
     if (!command.app->parsed()) continue;
     Run call{common, line, resolved_parameters(*command.app), {}, {}};
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
-    for (const SweepAxis& axis : full.lists)  // the command line wins here too
+    for (const loop::SweepAxis& axis : full.lists)  // the command line wins here too
       if (command.app->get_option("--" + axis.option)->count() == 0) call.sweep.push_back(axis);
     return report(command.run(call), common);
   }
@@ -144,18 +135,18 @@ int main(int argc, char** argv) {
     return cli::kInterrupted;
   } catch (const FileExists& error) {
     std::cerr << "bouncelab: " << error.what() << "; --force replaces it\n";
-    return cli::kFileTrouble;
+    return cli::kFileError;
   } catch (const FileError& error) {
     std::cerr << "bouncelab: " << error.what() << "\n";
-    return cli::kFileTrouble;
+    return cli::kFileError;
   } catch (const InvalidArgument& error) {
     std::cerr << "bouncelab: " << error.what() << "\n";
     return cli::kWrongUsage;
   } catch (const std::bad_alloc&) {
     std::cerr << "bouncelab: out of memory; ask for less at once\n";
-    return cli::kFileTrouble;
+    return cli::kFileError;
   } catch (const std::exception& error) {
     std::cerr << "bouncelab: unexpected error: " << error.what() << "; please report it with the command line\n";
-    return cli::kFileTrouble;
+    return cli::kFileError;
   }
 }

@@ -85,4 +85,14 @@ ProgressCallback progress_line(const Run& run, const std::string& label, const s
   };
 }
 
+loop::StageProgress stage_progress(const Run& run) {
+  return [&run](const std::string& label, const std::string& unit) { return progress_line(run, label, unit); };
+}
+
+ProgressCallback interrupts_only(const std::string&, const std::string&) {
+  return [](double, double) {
+    if (interrupted) throw Interrupted();
+  };
+}
+
 }  // namespace bouncelab::cli

@@ -4,17 +4,24 @@
 #include <string>
 
 #include "bouncelab/core/progress.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {
 
-/// From now on Ctrl-C (and SIGTERM) is noticed by the next progress call, which throws Interrupted. A second one kills.
+/// From now on the next progress call after Ctrl-C or SIGTERM throws Interrupted; a second signal, seconds later, ends
+/// the program at once.
 void notice_interrupts();
 
-/// A line on standard error with work done, rate and time left, where that is a terminal and --quiet was not said;
+/// A line on standard error with work done, rate and time left, where that is a terminal and --quiet was not given;
 /// nothing otherwise. Either way the callback throws Interrupted once the user asked to stop.
 /// @param label  what is being done ("simulate")
 /// @param unit   what is counted ("drops", "s of sound")
 ProgressCallback progress_line(const Run& run, const std::string& label, const std::string& unit);
+
+/// The same for the stages of a loop.
+loop::StageProgress stage_progress(const Run& run);
+/// For the stages of a loop: shows nothing, throws Interrupted once the user asked to stop.
+ProgressCallback interrupts_only(const std::string& label, const std::string& unit);
 
 }  // namespace bouncelab::cli

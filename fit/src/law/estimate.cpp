@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/estimate.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
 namespace bouncelab::fit {
 
 const char* to_string(FitStatus status) {
@@ -30,6 +34,17 @@ Estimate normal_estimate(double value, double se) {
   estimate.ci95 = Interval{value - k95 * se, value + k95 * se};
   estimate.interval_method = IntervalMethod::covariance;
   return estimate;
+}
+
+std::string in_words(double value, std::optional<double> se) {
+  char text[64];
+  if (!se || !(*se > 0.0) || !std::isfinite(*se)) {
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+  }
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(*se))), 0, 12);
+  std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, *se);
+  return text;
 }
 
 }  // namespace bouncelab::fit

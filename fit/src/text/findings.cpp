@@ -7,11 +7,6 @@
 
 namespace bouncelab::fit {
 
-std::string measured(double value, double se) {
-  const int decimals = se > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(se))), 0, 12) : 6;
-  return formatted("%.*f +- %.*f", decimals, value, decimals, se);
-}
-
 namespace {
 
 std::string joined(const std::vector<std::string>& parts, const char* separator = ", ") {
@@ -23,7 +18,7 @@ std::string joined(const std::vector<std::string>& parts, const char* separator 
 std::string describe_nodes(const LawFit& law) {
   std::vector<std::string> nodes;
   for (const NodeEstimate& node : law.nodes)
-    nodes.push_back(formatted("eps(%.3g m/s) = ", node.v_mps) + measured(node.eps.value, node.eps.se.value_or(0.0)));
+    nodes.push_back(formatted("eps(%.3g m/s) = ", node.v_mps) + in_words(node.eps.value, node.eps.se));
   return joined(nodes);
 }
 
@@ -31,7 +26,7 @@ std::string constants(const FitResult& r) {
   std::vector<std::string> known, unknown;
   for (const NamedEstimate& p : r.law.parameters)
     if (p.estimate.identified)
-      known.push_back(p.name + " = " + measured(p.estimate.value, p.estimate.se.value_or(0.0)));
+      known.push_back(p.name + " = " + in_words(p.estimate.value, p.estimate.se));
     else
       unknown.push_back(p.name);
   std::string text = joined(known);
@@ -41,7 +36,7 @@ std::string constants(const FitResult& r) {
   text += ". The curve: " + describe_nodes(r.law) + ".";
   if (!r.law_viscoelastic.parameters.empty()) {
     const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
-    text += " With one dissipation parameter: gamma = " + measured(gamma.value, gamma.se.value_or(0.0)) + ".";
+    text += " With one dissipation parameter: gamma = " + in_words(gamma.value, gamma.se) + ".";
   }
   return text;
 }
@@ -128,7 +123,7 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
 std::string in_dem(const FitResult& r) {
   if (!r.dem_export) return "Not at all: eps is not between 0 and 1 there.";
   return formatted("Codes with a constant coefficient: eps = %s at %.2g m/s; choose the speed of your collisions. ",
-                   measured(r.dem_export->eps, r.dem_export->se.value_or(0.0)).c_str(), r.dem_export->v_mps) +
+                   in_words(r.dem_export->eps, r.dem_export->se).c_str(), r.dem_export->v_mps) +
          "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and eps(v) as a table, are at the end.";
 }
 

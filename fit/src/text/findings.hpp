@@ -8,9 +8,6 @@
 
 namespace bouncelab::fit {
 
-/// "0.98169 +- 0.00004": as many digits as the standard error warrants.
-std::string measured(double value, double se);
-
 /// "a ball of 3 mm radius and 7900 kg/m^3"
 std::string describe(const Ball& ball);
 

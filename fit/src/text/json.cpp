@@ -237,7 +237,7 @@ Json json_of(const DemExport& h) {
 
 }  // namespace
 
-std::string to_json(const FitResult& result) {
+std::string to_json(const FitResult& result, int indent) {
   Json histograms = Json::array();
   for (const HistogramFit& h : result.histograms) histograms.push_back(json_of(h));
   Json answers = Json::array();
@@ -260,7 +260,7 @@ std::string to_json(const FitResult& result) {
                  {"eps_edges", result.density.eps_edges},
                  {"counts", result.density.counts},
                  {"n_outside", result.density.n_outside}}}};
-  return j.dump(1) + "\n";
+  return j.dump(indent) + "\n";
 }
 
 }  // namespace bouncelab::fit

@@ -15,10 +15,9 @@ struct AnalyzeOptions {
   DetectOptions detect;
   RestitutionOptions restitution;
   FitOptions fit;
-  bool diagnostics = false;  ///< a look inside each drop, in the report
+  bool diagnostics = false;  ///< details of each drop in the report
 };
 
-Outcome run_analyze(const AnalyzeOptions& options, Run& run);
-Command add_analyze_command(CLI::App& app);
+Outcome run_analyze(const AnalyzeOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bouncelab/fit/calibration.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {
 
-Command add_calibrate_command(CLI::App& app);
+struct CalibrateOptions {
+  fit::CalibrationConfig config;
+  bool covariance_intervals = false;
+};
+
+Outcome run_calibrate(const CalibrateOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

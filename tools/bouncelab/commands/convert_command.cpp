@@ -3,12 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <sstream>
 
 #include "bouncelab/audio/annotations.hpp"
@@ -17,6 +15,7 @@
 #include "bouncelab/core/output_file.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
+#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -112,7 +111,7 @@ void write_annotations(const fs::path& out, const audio::Annotations& annotation
 
 }  // namespace
 
-Outcome run_convert(const ConvertOptions& options, Run& run) {
+Outcome run_convert(const ConvertOptions& options, const Run& run) {
   for (const std::string& out : options.outputs) {
     format_of(out);
     check_may_write(run, out);
@@ -127,34 +126,9 @@ Outcome run_convert(const ConvertOptions& options, Run& run) {
   const auto n_by_hand =
       std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return onset.flags.has(Flag::by_hand); });
   Outcome outcome;
-  outcome.summary = {{"n_onsets", onsets.size()}, {"n_by_hand", n_by_hand}};
+  outcome.json = convert_json(onsets.size(), static_cast<std::size_t>(n_by_hand));
   outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", onsets.size(), n_by_hand);
   return outcome;
-}
-
-Command add_convert_command(CLI::App& app) {
-  auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = app.add_subcommand(
-      "convert",
-      "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
-      "By extension: .csv, .jsonl (JSON Lines), .h5; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
-      "(Praat),\n"
-      ".wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset, so nothing is\n"
-      "lost on the way. A mark that was moved by more than the format resolves (Audacity 0.5 us; .svl and cues half a\n"
-      "sample; .TextGrid 1 ns), or made, counts as it stands, without standard error, flagged by_hand.");
-  command->footer(
-      "Example: bouncelab convert onsets.csv --to marks.txt\n"
-      "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv");
-  command->add_option("input", options->input, "Onsets or marks")->required();
-  command->add_option("--to", options->outputs, "Files to write")
-      ->required()
-      ->expected(1, 100)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--recording", options->recording,
-                      "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark");
-  command->add_flag("--renumber", options->renumber,
-                    "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out");
-  return {command, [options](Run& run) { return run_convert(*options, run); }};
 }
 
 }  // namespace bouncelab::cli

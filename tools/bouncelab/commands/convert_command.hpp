@@ -16,8 +16,6 @@ struct ConvertOptions {
 };
 
 /// Onsets from a table or from a sound editor's marks, to any of these.
-Outcome run_convert(const ConvertOptions& options, Run& run);
-
-Command add_convert_command(CLI::App& app);
+Outcome run_convert(const ConvertOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,19 +13,11 @@ struct DetectOptions {
   std::vector<std::string> recordings;
   std::string out;
   std::string labels;
-  int channel = -1;  ///< -1: the one in which impacts are heard best
+  int channel = -1;  ///< -1: the one in which impacts are detected best
 };
 
-/// The physics options, shared with `loop` and `analyze`.
-void add_detect_options(CLI::App& app, DetectOptions& options);
-/// What was found in each recording, in the order given; files are read side by side.
-std::vector<detection::Detection> detect_all(const DetectOptions& options, const Run& run);
-/// One line a recording, for people.
-std::string describe(const std::string& recording, const detection::Detection& detection);
-/// The same for --json.
-Json to_json(const std::string& recording, const detection::Detection& detection);
-/// @param keep  where the detections are wanted, besides the files
-Outcome run_detect(const DetectOptions& options, Run& run, std::vector<detection::Detection>* keep = nullptr);
-Command add_detect_command(CLI::App& app);
+/// Writes options.out and, where named, options.labels; neither where no impact was found.
+/// @return what was found in each recording, in the order given
+Stage<std::vector<detection::Detection>> run_detect(const DetectOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -15,14 +15,9 @@ struct FitOptions {
   fit::FitConfig config;
 };
 
-/// The physics options, shared with `loop` and `analyze`.
-void add_fit_options(CLI::App& app, FitOptions& options);
-/// The result in a few lines, for people.
-std::string describe(const fit::FitResult& result);
-/// Exit code 1 where the fit did not converge or a constant is not identifiable: what is known is written all the same.
-Outcome run_fit(const FitOptions& options, Run& run);
-/// Within `loop` and `analyze` the curve counts: constants that cannot be known are a warning there.
-Outcome as_stage(Outcome fitted);
-Command add_fit_command(CLI::App& app);
+/// Exit code 1 where the fit did not converge or a constant is not identifiable; what is known is written all the same.
+Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run);
+/// Within `loop` and `analyze` the curve is the result: constants that are not identifiable are only a warning there.
+Stage<fit::FitResult> as_stage(Stage<fit::FitResult> fitted);
 
 }  // namespace bouncelab::cli

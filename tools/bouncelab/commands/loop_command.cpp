@@ -1,33 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "commands/loop_command.hpp"
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/version.hpp"
 #include "bouncelab/detection/score.hpp"
+#include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/loop/loop_score.hpp"
 #include "commands/detect_command.hpp"
 #include "commands/fit_command.hpp"
+#include "commands/paper_loop.hpp"
 #include "commands/report_command.hpp"
 #include "commands/restitution_command.hpp"
+#include "commands/sweep.hpp"
 #include "files/table_file.hpp"
-#include "files/wave_file.hpp"
-#include "loop_summary.hpp"
-#include "options/common_options.hpp"
-#include "paper_loop.hpp"
-#include "stages.hpp"
-#include "sweep.hpp"
+#include "json/loop_json.hpp"
+#include "json/wave_json.hpp"
+#include "loop_text.hpp"
+#include "progress_line.hpp"
+#include "stage_clock.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
+const char* const kJournal = "unfinished.journal";
 const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "truth.csv",   "onsets.csv",
                                 "samples.csv", "samples_from_true_times.csv",
@@ -35,151 +37,154 @@ const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "wave.json",   "summary.json",
                                 "report.html"};
 
-/// impact times -> samples -> fit, on files of the folder. Returns the exit code of the fit.
-Outcome times_to_constants(const LoopOptions& options, const sim::SimulationConfig& simulated, Run& run,
-                           const fs::path& onsets, const fs::path& samples, const fs::path& fit_json,
-                           std::vector<std::string>& warnings) {
+/// The files of one loop.
+struct LoopFiles {
+  explicit LoopFiles(const fs::path& folder)
+      : impacts(folder / "impacts.csv"),
+        recording(folder / "recording.wav"),
+        truth(folder / "truth.csv"),
+        onsets(folder / "onsets.csv"),
+        samples(folder / "samples.csv"),
+        samples_true(folder / "samples_from_true_times.csv"),
+        fit(folder / "fit.json"),
+        fit_true(folder / "fit_from_true_times.json"),
+        wave(folder / "wave.json"),
+        summary(folder / "summary.json"),
+        report(folder / "report.html") {}
+  fs::path impacts, recording, truth, onsets, samples, samples_true, fit, fit_true, wave, summary, report;
+};
+
+/// Impact times -> samples -> fit, each in a file of the folder.
+Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
+                                         const fs::path& samples, const fs::path& fit_json) {
   RestitutionOptions restitution;
   restitution.onsets = onsets;
   restitution.out = samples;
-  restitution.config.gravity_mps2 = simulated.gravity_mps2;
-  restitution.config.ball = simulated.ball;
-  add_warnings(warnings, run_restitution(restitution, run).warnings);
+  restitution.config = loop::restitution_config_of(config.simulation);
+  const Stage<fit::Restitution> intervals = run_restitution(restitution, run);
   FitOptions fit;
-  fit.config.law.node_speeds_mps = options.node_speeds_mps;
-  fit.config.budget = budget_of(simulated);
+  fit.config.law.node_speeds_mps = config.node_speeds_mps;
+  fit.config.budget = loop::budget_config_of(config.simulation);
   fit.samples = samples;
   fit.out = fit_json;
-  Outcome fitted = as_stage(run_fit(fit, run));
-  add_warnings(warnings, fitted.warnings);
+  Stage<fit::FitResult> fitted = as_stage(run_fit(fit, run));
+  fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);
   return fitted;
 }
 
 Onsets read_onsets(const fs::path& path) { return onsets_from_table(read_table(path, onset_columns()), path.string()); }
 
-/// 40 drops or so, every stage on the files of INTERFACE: any of them can be run again by hand.
-Outcome run_through_files(const LoopOptions& options, Run& run) {
+/// Impact times -> sound -> impact times, each in a file of the folder.
+///
+/// Without states the synthesizer strikes each drop at one point: by the paper's contact rule the ball wanders off a
+/// plate of 30 x 20 cm in some 30 bounces, which the experiment's balls did not.
+Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const Run& run, StageClock& clock) {
+  SimulateOptions simulate = options.simulate;
+  simulate.out = files.impacts;
+  clock.time("simulate", [&] { return run_simulate(simulate, run); });
+  SynthesizeOptions synthesize = options.synthesize;
+  synthesize.impacts = files.impacts;
+  synthesize.out = files.recording;
+  synthesize.truth = files.truth;
+  clock.time("synthesize", [&] { return run_synthesize(synthesize, run); });
+  DetectOptions detect;
+  detect.recordings = {files.recording};
+  detect.out = files.onsets;
+  return clock.time("detect", [&] { return run_detect(detect, run).outcome; });
+}
+
+/// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
+Outcome run_through_files(const LoopOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   for (const char* name : kOutputs) check_may_write(run, folder / name);
+  const LoopFiles files(folder);
+  loop::LoopConfig config;
+  config.simulation = simulation_config(options.simulate, run.common);
+
   StageClock clock;
-  LoopResults results;
-  const sim::SimulationConfig config = simulation_config(options.simulate, run.common);
-  results.truth = config.law;
-
-  // Without states the synthesizer strikes each drop at one point: by the paper's contact rule the ball wanders off a
-  // plate of 30 x 20 cm in some 30 bounces, which the experiment's balls did not.
-  SimulateOptions simulate = options.simulate;
-  simulate.out = folder / "impacts.csv";
-  clock.time("simulate", [&] { return run_simulate(simulate, run); });
-
-  SynthesizeOptions synthesize = options.synthesize;
-  synthesize.impacts = simulate.out;
-  synthesize.out = folder / "recording.wav";
-  synthesize.truth = folder / "truth.csv";
-  clock.time("synthesize", [&] { return run_synthesize(synthesize, run); });
-
-  DetectOptions detect;
-  detect.recordings = {synthesize.out};
-  detect.out = folder / "onsets.csv";
-  const Outcome heard = clock.time("detect", [&] { return run_detect(detect, run); });
-  if (heard.exit_code != kDone) return heard;
-
-  const Outcome fitted = clock.time("restitution_and_fit", [&] {
-    std::vector<std::string> known_from_sound;
-    times_to_constants(options, config, run, synthesize.truth, folder / "samples_from_true_times.csv",
-                       folder / "fit_from_true_times.json", known_from_sound);
-    return times_to_constants(options, config, run, detect.out, folder / "samples.csv", folder / "fit.json",
-                              results.warnings);
+  Outcome detected = times_to_times(options, files, run, clock);
+  if (detected.exit_code != kDone) return detected;
+  Stage<fit::FitResult> from_truth, from_sound;
+  clock.time("restitution_and_fit", [&] {
+    from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true);
+    from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit);
   });
-
-  const Onsets truth = read_onsets(synthesize.truth);
-  const Onsets found = read_onsets(detect.out);
-  results.score = detection::score_onsets(truth, found);
-  results.n_drops = static_cast<std::size_t>(config.n_drops);
-  results.fit_true = read_json(folder / "fit_from_true_times.json");
-  results.fit_sound = read_json(folder / "fit.json");
-  results.n_samples = results.fit_sound.value("n_used", std::size_t{0});
+  const Onsets found = read_onsets(files.onsets);
   clock.time("wave", [&] {
-    write_wave(run, synthesize.out, 0, found, folder / "wave.json");
-    return true;
+    write_text(run, files.wave, wave_json(detection::wave_preview(files.recording, 0, found)) + "\n",
+               {files.recording});
   });
-  results.seconds = clock.seconds();
 
-  const Json summary = loop_summary(results);
-  write_text(run, folder / "summary.json", summary.dump(2) + "\n",
-             {simulate.out, synthesize.truth, detect.out, folder / "fit.json", folder / "fit_from_true_times.json"});
-  const Outcome shown =
-      run_report({folder, folder / "report.html", "The closed loop: what went in and what came out"}, run);
-  return {fitted.exit_code, summary, loop_table(summary) + shown.text, results.warnings, fitted.trouble};
+  const loop::LoopScore score = loop::score_loop(static_cast<std::size_t>(config.simulation.n_drops),
+                                                 detection::score_onsets(read_onsets(files.truth), found),
+                                                 config.simulation.law, from_truth.result, from_sound.result);
+  const Outcome& fitted = from_sound.outcome;
+  const std::string summary = loop_summary_json(score, clock.seconds(), fitted.warnings);
+  write_text(run, files.summary, summary + "\n", {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
+  const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
+  return {fitted.exit_code, summary, loop_text(score, clock.seconds()) + shown.text, fitted.warnings, fitted.error};
 }
 
 }  // namespace
 
-namespace {
+loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common) {
+  loop::LoopConfig config;
+  config.simulation = simulation_config(options.simulate, common);
+  config.synthesis = synthesis_config(options.synthesize, common);
+  if (config.synthesis.channels.size() != 1)
+    throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
+                          std::to_string(config.synthesis.channels.size()) +
+                          "; give one, or use --preset quick without lists");
+  config.n_asperities = options.simulate.n_asperities;
+  config.radius_law = sim::radius_law_from_text(options.simulate.radius_law);
+  config.n_threads = common.n_threads;
+  if (options.keep_sound) config.sound_folder = fs::path(options.out) / "sound";
+  return config;
+}
 
-/// The paper's run, where the user did not say otherwise. Recordings begin and end close to the drop: 6.9 hours in all.
-void apply_preset(const CLI::App& app, LoopOptions& options, Run& run) {
-  if (options.preset != "paper") return;
-  apply_paper_preset(app, options.simulate, run);
-  const auto set = [&](const std::string& name, double& value, double to) {
-    if (app.get_option("--" + name)->count() > 0) return;
-    value = to;
-    run.parameters[name] = fmt::format("{:g}", to);
+loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run) {
+  loop::RunIdentity identity{{"version", std::string(version())}, {"commit", std::string(commit())}};
+  const std::vector<std::string> only_how{"threads", "quiet", "json", "force", "config", "out"};
+  const auto add = [&](const std::string& name, const std::vector<std::string>& values) {
+    std::string text;
+    for (const std::string& value : values) text += (text.empty() ? "" : ",") + value;
+    identity.emplace_back(name, text);
   };
-  set("lead-in", options.synthesize.config.lead_in_s, 0.1);
-  set("pause", options.synthesize.config.pause_s, 0.3);
+  for (const Parameter& p : run.parameters)
+    if (std::find(only_how.begin(), only_how.end(), p.name) == only_how.end()) add(p.name, p.values);
+  for (const loop::SweepAxis& axis : run.sweep) add("list of " + axis.option, axis.values);
+  if (!options.simulate.surface_file.empty())
+    identity.emplace_back("SHA-256 of the surface", sha256_of_file(options.simulate.surface_file));
+  const std::string table = "table:";
+  if (options.simulate.restitution_law.starts_with(table))
+    identity.emplace_back("SHA-256 of the law", sha256_of_file(options.simulate.restitution_law.substr(table.size())));
+  return identity;
 }
 
-}  // namespace
-
-void add_loop_options(CLI::App& command, LoopOptions& options) {
-  command
-      .add_option("--preset", options.preset,
-                  "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
-                  "paper: 2,320 drops of 95 impacts, through memory; killed at any moment, the same command goes on")
-      ->check(CLI::IsMember({"quick", "paper"}));
-  command.add_option("--out", options.out, "Folder for every file of the run")->required();
-  command.add_flag("--keep-sound", options.keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop");
-  add_simulate_options(command, options.simulate);
-  add_synthesize_options(command, options.synthesize);
-}
-
-ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
-  ParsedLoop parsed;
-  CLI::App app("", "loop");
-  set_option_defaults(app);
-  add_loop_options(app, parsed.options);
-  add_common_options(app, parsed.run.common);
+std::unique_ptr<loop::RunJournal> open_journal(const std::string& folder, const std::vector<std::string>& outputs,
+                                               const loop::RunIdentity& identity, const Run& run,
+                                               const loop::RunJournal::OnFinished& on_finished) {
+  const fs::path path = fs::path(folder) / kJournal;
+  if (run.common.force) fs::remove(path);
+  if (!fs::exists(path))
+    for (const std::string& name : outputs) check_may_write(run, fs::path(folder) / name);
   try {
-    app.parse(std::vector<std::string>{arguments.rbegin(), arguments.rend()});
-  } catch (const CLI::ParseError& error) {
-    throw InvalidArgument(error.what());
+    return std::make_unique<loop::RunJournal>(path, identity, on_finished);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(std::string(error.what()) +
+                          "; use the same settings to continue, another folder, or --force to start anew");
   }
-  parsed.run.parameters = resolved_parameters(app);
-  apply_preset(app, parsed.options, parsed.run);
-  return parsed;
 }
 
-Outcome run_loop(const LoopOptions& options, Run& run) {
-  if (!run.sweep.empty()) return run_sweep(options.out, run);
+Run replacing(Run run) {
+  run.common.force = true;
+  return run;
+}
+
+Outcome run_loop(const LoopOptions& options, const Run& run) {
+  if (!run.sweep.empty()) return run_sweep(options, run);
   return options.preset == "paper" ? run_paper_loop(options, run) : run_through_files(options, run);
-}
-
-Command add_loop_command(CLI::App& app) {
-  auto options = std::make_shared<LoopOptions>();
-  CLI::App* command = app.add_subcommand(
-      "loop",
-      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder");
-  command->footer(
-      "Examples: bouncelab loop --preset quick --out out/loop\n"
-      "          bouncelab loop --preset paper --out out/paper\n"
-      "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)");
-  add_loop_options(*command, *options);
-  return {command, [options, command](Run& run) {
-            apply_preset(*command, *options, run);
-            return run_loop(*options, run);
-          }};
 }
 
 }  // namespace bouncelab::cli

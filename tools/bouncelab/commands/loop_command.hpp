@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bouncelab/loop/closed_loop.hpp"
 #include "command.hpp"
 #include "commands/simulate_command.hpp"
 #include "commands/synthesize_command.hpp"
@@ -16,20 +18,25 @@ struct LoopOptions {
   SimulateOptions simulate;
   SynthesizeOptions synthesize;
   bool keep_sound = false;  ///< of a run through memory
-  /// Speeds at which truth and results are compared: slow, middle and fast impacts of a drop from 10 cm.
-  std::vector<double> node_speeds_mps{0.25, 0.6, 1.2};
 };
 
-/// A command line of `loop` on its own.
-struct ParsedLoop {
-  LoopOptions options;
-  Run run;
-};
-/// @param arguments  those after the command's name
-/// @throws InvalidArgument saying what is wrong with them
-ParsedLoop parse_loop(const std::vector<std::string>& arguments);
+/// The loop through memory that the options describe. @throws InvalidArgument
+loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common);
 
-Outcome run_loop(const LoopOptions& options, Run& run);
-Command add_loop_command(CLI::App& app);
+/// All that the results depend on: every option but those that only choose how to run, the program, and the files it
+/// reads, by content.
+loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run);
+
+/// The journal of an unfinished run in `folder`. Without one, outputs that exist are another run's.
+/// @throws FileError where one of `outputs` exists and --force was not given; InvalidArgument where the journal is that
+///         of a run with other settings
+std::unique_ptr<loop::RunJournal> open_journal(const std::string& folder, const std::vector<std::string>& outputs,
+                                               const loop::RunIdentity& identity, const Run& run,
+                                               const loop::RunJournal::OnFinished& on_finished);
+
+/// A run that may replace the files of its own folder.
+Run replacing(Run run);
+
+Outcome run_loop(const LoopOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

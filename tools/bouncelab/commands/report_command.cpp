@@ -3,12 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "files/table_file.hpp"
+#include "json/stage_json.hpp"
+#include "json/wave_json.hpp"
 #include "report.hpp"
 
 namespace bouncelab::cli {
@@ -33,23 +34,17 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
   return content(path);
 }
 
-std::string samples_json(const fs::path& path, std::vector<fs::path>& inputs) {
+std::string samples_if_few(const fs::path& path, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
   const RestitutionSamples samples = samples_from_table(read_table(path, sample_columns()));
   if (samples.size() > kMaxSamplesShown) return {};
   inputs.push_back(path);
-  Json json{{"v_mps", Json::array()}, {"eps", Json::array()}, {"sigma_eps", Json::array()}};
-  for (const RestitutionSample& sample : samples) {
-    json["v_mps"].push_back(sample.v_mps);
-    json["eps"].push_back(sample.eps);
-    json["sigma_eps"].push_back(sample.sigma_eps ? Json(*sample.sigma_eps) : Json(nullptr));
-  }
-  return json.dump();
+  return samples_json(samples);
 }
 
 }  // namespace
 
-Outcome run_report(const ReportOptions& options, Run& run) {
+Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path folder = options.folder;
   const fs::path fit = folder / "fit.json";
   if (!fs::exists(fit) && !fs::exists(folder / "sweep.json"))
@@ -65,20 +60,10 @@ Outcome run_report(const ReportOptions& options, Run& run) {
   input.fit_simulation_json = content_if_there(folder / "fit_from_simulation.json", inputs);
   input.diagnostics_json = content_if_there(folder / "diagnostics.json", inputs);
   input.sweep_json = content_if_there(folder / "sweep.json", inputs);
-  input.samples_json = samples_json(folder / "samples.csv", inputs);
+  input.samples_json = samples_if_few(folder / "samples.csv", inputs);
   const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   write_text(run, out, report::render(input), inputs);
-  return {kDone, {{"report", out.string()}}, "Report: " + fs::absolute(out).lexically_normal().string() + "\n", {}, {}};
-}
-
-Command add_report_command(CLI::App& app) {
-  auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = app.add_subcommand("report", "fit.json and what lies beside it -> one HTML file with pictures");
-  command->add_option("folder", options->folder, "Folder that `loop`, `analyze` or `fit` wrote to")->required();
-  command->add_option("--out", options->out, "HTML file to write; default FOLDER/report.html");
-  command->add_option("--title", options->title, "Title of the page");
-  command->footer("Example: bouncelab report out/loop --out report.html");
-  return {command, [options](Run& run) { return run_report(*options, run); }};
+  return {kDone, report_json(out.string()), "Report: " + fs::absolute(out).lexically_normal().string() + "\n", {}, {}};
 }
 
 }  // namespace bouncelab::cli

@@ -13,7 +13,6 @@ struct ReportOptions {
   std::string title;  ///< empty: named after the folder
 };
 
-Outcome run_report(const ReportOptions& options, Run& run);
-Command add_report_command(CLI::App& app);
+Outcome run_report(const ReportOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

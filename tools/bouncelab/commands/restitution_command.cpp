@@ -3,34 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <memory>
-
+#include "files/provenance.hpp"
 #include "files/table_file.hpp"
+#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
+namespace {
 
-void add_restitution_options(CLI::App& app, RestitutionOptions& options) {
-  app.add_option("--gravity", options.config.gravity_mps2, "Gravity, m/s^2")->check(CLI::Range(1e-3, 1e3));
-  app.add_flag("--correct-drag", options.config.correct_drag, "Take air drag out (ball's radius and density)");
-  app.add_flag("--correct-contact-time", options.config.correct_contact_time,
-               "Take the Hertz contact out of each interval (steel on glass)");
-  app.add_option("--drop-height", options.drop_height_m,
-                 "Height of the ball's lowest point at release, m, 0 = not known; the first impact counts then")
-      ->check(CLI::Range(0.0, 1e3));
-  app.add_option("--positions", options.positions,
-                 "Table drop,impact,x_m,y_m (as simulate --state writes): take the travel of the sound out");
-  app.add_option("--sensor-position", options.sensor_m, "X,Y of the sensor, m")->delimiter(',')->expected(2);
-  app.add_option("--wave-speed", options.wave_speed_mps,
-                 "Speed of the sound from impact to sensor, m/s: some 2500 in a plate, 343 in air")
-      ->check(CLI::Range(1.0, 2e4));
-  app.add_option("--ball-radius", options.config.ball.radius_m,
-                 "Radius of the ball, m: for the corrections and the error budget")
-      ->check(CLI::Range(1e-6, 10.0));
-  app.add_option("--ball-density", options.config.ball.material.density_kgpm3, "Density of the ball, kg/m^3: likewise")
-      ->check(CLI::Range(1.0, 3e4));
-}
-
+/// What was counted, for people: one line.
 std::string describe(const fit::RestitutionCounts& counts) {
   std::string line = fmt::format("{} coefficients of restitution from {} onsets of {} drops", counts.n_samples,
                                  counts.n_onsets, counts.n_drops);
@@ -45,18 +25,22 @@ std::string describe(const fit::RestitutionCounts& counts) {
   return line;
 }
 
-Json to_json(const fit::RestitutionCounts& counts) {
-  Json breaks = Json::object();
-  for (const auto& [reason, n] : counts.breaks) breaks[std::string(name_of(reason))] = n;
-  return {{"n_onsets", counts.n_onsets},
-          {"n_drops", counts.n_drops},
-          {"n_samples", counts.n_samples},
-          {"n_flagged", counts.n_flagged},
-          {"eps_median", counts.eps_median ? Json(*counts.eps_median) : Json(nullptr)},
-          {"breaks", breaks}};
+/// The samples' provenance names what was taken out of them, whichever command made them.
+Corrections corrections_of(const RestitutionOptions& options, const fit::RestitutionConfig& config) {
+  Corrections c;
+  c.drag = config.correct_drag;
+  c.contact_time = config.correct_contact_time;
+  c.travel_time = config.travel_time.has_value();
+  c.wave_speed_mps = options.wave_speed_mps;
+  c.ball_radius_m = config.ball.radius_m;
+  c.ball_density_kgpm3 = config.ball.material.density_kgpm3;
+  c.gravity_mps2 = config.gravity_mps2;
+  return c;
 }
 
-Outcome run_restitution(const RestitutionOptions& options, Run& run) {
+}  // namespace
+
+Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const Run& run) {
   check_may_write(run, options.out);
   const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), options.onsets);
   fit::RestitutionConfig config = options.config;
@@ -71,36 +55,18 @@ Outcome run_restitution(const RestitutionOptions& options, Run& run) {
         fit::travel_time_from_table(positions, options.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
     inputs.push_back(options.positions);
   }
-  const fit::Restitution result = fit::restitution_samples(onsets, config);
-  Outcome outcome;
+  Stage<fit::Restitution> stage;
+  stage.result = fit::restitution_samples(onsets, config);
+  const fit::Restitution& result = stage.result;
+  Outcome& outcome = stage.outcome;
   outcome.text = describe(result.counts) + "\n";
-  outcome.summary = to_json(result.counts);
-  Run described = run;  // the samples say what was taken out of them, whichever command made them
-  described.parameters["corrections"] = {{"drag", config.correct_drag},
-                                         {"contact_time", config.correct_contact_time},
-                                         {"travel_time", config.travel_time.has_value()},
-                                         {"wave_speed_mps", options.wave_speed_mps},
-                                         {"ball_radius_m", config.ball.radius_m},
-                                         {"ball_density_kgpm3", config.ball.material.density_kgpm3},
-                                         {"gravity_mps2", config.gravity_mps2}};
-  write_table(described, options.out, to_table(result.samples), inputs);
+  outcome.json = restitution_json(result.counts);
+  write_table(run, options.out, to_table(result.samples), inputs, corrections_of(options, config));
   if (result.samples.empty()) {
     outcome.exit_code = kNotUsable;
-    outcome.trouble = options.onsets + ": no three successive impacts: no coefficient of restitution";
+    outcome.error = options.onsets + ": no three successive impacts: no coefficient of restitution";
   }
-  return outcome;
-}
-
-Command add_restitution_command(CLI::App& app) {
-  auto options = std::make_shared<RestitutionOptions>();
-  CLI::App* command = app.add_subcommand("restitution",
-                                         "Coefficients of restitution from impact times: ratios of neighbouring "
-                                         "intervals\n"
-                                         "Example: bouncelab restitution onsets.csv --out samples.csv");
-  command->add_option("onsets", options->onsets, "Onsets, as detect writes them; a column t_s is enough")->required();
-  command->add_option("--out", options->out, "Samples, .csv")->required();
-  add_restitution_options(*command, *options);
-  return {command, [options](Run& run) { return run_restitution(*options, run); }};
+  return stage;
 }
 
 }  // namespace bouncelab::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,22 +30,13 @@ struct SimulateOptions {
   std::string preset;
 };
 
-/// Registers the physics, without files of output.
-void add_simulate_options(CLI::App& app, SimulateOptions& options);
-
 /// The experiment that the options describe. @throws InvalidArgument
 sim::SimulationConfig simulation_config(const SimulateOptions& options, const CommonOptions& common);
 
-/// The paper's run, where the user did not say otherwise: 2,320 drops of 95 bounces are 220,400 impacts.
-void apply_paper_preset(const CLI::App& app, SimulateOptions& options, Run& run);
-
-/// The ball's asperities, drawn or read. @throws InvalidArgument, FileError
-sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config,
-                        const ProgressCallback& progress);
+/// The asperities of the file that the options name; absent where they name none. @throws FileError
+std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
 
 /// Simulates and writes options.out (and options.write_surface where named).
-Outcome run_simulate(const SimulateOptions& options, Run& run);
-
-Command add_simulate_command(CLI::App& app);
+Outcome run_simulate(const SimulateOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -25,15 +25,10 @@ struct SynthesizeOptions {
   bool each_drop = false;  ///< one file for each drop
 };
 
-/// Registers the physics, without files.
-void add_synthesize_options(CLI::App& app, SynthesizeOptions& options);
-
 /// The recording that the options describe. @throws InvalidArgument
 synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, const CommonOptions& common);
 
 /// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
-Outcome run_synthesize(const SynthesizeOptions& options, Run& run);
-
-Command add_synthesize_command(CLI::App& app);
+Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -10,7 +10,6 @@
 #include "bouncelab/core/output_file.hpp"
 #include "files/hdf5_table.hpp"
 #include "files/json_lines_table.hpp"
-#include "files/provenance.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
@@ -52,14 +51,15 @@ Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
   return is_json_lines(path) ? read_json_lines(path, wanted) : read_csv(path, wanted);
 }
 
-void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
+void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs,
+                 const std::optional<Corrections>& corrections) {
   OutputFile file(path, run.common.force);
   if (is_hdf5(path))
     write_hdf5(file.temporary_path(), table, path.string());
   else
     write_text_table(file.temporary_path(), table, path.string());
   file.commit();
-  write_provenance(run, path, inputs);
+  write_provenance(run, path, inputs, corrections);
 }
 
 TableWriter::TableWriter(const Run& run, const fs::path& path, std::vector<fs::path> inputs)
@@ -108,6 +108,8 @@ OutputFolder::~OutputFolder() {
   if (created_) fs::remove(folder_, not_empty);
 }
 
-void check_may_write(const Run& run, const fs::path& path) { OutputFile probe(path, run.common.force); }
+void check_may_write(const Run& run, const fs::path& path) {
+  OutputFile probe(path, run.common.force);  // vanishes again; throws where nothing can be written
+}
 
 }  // namespace bouncelab::cli

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <vector>
 
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/table.hpp"
 #include "command.hpp"
+#include "files/provenance.hpp"
 
 namespace bouncelab::cli {
 
@@ -20,7 +22,8 @@ bool is_json_lines(const std::filesystem::path& path);
 
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
-                 const std::vector<std::filesystem::path>& inputs = {});
+                 const std::vector<std::filesystem::path>& inputs = {},
+                 const std::optional<Corrections>& corrections = {});
 
 /// As write_table, a piece of the rows at a time: for CSV and JSON Lines in constant memory. Nothing is left without
 /// finish().
@@ -46,7 +49,7 @@ class TableWriter {
 void write_text(const Run& run, const std::filesystem::path& path, const std::string& content,
                 const std::vector<std::filesystem::path>& inputs = {});
 
-/// A folder for outputs, created where it is missing; removed again where nothing was put in.
+/// A folder for outputs, created where it is missing; removed again where nothing was written to it.
 class OutputFolder {
  public:
   /// @throws FileError where it cannot be created, or nothing can be written in it
@@ -60,7 +63,7 @@ class OutputFolder {
   bool created_ = false;
 };
 
-/// Throws FileError where the output exists and --force was not said: asked before the work, not after it.
+/// Called before the work. @throws FileError where the output exists and --force was not given
 void check_may_write(const Run& run, const std::filesystem::path& path);
 
 }  // namespace bouncelab::cli

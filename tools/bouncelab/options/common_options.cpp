@@ -21,19 +21,22 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
   app.add_flag("--force", common.force, "Replace outputs that exist")->group(group);
 }
 
-Json resolved_parameters(const CLI::App& app) {
-  Json parameters = Json::object();
+Parameters resolved_parameters(const CLI::App& app) {
+  Parameters parameters;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
     if (name == "help") continue;
-    if (option->count() == 0)
-      parameters[name] = option->get_items_expected_max() == 0 ? "false" : option->get_default_str();
-    else if (option->results().size() == 1)
-      parameters[name] = option->results().front();
+    if (option->count() > 0)
+      parameters.push_back({name, option->results()});
     else
-      parameters[name] = option->results();
+      parameters.push_back({name, {option->get_items_expected_max() == 0 ? "false" : option->get_default_str()}});
   }
   return parameters;
+}
+
+void set_parameter(Parameters& parameters, const std::string& name, const std::string& value) {
+  for (Parameter& p : parameters)
+    if (p.name == name) p.values = {value};
 }
 
 }  // namespace bouncelab::cli

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <CLI/App.hpp>
+#include <string>
 
 #include "command.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace bouncelab::cli {
 
@@ -15,6 +19,9 @@ void set_option_defaults(CLI::App& app);
 void add_common_options(CLI::App& app, CommonOptions& common);
 
 /// Every option with the value in force, as given or by default.
-Json resolved_parameters(const CLI::App& app);
+Parameters resolved_parameters(const CLI::App& app);
+
+/// Sets the value in force of the parameter with this name.
+void set_parameter(Parameters& parameters, const std::string& name, const std::string& value);
 
 }  // namespace bouncelab::cli

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "options/config_file.hpp"
 
+#define TOML_ENABLE_FORMATTERS 0
 #include <toml++/toml.h>
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -48,7 +51,7 @@ class Arguments {
   static bool holds_lists(const toml::array& array) { return !array.empty() && array.front().is_array(); }
 
   void run_through(const std::string& key, const toml::array& array) {
-    SweepAxis axis{key, {}};
+    loop::SweepAxis axis{key, {}};
     for (const toml::node& element : array) axis.values.push_back(text_of(key, element));
     if (axis.values.empty())
       throw InvalidArgument(path_ + ": " + line_of(array) + ": the list of '" + key + "' is empty");

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
-#include "command.hpp"
+#include "bouncelab/loop/settings.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace bouncelab::cli {
 
-/// What a TOML file says.
+/// The content of a TOML file of options.
 struct ConfigArguments {
   std::vector<std::string> arguments;  ///< to be put before those of the command line, which win
-  std::vector<SweepAxis> lists;        ///< lists for options that take one value: to be run through
+  std::vector<loop::SweepAxis> lists;  ///< lists for options that take one value: to be run through
 };
 
 /// A key is an option's name without dashes in front; '_' and '-' are the same. Keys stand at the top level or in a

@@ -67,4 +67,8 @@ using Matrix = std::vector<std::vector<double>>;
 /// value, standard error and the normal intervals value -+ 1 se, value -+ 1.96 se.
 Estimate normal_estimate(double value, double se);
 
+/// "0.98169 ± 0.00004": two digits of the standard error and as many decimals of the value; six significant digits of
+/// the value where there is no standard error (absent, not positive or not finite).
+std::string in_words(double value, std::optional<double> se);
+
 }  // namespace bouncelab::fit

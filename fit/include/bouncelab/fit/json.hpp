@@ -8,6 +8,7 @@
 namespace bouncelab::fit {
 
 /// fit.json: everything of a FitResult, numbers with 17 digits, null where a value is not known.
-std::string to_json(const FitResult& result);
+/// @param indent  spaces for each level
+std::string to_json(const FitResult& result, int indent = 1);
 
 }  // namespace bouncelab::fit

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/progress.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+
+namespace bouncelab::loop {
+
+/// How drops become sound: one recording each, all with the same gain and noise level.
+struct DropRecording {
+  synthesis::SynthesisConfig config;  ///< one channel; positions drawn, one for each drop
+  synthesis::Levels levels;
+  std::shared_ptr<const synthesis::Instrument> instrument;
+  /// The recordings are kept in this folder, which must exist, as BALL.0017.flac; files there are replaced. Absent:
+  /// they are not kept.
+  std::optional<std::filesystem::path> folder;
+};
+
+/// Gain and noise are chosen for the first drops (up to 40): the weakest impact of so many has the SNR of the
+/// configuration.
+/// @throws InvalidArgument where there is more than one channel
+DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Impacts& impacts);
+
+/// One drop: its true impact times and those detected in its sound.
+struct DropResult {
+  std::int64_t drop = 0;
+  std::vector<synthesis::TrueImpact> truth;
+  Onsets onsets;
+  double sound_s = 0.0;       ///< length of the recording
+  double synthesize_s = 0.0;  ///< processor time
+  double detect_s = 0.0;      ///< processor time
+};
+
+/// Synthesizes the sound of one drop and detects the impacts in it. A pure function of its arguments but for the
+/// recording kept.
+/// @param impacts  of this drop alone
+/// @param ball     names the recordings, BALL.0017.flac
+DropResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording);
+
+/// Takes each drop as soon as it is finished; called from any thread, from several at once.
+using DropSink = std::function<void(const DropResult&)>;
+
+/// All drops of a ball, in parallel, through memory.
+/// @param finished   drops that are not done again
+/// @param n_threads  0: all cores
+/// @param progress   in drops
+/// @return `finished` and the others, ordered by drop; the same for any number of threads
+std::vector<DropResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
+                                  std::vector<DropResult> finished, int n_threads, const DropSink& sink = {},
+                                  const ProgressCallback& progress = {});
+
+/// The detected onsets of all drops, one drop after the other.
+Onsets onsets_of(const std::vector<DropResult>& drops);
+/// The true times as onsets, recordings named as in `onsets_of`.
+Onsets true_onsets_of(const std::vector<DropResult>& drops, const std::string& ball);
+/// The truth with all its columns, recordings named likewise.
+Table truth_table_of(const std::vector<DropResult>& drops, const std::string& ball);
+
+/// A drop as one line of text (JSON) for a RunJournal, and back: bit by bit the same.
+std::string to_record(const std::string& ball, const DropResult& drop);
+struct NamedDrop {
+  std::string ball;
+  DropResult drop;
+};
+/// @throws InvalidArgument where the text is no such line
+NamedDrop drop_from_record(std::string_view record);
+
+}  // namespace bouncelab::loop

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/closed_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <functional>
+
+#include "bouncelab/core/parallel.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+double processor_time_s() {
+  std::timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Runs a stage and adds its wall and processor time.
+template <class Stage>
+void timed(LoopResult& loop, const std::string& name, const Stage& stage) {
+  using Clock = std::chrono::steady_clock;
+  const double start_s = processor_time_s();
+  const auto start = Clock::now();
+  stage();
+  loop.wall_s.emplace_back(name, std::chrono::duration<double>(Clock::now() - start).count());
+  loop.processor_s.emplace_back(name, processor_time_s() - start_s);
+}
+
+ProgressCallback callback(const StageProgress& progress, const std::string& label, const std::string& unit) {
+  return progress ? progress(label, unit) : ProgressCallback{};
+}
+
+/// The scatter of the simulation itself, without any measurement.
+RestitutionSamples direct_samples(const Impacts& impacts) {
+  RestitutionSamples samples;
+  samples.reserve(impacts.rows.size());
+  for (const Impact& impact : impacts.rows) {
+    RestitutionSample sample;
+    sample.drop = impact.drop;
+    sample.impact = impact.impact;
+    sample.t_s = impact.t_s;
+    sample.v_mps = impact.v_mps;
+    sample.eps = impact.eps_macro;
+    samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
+BallResult simulated(const std::string& name, const sim::SimulationConfig& config, const sim::Surface& surface,
+                     LoopResult& loop, const StageProgress& progress) {
+  sim::SimulationResult result = sim::simulate(config, surface, callback(progress, "simulate", "drops"));
+  if (config.with_state) {
+    loop.shares = sim::energy_shares(config.ball, result.impacts);
+    loop.energy = result.energy;
+  }
+  BallResult ball;
+  ball.name = name;
+  ball.impacts = std::move(result.impacts);
+  ball.impacts.states = {};
+  return ball;
+}
+
+void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgress& progress) {
+  sim::SimulationConfig simulation = loop.simulation;
+  simulation.with_state = true;
+  if (config.surface) {
+    loop.rough = simulated("rough", simulation, *config.surface, loop, progress);
+  } else {
+    const sim::Surface drawn = sim::make_surface(simulation.ball, config.n_asperities, config.radius_law,
+                                                 simulation.seed, callback(progress, "surface", "asperities"));
+    loop.rough = simulated("rough", simulation, drawn, loop, progress);
+  }
+  if (!config.with_smooth_ball) return;
+  simulation.with_state = false;
+  simulation.n_drops = std::max<std::int64_t>(1, simulation.n_drops / kRoughDropsPerSmoothDrop);
+  loop.smooth = simulated("smooth", simulation, sim::Surface{}, loop, progress);
+}
+
+void record_and_detect(BallResult& ball, const DropRecording& recording, std::vector<DropResult> finished,
+                       int n_threads, RunJournal* journal, const StageProgress& progress) {
+  DropSink sink;
+  if (journal != nullptr) sink = [&](const DropResult& drop) { journal->append(to_record(ball.name, drop)); };
+  ball.drops = run_drops(ball.impacts, ball.name, recording, std::move(finished), n_threads, sink,
+                         callback(progress, "synthesize and detect the " + ball.name + " ball", "drops"));
+  ball.score = detection::score_onsets(true_onsets_of(ball.drops, ball.name), onsets_of(ball.drops));
+}
+
+const char* const kSound = "sound";
+
+/// Synthesis and detection are one pass over the drops; the drops' own clocks tell their shares of processor time.
+void split_sound_stage(LoopResult& loop) {
+  double synthesize_s = 0.0, detect_s = 0.0;
+  for (const BallResult* ball : {&loop.rough, &loop.smooth})
+    for (const DropResult& drop : ball->drops) {
+      synthesize_s += drop.synthesize_s;
+      detect_s += drop.detect_s;
+    }
+  auto& stages = loop.processor_s;
+  const auto sound = std::find_if(stages.begin(), stages.end(), [](const auto& s) { return s.first == kSound; });
+  *sound = {"synthesize", synthesize_s};
+  stages.insert(sound + 1, {"detect", detect_s});
+}
+
+void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
+  const auto samples_of = [&](const Onsets& onsets) {
+    return fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples;
+  };
+  fit::FitConfig fit_config;
+  fit_config.law.node_speeds_mps = config.node_speeds_mps;
+  fit_config.budget = budget_config_of(loop.simulation);
+  loop.samples_direct = direct_samples(loop.rough.impacts);
+  loop.samples_true = samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
+  loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
+  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result) {
+    result = fit::fit_all(samples, fit_config);
+  };
+  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, 4.0);
+  std::vector<std::function<void()>> fits{[&] { fit(loop.samples_sound, loop.sound); },
+                                          [&] { fit(loop.samples_true, loop.true_times); },
+                                          [&] { fit(loop.samples_direct, loop.direct); }};
+  if (!loop.smooth.drops.empty())
+    fits.emplace_back([&] { fit(samples_of(onsets_of(loop.smooth.drops)), loop.smooth_sound); });
+  parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
+}
+
+}  // namespace
+
+void FinishedDrops::add(std::string_view record) {
+  NamedDrop named = drop_from_record(record);
+  (named.ball == "smooth" ? smooth : rough).push_back(std::move(named.drop));
+}
+
+LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, FinishedDrops finished,
+                    RunJournal* journal) {
+  LoopResult loop;
+  loop.simulation = config.simulation;
+  loop.simulation.n_threads = config.n_threads;
+  timed(loop, "simulate", [&] { simulate_balls(config, loop, progress); });
+  timed(loop, kSound, [&] {
+    DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
+    recording.folder = config.sound_folder;
+    record_and_detect(loop.rough, recording, std::move(finished.rough), config.n_threads, journal, progress);
+    if (config.with_smooth_ball)
+      record_and_detect(loop.smooth, recording, std::move(finished.smooth), config.n_threads, journal, progress);
+  });
+  split_sound_stage(loop);
+  timed(loop, "restitution_and_fit", [&] { fit_everything(loop, config, progress); });
+  return loop;
+}
+
+fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation) {
+  fit::RestitutionConfig config;
+  config.gravity_mps2 = simulation.gravity_mps2;
+  config.ball = simulation.ball;
+  return config;
+}
+
+fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
+  fit::BudgetConfig budget;
+  budget.ball = simulation.ball;
+  budget.gravity_mps2 = simulation.gravity_mps2;
+  if (simulation.air) budget.air = *simulation.air;
+  budget.drag = simulation.air ? fit::Effect::present : fit::Effect::absent;
+  budget.contact_time = budget.travel_time = fit::Effect::absent;
+  return budget;
+}
+
+double sound_s(const LoopResult& loop) {
+  double sum = 0.0;
+  for (const BallResult* ball : {&loop.rough, &loop.smooth})
+    for (const DropResult& drop : ball->drops) sum += drop.sound_s;
+  return sum;
+}
+
+}  // namespace bouncelab::loop

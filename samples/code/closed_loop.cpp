@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The closed loop, stage by stage: impact times -> sound -> impact times -> constants. bouncelab::loop::run_loop does
+// the same in one call, in parallel.
+#include <bouncelab/acoustic/acoustic.hpp>
+#include <bouncelab/fit/fit.hpp>
+#include <bouncelab/loop/loop.hpp>
+#include <bouncelab/sim/sim.hpp>
+#include <cstdio>
+
+int main() {
+  using namespace bouncelab;
+
+  // simulate: 8 drops of the paper's ball with 10,000 asperities
+  sim::SimulationConfig experiment;
+  experiment.n_drops = 8;
+  const sim::Surface surface = sim::make_surface(experiment.ball, 10'000, sim::UniformRadii{}, experiment.seed);
+  const Impacts impacts = sim::simulate(experiment, surface).impacts;
+
+  // synthesize: one recording of a glass plate, piezo sensor, 96 kHz, signal-to-noise ratio 30 dB
+  const synthesis::SynthesisConfig sound;
+  const synthesis::SyntheticRecording recording(impacts, sound);
+  const std::vector<float> samples = audio::as_read_back(recording.samples(), sound.encoding);
+
+  // detect: the detector is given the samples and their rate, nothing else
+  const Onsets onsets = detection::detect(samples, sound.rate_hz, "loop").onsets;
+  const Onsets truth = synthesis::onsets_of_truth(recording.truth(), "loop");
+  const detection::OnsetScore score = detection::score_onsets(truth, onsets);
+  std::printf("%zu impacts, %zu found, %zu missed, %zu invented, time error %.2g us rms\n", score.n_true, score.n_found,
+              score.n_missed, score.n_invented, 1e6 * score.rms_s.value_or(0.0));
+
+  // restitution and fit: eps(v) beside the law that was simulated
+  const RestitutionSamples eps = fit::restitution_samples(onsets, {}).samples;
+  const fit::FitResult fit = fit::fit_all(eps, {});
+  for (const fit::NodeEstimate& node : fit.law.nodes)
+    std::printf("eps(%.2f m/s) = %s, truth %.6f, pull %.2f\n", node.v_mps,
+                fit::in_words(node.eps.value, node.eps.se).c_str(), restitution(experiment.law, node.v_mps),
+                (node.eps.value - restitution(experiment.law, node.v_mps)) / node.eps.se.value_or(1.0));
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/closed_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <set>
+
+#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/fit/json.hpp"
+#include "bouncelab/loop/loop_score.hpp"
+#include "bouncelab/loop/paper_experiment.hpp"
+#include "short_loop.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+TEST(ClosedLoop, WhatWentInComesOutWithinTheErrorsStated) {
+  LoopConfig config = short_loop(4, 80);
+  const LoopResult loop = run_loop(config);
+  EXPECT_EQ(loop.rough.score.n_true, 4u * 80u);
+  EXPECT_GE(loop.rough.score.n_found, 4u * 80u * 99u / 100u);
+  EXPECT_LE(loop.rough.score.n_invented, 3u);
+  EXPECT_TRUE(loop.smooth.drops.empty());
+  const LoopScore score =
+      score_loop(loop.rough.drops.size(), loop.rough.score, loop.simulation.law, loop.true_times, loop.sound);
+  ASSERT_EQ(score.nodes.size(), 3u);
+  for (const ComparedNode& node : score.nodes) {
+    ASSERT_TRUE(node.eps.from_sound && node.eps.from_sound->se);
+    // 4 standard errors: three nodes, one fixed seed
+    EXPECT_NEAR(node.eps.from_sound->value, node.truth, 4.0 * *node.eps.from_sound->se) << node.v_mps;
+  }
+}
+
+TEST(ClosedLoop, IsTheSameForAnyNumberOfThreads) {
+  LoopConfig config = short_loop(3, 40);
+  config.with_smooth_ball = true;
+  config.n_threads = 1;
+  const LoopResult one = run_loop(config);
+  config.n_threads = 3;
+  const LoopResult three = run_loop(config);
+  EXPECT_EQ(to_json(one.sound), to_json(three.sound));
+  EXPECT_EQ(to_json(one.true_times), to_json(three.true_times));
+  EXPECT_EQ(to_json(one.direct), to_json(three.direct));
+  EXPECT_EQ(to_json(one.smooth_sound), to_json(three.smooth_sound));
+  EXPECT_EQ(one.rough.score.rms_s, three.rough.score.rms_s);
+}
+
+TEST(ClosedLoop, StagesReportTheirProgressAndMayBeInterrupted) {
+  std::set<std::string> stages;
+  run_loop(short_loop(2, 10), [&](const std::string& label, const std::string&) {
+    stages.insert(label);
+    return ProgressCallback{};
+  });
+  EXPECT_EQ(stages, (std::set<std::string>{"surface", "simulate", "synthesize and detect the rough ball", "fit"}));
+  const StageProgress stop = [](const std::string& label, const std::string&) -> ProgressCallback {
+    if (label == "simulate") return {};
+    return [](double, double) { throw Interrupted(); };
+  };
+  LoopConfig config = short_loop(2, 10);
+  config.surface = sim::Surface{};
+  EXPECT_THROW(run_loop(config, stop), Interrupted);
+}
+
+TEST(ClosedLoop, ContinuesFromItsJournal) {
+  namespace fs = std::filesystem;
+  const fs::path path = fs::path(testing::TempDir()) / ("bouncelab_loop_journal_" + std::to_string(::getpid()));
+  const RunIdentity identity{{"loop", "short"}};
+  const LoopConfig config = short_loop(3, 40);
+  RunJournal first(path, identity, {});
+  const LoopResult whole = run_loop(config, {}, {}, &first);
+  FinishedDrops finished;
+  for (const DropResult& drop : whole.rough.drops)
+    if (drop.drop != 1) finished.add(to_record("rough", drop));
+  EXPECT_EQ(finished.rough.size(), 2u);
+  const LoopResult continued = run_loop(config, {}, finished);
+  EXPECT_EQ(to_json(continued.sound), to_json(whole.sound));
+  first.remove();
+}
+
+TEST(PaperExperiment, SaysNothingOfASmoothBallThatWasNotThere) {
+  LoopConfig config = short_loop(4, 60);
+  EXPECT_EQ(paper_result(run_loop(config)).conclusions.size(), 4u);
+  config.with_smooth_ball = true;
+  EXPECT_EQ(paper_result(run_loop(config)).conclusions.size(), 5u);
+}
+
+}  // namespace
+}  // namespace bouncelab::loop

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/sweep.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+/// A loop with 100 impacts, eps(0.6 m/s) and slopes at 0.6 m/s as given for the sound; 0.97 and 500 from true times.
+LoopResult loop_with(std::size_t n_found, std::size_t n_invented, double eps, double slope) {
+  const auto fit = [](double eps_value, double slope_value) {
+    fit::FitResult result;
+    result.law.nodes = {{0.6, fit::normal_estimate(eps_value, 1e-3)}};
+    fit::HistogramFit window;
+    window.v_mps = 0.6;
+    window.slope_rising = window.slope_falling = fit::normal_estimate(slope_value, 10.0);
+    result.histograms = {window};
+    return result;
+  };
+  LoopResult loop;
+  loop.rough.score.n_true = 100;
+  loop.rough.score.n_found = n_found;
+  loop.rough.score.n_missed = 100 - n_found;
+  loop.rough.score.n_invented = n_invented;
+  loop.true_times = fit(0.97, 500.0);
+  loop.sound = fit(eps, slope);
+  return loop;
+}
+
+std::string failure(const LoopResult& loop) { return sweep_point({}, loop, {0.6}).failure; }
+
+TEST(Sweeps, RunThroughEveryCombinationTheLastAxisFastest) {
+  const auto all = combinations({{"radius-law", {"a", "b"}}, {"snr-db", {"10", "20", "30"}}});
+  ASSERT_EQ(all.size(), 6u);
+  EXPECT_EQ(text_of(all[0]), "radius-law a, snr-db 10");
+  EXPECT_EQ(text_of(all[1]), "radius-law a, snr-db 20");
+  EXPECT_EQ(text_of(all[5]), "radius-law b, snr-db 30");
+  EXPECT_EQ(combinations({}).size(), 1u);
+}
+
+TEST(Sweeps, JudgeAPointByWhatFailsFirst) {
+  EXPECT_EQ(failure(loop_with(0, 0, 0.97, 500)), "nothing found");
+  EXPECT_EQ(failure(loop_with(98, 0, 0.97, 500)), "impacts missed");
+  EXPECT_EQ(failure(loop_with(100, 2, 0.97, 500)), "impacts invented");
+  EXPECT_EQ(failure(loop_with(99, 1, 0.9711, 500)), "eps(0.6 m/s) moved by more than its standard error");
+  EXPECT_EQ(failure(loop_with(99, 1, 0.9709, 560)), "slopes at 0.6 m/s moved by more than a tenth");
+  EXPECT_EQ(failure(loop_with(99, 1, 0.9709, 540)), "");
+  LoopResult no_law = loop_with(100, 0, 0.97, 500);
+  no_law.sound.law.nodes.clear();
+  EXPECT_EQ(failure(no_law), "no law");
+}
+
+TEST(Sweeps, APointComesBackFromItsRecordBitByBit) {
+  SweepPoint point = sweep_point({{"snr-db", "10"}}, loop_with(99, 1, 1.0 / 3.0, 500), {0.6});
+  const NumberedPoint back = point_from_record(to_record(7, point));
+  EXPECT_EQ(back.index, 7u);
+  EXPECT_EQ(back.point.settings, point.settings);
+  EXPECT_EQ(back.point.failure, point.failure);
+  ASSERT_EQ(back.point.values.size(), point.values.size());
+  for (std::size_t k = 0; k < point.values.size(); ++k) {
+    EXPECT_EQ(back.point.values[k].name, point.values[k].name);
+    EXPECT_EQ(back.point.values[k].value, point.values[k].value) << point.values[k].name;
+    EXPECT_EQ(back.point.values[k].is_count, point.values[k].is_count);
+  }
+  EXPECT_THROW(point_from_record("{}"), InvalidArgument);
+}
+
+TEST(Sweeps, AsATableHaveAColumnForEachSettingAndNumber) {
+  const SweepPoint found = sweep_point({{"snr-db", "30"}}, loop_with(100, 0, 0.97, 500), {0.6});
+  const SweepPoint lost = sweep_point({{"snr-db", "0"}}, loop_with(0, 0, 0.97, 500), {0.6});
+  const Table table = to_table(std::vector<SweepPoint>{found, lost});
+  EXPECT_EQ(*table.texts("snr_db"), (std::vector<std::string>{"30", "0"}));
+  EXPECT_EQ((*table.reals("recall"))[0], 1.0);
+  EXPECT_TRUE(std::isnan((*table.reals("precision"))[1]));  // of nothing found
+  EXPECT_EQ(*table.texts("trouble"), (std::vector<std::string>{"", "nothing found"}));
+}
+
+}  // namespace
+}  // namespace bouncelab::loop

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "commands/paper_loop.hpp"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "bouncelab/fit/json.hpp"
+#include "bouncelab/loop/loop_score.hpp"
+#include "bouncelab/loop/paper_experiment.hpp"
+#include "commands/report_command.hpp"
+#include "files/table_file.hpp"
+#include "json/loop_json.hpp"
+#include "loop_text.hpp"
+#include "progress_line.hpp"
+#include "stage_clock.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kOutputs{"impacts.csv",
+                                        "truth.csv",
+                                        "onsets.csv",
+                                        "samples.csv",
+                                        "samples_from_true_times.csv",
+                                        "fit.json",
+                                        "fit_from_true_times.json",
+                                        "fit_from_simulation.json",
+                                        "fit_smooth_ball.json",
+                                        "paper.json",
+                                        "summary.json",
+                                        "report.html"};
+
+double peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
+  write_table(run, folder / "impacts.csv", to_table(loop.rough.impacts));
+  write_table(run, folder / "truth.csv", truth_table_of(loop.rough.drops, loop.rough.name));
+  write_table(run, folder / "onsets.csv", to_table(onsets_of(loop.rough.drops)));
+  write_table(run, folder / "samples.csv", to_table(loop.samples_sound));
+  write_table(run, folder / "samples_from_true_times.csv", to_table(loop.samples_true));
+}
+
+void write_fits(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
+  write_text(run, folder / "fit.json", to_json(loop.sound), {folder / "samples.csv"});
+  write_text(run, folder / "fit_from_true_times.json", to_json(loop.true_times),
+             {folder / "samples_from_true_times.csv"});
+  write_text(run, folder / "fit_from_simulation.json", to_json(loop.direct), {folder / "impacts.csv"});
+  write_text(run, folder / "fit_smooth_ball.json", to_json(loop.smooth_sound));
+}
+
+/// Wall and processor time of the loop's stages, then of those that followed, which one thread did.
+LoopWork work_of(const loop::LoopResult& loop, const SecondsByStage& later_s) {
+  LoopWork work{loop::sound_s(loop), loop.wall_s, loop.processor_s, peak_memory_bytes()};
+  work.wall_s.insert(work.wall_s.end(), later_s.begin(), later_s.end());
+  work.processor_s.insert(work.processor_s.end(), later_s.begin(), later_s.end());
+  return work;
+}
+
+loop::LoopResult run_journaled(const LoopOptions& options, const Run& run, loop::FinishedDrops finished,
+                               loop::RunJournal& journal) {
+  loop::LoopConfig config = loop_config(options, run.common);
+  config.surface = surface_from_file(options.simulate, config.simulation.ball);
+  config.with_smooth_ball = true;
+  if (config.sound_folder) fs::create_directories(*config.sound_folder);
+  return loop::run_loop(config, stage_progress(run), std::move(finished), &journal);
+}
+
+}  // namespace
+
+Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
+  const fs::path folder = options.out;
+  const OutputFolder output_folder(folder);
+  loop::FinishedDrops finished;
+  const auto journal = open_journal(folder, kOutputs, loop_identity(options, run), run,
+                                    [&](std::string_view record) { finished.add(record); });
+  const loop::LoopResult result = run_journaled(options, run, std::move(finished), *journal);
+
+  StageClock clock;
+  const Run own = replacing(run);  // what lies in the folder is this run's own
+  const loop::LoopScore score = loop::score_loop(result.rough.drops.size(), result.rough.score, result.simulation.law,
+                                                 result.true_times, result.sound);
+  const loop::PaperResult paper = loop::paper_result(result);
+  const auto write_summary = [&](const std::string& text) {
+    write_text(own, folder / "summary.json", text + "\n", {folder / "onsets.csv", folder / "fit.json"});
+  };
+  clock.time("write", [&] {
+    write_tables(result, folder, own);
+    write_fits(result, folder, own);
+    write_text(own, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
+    write_summary(loop_summary_json(score, {}, result.sound.warnings));
+  });
+  const Outcome shown = clock.time("report", [&] {
+    return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, own);
+  });
+  // times and memory differ from run to run: they go into the summary alone, when everything else is written
+  const LoopWork work = work_of(result, clock.seconds());
+  Outcome outcome;
+  outcome.json = loop_summary_json(score, {}, result.sound.warnings, work);
+  write_summary(outcome.json);
+  journal->remove();
+  outcome.warnings = result.sound.warnings;
+  outcome.text = loop_text(score, {}) + paper_text(paper) + work_text(work, score.onsets.n_true) + shown.text;
+  if (!fit::usable(result.sound)) {
+    outcome.exit_code = kNotUsable;
+    outcome.error = "the detected times give no law: " + result.sound.law.message;
+  }
+  return outcome;
+}
+
+}  // namespace bouncelab::cli

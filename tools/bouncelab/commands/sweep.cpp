@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "commands/sweep.hpp"
+
+#include <filesystem>
+#include <map>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/loop/sweep.hpp"
+#include "commands/report_command.hpp"
+#include "files/table_file.hpp"
+#include "json/loop_json.hpp"
+#include "loop_text.hpp"
+#include "options/commands.hpp"
+#include "progress_line.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kOutputs{"sweep.csv", "sweep.json", "report.html"};
+
+/// The loop's configuration with these settings, but for a surface from a file.
+/// @throws InvalidArgument naming the settings
+ParsedLoop parsed(const Run& run, const loop::Settings& settings) {
+  std::vector<std::string> arguments = run.arguments;
+  for (const auto& [option, value] : settings) arguments.push_back("--" + option + "=" + value);
+  try {
+    ParsedLoop loop = parse_loop(arguments);
+    loop_config(loop.options, loop.common);
+    return loop;
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument("sweep, " + loop::text_of(settings) + ": " + error.what());
+  }
+}
+
+loop::SweepPoint run_point(const loop::Settings& settings, const ParsedLoop& parsed) {
+  loop::LoopConfig config = loop_config(parsed.options, parsed.common);
+  config.surface = surface_from_file(parsed.options.simulate, config.simulation.ball);
+  return loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps);
+}
+
+}  // namespace
+
+Outcome run_sweep(const LoopOptions& options, const Run& run) {
+  const fs::path folder = options.out;
+  const std::vector<loop::Settings> all = loop::combinations(run.sweep);
+  std::vector<ParsedLoop> loops;
+  for (const loop::Settings& settings : all) loops.push_back(parsed(run, settings));  // errors come before the work
+
+  const OutputFolder output_folder(folder);
+  std::map<std::size_t, loop::SweepPoint> finished;
+  const auto journal = open_journal(folder, kOutputs, loop_identity(options, run), run, [&](std::string_view record) {
+    loop::NumberedPoint numbered = loop::point_from_record(record);
+    finished[numbered.index] = std::move(numbered.point);
+  });
+
+  const ProgressCallback progress = progress_line(run, "sweep", "points");
+  std::vector<loop::SweepPoint> points;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    progress(static_cast<double>(k), static_cast<double>(all.size()));
+    if (finished.count(k) == 0) {
+      finished[k] = run_point(all[k], loops[k]);
+      journal->append(to_record(k, finished[k]));
+    }
+    points.push_back(finished[k]);
+  }
+
+  const Run own = replacing(run);  // what lies in the folder is this run's own
+  write_table(own, folder / "sweep.csv", to_table(points));
+  write_text(own, folder / "sweep.json", sweep_json(run.sweep, points, 1) + "\n");
+  const Outcome shown = run_report({folder, folder / "report.html", "Sweep: results for each combination"}, own);
+  journal->remove();
+  return {kDone, sweep_json(run.sweep, points, 2), sweep_text(points) + shown.text, {}, ""};
+}
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Results of closed loops as JSON text.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/loop/loop.hpp"
+
+namespace bouncelab::cli {
+
+using SecondsByStage = std::vector<std::pair<std::string, double>>;
+
+/// What a loop through memory cost.
+struct LoopWork {
+  double sound_s = 0.0;
+  SecondsByStage wall_s, processor_s;
+  double peak_memory_bytes = 0.0;
+};
+
+/// summary.json of `loop`.
+/// @param seconds  by stage, of a loop through files
+/// @param work     of a loop through memory, in place of `seconds`
+std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
+                              const std::vector<std::string>& warnings, const std::optional<LoopWork>& work = {});
+/// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
+/// against speed; energy shares against bounce number.
+std::string paper_json(const loop::LoopResult& loop, const loop::PaperResult& paper);
+/// sweep.json
+/// @param indent  spaces for each level
+std::string sweep_json(const std::vector<loop::SweepAxis>& axes, const std::vector<loop::SweepPoint>& points,
+                       int indent);
+
+}  // namespace bouncelab::cli

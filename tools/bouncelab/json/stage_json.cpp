@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "json/stage_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace bouncelab::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const sim::SimulationResult& result) {
+  const sim::EnergyLedger& energy = result.energy;
+  const auto ended = [&](sim::DropEnd end) { return result.n_ended[static_cast<std::size_t>(end)]; };
+  return {{"n_impacts", result.impacts.rows.size()},
+          {"n_impacts_smooth_sphere", result.n_smooth},
+          {"n_drops_ended",
+           {{"impacts", ended(sim::DropEnd::impacts_reached)},
+            {"speed", ended(sim::DropEnd::speed_reached)},
+            {"time", ended(sim::DropEnd::time_reached)},
+            {"left_plate", ended(sim::DropEnd::left_plate)}}},
+          {"energy_released_j", energy.released_j},
+          {"energy_remaining_j", energy.remaining_j},
+          {"energy_dissipated_j", energy.dissipated_j},
+          {"energy_created_j", energy.created_j},
+          {"energy_drag_j", energy.drag_j},
+          {"energy_gained_vertical_j", energy.gained_impact_j.vertical_j},
+          {"energy_gained_horizontal_j", energy.gained_impact_j.horizontal_j},
+          {"energy_gained_rotational_j", energy.gained_impact_j.rotational_j},
+          {"energy_closure", energy.closure()},
+          {"n_impacts_creating_energy", energy.n_creating}};
+}
+
+Json json_of(const synthesis::SynthesisResult& result) {
+  return {{"n_impacts", result.n_impacts},
+          {"n_other_sounds", result.n_other_sounds},
+          {"n_modes", result.n_modes},
+          {"n_files", result.n_files},
+          {"duration_s", result.duration_s},
+          {"noise_rms", result.levels.noise_rms},
+          {"weakest_peak", result.levels.weakest_peak},
+          {"gain", result.levels.gain}};
+}
+
+const char* word(detection::DetectionStatus status) {
+  switch (status) {
+    case detection::DetectionStatus::ok:
+      return "ok";
+    case detection::DetectionStatus::too_few_impacts:
+      return "too_few_impacts";
+    case detection::DetectionStatus::silent:
+      return "silent";
+    case detection::DetectionStatus::unreadable:
+      return "unreadable";
+  }
+  return "?";
+}
+
+Json json_of(const std::string& recording, const detection::Detection& d) {
+  const detection::RecordingSummary& s = d.summary;
+  return {{"recording", recording},
+          {"status", word(d.status)},
+          {"message", d.message},
+          {"n_onsets", d.onsets.size()},
+          {"n_drops", s.n_drops},
+          {"n_candidates", s.n_candidates},
+          {"rate_hz", s.rate_hz},
+          {"n_channels", s.n_channels},
+          {"channel", s.channel},
+          {"channel_reason", s.channel_reason},
+          {"duration_s", s.duration_s},
+          {"noise_rms", s.noise_rms},
+          {"eps_median", s.restitution_median ? Json(*s.restitution_median) : Json(nullptr)},
+          {"contact_time_at_1_mps_s", s.contact_time_at_1_mps_s ? Json(*s.contact_time_at_1_mps_s) : Json(nullptr)},
+          {"contact_time_sigma_s", s.contact_time_sigma_s ? Json(*s.contact_time_sigma_s) : Json(nullptr)},
+          {"warnings", d.warnings}};
+}
+
+Json recordings_json(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found) {
+  Json all = Json::array();
+  for (std::size_t k = 0; k < found.size(); ++k) all.push_back(json_of(recordings[k], found[k]));
+  return all;
+}
+
+Json json_of(const fit::RestitutionCounts& counts) {
+  Json breaks = Json::object();
+  for (const auto& [reason, n] : counts.breaks) breaks[std::string(name_of(reason))] = n;
+  return {{"n_onsets", counts.n_onsets},
+          {"n_drops", counts.n_drops},
+          {"n_samples", counts.n_samples},
+          {"n_flagged", counts.n_flagged},
+          {"eps_median", counts.eps_median ? Json(*counts.eps_median) : Json(nullptr)},
+          {"breaks", breaks}};
+}
+
+Json json_of(const fit::CalibrationResult& result) {
+  Json rows = Json::array();
+  for (const fit::CalibrationRow& r : result.rows)
+    rows.push_back({{"name", r.name},
+                    {"truth", r.truth},
+                    {"cramer_rao", r.cramer_rao},
+                    {"spread", r.spread},
+                    {"mean_se", r.mean_se},
+                    {"pull_mean", r.pull_mean},
+                    {"pull_sd", r.pull_sd},
+                    {"coverage68", r.coverage68},
+                    {"coverage95", r.coverage95}});
+  return {{"rows", rows}, {"n_failed", result.n_failed}};
+}
+
+}  // namespace
+
+std::string simulate_json(const sim::SimulationResult& result) { return json_of(result).dump(2); }
+
+std::string synthesize_json(const synthesis::SynthesisResult& result) { return json_of(result).dump(2); }
+
+std::string detect_json(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found) {
+  std::size_t n_onsets = 0;
+  for (const detection::Detection& d : found) n_onsets += d.onsets.size();
+  return Json{{"n_onsets", n_onsets}, {"recordings", recordings_json(recordings, found)}}.dump(2);
+}
+
+std::string convert_json(std::size_t n_onsets, std::size_t n_by_hand) {
+  return Json{{"n_onsets", n_onsets}, {"n_by_hand", n_by_hand}}.dump(2);
+}
+
+std::string restitution_json(const fit::RestitutionCounts& counts) { return json_of(counts).dump(2); }
+
+std::string calibrate_json(const fit::CalibrationResult& result) { return json_of(result).dump(2); }
+
+std::string report_json(const std::string& report) { return Json{{"report", report}}.dump(2); }
+
+std::string analyze_json(const AnalyzeSummary& summary) {
+  Json json = json_of(summary.counts);  // counts of onsets, drops and samples, median eps
+  json["recordings"] = recordings_json(summary.recordings, summary.found);
+  json["seconds"] = Json::object();
+  for (const auto& [stage, seconds] : summary.seconds) json["seconds"][stage] = seconds;
+  json["warnings"] = summary.warnings;
+  return json.dump(2);
+}
+
+}  // namespace bouncelab::cli

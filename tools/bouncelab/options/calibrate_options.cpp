@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "commands/calibrate_command.hpp"
+#include "options/commands.hpp"
+
+namespace bouncelab::cli {
+
+Command add_calibrate_command(CLI::App& app) {
+  auto options = std::make_shared<CalibrateOptions>();
+  CLI::App* command =
+      app.add_subcommand("calibrate",
+                         "Calibration of the fit: pulls, coverage and the Cramer-Rao bound on samples drawn from the "
+                         "paper's law\n"
+                         "Example: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4");
+  fit::CalibrationConfig& c = options->config;
+  command->add_option("--samples", c.n_samples, "Samples per seed")->check(CLI::Range(100, 100000000));
+  command->add_option("--seeds", c.n_seeds, "Seeds")->check(CLI::Range(2, 1000000));
+  command->add_option("--below", c.below_at_1mps, "Mean distance below the peak at 1 m/s; goes as 1/v")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--above", c.above_at_1mps, "Mean distance above the peak at 1 m/s")->check(CLI::PositiveNumber);
+  command->add_option("--timing", c.sigma_eps_at_1mps, "Timing error of eps at 1 m/s; 8.7e-4 doubles the width")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--covariance-intervals", options->covariance_intervals, "Faster: no profile likelihood");
+  return {command, [options](Run& run) { return run_calibrate(*options, run); }};
+}
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Registration of the commands: each adds its options to the parser and says what runs when it was named.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands/loop_command.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace bouncelab::cli {
+
+/// A command as main knows it.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<Outcome(Run&)> run;
+};
+
+Command add_simulate_command(CLI::App& app);
+Command add_synthesize_command(CLI::App& app);
+Command add_detect_command(CLI::App& app);
+Command add_convert_command(CLI::App& app);
+Command add_restitution_command(CLI::App& app);
+Command add_fit_command(CLI::App& app);
+Command add_report_command(CLI::App& app);
+Command add_calibrate_command(CLI::App& app);
+Command add_analyze_command(CLI::App& app);
+Command add_loop_command(CLI::App& app);
+
+/// A command line of `loop` on its own.
+struct ParsedLoop {
+  LoopOptions options;
+  CommonOptions common;
+};
+/// @param arguments  those after the command's name
+/// @throws InvalidArgument saying what is wrong with them
+ParsedLoop parse_loop(const std::vector<std::string>& arguments);
+
+}  // namespace bouncelab::cli

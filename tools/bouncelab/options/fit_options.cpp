@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+
+#include "commands/fit_command.hpp"
+#include "options/commands.hpp"
+#include "options/stage_options.hpp"
+
+namespace bouncelab::cli {
+
+void add_fit_options(CLI::App& app, FitOptions& options) {
+  app.add_option("--nodes", options.config.law.node_speeds_mps,
+                 "Speeds at which eps(v) is reported, m/s; default 0.25 0.6 1.2, or within the data")
+      ->check(CLI::PositiveNumber)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
+      ->check(CLI::Range(2, 10))
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--law-kind", options.config.law.kind, "series, viscoelastic or constant")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, fit::LawKind>{{"series", fit::LawKind::series},
+                                                                      {"viscoelastic", fit::LawKind::viscoelastic},
+                                                                      {"constant", fit::LawKind::constant}}))
+      ->default_str("series");
+  app.add_option("--method", options.config.law.method,
+                 "asymmetric-laplace (eps(v) is the peak), least-squares (the mean) or least-absolute (the median)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, fit::LawMethod>{{"asymmetric-laplace", fit::LawMethod::asymmetric_laplace},
+                                                {"least-squares", fit::LawMethod::least_squares},
+                                                {"least-absolute", fit::LawMethod::least_absolute}}))
+      ->default_str("asymmetric-laplace");
+  app.add_option("--bootstrap", options.config.law.n_bootstrap, "Replicates of the bootstrap by drop, 0 = none")
+      ->check(CLI::Range(0, 100000));
+  app.add_option("--goodness-replicates", options.config.n_goodness,
+                 "Replicates of the Anderson-Darling test, 0 = none")
+      ->check(CLI::Range(0, 100000));
+  app.add_option("--hand-off-speed", options.config.dem_speed_mps,
+                 "Speed of the constant eps for DEM codes, m/s; default the middle node")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--windows", options.config.histograms.centres_mps, "Centres of the histograms' windows of speed, m/s")
+      ->check(CLI::PositiveNumber)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--window-width", options.config.histograms.width_mps,
+                 "Width of the histograms' windows, m/s; 0: chosen by the number of samples")
+      ->check(CLI::NonNegativeNumber);
+}
+
+Command add_fit_command(CLI::App& app) {
+  auto options = std::make_shared<FitOptions>();
+  CLI::App* command = app.add_subcommand("fit",
+                                         "The law eps(v) and the histograms p(eps) from coefficients of restitution\n"
+                                         "Example: bouncelab fit samples.csv --out fit.json");
+  command->add_option("samples", options->samples, "Samples; columns v_mps and eps are enough")->required();
+  command->add_option("--out", options->out, "Results, .json")->required();
+  command->add_option("--table", options->table, "Also the law as a table v_mps, eps, lo95, hi95");
+  add_fit_options(*command, *options);
+  return {command, [options](Run& run) { return run_fit(*options, run).outcome; }};
+}
+
+}  // namespace bouncelab::cli

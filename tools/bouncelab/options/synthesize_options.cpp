@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "bouncelab/synthesis/hard_cases.hpp"
+#include "commands/synthesize_command.hpp"
+#include "options/commands.hpp"
+#include "options/stage_options.hpp"
+
+namespace bouncelab::cli {
+
+namespace {
+
+std::string hard_case_help() {
+  std::string help = "A recording in which impacts are hard to detect:";
+  for (const synthesis::HardCase& hard : synthesis::hard_cases()) help += "\n  " + hard.name + ": " + hard.what;
+  return help;
+}
+
+void add_disturbance_options(CLI::App& app, synthesis::Disturbances& d) {
+  const auto not_negative = CLI::NonNegativeNumber;
+  const char* group = "Disturbances (levels in units of the weakest wanted impact's peak)";
+  app.add_option("--hum", d.hum_level, "Mains hum with harmonics")->check(not_negative)->group(group);
+  app.add_option("--hum-hz", d.hum_hz, "Mains frequency [Hz]")->check(CLI::Range(1.0, 1000.0))->group(group);
+  app.add_option("--drift", d.drift_level, "Slow drift of the zero line")->check(not_negative)->group(group);
+  app.add_option("--clicks", d.clicks_per_s, "Electric clicks [1/s]")->check(not_negative)->group(group);
+  app.add_option("--knocks", d.knocks_per_s, "Knocks of a second object [1/s]")->check(not_negative)->group(group);
+  app.add_option("--double-hits", d.double_hit_fraction, "Share of impacts followed by a knock within 12 ms")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(group);
+  app.add_flag("--robot", d.robot_cycle, "Release click, fan, motors and pick-up; needs --pause 2 or more")
+      ->group(group);
+  app.add_option("--timbre-wander", d.timbre_wander, "Standard deviation of ln(mode amplitude) between impacts")
+      ->check(CLI::Range(0.0, 3.0))
+      ->group(group);
+  app.add_option("--phase-wander", d.phase_wander_rad, "Standard deviation of mode phases between impacts [rad]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->group(group);
+}
+
+}  // namespace
+
+void add_synthesize_options(CLI::App& app, SynthesizeOptions& o) {
+  synthesis::SynthesisConfig& c = o.config;
+  const auto not_negative = CLI::NonNegativeNumber;
+  app.add_option("--ground", o.ground, "Plate that the ball falls on")
+      ->check(CLI::IsMember({"glass", "sic", "vitreloy"}));
+  app.add_option("--sensor", o.sensor, "Sensor")->check(CLI::IsMember({"piezo", "microphone"}));
+  app.add_option("--channel", o.channels,
+                 "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; "
+                 "GAIN 0 is a dead channel")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--rate", c.rate_hz, "Sample rate [Hz]")->check(CLI::Range(8000, 2000000));
+  app.add_option("--bits", o.bits, "Bits of a sample")->check(CLI::IsMember({"16", "24", "32", "float"}));
+  app.add_option("--snr-db", c.snr_db, "Clean peak of the weakest wanted impact over the rms of the noise [dB]")
+      ->check(CLI::Range(-40.0, 200.0));
+  app.add_option("--noise-corner", c.noise_corner_hz, "Noise grows like 1/f below this [Hz]; 0: white")
+      ->check(not_negative);
+  app.add_option("--peak", c.peak, "Clean peak of the strongest impact, full scale = 1; above 1 it is clipped")
+      ->check(CLI::Range(1e-6, 1e3));
+  app.add_option("--lead-in", c.lead_in_s, "Before the first release [s]")->check(CLI::Range(0.01, 3600.0));
+  app.add_option("--pause", c.pause_s, "After each drop's last impact [s]")->check(CLI::Range(0.05, 3600.0));
+  app.add_option("--positions", o.positions,
+                 "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
+      ->check(CLI::IsMember({"simulated", "drawn"}));
+  app.add_option("--spread", c.start_spread_m, "Drawn positions lie within this of the middle [m]")
+      ->check(not_negative);
+  app.add_option("--max-mode", c.max_mode_hz, "Modes of the ground up to this [Hz]")->check(CLI::Range(100.0, 200e3));
+  app.add_option("--hard", o.hard_case, hard_case_help());
+  add_disturbance_options(app, c.disturbances);
+}
+
+Command add_synthesize_command(CLI::App& app) {
+  auto options = std::make_shared<SynthesizeOptions>();
+  CLI::App* command =
+      app.add_subcommand("synthesize", "Impact times to sound: plate, sensor, noise; exact times beside it as truth");
+  command->footer("Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5");
+  command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.h5")->required();
+  command->add_option("--out", options->out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64")->required();
+  command->add_option("--truth", options->truth, "True onsets [OUT without its extension + .truth.csv]");
+  command->add_flag("--each-drop", options->each_drop, "One file for each drop: NAME.0000.wav, NAME.0001.wav ...");
+  add_synthesize_options(*command, *options);
+  return {command, [options](Run& run) { return run_synthesize(*options, run); }};
+}
+
+}  // namespace bouncelab::cli
