@@ -56,7 +56,7 @@ TEST_F(Analyze, DiagnosticsShowEachDropFromTheInside) {
   const std::string report = content_of(folder_ / "out" / "report.html");
   EXPECT_EQ(report.find("\"diagnostics\":null"), std::string::npos);
 
-  // run again without: the old look inside is not taken for one of this run
+  // run again without: details of the earlier run are not taken for those of this run
   ASSERT_EQ(run("analyze drop.wav --out out --force").exit_code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out" / "diagnostics.json"));
   EXPECT_NE(content_of(folder_ / "out" / "report.html").find("\"diagnostics\":null"), std::string::npos);
@@ -90,7 +90,7 @@ TEST_F(Analyze, TheStagesByHandGiveTheSameNumbers) {
   EXPECT_EQ(content_of(folder_ / "f.json"), content_of(folder_ / "out" / "fit.json"));
 }
 
-TEST_F(Analyze, ThePingPongBallOfAKitchenIsHeard) {
+TEST_F(Analyze, ThePingPongBallOfAKitchenIsDetected) {
   const char* folder = std::getenv("BOUNCELAB_RECORDINGS");
   if (folder == nullptr) GTEST_SKIP() << "BOUNCELAB_RECORDINGS names no folder with recordings";
   const fs::path wav = fs::absolute(fs::path(folder) / "eeps_pingpong.wav");

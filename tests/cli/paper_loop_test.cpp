@@ -78,7 +78,7 @@ TEST_F(PaperLoop, AFinishedRunIsNotReplacedWithoutForce) {
   EXPECT_EQ(run(command("out", "--drops 2 --quiet --force")).exit_code, 0);
 }
 
-TEST_F(PaperLoop, TheSoundKeptIsTheSoundThatWasHeard) {
+TEST_F(PaperLoop, TheSoundKeptGivesTheOnsetsOfTheLoop) {
   ASSERT_EQ(run(command("out", "--drops 3 --keep-sound --quiet")).exit_code, 0);
   ASSERT_EQ(run("detect out/sound/rough.*.flac --out again.csv --quiet").exit_code, 0);
   // but for the recordings' names the tables are the same

@@ -29,7 +29,7 @@ TEST_F(Samples, EveryImpactOfTheCleanOneIsFoundAndNoneInvented) {
   EXPECT_LT(*score.rms_s, 4e-6);
 }
 
-TEST_F(Samples, TheHardOneIsHeardAmongKnocksAndClicks) {
+TEST_F(Samples, ImpactsOfTheHardOneAreFoundAmongKnocksAndClicks) {
   const detection::OnsetScore score =
       score_of(run("detect '" BOUNCELAB_SAMPLES "/hard.flac' --out o.csv"), folder_, "hard");
   EXPECT_LE(score.n_missed, 1u);  // 80 impacts at .99
