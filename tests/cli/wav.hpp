@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "support/modal_sound.hpp"
+
 namespace bouncelab::cli_test {
 
 template <class T>
@@ -54,13 +56,10 @@ inline std::vector<float> bouncing(std::size_t n_impacts, double eps = 0.9, doub
   double interval = first_interval_s;
   for (std::size_t k = 1; k < n_impacts; ++k, interval *= eps) times.push_back(times.back() + interval);
   std::vector<float> samples = noise(static_cast<std::size_t>((times.back() + 0.5) * kRate), 1e-4);
+  const test::ModalSound ping = test::equal_modes({5000.0}, 2.5e-3, 0.03);
   double amplitude = 0.5;
   for (const double t0 : times) {
-    for (auto k = static_cast<std::size_t>(t0 * kRate) + 1; k < samples.size(); ++k) {
-      const double t = static_cast<double>(k) / kRate - t0;
-      if (t > 0.03) break;
-      samples[k] += static_cast<float>(amplitude * std::exp(-400.0 * t) * std::sin(2 * 3.141592653589793 * 5000.0 * t));
-    }
+    test::add_modal_sound(samples, kRate, t0, amplitude, ping);
     amplitude *= eps;
   }
   return samples;
