@@ -63,7 +63,7 @@ TEST_F(SimulateCommand, RefusesWhatCannotBeWithTheQuantityAndItsRange) {
 
 TEST_F(SimulateCommand, StopsWithinASecondOnInterruptAndLeavesNothing) {
   // timeout sends SIGINT after 1 s and SIGKILL, which would give 137, 1 s later
-  const std::string line = "cd '" + folder_.string() +
+  const std::string line = "cd '" + folder_.path().string() +
                            "' && timeout --signal=INT --kill-after=1 1 '" BOUNCELAB_PROGRAM
                            "' simulate --drops 1000000 --asperities 100000 --out a.csv 2>/dev/null >/dev/null";
   const int status = std::system(line.c_str());
