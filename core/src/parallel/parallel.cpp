@@ -19,8 +19,9 @@ namespace {
 
 namespace tbb = oneapi::tbb;
 
-/// Which threads the loops of this thread may use: as they ask for, this one only, or those of the arena that it is in.
-enum class Allowed { as_asked, this_thread, arena };
+/// Which threads the loops of this thread may use: as they ask for, this one only, or those of the arena that it is in,
+/// either outside of any loop or within a call of one.
+enum class Allowed { as_asked, this_thread, arena, arena_within_loop };
 thread_local Allowed allowed = Allowed::as_asked;
 
 class Limit {
@@ -72,12 +73,16 @@ class Calls {
 void make_on_all_threads(std::size_t n, Calls& calls) {
   const auto n_threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   const auto make = [&](std::size_t) {
-    const Limit limit(Allowed::arena);
+    const Limit limit(Allowed::arena_within_loop);
     calls.make();
   };
-  // a thread that waits for an inner loop helps in it, and does not begin another call of an outer one meanwhile
-  tbb::this_task_arena::isolate(
-      [&] { tbb::parallel_for(std::size_t{0}, std::min(n, n_threads), make, tbb::simple_partitioner()); });
+  const auto loop = [&] { tbb::parallel_for(std::size_t{0}, std::min(n, n_threads), make, tbb::simple_partitioner()); };
+  // A thread that waits for an inner loop helps in it, and does not begin another call of an outer one meanwhile. One
+  // that waits for the outermost loop is not isolated: it helps in whatever inner loops the last calls have.
+  if (allowed == Allowed::arena_within_loop)
+    tbb::this_task_arena::isolate(loop);
+  else
+    loop();
 }
 
 }  // namespace
@@ -100,7 +105,7 @@ void with_threads(int n_threads, const std::function<void()>& work) {
     const Limit limit(Allowed::this_thread);
     return work();
   }
-  if (allowed == Allowed::arena) return work();
+  if (allowed == Allowed::arena || allowed == Allowed::arena_within_loop) return work();
   const int n = resolved_threads(n_threads);
   // TBB starts no more threads than there are cores unless it is told to
   std::optional<tbb::global_control> more_than_cores;
