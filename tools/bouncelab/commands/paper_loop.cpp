@@ -107,7 +107,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   write_summary(outcome.json);
   journal->remove();
   outcome.warnings = result.sound.warnings;
-  outcome.text = loop_text(score, {}) + paper_text(paper) + work_text(work, score.onsets.n_true) + shown.text;
+  outcome.text = loop_text(score, work.wall_s) + paper_text(paper) + work_text(work, score.onsets.n_true) + shown.text;
   if (!fit::usable(result.sound)) {
     outcome.exit_code = kNotUsable;
     outcome.error = "the detected times give no law: " + result.sound.law.message;
