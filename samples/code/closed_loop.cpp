@@ -25,8 +25,8 @@ int main() {
   const Onsets onsets = detection::detect(samples, sound.rate_hz, "loop").onsets;
   const Onsets truth = synthesis::onsets_of_truth(recording.truth(), "loop");
   const detection::OnsetScore score = detection::score_onsets(truth, onsets);
-  std::printf("%zu impacts, %zu found, %zu missed, %zu invented, time error %.2g us rms\n", score.n_true, score.n_found,
-              score.n_missed, score.n_invented, 1e6 * score.rms_s.value_or(0.0));
+  std::printf("%zu impacts, %zu found, %zu missed, %zu invented, time error within drops %.2g us rms\n", score.n_true,
+              score.n_found, score.n_missed, score.n_invented, 1e6 * score.rms_within_drops_s.value_or(0.0));
 
   // restitution and fit: eps(v) beside the law that was simulated
   const RestitutionSamples eps = fit::restitution_samples(onsets, {}).samples;
