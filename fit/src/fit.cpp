@@ -82,7 +82,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step(4.0);
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
-  result.budget = error_budget(kept, result.law, config.budget);
+  result.budget = error_budget(kept, result.law, budget_config_of(samples, config.budget));
   step(kSteps);
   if (!result.law.nodes.empty())
     result.dem_export =

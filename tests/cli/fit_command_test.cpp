@@ -117,11 +117,10 @@ std::string onsets(int n) {
 TEST_F(FitCommand, SamplesSayWhatWasTakenOutAndTheBudgetBelievesThem) {
   write("o.csv", onsets(90));
   EXPECT_EQ(run("restitution o.csv --out s.csv --correct-drag --ball-radius 0.004").exit_code, 0);
-  const auto meta = nlohmann::json::parse(content_of(folder_ / "s.csv.meta.json"));
-  const auto& corrections = meta.at("parameters").at("corrections");
-  EXPECT_TRUE(corrections.at("drag").get<bool>());
-  EXPECT_FALSE(corrections.at("contact_time").get<bool>());
-  run("fit s.csv --out f.json --quiet");
+  // the table says it itself, wherever it is taken
+  fs::rename(folder_ / "s.csv", folder_ / "elsewhere.csv");
+  fs::remove(folder_ / "s.csv.meta.json");
+  run("fit elsewhere.csv --out f.json --quiet");
   const auto effects = found().at("budget").at("effects");
   EXPECT_EQ(effects[0].at("state"), "taken out");
   EXPECT_EQ(effects[1].at("state"), "not taken out");

@@ -29,6 +29,36 @@ TEST(ErrorBudget, FindsTheTimingNoiseFromNeighboursWithoutBeingTold) {
   }
 }
 
+TEST(ErrorBudget, IsForWhatTheSamplesSayOfThemselves) {
+  RestitutionConfig config;
+  config.correct_drag = true;
+  config.gravity_mps2 = 1.62;
+  config.ball.radius_m = 0.004;
+  config.ball.material.density_kgpm3 = 2500.0;
+  config.wave_speed_mps = 343.0;
+  const RestitutionSamples samples = restitution_samples(testing::synthetic_onsets({}), config).samples;
+  BudgetConfig base;
+  base.travel_time = Effect::absent;
+  const BudgetConfig budget = budget_config_of(samples, base);
+  EXPECT_EQ(budget.drag, Effect::corrected);
+  EXPECT_EQ(budget.contact_time, Effect::present);
+  EXPECT_EQ(budget.travel_time, Effect::absent);
+  EXPECT_EQ(budget.gravity_mps2, 1.62);
+  EXPECT_EQ(budget.ball.radius_m, 0.004);
+  EXPECT_EQ(budget.ball.material.density_kgpm3, 2500.0);
+  EXPECT_EQ(budget.wave_speed_mps, 343.0);
+}
+
+TEST(ErrorBudget, OfSamplesThatSayNothingIsAsConfigured) {
+  BudgetConfig base;
+  base.ball.radius_m = 0.004;
+  base.drag = Effect::corrected;
+  const BudgetConfig budget = budget_config_of(testing::independent_samples({}, 100, 0.2, 1.4, 0.0), base);
+  EXPECT_EQ(budget.ball.radius_m, 0.004);
+  EXPECT_EQ(budget.drag, Effect::corrected);
+  EXPECT_EQ(budget.contact_time, Effect::present);
+}
+
 TEST(ErrorBudget, LagOneIsMinusTwoThirdsOfTimingAndZeroOfAsperities) {
   testing::SyntheticRun run;
   const auto none = budget_of(run).timing;

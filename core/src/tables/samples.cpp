@@ -6,9 +6,44 @@
 #include "tables/optional_cells.hpp"
 
 namespace bouncelab {
+namespace {
+
+/// The words of the column `corrected`.
+struct CorrectionWord {
+  const char* word;
+  bool SampleConditions::*corrected;
+};
+constexpr CorrectionWord kCorrections[] = {{"drag", &SampleConditions::drag_corrected},
+                                           {"contact_time", &SampleConditions::contact_time_corrected},
+                                           {"travel_time", &SampleConditions::travel_time_corrected}};
+
+std::string corrected_text(const SampleConditions& conditions) {
+  std::string text;
+  for (const auto& [word, corrected] : kCorrections)
+    if (conditions.*corrected) text += (text.empty() ? "" : "|") + std::string(word);
+  return text;
+}
+
+void read_corrected(const std::string& text, SampleConditions& conditions) {
+  const std::string words = "|" + text + "|";
+  for (const auto& [word, corrected] : kCorrections)
+    conditions.*corrected = words.find("|" + std::string(word) + "|") != std::string::npos;
+}
+
+/// The numbers of the conditions, by column.
+struct ConditionColumn {
+  const char* name;
+  std::optional<double> SampleConditions::*member;
+};
+constexpr ConditionColumn kConditionColumns[] = {{"gravity_mps2", &SampleConditions::gravity_mps2},
+                                                 {"ball_radius_m", &SampleConditions::ball_radius_m},
+                                                 {"ball_density_kgpm3", &SampleConditions::ball_density_kgpm3},
+                                                 {"wave_speed_mps", &SampleConditions::wave_speed_mps}};
+
+}  // namespace
 
 Table to_table(const RestitutionSamples& samples) {
-  std::vector<std::string> recording, flags;
+  std::vector<std::string> recording, flags, corrected;
   std::vector<std::int64_t> drop, impact;
   std::vector<double> t, v, eps, sigma_v, sigma_eps;
   for (const RestitutionSample& s : samples) {
@@ -21,28 +56,39 @@ Table to_table(const RestitutionSamples& samples) {
     sigma_v.push_back(cell_of(s.sigma_v_mps));
     sigma_eps.push_back(cell_of(s.sigma_eps));
     flags.push_back(s.flags.text());
+    corrected.push_back(corrected_text(s.conditions));
   }
-  return {{{"recording", std::move(recording)},
-           {"drop", std::move(drop)},
-           {"impact", std::move(impact)},
-           {"t_s", std::move(t)},
-           {"v_mps", std::move(v)},
-           {"eps", std::move(eps)},
-           {"sigma_v_mps", std::move(sigma_v)},
-           {"sigma_eps", std::move(sigma_eps)},
-           {"flags", std::move(flags)}}};
+  Table table{{{"recording", std::move(recording)},
+               {"drop", std::move(drop)},
+               {"impact", std::move(impact)},
+               {"t_s", std::move(t)},
+               {"v_mps", std::move(v)},
+               {"eps", std::move(eps)},
+               {"sigma_v_mps", std::move(sigma_v)},
+               {"sigma_eps", std::move(sigma_eps)},
+               {"flags", std::move(flags)},
+               {"corrected", std::move(corrected)}}};
+  for (const auto& [name, member] : kConditionColumns) {
+    std::vector<double> values;
+    for (const RestitutionSample& s : samples) values.push_back(cell_of(s.conditions.*member));
+    table.columns.push_back({name, std::move(values)});
+  }
+  return table;
 }
 
 std::vector<ColumnSpec> sample_columns() {
-  return {{"recording", ColumnType::text, false},
-          {"drop", ColumnType::integer, false},
-          {"impact", ColumnType::integer, false},
-          {"t_s", ColumnType::real, false},
-          {"v_mps", ColumnType::real},
-          {"eps", ColumnType::real},
-          {"sigma_v_mps", ColumnType::real, false},
-          {"sigma_eps", ColumnType::real, false},
-          {"flags", ColumnType::text, false}};
+  std::vector<ColumnSpec> columns{{"recording", ColumnType::text, false},
+                                  {"drop", ColumnType::integer, false},
+                                  {"impact", ColumnType::integer, false},
+                                  {"t_s", ColumnType::real, false},
+                                  {"v_mps", ColumnType::real},
+                                  {"eps", ColumnType::real},
+                                  {"sigma_v_mps", ColumnType::real, false},
+                                  {"sigma_eps", ColumnType::real, false},
+                                  {"flags", ColumnType::text, false},
+                                  {"corrected", ColumnType::text, false}};
+  for (const auto& column : kConditionColumns) columns.push_back({column.name, ColumnType::real, false});
+  return columns;
 }
 
 RestitutionSamples samples_from_table(const Table& table) {
@@ -53,6 +99,7 @@ RestitutionSamples samples_from_table(const Table& table) {
   const auto* impact = table.integers("impact");
   const auto* t = table.reals("t_s");
   const auto* flags = table.texts("flags");
+  const auto* corrected = table.texts("corrected");
   RestitutionSamples samples(v.size());
   for (std::size_t k = 0; k < v.size(); ++k) {
     RestitutionSample& s = samples[k];
@@ -65,6 +112,8 @@ RestitutionSamples samples_from_table(const Table& table) {
     s.sigma_v_mps = optional_cell(table.reals("sigma_v_mps"), k);
     s.sigma_eps = optional_cell(table.reals("sigma_eps"), k);
     if (flags) s.flags = Flags::from_text((*flags)[k]);
+    if (corrected) read_corrected((*corrected)[k], s.conditions);
+    for (const auto& [name, member] : kConditionColumns) s.conditions.*member = optional_cell(table.reals(name), k);
     if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) s.flags.add(Flag::not_finite);
   }
   return samples;

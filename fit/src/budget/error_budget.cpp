@@ -125,6 +125,22 @@ void fit_width(ErrorBudget& budget) {
 
 }  // namespace
 
+BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base) {
+  if (samples.empty()) return base;
+  const SampleConditions& said = samples.front().conditions;
+  const auto set = [](bool corrected, Effect& effect) {
+    if (effect == Effect::present && corrected) effect = Effect::corrected;
+  };
+  set(said.drag_corrected, base.drag);
+  set(said.contact_time_corrected, base.contact_time);
+  set(said.travel_time_corrected, base.travel_time);
+  base.wave_speed_mps = said.wave_speed_mps.value_or(base.wave_speed_mps);
+  base.ball.radius_m = said.ball_radius_m.value_or(base.ball.radius_m);
+  base.ball.material.density_kgpm3 = said.ball_density_kgpm3.value_or(base.ball.material.density_kgpm3);
+  base.gravity_mps2 = said.gravity_mps2.value_or(base.gravity_mps2);
+  return base;
+}
+
 ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config) {
   ErrorBudget budget;
   budget.ball = config.ball;

@@ -176,11 +176,23 @@ void check(const RestitutionConfig& config) {
   positive(config.ball.material.density_kgpm3, "density of the ball [kg/m^3]");
 }
 
+SampleConditions conditions_of(const RestitutionConfig& config) {
+  return {config.correct_drag,
+          config.correct_contact_time,
+          config.travel_time.has_value(),
+          config.gravity_mps2,
+          config.ball.radius_m,
+          config.ball.material.density_kgpm3,
+          config.travel_time ? config.travel_time->wave_speed_mps : config.wave_speed_mps};
+}
+
 /// Both ways, to say what the correction did.
 Restitution restitution_without_travel_time(const Onsets& onsets, RestitutionConfig config) {
   const Onsets at_plate = without_travel_time(onsets, *config.travel_time);
+  const SampleConditions conditions = conditions_of(config);
   config.travel_time.reset();
   Restitution result = restitution_samples(at_plate, config);
+  for (RestitutionSample& s : result.samples) s.conditions = conditions;
   std::map<std::pair<std::int64_t, std::int64_t>, double> uncorrected;
   for (const RestitutionSample& s : restitution_samples(onsets, config).samples)
     uncorrected[{s.drop, s.impact}] = s.eps;
@@ -209,6 +221,7 @@ Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& c
     begin = end;
   }
   result.counts.n_samples = result.samples.size();
+  for (RestitutionSample& s : result.samples) s.conditions = conditions_of(config);
   const double n = std::max(1.0, static_cast<double>(result.samples.size()));
   if (config.correct_drag) result.counts.mean_shift_drag = shifts.drag / n;
   if (config.correct_contact_time) result.counts.mean_shift_contact_time = shifts.contact / n;

@@ -98,6 +98,16 @@ void warn_of_rows_left_out(const FitResult& result, std::vector<std::string>& wa
   }
 }
 
+void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::string>& warnings) {
+  const auto differs = [&](const RestitutionSample& s) { return s.conditions != used.front().conditions; };
+  const auto n = std::count_if(used.begin(), used.end(), differs);
+  if (n > 0)
+    warnings.push_back(
+        formatted("%td of the samples were computed with other corrections, or for another ball, gravity or "
+                  "wave speed than the first: the error budget is that of the first",
+                  n));
+}
+
 /// The worst node of a shift that is still in the samples, where it exceeds the error of the curve there.
 void warn_of_shift(const ErrorBudget& budget, double BudgetRow::*shift, const std::string& cause,
                    const std::string& remedy, std::vector<std::string>& warnings) {
@@ -132,6 +142,7 @@ std::vector<std::string> warnings_of(const FitResult& result, const RestitutionS
   warn_of_timing(result.budget, warnings);
   warn_of_samples(used, warnings);
   warn_of_rows_left_out(result, warnings);
+  warn_of_mixed_conditions(used, warnings);
   warn_of_shifts(result.budget, warnings);
   return warnings;
 }

@@ -44,7 +44,6 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   fit::FitConfig config = options.config;
   config.law.seed = run.common.seed;
   config.n_threads = run.common.n_threads;
-  apply_corrections(options.samples, config.budget);
   Stage<fit::FitResult> stage;
   stage.result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   const fit::FitResult& result = stage.result;

@@ -25,19 +25,6 @@ std::string describe(const fit::RestitutionCounts& counts) {
   return line;
 }
 
-/// The samples' provenance names what was taken out of them, whichever command made them.
-Corrections corrections_of(const RestitutionOptions& options, const fit::RestitutionConfig& config) {
-  Corrections c;
-  c.drag = config.correct_drag;
-  c.contact_time = config.correct_contact_time;
-  c.travel_time = config.travel_time.has_value();
-  c.wave_speed_mps = options.wave_speed_mps;
-  c.ball_radius_m = config.ball.radius_m;
-  c.ball_density_kgpm3 = config.ball.material.density_kgpm3;
-  c.gravity_mps2 = config.gravity_mps2;
-  return c;
-}
-
 }  // namespace
 
 Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const Run& run) {
@@ -45,6 +32,7 @@ Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const
   const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), options.onsets);
   fit::RestitutionConfig config = options.config;
   if (options.drop_height_m > 0.0) config.drop_height_m = options.drop_height_m;
+  config.wave_speed_mps = options.wave_speed_mps;
   std::vector<std::filesystem::path> inputs{options.onsets};
   if (!options.positions.empty()) {
     const Table positions = read_table(options.positions, {{"drop", ColumnType::integer},
@@ -61,7 +49,7 @@ Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const
   Outcome& outcome = stage.outcome;
   outcome.text = describe(result.counts) + "\n";
   outcome.json = restitution_json(result.counts);
-  write_table(run, options.out, to_table(result.samples), inputs, corrections_of(options, config));
+  write_table(run, options.out, to_table(result.samples), inputs);
   if (result.samples.empty()) {
     outcome.exit_code = kNotUsable;
     outcome.error = options.onsets + ": no three successive impacts: no coefficient of restitution";

@@ -51,15 +51,14 @@ Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
   return is_json_lines(path) ? read_json_lines(path, wanted) : read_csv(path, wanted);
 }
 
-void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs,
-                 const std::optional<Corrections>& corrections) {
+void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
   OutputFile file(path, run.common.force);
   if (is_hdf5(path))
     write_hdf5(file.temporary_path(), table, path.string());
   else
     write_text_table(file.temporary_path(), table, path.string());
   file.commit();
-  write_provenance(run, path, inputs, corrections);
+  write_provenance(run, path, inputs);
 }
 
 TableWriter::TableWriter(const Run& run, const fs::path& path, std::vector<fs::path> inputs)

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <vector>
 
 #include "bouncelab/core/output_file.hpp"
@@ -22,8 +21,7 @@ bool is_json_lines(const std::filesystem::path& path);
 
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
-                 const std::vector<std::filesystem::path>& inputs = {},
-                 const std::optional<Corrections>& corrections = {});
+                 const std::vector<std::filesystem::path>& inputs = {});
 
 /// As write_table, a piece of the rows at a time: for CSV and JSON Lines in constant memory. Nothing is left without
 /// finish().

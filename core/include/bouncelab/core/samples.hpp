@@ -11,6 +11,20 @@
 
 namespace bouncelab {
 
+/// What a coefficient of restitution was computed with. Numbers that are absent are not known.
+struct SampleConditions {
+  // taken out of the intervals:
+  bool drag_corrected = false;
+  bool contact_time_corrected = false;
+  bool travel_time_corrected = false;        ///< of the sound, from impact to sensor
+  std::optional<double> gravity_mps2;        ///< of the speeds
+  std::optional<double> ball_radius_m;       ///< of the corrections; for the fit's error budget where there are none
+  std::optional<double> ball_density_kgpm3;  ///< likewise
+  std::optional<double> wave_speed_mps;      ///< likewise, of the travel time
+
+  friend bool operator==(const SampleConditions&, const SampleConditions&) = default;
+};
+
 /// One measured coefficient of restitution.
 struct RestitutionSample {
   std::string recording;              ///< file of the recording, as named by the user
@@ -22,6 +36,7 @@ struct RestitutionSample {
   std::optional<double> sigma_v_mps;  ///< standard error of v
   std::optional<double> sigma_eps;    ///< standard error of eps from the timing alone; absent = not known
   Flags flags;                        ///< the fit leaves out a sample that has any
+  SampleConditions conditions;
 };
 
 /// Samples ordered by recording, drop, time.

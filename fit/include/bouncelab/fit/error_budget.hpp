@@ -84,6 +84,11 @@ struct BudgetConfig {
   double wave_speed_mps = 2500.0;  ///< in the plate; 343 for a microphone
 };
 
+/// `base` with what the samples say of themselves: what was taken out of them counts as corrected (unless it was
+/// absent from the start), and ball, gravity and wave speed are theirs where they are known. All must say the same: the
+/// first one's are taken.
+BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base);
+
 /// @param samples  that were fitted; t_s is needed for the timing noise only
 /// @param law      fitted to them; without law.law the budget is empty
 ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config);

@@ -26,7 +26,7 @@ struct FitConfig {
   LawFitConfig law;             ///< the main fit; the others use its nodes
   std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none
   HistogramConfig histograms;
-  BudgetConfig budget;
+  BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
   int n_threads = 0;                    ///< 0: all cores; the result does not depend on it
 };

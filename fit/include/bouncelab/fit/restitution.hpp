@@ -23,6 +23,7 @@ struct RestitutionConfig {
   bool correct_drag = false;          ///< speeds at the ends of each flight from its duration by Schiller-Naumann drag
   bool correct_contact_time = false;  ///< flights are intervals less the Hertz contact that they begin with
   std::optional<TravelTime> travel_time;  ///< taken out of the times before anything else
+  double wave_speed_mps = 2500.0;  ///< for the error budget, where travel times are not taken out; 343 for a microphone
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
   /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
   std::optional<double> drop_height_m;

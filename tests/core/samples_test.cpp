@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/samples.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace bouncelab {
+namespace {
+
+RestitutionSample sample(double eps) {
+  RestitutionSample s;
+  s.v_mps = 1.0;
+  s.eps = eps;
+  return s;
+}
+
+TEST(Samples, RoundTripThroughTheTableKeepsWhatTheyWereComputedWith) {
+  RestitutionSamples samples{sample(0.9), sample(0.8)};
+  samples[0].conditions = {true, false, true, 1.62, 0.004, std::nullopt, 343.0};
+  samples[1].conditions.contact_time_corrected = true;
+  const Table table = to_table(samples);
+  EXPECT_EQ(*table.texts("corrected"), (std::vector<std::string>{"drag|travel_time", "contact_time"}));
+  const RestitutionSamples back = samples_from_table(table);
+  ASSERT_EQ(back.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(back[k].conditions, samples[k].conditions) << k;
+}
+
+TEST(Samples, ATableOfSpeedsAndCoefficientsIsEnough) {
+  const RestitutionSamples samples =
+      samples_from_table(Table{{{"v_mps", std::vector<double>{1.0, 2.0}}, {"eps", std::vector<double>{0.9, 0.8}}}});
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[1].impact, 1);
+  EXPECT_EQ(samples[1].conditions, SampleConditions{});
+  EXPECT_TRUE(samples[1].flags.empty());
+}
+
+TEST(Samples, ACorrectionIsAWholeWord) {
+  const RestitutionSamples samples = samples_from_table(Table{{{"v_mps", std::vector<double>{1.0}},
+                                                               {"eps", std::vector<double>{0.9}},
+                                                               {"corrected", std::vector<std::string>{"no_drag|x"}}}});
+  EXPECT_EQ(samples[0].conditions, SampleConditions{});
+}
+
+TEST(Samples, ThatAreNoNumbersAreFlagged) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const RestitutionSamples samples =
+      samples_from_table(Table{{{"v_mps", std::vector<double>{1.0, nan}}, {"eps", std::vector<double>{nan, 0.8}}}});
+  for (const RestitutionSample& s : samples) EXPECT_EQ(s.flags, Flags{Flag::not_finite});
+}
+
+}  // namespace
+}  // namespace bouncelab
