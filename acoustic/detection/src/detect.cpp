@@ -16,6 +16,7 @@
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "timing/recording_timer.hpp"
@@ -67,10 +68,9 @@ bool may_miss_tracks(const std::vector<Candidate>& candidates, const std::vector
   constexpr double kShortTrack_s = 5.0;
   for (const Train& track : tracks)
     if (track.log_odds < kConclusiveLogOdds) return true;
-  std::vector<double> amplitudes = track_amplitudes(candidates, tracks);
+  const std::vector<double> amplitudes = track_amplitudes(candidates, tracks);
   if (amplitudes.empty()) return true;
-  std::nth_element(amplitudes.begin(), amplitudes.begin() + std::ssize(amplitudes) / 2, amplitudes.end());
-  const double loud = kAsLoud * amplitudes[amplitudes.size() / 2];
+  const double loud = kAsLoud * upper_median(amplitudes);
   std::vector<bool> is_assigned(candidates.size(), false);
   for (const Train& track : tracks)
     for (const TrainImpact& impact : track.impacts) is_assigned[impact.candidate] = true;
@@ -138,9 +138,7 @@ void summarize_tracks(const ChannelDetection& found, RecordingSummary& summary) 
       eps.push_back((t2 - t1) / (t1 - t0));
     }
   if (eps.empty()) return;
-  const auto middle = eps.begin() + static_cast<std::ptrdiff_t>(eps.size() / 2);
-  std::nth_element(eps.begin(), middle, eps.end());
-  summary.restitution_median = *middle;
+  summary.restitution_median = upper_median(std::move(eps));
 }
 
 void set_status(Detection& d) {

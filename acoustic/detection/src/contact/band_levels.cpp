@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -61,9 +62,9 @@ std::vector<Band> choose_bands(const ImpactTemplate& learned) {
     std::vector<double> around;
     for (std::size_t c = m > kNeighbours ? m - kNeighbours : 0; c < std::min(m + kNeighbours + 1, all.size()); ++c)
       around.push_back(all[c].energy);
-    const auto middle = around.begin() + static_cast<std::ptrdiff_t>((around.size() - 1) / 2);
-    std::nth_element(around.begin(), middle, around.end());
-    if (all[m].energy >= *middle && kMinTemplateSnr * all[m].own_noise <= 1.0) bands.push_back(all[m]);
+    const std::size_t lower_middle = (around.size() - 1) / 2;
+    if (all[m].energy >= order_statistic(std::move(around), lower_middle) && kMinTemplateSnr * all[m].own_noise <= 1.0)
+      bands.push_back(all[m]);
   }
   return bands;
 }

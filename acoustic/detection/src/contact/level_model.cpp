@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -94,14 +95,14 @@ void estimate_scatter(LevelModel& model) {
   for (std::size_t k = 0; k < model.n_impacts(); ++k)
     add_excess(model.residual[k], model.relative_noise2[k], model.scatter2.data(), model.row_inflation[k], sum.data(),
                weights.data(), n);
-  Values sorted;
+  Values active;
   for (std::size_t m = 0; m < n; ++m) {
     sum[m] = model.is_active[m] ? std::max(sum[m] / weights[m], kMinScatter * kMinScatter) : 0.0;
-    if (model.is_active[m]) sorted.push_back(sum[m]);
+    if (model.is_active[m]) active.push_back(sum[m]);
   }
-  if (sorted.empty()) return;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  for (std::size_t m = 0; m < n; ++m) model.scatter2[m] = 0.5 * (sum[m] + sorted[sorted.size() / 2]);
+  if (active.empty()) return;
+  const double median = upper_median(std::move(active));
+  for (std::size_t m = 0; m < n; ++m) model.scatter2[m] = 0.5 * (sum[m] + median);
 }
 
 void estimate_row_inflation(LevelModel& model) {

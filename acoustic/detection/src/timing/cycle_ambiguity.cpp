@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "bouncelab/core/statistics.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
@@ -16,12 +18,6 @@ constexpr double kMinScatter = 2e-4;       // of ln eps; smoother than any ball
 constexpr double kExcluded = 1e6;          // cost of a hypothesis that the sound alone excludes
 
 using Track = std::vector<TimedImpact>;
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
 
 std::size_t n_hypotheses(const TimedImpact& impact) { return 1 + impact.fit.alternatives.size(); }
 
@@ -64,8 +60,8 @@ std::vector<Expected> expected_log_eps(const Track& track) {
   for (std::size_t k = 1; k + 1 < track.size(); ++k) {
     const std::vector<double> near = around(k, kNeighbours, 0.0);
     if (!is_triple(track, k) || near.size() < 3) continue;
-    expected[k].centre = median(near);
-    expected[k].width = std::max(kMinScatter, 1.4826 * median(around(k, kScatterReach, expected[k].centre)));
+    expected[k].centre = upper_median(near);
+    expected[k].width = std::max(kMinScatter, 1.4826 * upper_median(around(k, kScatterReach, expected[k].centre)));
   }
   return expected;
 }

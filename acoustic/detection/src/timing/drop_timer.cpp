@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bouncelab/core/statistics.hpp"
 #include "contact/band_levels.hpp"
 #include "timing/clipping.hpp"
 #include "timing/impact_timer.hpp"
@@ -126,8 +127,8 @@ void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate
     if (fit.correlation > kAlike * own.correlation) later_s.push_back(fit.t_s - t_s);
   }
   if (later_s.size() < kStrongest) return;
-  std::nth_element(later_s.begin(), later_s.begin() + kStrongest / 2, later_s.end());
-  for (TimedImpact& impact : drop.impacts) impact.fit.t_s += later_s[kStrongest / 2];
+  const double median_s = upper_median(std::move(later_s));
+  for (TimedImpact& impact : drop.impacts) impact.fit.t_s += median_s;
   drop.reference_scaling = reference.scaling;
 }
 

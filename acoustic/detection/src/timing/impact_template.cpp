@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "timing/correlation_peaks.hpp"
 #include "timing/subband_jitter.hpp"
 #include "timing/subband_noise.hpp"
@@ -31,12 +32,6 @@ struct Estimation {
   ImpactTemplate learned;
   std::vector<float> mean;  // of the last average, as a function of time
 };
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
 
 std::vector<float> whitening_filter(const audio::ArModel& noise) {
   std::vector<float> filter = noise.filter;
@@ -144,7 +139,7 @@ void add_unexplained_jitter(Estimation& e, double quiet) {
     if (impact.is_averaged()) unexplained.push_back(std::max(0.0, impact.total - explained - quiet) / explained);
   }
   if (unexplained.empty()) return;
-  const double phase2 = 0.5 * median(std::move(unexplained));
+  const double phase2 = 0.5 * upper_median(std::move(unexplained));
   const MatchedFilter& filter = e.learned.filter;
   Subbands& subbands = e.learned.subbands;
   for (std::size_t j = 0; j < subbands.n(); ++j)
@@ -182,7 +177,7 @@ void describe_training(Estimation& e) {
   ImpactTemplate& learned = e.learned;
   std::vector<double> correlations;
   for (const TrainingImpact& impact : e.training) correlations.push_back(impact.correlation);
-  learned.correlation = median(std::move(correlations));
+  learned.correlation = upper_median(std::move(correlations));
   learned.contact_index = onset_index(e.mean);
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;

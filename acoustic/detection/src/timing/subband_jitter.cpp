@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bouncelab/core/statistics.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
@@ -98,9 +100,7 @@ void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& s
   };
   std::vector<double> phase2(n);
   for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (energy_over_information(j) + 1e-30);
-  std::vector<double> sorted = phase2;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
-  const double median = sorted[n / 2];
+  const double median = upper_median(phase2);
   for (std::size_t j = 0; j < n; ++j)
     subbands.jitter2[j] = (n_impacts * std::max(phase2[j], kMinOfMedian * median) + kPriorImpacts * median) /
                           (n_impacts + kPriorImpacts) * energy_over_information(j);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bouncelab/core/statistics.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
@@ -35,9 +37,7 @@ std::optional<double> amplitude_per_s(const Track& track) {
     if (!track[k].inferred && track[k].impact == track[k - 1].impact + 1)
       ratios.push_back(track[k].fit.amplitude / (track[k].fit.t_s - track[k - 1].fit.t_s));
   if (ratios.size() < kMinAmplitudes) return std::nullopt;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
+  return upper_median(std::move(ratios));
 }
 
 }  // namespace
