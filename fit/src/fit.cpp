@@ -71,14 +71,14 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step(1.0);
   // what the law cannot explain would widen every other fit
   const RestitutionSamples kept = without(used, result.law.outliers);
-  result.law_least_squares =
-      fit_law(kept, alternative(config.law, config.law.kind, LawMethod::least_squares, result.law));
+  const auto other = [&](LawKind kind, LawMethod method) {
+    return fit_law(kept, alternative(config.law, kind, method, result.law));
+  };
+  result.law_least_squares = other(config.law.kind, LawMethod::least_squares);
   step(2.0);
-  result.law_least_absolute =
-      fit_law(kept, alternative(config.law, config.law.kind, LawMethod::least_absolute, result.law));
+  result.law_least_absolute = other(config.law.kind, LawMethod::least_absolute);
   step(3.0);
-  result.law_viscoelastic =
-      fit_law(kept, alternative(config.law, LawKind::viscoelastic, config.law.method, result.law));
+  result.law_viscoelastic = other(LawKind::viscoelastic, config.law.method);
   step(4.0);
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
