@@ -16,14 +16,12 @@
 #include "bouncelab/audio/dsp/vector_clones.hpp"
 
 namespace bouncelab::audio {
-namespace {
 
+// not in an anonymous namespace: RealFft::Plan has members of this type
 struct DestroyPlan {
   void operator()(fftwf_plan plan) const { fftwf_destroy_plan(plan); }
 };
 using FftwPlan = std::unique_ptr<std::remove_pointer_t<fftwf_plan>, DestroyPlan>;
-
-}  // namespace
 
 /// A real signal of length n is transformed as a complex one of length n/2: 1.5 to 2.3 times as fast, packing included,
 /// as FFTW's own real transform planned by estimate (n = 1024 to 4096, tests/bench/kernels_bench.cpp).

@@ -17,10 +17,9 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
-constexpr int kRounds = 2;
+constexpr int kAlignmentRounds = 2;
 constexpr std::size_t kResidualOrder = 32;
 constexpr std::size_t kMinSubbands = 3;  // from which their disagreement gives the jitter
-constexpr double kFarOff = 8.0;          // samples; a window further off is cut again
 constexpr float kOnsetOfPeak = 0.1F;     // a plate's first motion is above, noise and a converter's pre-ringing below
 
 /// What the steps of the estimation pass on.
@@ -59,7 +58,7 @@ void align(Estimation& e, bool search) {
   for (TrainingImpact& impact : e.training) {
     if (search)
       impact.position = find_correlation_peaks(e.learned.filter, impact.spectrum, -reach, reach).front().shift;
-    if (std::abs(impact.position) > kFarOff) {
+    if (std::abs(impact.position) > kRecutDistance_samples) {
       const std::int64_t moved = std::llround(impact.position);
       cut(e, impact.window.first + moved, impact);
       impact.position -= static_cast<double>(moved);
@@ -73,7 +72,7 @@ void align(Estimation& e, bool search) {
 
 /// @param n_searched  rounds in which positions are searched for; in the others they are refined
 void align_and_average(Estimation& e, int n_searched) {
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kAlignmentRounds; ++round) {
     align(e, round < n_searched);
     average(e);
   }
@@ -82,7 +81,7 @@ void align_and_average(Estimation& e, int n_searched) {
 void start_from(Estimation& e, const TrainingImpact& impact) {
   e.learned.subbands = {};
   set_template(e, first_template(impact, e.window, e.fourier));
-  align_and_average(e, kRounds);
+  align_and_average(e, kAlignmentRounds);
 }
 
 /// The template that starts from one impact: the strongest that at least half of the others correlate with. The very

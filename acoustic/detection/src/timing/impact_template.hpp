@@ -14,6 +14,9 @@
 
 namespace bouncelab::detection {
 
+/// An impact found further than this from the middle of its window is timed again in a window about it [samples].
+inline constexpr double kRecutDistance_samples = 8.0;
+
 /// The matched-filter template of a recording's impacts, whitened by the noise. Windows begin at a sample of the
 /// recording; positions within them count from there.
 struct ImpactTemplate {

@@ -16,9 +16,8 @@ namespace {
 constexpr double kCoarse = 1.5;
 constexpr int kCoarseSteps = 8;
 constexpr double kFine = 1.12;
-constexpr int kFineSteps = 3;    // on either side
-constexpr double kFarOff = 8.0;  // samples; a window further off is cut again
-constexpr int kMaxCuts = 2;      // of two peaks each may be the higher one in the window cut for the other
+constexpr int kFineSteps = 3;  // on either side
+constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
 
 std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
   return std::llround(duration_s * sound.rate_hz);
@@ -177,7 +176,7 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   const double reach = reach_s * sound_.rate_hz + 2.0;
   FitWindow window = cut(start, end);
   window.peaks = peaks_in(window, -reach, reach);
-  for (int again = 0; again < kMaxCuts && std::abs(window.peaks.front().shift) > kFarOff; ++again) {
+  for (int again = 0; again < kMaxCuts && std::abs(window.peaks.front().shift) > kRecutDistance_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
     window = cut(window.first + std::llround(window.peaks.front().shift), end);
     const auto moved = static_cast<double>(window.first - start);

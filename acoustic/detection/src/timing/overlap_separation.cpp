@@ -14,8 +14,8 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr int kMaxRounds = 8;
-constexpr double kConverged = 0.2;  // standard errors
-constexpr double kMinPulse = 0.1;   // of P; near its first zero the ratio of two pulses is undetermined
+constexpr double kLargestMove = 0.2;  // standard errors
+constexpr double kMinPulse = 0.1;     // of P; near its first zero the ratio of two pulses is undetermined
 
 /// The template as an impact of speed v has it.
 /// @param scaling, template_scaling  v^(-1/5) of the impact and of the template; 0 = not known
@@ -55,7 +55,7 @@ class JointEstimator {
       double largest_move = 0.0;  // over the standard error
       for (std::size_t k = 0; k < impacts_.size(); ++k)
         if (impacts_[k].overlap) largest_move = std::max(largest_move, estimate(k));
-      if (largest_move < kConverged) break;
+      if (largest_move < kLargestMove) break;
     }
   }
 

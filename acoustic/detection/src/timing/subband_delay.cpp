@@ -20,8 +20,8 @@ constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1
 // prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
 constexpr double kPriorSubbands = 8.0;
 constexpr int kMaxSteps = 6;
-constexpr double kConverged = 1e-4;  // samples; below the error at 80 dB
-constexpr double kMaxStep = 1.0;     // samples; half a cycle at the highest frequencies
+constexpr double kDelayTolerance = 1e-4;  // samples; below the error at 80 dB
+constexpr double kMaxStep = 1.0;          // samples; half a cycle at the highest frequencies
 
 /// Amplitude in one sub-band, shrunk towards the common one where its signal-to-noise ratio is low.
 double subband_amplitude(double own, double common, double energy, double noise) {
@@ -205,7 +205,7 @@ DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subban
     const double move = std::clamp(mean, -kMaxStep, kMaxStep);
     for (double& d : r.deviation) d -= move;
     r.shift += move;
-    if (std::abs(move) < kConverged) break;
+    if (std::abs(move) < kDelayTolerance) break;
   }
   if (r.amplitude > 0.0) r.variance = delay_variance(r, subbands);
   return r;

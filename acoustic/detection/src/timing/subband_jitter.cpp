@@ -10,7 +10,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr int kRounds = 8;
+constexpr int kJitterRounds = 8;
 constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band over the median one
 constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
 constexpr double kMaxCorrelation = 0.95;
@@ -113,7 +113,7 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   if (estimates.size() < 3 || n < 2) return;
   subbands.correlation = 0.0;
   subbands.n_training = estimates.size();
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kJitterRounds; ++round) {
     const Deviations d = deviations_of(estimates, subbands);
     for (std::size_t j = 0; j < n; ++j)
       subbands.jitter2[j] = jitter_of(d.squares[j], d.noise[j], residual_shares(d, j));

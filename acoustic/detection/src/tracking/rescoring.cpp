@@ -177,8 +177,8 @@ std::optional<double> first_log_eps(const std::vector<Candidate>& c, const Train
 
 /// One recording, one ball: log odds that a train's eps, which was open, is that of the surest other train.
 double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Train>& trains, const Train& train) {
-  constexpr double kScatter = 0.06;  // of ln eps between drops of one ball at other speeds
-  constexpr double kAnother = 0.4;   // another ball, or another floor
+  constexpr double kScatterOfDrops = 0.06;  // of ln eps between drops of one ball at other speeds
+  constexpr double kAnother = 0.4;          // another ball, or another floor
   constexpr double kEpsRange = kLargestEps - kLeastEps;
   const Train* surest = nullptr;
   for (const Train& other : trains)
@@ -189,7 +189,7 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trai
   const std::optional<double> there = surest != nullptr ? first_log_eps(c, *surest) : std::nullopt;
   if (!here || !there) return 0.0;
   const double open = std::exp(*here) / kEpsRange;  // eps uniform, as the model has it
-  return std::log((1.0 - kAnother) * student3(*here - *there, kScatter) / open + kAnother);
+  return std::log((1.0 - kAnother) * student3(*here - *there, kScatterOfDrops) / open + kAnother);
 }
 
 }  // namespace
