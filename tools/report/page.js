@@ -48,8 +48,8 @@ function figures() {
   if (budget && (budget.rows || []).length > 1) {
     drawEnergy(figure('energy', 'Scatter against speed', 'Standard deviation of ε − ε(v), all of it and by cause. An energy given at random to rotation makes it go as 1/v.'), budget);
     // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
-    const chance = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
-    drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * chance, 1)}% not explained may be chance. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
+    const randomShare = Math.max(...budget.rows.filter(r => r.n > 1).map(r => Math.sqrt(5 / r.n)));
+    drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
   }
   cornersOfLaw();
   if (wave && wave.envelope) drawSound();

@@ -84,7 +84,7 @@ function paperSlopes(windows) {
   const cells = side => [measured(side.simulation.value, side.simulation.se), measured(side.sound.value, side.sound.se), side.ratio.toFixed(3)];
   table('Slopes of p(ε): what measuring by sound adds', ['window', 'n simulation', 'n sound', 'rising, simulation', 'rising, sound', 'ratio', 'falling, simulation', 'falling, sound', 'ratio'],
         windows.map(w => [`${number(w.v_mps, 2)} m/s`, number(w.n_simulation), number(w.n_sound), ...cells(w.rising), ...cells(w.falling)]));
-  add('p', {class: 'caption'}, 'Slopes per unit of ε, with standard errors. Simulation: macroscopic ε of every impact. Sound: eq. 2 on the times heard, the stated timing noise taken out. Ratio: sound over simulation.');
+  add('p', {class: 'caption'}, 'Slopes per unit of ε, with standard errors. Simulation: macroscopic ε of every impact. Sound: eq. 2 on the times detected, the stated timing noise taken out. Ratio: sound over simulation.');
 }
 
 /// Everything above, where paper.json is in the folder.
@@ -95,15 +95,15 @@ function paperSection(paper, simulation) {
   const ranges = {v: [Math.min(...densities.map(d => d.v_edges_mps[0])), Math.max(...densities.map(d => d.v_edges_mps.at(-1)))],
                   eps: [Math.min(...densities.map(d => d.eps_edges[0])), Math.max(...densities.map(d => d.eps_edges.at(-1)))],
                   floor: -Math.ceil(Math.log10(Math.max(10, ...densities.map(d => Math.max(...d.counts.flat())))))};
-  const pictures = twoPlaces('paper-law', 'Coefficient of restitution against impact speed: simulated and heard',
+  const pictures = twoPlaces('paper-law', 'Coefficient of restitution against impact speed: simulated, and detected in its sound',
                              'Figures 1 and 2 of the paper, top. Colour: frequency relative to the most frequent cell, logarithmic; the same axes. Line: the law that went in.');
   drawPaperDensity(pictures, 'simulation: macroscopic ε', simulation, ranges);
-  drawPaperDensity(pictures, 'sound: eq. 2 on the times heard', fit, ranges);
+  drawPaperDensity(pictures, 'sound: eq. 2 on the times detected', fit, ranges);
   const bins = both.flatMap(f => f.histograms.filter(h => h.bins && h.bins.counts.length));
   if (bins.length) {
     const heights = bins.flatMap(h => h.bins.counts.filter(c => c > 0).map(c => Math.log10(c / (h.n * (h.bins.eps_edges[1] - h.bins.eps_edges[0])))));
     const range = {eps: [Math.min(...bins.map(h => h.bins.eps_edges[0])), Math.max(...bins.map(h => h.bins.eps_edges.at(-1)))], p: [Math.min(...heights) - 0.1, Math.max(...heights) + 0.2]};
-    const histogramsPlace = twoPlaces('paper-histograms', 'Distribution of ε at fixed speed: simulated and heard',
+    const histogramsPlace = twoPlaces('paper-histograms', 'Distribution of ε at fixed speed: simulated, and detected in its sound',
                                       'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each. The same axes.');
     drawPaperHistograms(histogramsPlace, 'simulation', simulation, range);
     drawPaperHistograms(histogramsPlace, 'sound', fit, range);

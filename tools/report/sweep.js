@@ -35,7 +35,7 @@ function sweepSection(sweep) {
           ...speeds.map(shift), withError(v, 'A2'), withError(v, 'slope_rising_0.6_simulation'), withError(v, 'slope_rising_0.6_sound'), withError(v, 'slope_falling_0.6_simulation'), withError(v, 'slope_falling_0.6_sound')]
             .map(t => element('td', {}, t)));
       }))));
-  add('p', {class: 'caption'}, '“What fails” compares the times heard with the true times of the same drops: 99% of the impacts found and 99% of the found ones true, ε(v) moved by less than its standard error, slopes by less than a tenth.');
+  add('p', {class: 'caption'}, '“What fails” compares the times detected with the true times of the same drops: 99% of the impacts found and 99% of the found ones true, ε(v) moved by less than its standard error, slopes by less than a tenth.');
   const parent = figure('sweep', 'The same as pictures', `Against ${options.at(-1).replace(/-/g, ' ')}; a line for each combination of the other lists.`);
   parent.classList.add('grid', 'wide');
   drawSwept(parent, sweep, 'share of impacts found', 'recall', {});
