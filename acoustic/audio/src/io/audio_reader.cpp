@@ -154,7 +154,7 @@ struct AudioReader::State {
   /// @return how many of n frames there were
   std::int64_t read_frames(float* to, std::int64_t n) {
     if (n_plain_bytes == 0) return sf_readf_float(file, to, n);
-    const std::int64_t frame_bytes = n_plain_bytes * format.n_channels;
+    const auto frame_bytes = std::int64_t{n_plain_bytes} * format.n_channels;
     raw.resize(static_cast<std::size_t>(n * frame_bytes));
     const std::int64_t got = sf_read_raw(file, raw.data(), n * frame_bytes) / frame_bytes;
     decode_pcm(raw.data(), n_plain_bytes, to, got * format.n_channels);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -25,7 +26,7 @@ class ConverterFilter {
  private:
   static constexpr int kPhases = 256;                      // of the table, in one sample
   static constexpr int kRow = 2 * kHalfWidth_samples + 1;  // h at one phase, a sample apart
-  const double* row(int phase) const { return table_.data() + (phase + 1) * kRow; }
+  const double* row(int phase) const { return table_.data() + std::ptrdiff_t{phase + 1} * kRow; }
 
   std::vector<double> table_;  // phases -1 to kPhases + 1: what the interpolation reaches
 };
