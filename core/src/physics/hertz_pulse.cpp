@@ -25,25 +25,25 @@ class Indentation {
     for (std::size_t k = 0; k <= kSteps; ++k) {
       x_[k] = x;
       v_[k] = v;
-      const double a1 = acceleration(x), a2 = acceleration(x + 0.5 * kStep * v),
-                   a3 = acceleration(x + 0.5 * kStep * v + 0.25 * kStep * kStep * a1),
-                   a4 = acceleration(x + kStep * v + 0.5 * kStep * kStep * a2);
-      x += kStep * v + kStep * kStep / 6.0 * (a1 + a2 + a3);
-      v += kStep / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+      const double a1 = acceleration(x), a2 = acceleration(x + 0.5 * step_ * v),
+                   a3 = acceleration(x + 0.5 * step_ * v + 0.25 * step_ * step_ * a1),
+                   a4 = acceleration(x + step_ * v + 0.5 * step_ * step_ * a2);
+      x += step_ * v + step_ * step_ / 6.0 * (a1 + a2 + a3);
+      v += step_ / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
     }
   }
   /// @param t  in [0, kHalfDuration]
   double operator()(double t) const {
-    const double position = t / kStep;
+    const double position = t / step_;
     const auto k = std::min(static_cast<std::size_t>(position), kSteps - 1);
     const double u = position - static_cast<double>(k), w = 1.0 - u;
-    return w * w * ((1.0 + 2.0 * u) * x_[k] + u * kStep * v_[k]) +
-           u * u * ((1.0 + 2.0 * w) * x_[k + 1] - w * kStep * v_[k + 1]);
+    return w * w * ((1.0 + 2.0 * u) * x_[k] + u * step_ * v_[k]) +
+           u * u * ((1.0 + 2.0 * w) * x_[k + 1] - w * step_ * v_[k + 1]);
   }
 
  private:
   static constexpr std::size_t kSteps = 1024;
-  const double kStep = kHalfDuration / static_cast<double>(kSteps);
+  const double step_ = kHalfDuration / static_cast<double>(kSteps);
   std::array<double, kSteps + 1> x_{}, v_{};
 };
 

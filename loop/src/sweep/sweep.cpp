@@ -34,8 +34,7 @@ bool slopes_moved(const fit::HistogramFit& exact, const fit::HistogramFit* sound
 }
 
 std::string failure_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
-  const std::string failure = detection_failure(loop.rough.score);
-  if (!failure.empty()) return failure;
+  if (std::string failure = detection_failure(loop.rough.score); !failure.empty()) return failure;
   for (const double v : node_speeds_mps) {
     const fit::NodeEstimate *sound = node_at(loop.sound, v), *exact = node_at(loop.true_times, v);
     if (sound == nullptr || exact == nullptr || !exact->eps.se) return "no law";

@@ -12,7 +12,7 @@ namespace {
 
 /// The q-quantile by nearest rank: always one of the values.
 double nearest_quantile(const std::vector<double>& values, double q) {
-  return order_statistic(values, static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5));
+  return order_statistic(values, static_cast<std::size_t>(std::llround(q * static_cast<double>(values.size() - 1))));
 }
 
 }  // namespace

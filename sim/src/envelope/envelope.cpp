@@ -25,6 +25,12 @@ constexpr std::size_t kListLength = 16;
 /// level 24 is 1e-7 wide.
 constexpr int kMaxDepth = 24;
 
+/// Patches are ordered by face, then ib, then ia; the index of face 6 is their number.
+std::size_t patch_index(int face, int ia, int ib, int n_side) {
+  const auto n = static_cast<std::size_t>(n_side);
+  return (static_cast<std::size_t>(face) * n + static_cast<std::size_t>(ib)) * n + static_cast<std::size_t>(ia);
+}
+
 float rounded_up(double x) {
   const auto f = static_cast<float>(x);
   return static_cast<double>(f) >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
@@ -119,7 +125,7 @@ void for_each_patch(const Asperity& asperity, double rise, int n_side, const Fun
     if (u.x < 0.4 - s) continue;  // no region reaches farther from its face's centre than this
     const PatchRange a = patches_met(u.y, u.x, s, n_side), b = patches_met(u.z, u.x, s, n_side);
     for (int ib = b.first; ib <= b.last; ++ib)
-      for (int ia = a.first; ia <= a.last; ++ia) function(static_cast<std::size_t>((face * n_side + ib) * n_side + ia));
+      for (int ia = a.first; ia <= a.last; ++ia) function(patch_index(face, ia, ib, n_side));
   }
 }
 
@@ -169,7 +175,7 @@ CubeCell cell_of_patch(std::size_t patch, int n_side) {
 Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, const ProgressCallback& progress) {
   // 600 to 2,500 asperities to a patch: few enough to stay in the fast cache while its tree is grown
   while (6.0 * n_side_ * n_side_ * 2500.0 < static_cast<double>(surface.asperities.size())) n_side_ *= 2;
-  patches_.resize(static_cast<std::size_t>(6 * n_side_ * n_side_));
+  patches_.resize(patch_index(6, 0, 0, n_side_));
   const FloorMap floors(ball, surface, (kRegionMargin - 1.0) / n_side_);
   const Distribution distribution = distribute(ball, surface, n_side_, floors.least());
   std::mutex mutex;
@@ -191,7 +197,7 @@ Envelope::Cell Envelope::find(Vector3 n, double elevation) const {
     return std::clamp(static_cast<int>((x + 1.0) * 0.5 * n_side_), 0, n_side_ - 1);
   };
   const int ia = index_along(point.a), ib = index_along(point.b);
-  const auto place = static_cast<std::size_t>((point.face * n_side_ + ib) * n_side_ + ia);
+  const std::size_t place = patch_index(point.face, ia, ib, n_side_);
   const Patch& patch = patches_[place];
   CubeCell cell = cell_of_patch(place, n_side_);
   const Node* node = &patch.nodes.front();

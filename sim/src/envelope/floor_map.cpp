@@ -22,7 +22,9 @@ struct Grid {
   double half_width;
 
   double side() const { return 2.0 * half_width / n_side; }
-  std::size_t place(int ia, int ib) const { return static_cast<std::size_t>(ib * n_side + ia); }
+  std::size_t place(int ia, int ib) const {
+    return static_cast<std::size_t>(ib) * static_cast<std::size_t>(n_side) + static_cast<std::size_t>(ia);
+  }
   int index(double x) const { return std::clamp(static_cast<int>((x + half_width) / side()), 0, n_side - 1); }
   /// Least |(1, a, b)| of the squares within kRings of one.
   double shortest2(int ia, int ib) const {
