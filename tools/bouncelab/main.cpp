@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "options/commands.hpp"
@@ -118,7 +119,10 @@ int run(std::vector<std::string> line) {
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
     for (const loop::SweepAxis& axis : full.lists)  // the command line wins here too
       if (command.app->get_option("--" + axis.option)->count() == 0) call.sweep.push_back(axis);
-    return report(command.run(call), common);
+    Outcome outcome;
+    // one pool of threads for all loops of the command: pools made one after the other overlap while the old one ends
+    with_threads(common.n_threads, [&] { outcome = command.run(call); });
+    return report(outcome, common);
   }
   return kWrongUsage;
 }
