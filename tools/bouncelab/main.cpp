@@ -10,6 +10,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/printable.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "options/commands.hpp"
@@ -62,10 +63,13 @@ FullLine with_config(const std::vector<std::string>& typed, const CLI::App& app)
   return line;
 }
 
+/// One line on standard error, whatever it quotes.
+void say(const std::string& message) { std::cerr << printable(message, kMessage_characters) << "\n"; }
+
 int report(const Outcome& outcome, const CommonOptions& common) {
   if (!common.quiet)
-    for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << "\n";
-  if (!outcome.error.empty()) std::cerr << "bouncelab: " << outcome.error << "\n";
+    for (const std::string& warning : outcome.warnings) say("warning: " + warning);
+  if (!outcome.error.empty()) say("bouncelab: " + outcome.error);
   if (common.json)
     std::cout << outcome.json << "\n";
   else if (!common.quiet)
@@ -80,7 +84,7 @@ int wrong_usage(const CLI::ParseError& error, const CLI::App& app) {
   const std::string name = parsed.empty() ? "bouncelab" : "bouncelab " + parsed.front()->get_name();
   std::string message = error.what();
   std::replace(message.begin(), message.end(), '\n', ' ');
-  std::cerr << name << ": " << message << "; see " << name << " --help\n";
+  say(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
   return kWrongUsage;
 }
 
@@ -135,22 +139,23 @@ int main(int argc, char** argv) {
   try {
     return cli::run({argv, argv + argc});
   } catch (const Interrupted& error) {
-    std::cerr << "bouncelab: " << error.what() << "\n";
+    cli::say("bouncelab: " + std::string(error.what()));
     return cli::kInterrupted;
   } catch (const FileExists& error) {
-    std::cerr << "bouncelab: " << error.what() << "; --force replaces it\n";
+    cli::say("bouncelab: " + std::string(error.what()) + "; --force replaces it");
     return cli::kFileError;
   } catch (const FileError& error) {
-    std::cerr << "bouncelab: " << error.what() << "\n";
+    cli::say("bouncelab: " + std::string(error.what()));
     return cli::kFileError;
   } catch (const InvalidArgument& error) {
-    std::cerr << "bouncelab: " << error.what() << "\n";
+    cli::say("bouncelab: " + std::string(error.what()));
     return cli::kWrongUsage;
   } catch (const std::bad_alloc&) {
-    std::cerr << "bouncelab: out of memory; ask for less at once\n";
+    cli::say("bouncelab: out of memory; ask for less at once");
     return cli::kFileError;
   } catch (const std::exception& error) {
-    std::cerr << "bouncelab: unexpected error: " << error.what() << "; please report it with the command line\n";
+    cli::say("bouncelab: unexpected error: " + printable(error.what(), kMessage_characters - 100) +
+             "; please report it with the command line");
     return cli::kFileError;
   }
 }

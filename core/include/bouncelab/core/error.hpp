@@ -3,15 +3,19 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
+
+#include "bouncelab/core/printable.hpp"
 
 namespace bouncelab {
 
 /// What went wrong, in one line that names the quantity or file, the place, the value and the remedy.
 /// Thrown for broken contracts and unreadable input; caught only in main. Results that are merely poor are
 /// data (a status beside the numbers), never an exception.
+/// The message is printable(): it may quote names and cells of any length and content.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(std::string_view message) : std::runtime_error(printable(message, kMessage_characters)) {}
 };
 
 /// An argument is outside its stated range. The command line answers with exit code 2.
@@ -25,7 +29,7 @@ class FileError : public Error {
  public:
   /// @param path    the file as the user named it
   /// @param what    place and reason, without the path ("line 7, column t_s: 'abc' is not a number")
-  FileError(const std::string& path, const std::string& what) : Error(path + ": " + what) {}
+  FileError(const std::string& path, const std::string& what) : Error(printable(path) + ": " + what) {}
 };
 
 /// A file that is to be written exists, and may not be replaced.
