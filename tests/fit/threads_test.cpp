@@ -3,7 +3,6 @@
 
 #include <sys/wait.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
@@ -32,7 +31,7 @@ void expect_threads(int n, const Work& work) {
       },
       [n](int status) {
         const int seen = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-        return seen <= n && seen >= std::min(n, 2);  // not all need have come to help
+        return seen >= 1 && seen <= n;  // on a busy machine none need have come to help
       },
       "");
 }
