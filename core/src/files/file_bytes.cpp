@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab {
 namespace {
@@ -51,11 +52,11 @@ struct FileBytes::State {
 };
 
 FileBytes::FileBytes(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
-  state_->name = path.string();
-  state_->descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  state_->name = input_name(path);
+  state_->descriptor = open(readable(path).c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
   if (state_->descriptor < 0 || fstat(state_->descriptor, &status) != 0)
-    throw FileError(path.string(), "cannot be opened for reading");
+    throw FileError(state_->name, "cannot be opened for reading: " + std::string(std::strerror(errno)));
   state_->size = status.st_size;
 }
 

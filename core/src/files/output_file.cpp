@@ -1,55 +1,163 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/output_file.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <set>
 #include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/interrupts.hpp"
+#include "files/file_target.hpp"
+#include "files/temporary_file.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;
 
-OutputFile::OutputFile(fs::path path, bool may_replace) : path_(std::move(path)) {
-  const std::string name = path_.string();
-  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
-  std::error_code error;
-  if (path_.filename().empty() || fs::is_directory(path_, error))
-    throw FileError(name, "is a folder; the name of a file is needed");
-  if (!fs::is_directory(folder, error))
-    throw FileError(name, "the folder " + folder.string() + " does not exist; create it first");
-  if (!may_replace && fs::exists(path_, error)) throw FileExists(name);
-  // the extension stays last: audio libraries and HDF5 choose the format by it
-  temporary_path_ =
-      folder / ("." + path_.stem().string() + ".partial-" + std::to_string(::getpid()) + path_.extension().string());
-  std::ofstream probe(temporary_path_, std::ios::binary | std::ios::trunc);
-  if (!probe)
-    throw FileError(name, "cannot be written (" + std::string(std::strerror(errno)) +
-                              "); choose another folder or check its permissions");
+namespace {
+
+/// Each folder once in a process: what other processes leave later is for the next one.
+void remove_abandoned_files_once(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> done;
+  const std::lock_guard lock(mutex);
+  if (done.insert(folder).second) remove_abandoned_files(folder);
 }
 
-OutputFile::~OutputFile() {
-  if (committed_) return;
-  std::error_code ignored;
-  fs::remove(temporary_path_, ignored);
+FileTarget checked_target(const fs::path& path, bool may_replace) {
+  const std::string name = path.string();
+  FileTarget target = target_of(path, STDOUT_FILENO);
+  std::error_code error;
+  if (target.kind == FileTarget::Kind::folder || !target.path.has_filename())
+    throw FileError(name, "is a folder; the name of a file is needed");
+  if (target.kind == FileTarget::Kind::absent && !fs::is_directory(target.path.parent_path(), error))
+    throw FileError(name, "the folder " + target.path.parent_path().string() + " does not exist; create it first");
+  if (target.kind == FileTarget::Kind::regular && !may_replace) throw FileExists(name);
+  if (target.descriptor >= 0 && (::fcntl(target.descriptor, F_GETFL) & O_ACCMODE) == O_RDONLY)
+    throw FileError(path == "-" ? "standard output" : name, "is closed, or open for reading only");
+  return target;
 }
+
+/// A FIFO is opened without waiting for its reader, who is waited for here, in short pieces.
+Descriptor opened_for_writing(const FileTarget& target, const std::string& name) {
+  for (;;) {
+    Descriptor file(::open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
+    if (file.is_open()) return file;
+    if (errno != ENXIO || !S_ISFIFO(target.mode))
+      throw FileError(name, "cannot be opened for writing: " + std::string(std::strerror(errno)));
+    throw_if_stop_requested();
+    ::usleep(100'000);
+  }
+}
+
+void copy_to_stream(const FileTarget& target, int from, const std::string& name) {
+  const Descriptor own = target.descriptor >= 0 ? Descriptor() : opened_for_writing(target, name);
+  const int to = own.is_open() ? own.get() : target.descriptor;
+  std::vector<char> buffer(std::size_t{1} << 16);
+  for (off_t at = 0;;) {
+    const ssize_t n = ::pread(from, buffer.data(), buffer.size(), at);
+    if (n < 0) throw FileError(name, "its temporary file cannot be read: " + std::string(std::strerror(errno)));
+    if (n == 0) return;
+    const int error = write_all(to, buffer.data(), static_cast<std::size_t>(n));
+    if (error == EPIPE) throw BrokenPipe(name);
+    if (error != 0) throw FileError(name, why_writing_failed(error));
+    at += n;
+  }
+}
+
+}  // namespace
+
+struct OutputFile::State {
+  fs::path path;  // as it was given
+  FileTarget target;
+  bool may_replace = false;
+  bool is_in_place = false;
+  TemporaryFile temporary;
+
+  ~State() {
+    if (!is_in_place) ::unlink(temporary.path.c_str());
+  }
+  void rename_into_place() {
+#ifdef RENAME_NOREPLACE
+    if (!may_replace) {
+      if (::renameat2(AT_FDCWD, temporary.path.c_str(), AT_FDCWD, target.path.c_str(), RENAME_NOREPLACE) == 0) return;
+      if (errno == EEXIST) throw FileExists(path.string());
+      if (errno != EINVAL && errno != ENOSYS) fail_to_rename();
+    }
+#endif
+    if (::rename(temporary.path.c_str(), target.path.c_str()) != 0) fail_to_rename();
+  }
+  [[noreturn]] void fail_to_rename() const {
+    throw FileError(path.string(), "cannot be put in place: " + std::string(std::strerror(errno)));
+  }
+};
+
+OutputFile::OutputFile(fs::path path, bool may_replace) {
+  FileTarget target = checked_target(path, may_replace);
+  const bool to_stream = target.kind == FileTarget::Kind::stream;
+  const fs::path folder = to_stream ? folder_for_temporary_files() : target.path.parent_path();
+  remove_abandoned_files_once(folder);
+  try {
+    TemporaryFile temporary = make_temporary_file(folder, path.extension().string(), to_stream ? 0600 : 0666);
+    // colleagues who could read the file before can read it after; without the right to change it, it is as new
+    if (target.kind == FileTarget::Kind::regular && ::fchmod(temporary.descriptor.get(), target.mode & 0777) != 0)
+      errno = 0;
+    state_ = std::make_unique<State>();
+    state_->path = std::move(path);
+    state_->target = std::move(target);
+    state_->may_replace = may_replace;
+    state_->temporary = std::move(temporary);
+  } catch (const std::system_error& error) {
+    throw FileError(path.string(), (to_stream ? "a temporary file in " + folder.string() + " cannot be written ("
+                                              : "cannot be written (") +
+                                       error.code().message() + "); choose another folder or check its permissions");
+  }
+}
+
+OutputFile::~OutputFile() = default;
+
+const fs::path& OutputFile::temporary_path() const { return state_->temporary.path; }
 
 void OutputFile::commit() {
-  std::error_code error;
-  fs::rename(temporary_path_, path_, error);
-  if (error) throw FileError(path_.string(), "cannot be put in place: " + error.message());
-  committed_ = true;
+  State& s = *state_;
+  if (s.target.kind == FileTarget::Kind::stream)
+    return copy_to_stream(s.target, s.temporary.descriptor.get(), s.path == "-" ? "standard output" : s.path.string());
+  s.rename_into_place();
+  s.is_in_place = true;
+}
+
+void close_written(std::ofstream& file, const fs::path& name) {
+  errno = 0;
+  const bool was_good = file.good();
+  file.close();
+  if (!was_good || !file) throw FileError(name.string(), why_writing_failed(errno));
 }
 
 void write_whole(const fs::path& path, std::string_view content, bool may_replace) {
   OutputFile file(path, may_replace);
   std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  out.close();
-  if (!out) throw FileError(path.string(), "writing failed; is the disk full?");
+  close_written(out, path);
   file.commit();
 }
+
+bool is_stream(const fs::path& output) { return target_of(output, STDOUT_FILENO).kind == FileTarget::Kind::stream; }
+
+bool is_standard_output(const fs::path& output) {
+  const FileTarget target = target_of(output, STDOUT_FILENO);
+  return target.kind == FileTarget::Kind::stream && !target.is_null() &&
+         same_file(target, target_of("-", STDOUT_FILENO));
+}
+
+int write_to_standard_output(std::string_view text) { return write_all(STDOUT_FILENO, text.data(), text.size()); }
 
 }  // namespace bouncelab

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab {
 namespace {
@@ -109,11 +110,9 @@ void write_text(std::ostream& out, const std::string& text) {
 
 }  // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) : name_(path.string()) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw FileError(name_, "no such file");
-  if (std::filesystem::is_directory(path, error)) throw FileError(name_, "is a folder; a CSV file is needed");
-  in_.open(path, std::ios::binary);
+CsvReader::CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted)
+    : name_(input_name(path)) {
+  in_.open(readable(path), std::ios::binary);
   if (!in_) throw FileError(name_, "cannot be opened for reading; check its permissions");
 
   std::string line;

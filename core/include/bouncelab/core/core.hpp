@@ -7,9 +7,13 @@
 #include "bouncelab/core/csv.hpp"              // tables as files
 #include "bouncelab/core/error.hpp"            // what is thrown
 #include "bouncelab/core/file_bytes.hpp"       // bytes of a file without reading it whole
+#include "bouncelab/core/file_plan.hpp"        // no output is an input
 #include "bouncelab/core/flags.hpp"            // of onsets and samples
+#include "bouncelab/core/folder_lock.hpp"      // one run at a time in a folder
 #include "bouncelab/core/hertz_pulse.hpp"      // force over time of an impact
 #include "bouncelab/core/impacts.hpp"          // simulate writes, synthesize reads
+#include "bouncelab/core/input_file.hpp"       // pipes too
+#include "bouncelab/core/interrupts.hpp"       // asked to stop
 #include "bouncelab/core/onsets.hpp"           // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"      // whole or not at all
 #include "bouncelab/core/parallel.hpp"         // loops on several threads
@@ -18,6 +22,7 @@
 #include "bouncelab/core/random.hpp"           // counter-based random numbers
 #include "bouncelab/core/restitution_law.hpp"  // eps(v)
 #include "bouncelab/core/samples.hpp"          // restitution writes, fit reads
+#include "bouncelab/core/scratch_file.hpp"     // what need not stay in memory
 #include "bouncelab/core/statistics.hpp"       // medians, quantiles
 #include "bouncelab/core/table.hpp"            // columns by name
 #include "bouncelab/core/units.hpp"            // pi, g

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/file_target.hpp"
+
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMostLinks = 40;  // as the kernel
+
+/// The number N of /proc/PID/fd/N where PID is this process: what /dev/stdin, /dev/fd/N and links to them lead to.
+std::optional<int> own_descriptor(const fs::path& path) {
+  std::error_code error;
+  if (path.parent_path() != fs::path("/proc") / std::to_string(::getpid()) / "fd") return std::nullopt;
+  const std::string number = path.filename().string();
+  int descriptor = -1;
+  const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), descriptor);
+  if (status != std::errc{} || end != number.data() + number.size() || descriptor < 0) return std::nullopt;
+  return descriptor;
+}
+
+/// The folder's links followed, the last name as it is.
+fs::path with_folder_resolved(const fs::path& path) {
+  std::error_code error;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  fs::path resolved = fs::weakly_canonical(folder, error);
+  return (error ? fs::absolute(folder) : resolved) / path.filename();
+}
+
+FileTarget::Kind kind_of(mode_t mode) {
+  if (S_ISREG(mode)) return FileTarget::Kind::regular;
+  return S_ISDIR(mode) ? FileTarget::Kind::folder : FileTarget::Kind::stream;
+}
+
+FileTarget described(const struct stat& status, fs::path path) {
+  return {kind_of(status.st_mode), std::move(path), -1, status.st_dev, status.st_ino, status.st_mode};
+}
+
+FileTarget target_of_descriptor(int descriptor, const std::string& name) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0)
+    throw FileError(name, "is not open (" + std::string(std::strerror(errno)) + ")");
+  FileTarget target = described(status, "/proc/self/fd/" + std::to_string(descriptor));
+  target.descriptor = descriptor;
+  if (target.kind != FileTarget::Kind::folder) target.kind = FileTarget::Kind::stream;
+  return target;
+}
+
+}  // namespace
+
+bool FileTarget::is_null() const {
+  struct stat null {};
+  return S_ISCHR(mode) && ::stat("/dev/null", &null) == 0 && null.st_dev == device && null.st_ino == inode;
+}
+
+FileTarget target_of(const fs::path& path, int descriptor_of_dash) {
+  const std::string name = path.string();
+  if (path == "-")
+    return target_of_descriptor(descriptor_of_dash, descriptor_of_dash == 0 ? "standard input" : "standard output");
+  fs::path at = path;
+  for (int n_links = 0; n_links <= kMostLinks; ++n_links) {
+    at = with_folder_resolved(at);
+    if (const std::optional<int> descriptor = own_descriptor(at)) return target_of_descriptor(*descriptor, name);
+    struct stat status {};
+    if (::lstat(at.c_str(), &status) != 0) {
+      if (errno == ENOENT || errno == ENOTDIR) return {FileTarget::Kind::absent, at, -1, 0, 0, 0};
+      throw FileError(name, "cannot be used: " + std::string(std::strerror(errno)));
+    }
+    if (!S_ISLNK(status.st_mode)) return described(status, at);
+    std::error_code error;
+    at = at.parent_path() / fs::read_symlink(at, error);
+    if (error) throw FileError(name, "is a link that cannot be read: " + error.message());
+  }
+  throw FileError(name, "is a loop of links; name a file");
+}
+
+bool same_file(const FileTarget& a, const FileTarget& b) {
+  const bool a_exists = a.kind != FileTarget::Kind::absent, b_exists = b.kind != FileTarget::Kind::absent;
+  if (a_exists && b_exists) return a.device == b.device && a.inode == b.inode;
+  return a_exists == b_exists && a.path == b.path;
+}
+
+}  // namespace bouncelab

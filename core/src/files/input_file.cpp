@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/input_file.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/interrupts.hpp"
+#include "files/file_target.hpp"
+#include "files/temporary_file.hpp"
+
+namespace bouncelab {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Waits in short pieces, so that a signal that came just before is seen too. @return bytes read; 0: the end
+std::size_t read_some(int descriptor, std::vector<char>& buffer, const std::string& name) {
+  for (;;) {
+    throw_if_stop_requested();
+    pollfd ready{descriptor, POLLIN, 0};
+    // read would find a FIFO without a writer at its end
+    if (::poll(&ready, 1, 100) <= 0) continue;
+    const ssize_t n = ::read(descriptor, buffer.data(), buffer.size());
+    if (n >= 0) return static_cast<std::size_t>(n);
+    if (errno != EINTR && errno != EAGAIN)
+      throw FileError(name, "cannot be read: " + std::string(std::strerror(errno)));
+  }
+}
+
+Descriptor copy_of(int from, const std::string& name) {
+  const fs::path folder = folder_for_temporary_files();
+  try {
+    Descriptor copy = make_nameless_file(folder);
+    std::vector<char> buffer(std::size_t{1} << 16);
+    while (const std::size_t n = read_some(from, buffer, name))
+      if (const int error = write_all(copy.get(), buffer.data(), n); error != 0)
+        throw std::system_error(error, std::generic_category());
+    return copy;
+  } catch (const std::system_error& error) {
+    throw FileError(name, "is read once, into a temporary file in " + folder.string() + ", which failed (" +
+                              error.code().message() + "); name another folder in TMPDIR, or give a file");
+  }
+}
+
+/// A regular file that standard input or another descriptor is, from its beginning: need not be copied.
+bool is_file_from_its_beginning(const FileTarget& target) {
+  return S_ISREG(target.mode) && ::lseek(target.descriptor, 0, SEEK_CUR) == 0 &&
+         ::access(target.path.c_str(), R_OK) == 0;
+}
+
+Descriptor opened(const FileTarget& target, const std::string& name) {
+  // not to wait for a FIFO's writer here: read_some does, and sees signals meanwhile
+  Descriptor file(::open(target.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file.is_open()) throw FileError(name, "cannot be opened for reading: " + std::string(std::strerror(errno)));
+  return file;
+}
+
+fs::path copied(const FileTarget& target, const std::string& name) {
+  const bool is_device = S_ISCHR(target.mode) || S_ISBLK(target.mode);
+  const bool is_terminal = target.descriptor >= 0 && ::isatty(target.descriptor) == 1;
+  if (is_device && !is_terminal && !target.is_null())
+    throw FileError(name, "is a device, which may never end; copy what is wanted of it to a file");
+  if (target.descriptor >= 0 && is_file_from_its_beginning(target)) return target.path;
+  const Descriptor own = target.descriptor >= 0 ? Descriptor() : opened(target, name);
+  // it stays open: the path is that of the descriptor
+  static std::vector<Descriptor> copies;
+  copies.push_back(copy_of(own.is_open() ? own.get() : target.descriptor, name));
+  return "/proc/self/fd/" + std::to_string(copies.back().get());
+}
+
+}  // namespace
+
+std::string input_name(const fs::path& path) { return path == "-" ? "standard input" : path.string(); }
+
+fs::path readable(const fs::path& path) {
+  std::error_code error;
+  if (path != "-" && fs::is_regular_file(path, error) && !path.native().starts_with("/dev/") &&
+      !path.native().starts_with("/proc/"))
+    return path;
+  const std::string name = input_name(path);
+  static std::mutex mutex;
+  static std::map<std::string, fs::path> known;
+  const std::lock_guard lock(mutex);
+  if (const auto found = known.find(path.native()); found != known.end()) return found->second;
+  const FileTarget target = target_of(path, STDIN_FILENO);
+  if (target.kind == FileTarget::Kind::absent) throw FileError(name, "no such file; check the name");
+  if (target.kind == FileTarget::Kind::folder) throw FileError(name, "is a folder; name a file in it");
+  if (target.kind == FileTarget::Kind::regular) return path;
+  return known[path.native()] = copied(target, name);
+}
+
+}  // namespace bouncelab

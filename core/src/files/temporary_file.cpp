@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/temporary_file.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "bouncelab/core/interrupts.hpp"
+
+namespace bouncelab {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kPrefix = ".bouncelab-";
+constexpr std::string_view kInfix = ".partial";
+constexpr std::size_t kLongestExtension = 16;  // longer ones are no format's, and names end at 255 bytes
+
+std::string hexadecimal(std::uint64_t number) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%08llx", static_cast<unsigned long long>(number & 0xFFFFFFFFu));
+  return digits;
+}
+
+/// Tells this machine's files from those of others on a network drive, whose locks may not be seen here.
+const std::string& machine() {
+  static const std::string name = [] {
+    char host[HOST_NAME_MAX + 1] = "";
+    ::gethostname(host, sizeof host - 1);
+    std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+    for (const char* c = host; *c != '\0'; ++c) hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3u;
+    return hexadecimal(hash ^ hash >> 32);
+  }();
+  return name;
+}
+
+[[noreturn]] void fail(int error) { throw std::system_error(error, std::generic_category()); }
+
+void remove_if_abandoned(const fs::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat status {};
+  if (!file.is_open() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  if (lock_exclusively(file.get()) != LockResult::taken || !has_name(file.get(), path)) return;
+  ::unlink(path.c_str());
+}
+
+}  // namespace
+
+Descriptor::Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  std::swap(number_, other.number_);
+  return *this;
+}
+Descriptor::~Descriptor() {
+  if (number_ >= 0) ::close(number_);
+}
+
+LockResult lock_exclusively(int descriptor) {
+#ifdef F_OFD_SETLK
+  // of the opening, not of the process: it also excludes other threads, and HDF5, which calls flock, does not see it
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  const int status = ::fcntl(descriptor, F_OFD_SETLK, &lock);
+#else
+  const int status = ::flock(descriptor, LOCK_EX | LOCK_NB);
+#endif
+  if (status == 0) return LockResult::taken;
+  return errno == EAGAIN || errno == EACCES ? LockResult::held_by_another : LockResult::not_supported;
+}
+
+bool has_name(int descriptor, const fs::path& path) {
+  struct stat opened {
+  }, named{};
+  return ::fstat(descriptor, &opened) == 0 && ::lstat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
+}
+
+TemporaryFile make_temporary_file(const fs::path& folder, const std::string& extension, mode_t mode) {
+  std::random_device random;
+  const std::string ending = extension.size() <= kLongestExtension ? extension : std::string();
+  for (;;) {
+    const fs::path path = folder / (std::string(kPrefix) + machine() + "-" + std::to_string(::getpid()) + "-" +
+                                    hexadecimal(random()) + std::string(kInfix) + ending);
+    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode));
+    if (!file.is_open()) {
+      if (errno == EEXIST) continue;
+      fail(errno);
+    }
+    // another process that tidies up may have had it between its creation and its lock
+    if (lock_exclusively(file.get()) == LockResult::held_by_another || !has_name(file.get(), path)) continue;
+    return {path, std::move(file)};
+  }
+}
+
+Descriptor make_nameless_file(const fs::path& folder) {
+#ifdef O_TMPFILE
+  Descriptor nameless(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
+  if (nameless.is_open()) return nameless;
+#endif
+  // network drives and some file systems cannot do that
+  TemporaryFile named = make_temporary_file(folder, "", 0600);
+  ::unlink(named.path.c_str());
+  return std::move(named.descriptor);
+}
+
+fs::path folder_for_temporary_files() {
+  const char* named = std::getenv("TMPDIR");
+  return named != nullptr && *named != '\0' ? fs::path(named) : fs::path("/tmp");
+}
+
+void remove_abandoned_files(const fs::path& folder) {
+  std::error_code error;
+  const std::string ours = std::string(kPrefix) + machine() + "-";
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(ours) && name.find(kInfix, ours.size()) != std::string::npos)
+      remove_if_abandoned(entry->path());
+  }
+}
+
+std::string why_writing_failed(int error) {
+  if (error == 0) return "writing failed; is the disk full?";
+  const std::string reason = "writing failed: " + std::string(std::strerror(error));
+  if (error == EFBIG) return reason + "; raise the limit of the size of files (ulimit -f), or write to another disk";
+  if (error == ENOSPC || error == EDQUOT) return reason + "; make room, or write to another disk";
+  return reason;
+}
+
+int write_all(int descriptor, const char* bytes, std::size_t n) {
+  // a pipe that can be written to takes so much without making the writer wait, who would not see a signal meanwhile
+  struct stat status {};
+  const bool is_file = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  const std::size_t at_once = is_file ? n : PIPE_BUF;
+  while (n > 0) {
+    if (!is_file) {
+      pollfd ready{descriptor, POLLOUT, 0};
+      if (::poll(&ready, 1, 100) <= 0) {
+        throw_if_stop_requested();
+        continue;
+      }
+    }
+    const ssize_t written = ::write(descriptor, bytes, std::min(n, at_once));
+    if (written < 0 && (errno == EINTR || errno == EAGAIN)) {
+      throw_if_stop_requested();
+      continue;
+    }
+    if (written < 0) return errno;
+    bytes += written;
+    n -= static_cast<std::size_t>(written);
+  }
+  return 0;
+}
+
+}  // namespace bouncelab
