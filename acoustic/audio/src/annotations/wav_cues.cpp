@@ -8,6 +8,7 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -35,9 +36,10 @@ struct Chunk {
 /// The chunks of a WAV or RF64 file (EBU Tech 3306).
 class RiffFile {
  public:
-  explicit RiffFile(const std::filesystem::path& path) : name_(path.string()), in_(path, std::ios::binary) {
+  explicit RiffFile(const std::filesystem::path& path)
+      : name_(input_name(path)), in_(readable(path), std::ios::binary) {
     if (!in_) throw FileError(name_, "cannot be opened for reading");
-    const std::uint64_t length = std::filesystem::file_size(path);
+    const std::uint64_t length = std::filesystem::file_size(readable(path));
     const std::string head = read(0, 12);
     kind_ = head.substr(0, 4);
     if (head.size() < 12 || (kind_ != "RIFF" && kind_ != "RF64" && kind_ != "BW64") || head.substr(8) != "WAVE")
@@ -132,7 +134,7 @@ Annotations read_cues(const std::filesystem::path& path) {
   RiffFile file(path);
   Annotations result;
   const int rate_hz = file.rate_hz();
-  result.recording = path.string();
+  result.recording = input_name(path);
   result.resolution_s = 1.0 / rate_hz;
   std::map<std::uint32_t, std::string> labels;
   std::string cues;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "io/pcm_decode.hpp"
 
 namespace bouncelab::audio {
@@ -37,13 +38,10 @@ bool is_mpeg4(const std::filesystem::path& path) {
   return in.read(head.data(), head.size()) && std::string(head.data() + 4, 4) == "ftyp";
 }
 
-void check_is_a_file(const std::filesystem::path& path) {
+void check_not_empty(const std::filesystem::path& file, const std::string& name) {
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw FileError(path.string(), "no such file; check the name");
-  if (std::filesystem::is_directory(status)) throw FileError(path.string(), "is a folder; name the recordings in it");
-  if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) == 0)
-    throw FileError(path.string(), "the file is empty (0 bytes); record again");
+  if (std::filesystem::file_size(file, error) == 0 && !error)
+    throw FileError(name, "the file is empty (0 bytes); record again");
 }
 
 /// libsndfile reads a truncated WAV without an error; only its log shows the length given in the header:
@@ -104,7 +102,7 @@ int bytes_of_plain_integer(SNDFILE* file, int format) {
 }  // namespace
 
 struct AudioReader::State {
-  std::filesystem::path path;
+  std::string name;
   SNDFILE* file = nullptr;
   AudioFormat format;
   bool may_be_infinite = true;
@@ -140,15 +138,15 @@ struct AudioReader::State {
   /// Into the buffer.
   void decode(std::int64_t first, std::int64_t n) {
     if (first != next_frame && sf_seek(file, first, SEEK_SET) != first)
-      throw FileError(path.string(), "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
+      throw FileError(name, "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(file));
     std::int64_t n_done = 0;
     for (std::int64_t got = 1; got > 0 && n_done < n; n_done += got)
       got = read_frames(buffer.get() + n_done * format.n_channels, std::min(kFramesAtOnce, n - n_done));
     next_frame = first + n_done;
     if (n_done == n) return;
-    throw FileError(path.string(), "ends at sample " + std::to_string(next_frame) + " of the " +
-                                       std::to_string(format.n_frames) +
-                                       " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
+    throw FileError(name, "ends at sample " + std::to_string(next_frame) + " of the " +
+                              std::to_string(format.n_frames) +
+                              " its header promises; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
   }
 
   /// @return how many of n frames there were
@@ -169,34 +167,35 @@ struct AudioReader::State {
     const auto bad = std::find_if(buffered.begin(), buffered.end(), [](float x) { return !std::isfinite(x); });
     const std::int64_t index = bad - buffered.begin();
     const std::int64_t frame = buffered_first + index / format.n_channels;
-    throw FileError(path.string(), "sample " + std::to_string(frame) + " (" +
-                                       std::to_string(static_cast<double>(frame) / format.rate_hz) + " s) of channel " +
-                                       std::to_string(index % format.n_channels) +
-                                       " is not a finite number; repair the recording");
+    throw FileError(name, "sample " + std::to_string(frame) + " (" +
+                              std::to_string(static_cast<double>(frame) / format.rate_hz) + " s) of channel " +
+                              std::to_string(index % format.n_channels) +
+                              " is not a finite number; repair the recording");
   }
 };
 
 AudioReader::AudioReader(std::filesystem::path path) : state_(std::make_unique<State>()) {
   State& s = *state_;
-  s.path = std::move(path);
-  check_is_a_file(s.path);
+  s.name = input_name(path);
+  const std::filesystem::path content = readable(path);
+  check_not_empty(content, s.name);
   SF_INFO info{};
-  s.file = sf_open(s.path.c_str(), SFM_READ, &info);
+  s.file = sf_open(content.c_str(), SFM_READ, &info);
   if (s.file == nullptr) {
-    if (is_mpeg4(s.path))
-      throw FileError(s.path.string(), "is MPEG-4 audio (m4a), which libsndfile cannot read; convert it: ffmpeg -i \"" +
-                                           s.path.string() + "\" out.wav");
+    if (is_mpeg4(content))
+      throw FileError(s.name, "is MPEG-4 audio (m4a), which libsndfile cannot read; convert it: ffmpeg -i \"" + s.name +
+                                  "\" out.wav");
     std::string reason = sf_strerror(nullptr);
     while (!reason.empty() && (reason.back() == '.' || reason.back() == '\n')) reason.pop_back();
-    throw FileError(s.path.string(), "not readable as audio (" + reason + "); convert it: ffmpeg -i IN OUT.wav");
+    throw FileError(s.name, "not readable as audio (" + reason + "); convert it: ffmpeg -i IN OUT.wav");
   }
   s.format = {static_cast<double>(info.samplerate), info.channels, info.frames, describe_format(info.format)};
   s.may_be_infinite = may_be_infinite(info.format);
-  check_promised_length(s.file, s.path.string());
-  if (info.frames <= 0 || info.channels <= 0) throw FileError(s.path.string(), "holds no samples; record again");
+  check_promised_length(s.file, s.name);
+  if (info.frames <= 0 || info.channels <= 0) throw FileError(s.name, "holds no samples; record again");
   if (s.format.rate_hz < kLowestRate_hz || s.format.rate_hz > kHighestRate_hz)
-    throw FileError(s.path.string(), "sampling rate " + std::to_string(info.samplerate) +
-                                         " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
+    throw FileError(s.name, "sampling rate " + std::to_string(info.samplerate) +
+                                " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
   s.n_plain_bytes = bytes_of_plain_integer(s.file, info.format);
 }
 
