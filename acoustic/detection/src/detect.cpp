@@ -15,6 +15,7 @@
 #include "bouncelab/audio/dsp/decimate.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "candidates/band_energies.hpp"
@@ -249,8 +250,8 @@ std::vector<std::size_t> largest_first(const std::vector<std::filesystem::path>&
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
   audio::AudioReader reader(recording);
-  return detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels, recording.string(),
-                   config, progress);
+  return detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels,
+                   input_name(recording), config, progress);
 }
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
@@ -261,24 +262,32 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
   return detect_in([&](int) { return sound; }, 1, name, config, progress);
 }
 
-std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
-                              int n_threads, const ProgressCallback& progress) {
-  if (recordings.size() == 1) return {detect(recordings.front(), config, progress)};
-  std::vector<Detection> found(recordings.size());
+void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
+                 const DetectionSink& sink, const ProgressCallback& progress) {
+  if (recordings.size() == 1) return sink(0, detect(recordings.front(), config, progress));
   std::mutex mutex;
   double n_done = 0.0;
   const std::vector<std::size_t> order = largest_first(recordings);
   parallel_for(recordings.size(), n_threads, [&](std::size_t i) {
     const std::size_t k = order[i];
+    Detection found;
     try {
-      found[k] = detect(recordings[k], config);
+      found = detect(recordings[k], config);
     } catch (const FileError& error) {
-      found[k].status = DetectionStatus::unreadable;
-      found[k].message = error.what();
+      found.status = DetectionStatus::unreadable;
+      found.message = error.what();
     }
     const std::lock_guard lock(mutex);
+    sink(k, std::move(found));
     if (progress) progress(n_done += 1.0, static_cast<double>(recordings.size()));
   });
+}
+
+std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
+                              int n_threads, const ProgressCallback& progress) {
+  std::vector<Detection> found(recordings.size());
+  detect_each(
+      recordings, config, n_threads, [&](std::size_t k, Detection&& d) { found[k] = std::move(d); }, progress);
   return found;
 }
 

@@ -6,6 +6,7 @@
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -112,7 +113,7 @@ WavePreview drop_preview(const audio::AudioSource& sound, const std::string& rec
 
 WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets) {
   audio::AudioReader reader(recording);
-  return wave_preview(reader.source(channel), recording.string(), channel, onsets);
+  return wave_preview(reader.source(channel), input_name(recording), channel, onsets);
 }
 
 }  // namespace bouncelab::detection

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -100,10 +101,16 @@ Detection detect(const std::filesystem::path& recording, const DetectionConfig& 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name,
                  const DetectionConfig& config = {}, const ProgressCallback& progress = {});
 
+/// Takes what was found in the k-th recording as soon as it is known: in any order, from one thread at a time.
+using DetectionSink = std::function<void(std::size_t k, Detection&& found)>;
+
 /// Several recordings in parallel, each as if it were alone: the result does not depend on the number of threads. One
 /// that cannot be read has the status `unreadable` and does not affect the others; with a single recording it throws.
 /// @param n_threads  0 = all cores
 /// @param progress   counts recordings; where there is only one, seconds of its sound
+void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
+                 const DetectionSink& sink, const ProgressCallback& progress = {});
+/// The same, everything in memory, in the order of the recordings.
 std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
                               int n_threads, const ProgressCallback& progress = {});
 
