@@ -105,17 +105,29 @@ void RunJournal::read(const RunIdentity& identity, const OnFinished& on_finished
   // a last line without its newline was not finished, whatever it holds
   while (std::getline(in, line) && !in.eof()) {
     const std::optional<std::string> text = text_of(line);
+    if (!text && !has_identity)
+      throw InvalidArgument(path_.string() +
+                            ": is damaged, or of another version of bouncelab, which alone can finish "
+                            "this run");
     if (!text) break;
     if (!has_identity && *text != identity_text(identity))
       throw InvalidArgument(path_.string() + ": this folder holds an unfinished run with other settings (" +
                             first_difference(identity_from(*text), identity) + ")");
-    if (has_identity) on_finished(*text);
+    if (has_identity) take(*text, on_finished);
     has_identity = true;
     n_complete_bytes += static_cast<std::int64_t>(line.size()) + 1;
   }
   if (::ftruncate(file_, n_complete_bytes) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
     throw FileError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
   if (!has_identity) write(line_of(identity_text(identity)));
+}
+
+void RunJournal::take(const std::string& record, const OnFinished& on_finished) const {
+  try {
+    on_finished(record);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(path_.string() + ": " + error.what());
+  }
 }
 
 void RunJournal::append(std::string_view record) {

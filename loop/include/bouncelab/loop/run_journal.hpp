@@ -26,7 +26,8 @@ class RunJournal {
   /// Opens the journal of this run, or starts one.
   /// @param on_finished  called with the record of each part that earlier runs finished
   /// @throws FileError where the file cannot be read or written, or another process has it open; InvalidArgument where
-  ///         it belongs to a run with another identity, naming the first entry that differs
+  ///         it belongs to a run with another identity, naming the first entry that differs, or was written by another
+  ///         version
   RunJournal(std::filesystem::path path, const RunIdentity& identity, const OnFinished& on_finished);
   RunJournal(const RunJournal&) = delete;
   RunJournal& operator=(const RunJournal&) = delete;
@@ -41,6 +42,7 @@ class RunJournal {
 
  private:
   void read(const RunIdentity& identity, const OnFinished& on_finished);
+  void take(const std::string& record, const OnFinished& on_finished) const;
   void write(const std::string& line);
 
   std::filesystem::path path_;
