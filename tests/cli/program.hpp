@@ -35,10 +35,13 @@ inline std::string content_of(const fs::path& path) {
 /// Each test gets an empty folder; `run("detect a.wav --out b.csv")` runs there.
 class ProgramTest : public testing::Test {
  protected:
-  Result run(const std::string& arguments) const {
+  Result run(const std::string& arguments) const { return shell("\"$B\" " + arguments); }
+
+  /// A script of the shell in that folder, in which $B is the program.
+  Result shell(const std::string& script) const {
     const fs::path out = folder_.path().string() + ".out", err = folder_.path().string() + ".err";
-    const std::string line = "cd '" + folder_.path().string() + "' && '" BOUNCELAB_PROGRAM "' " + arguments + " >'" +
-                             out.string() + "' 2>'" + err.string() + "' </dev/null";
+    const std::string line = "cd '" + folder_.path().string() + "' && B='" BOUNCELAB_PROGRAM "' && { " + script +
+                             "\n} >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
     const int status = std::system(line.c_str());
     Result result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
     fs::remove(out);

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/core/version.hpp"
@@ -66,16 +74,51 @@ FullLine with_config(const std::vector<std::string>& typed, const CLI::App& app)
 /// One line on standard error, whatever it quotes.
 void say(const std::string& message) { std::cerr << printable(message, kMessage_characters) << "\n"; }
 
-int report(const Outcome& outcome, const CommonOptions& common) {
+/// Ends as other programs do whose reader has gone (`| head`).
+[[noreturn]] void end_by_broken_pipe() {
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+  std::exit(kFileError);
+}
+
+/// @return the exit code: that of the work, unless its result could not be said
+int print(const std::string& text, int exit_code) {
+  const int error = write_to_standard_output(text);
+  if (error == EPIPE) end_by_broken_pipe();
+  if (error == 0) return exit_code;
+  say("bouncelab: standard output: writing failed: " + std::string(std::strerror(error)));
+  return kFileError;
+}
+
+/// Options whose values are files that are written.
+const std::vector<std::string> kOutputOptions{"out", "labels", "truth", "write-surface", "table", "to"};
+
+bool is_taken_by_an_output(const Parameters& parameters) {
+  return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) {
+    return std::find(kOutputOptions.begin(), kOutputOptions.end(), p.name) != kOutputOptions.end() &&
+           std::any_of(p.values.begin(), p.values.end(),
+                       [](const std::string& value) { return !value.empty() && is_standard_output(value); });
+  });
+}
+
+/// @param standard_output_is_taken  by a table, which a summary must not be mixed with
+int report(const Outcome& outcome, const CommonOptions& common, bool standard_output_is_taken) {
   if (!common.quiet)
     for (const std::string& warning : outcome.warnings) say("warning: " + warning);
   if (!outcome.error.empty()) say("bouncelab: " + outcome.error);
-  if (common.json)
-    std::cout << outcome.json << "\n";
-  else if (!common.quiet)
-    std::cout << outcome.text;
-  std::cout.flush();
+  if (common.json) return print(outcome.json + "\n", outcome.exit_code);
+  if (common.quiet || outcome.text.empty()) return outcome.exit_code;
+  if (!standard_output_is_taken) return print(outcome.text, outcome.exit_code);
+  std::cerr << outcome.text;
   return outcome.exit_code;
+}
+
+/// A descriptor that is closed would be given to the next file that is opened, which standard output would then be
+/// written into. One that cannot be read, or written, makes that an error as before.
+void keep_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(descriptor, F_GETFD) < 0)
+      (void)!::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest that is free
 }
 
 /// Parse errors in one line: what, and where help is.
@@ -114,19 +157,23 @@ int run(std::vector<std::string> line) {
     app.parse(
         std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
   } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : wrong_usage(error, app);
+    if (error.get_exit_code() != 0) return wrong_usage(error, app);
+    std::ostringstream help;
+    return print((app.exit(error, help, help), help.str()), kDone);
   }
-  notice_interrupts();
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
     Run call{common, line, resolved_parameters(*command.app), {}, {}};
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
     for (const loop::SweepAxis& axis : full.lists)  // the command line wins here too
       if (command.app->get_option("--" + axis.option)->count() == 0) call.sweep.push_back(axis);
+    const bool standard_output_is_taken = is_taken_by_an_output(call.parameters);
+    if (standard_output_is_taken && common.json)
+      throw InvalidArgument("--json: standard output takes an output of this command; write that to a file");
     Outcome outcome;
     // one pool of threads for all loops of the command: pools made one after the other overlap while the old one ends
     with_threads(common.n_threads, [&] { outcome = command.run(call); });
-    return report(outcome, common);
+    return report(outcome, common, standard_output_is_taken);
   }
   return kWrongUsage;
 }
@@ -136,11 +183,15 @@ int run(std::vector<std::string> line) {
 
 int main(int argc, char** argv) {
   using namespace bouncelab;
+  cli::keep_standard_descriptors();
+  cli::notice_signals();
   try {
     return cli::run({argv, argv + argc});
   } catch (const Interrupted& error) {
     cli::say("bouncelab: " + std::string(error.what()));
     return cli::kInterrupted;
+  } catch (const BrokenPipe&) {
+    cli::end_by_broken_pipe();
   } catch (const FileExists& error) {
     cli::say("bouncelab: " + std::string(error.what()) + "; --force replaces it");
     return cli::kFileError;

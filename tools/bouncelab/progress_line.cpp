@@ -4,29 +4,34 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <memory>
 
-#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/interrupts.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-
-/// The first asks to stop, which leaves nothing half-written; one that comes seconds later ends the program at once.
-/// Until then others are the same request: `timeout` and some terminals send it to the program and to its group.
-extern "C" void on_interrupt(int signal) {
-  constexpr std::time_t kPatience_s = 2;
-  static volatile std::time_t first_s = 0;
-  if (interrupted == 0) {
-    interrupted = 1;
-    first_s = std::time(nullptr);
-  } else if (std::time(nullptr) - first_s > kPatience_s) {
+/// The first asks to stop, which leaves nothing half-written; the second ends the program at once, also where a library
+/// does not return. `timeout`, and some terminals, send one request twice, to the program and to its group, at the same
+/// moment; the two arrive together, while a person who loses patience needs longer. Who sent it does not tell them
+/// apart: a terminal's signals come from the kernel, those of `timeout` from one process, as two `kill` from a shell.
+extern "C" void on_stop_signal(int signal) {
+  constexpr std::int64_t kSameRequest_ns = 200'000'000;
+  static std::atomic<std::int64_t> first_ns = 0;
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t now_ns = std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+  std::int64_t before_ns = 0;
+  if (first_ns.compare_exchange_strong(before_ns, now_ns)) {
+    request_stop();
+  } else if (now_ns - before_ns > kSameRequest_ns) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
@@ -72,16 +77,25 @@ class Line {
 
 }  // namespace
 
-void notice_interrupts() {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
+void notice_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    // what is ignored stays so: by nohup, and in the background of a script
+    if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_handler = on_stop_signal;
+    ::sigaction(signal, &action, nullptr);  // without SA_RESTART: a call that waits returns
+  }
+  // both are errors of the write then, with the name of what was written
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 ProgressCallback progress_line(const Run& run, const std::string& label, const std::string& unit) {
   const bool visible = !run.common.quiet && ::isatty(STDERR_FILENO) == 1;
   const auto line = visible ? std::make_shared<Line>(label, unit) : nullptr;
   return [line](double done, double total) {
-    if (interrupted) throw Interrupted();
+    throw_if_stop_requested();
     if (line) line->show(done, total);
   };
 }
@@ -91,9 +105,7 @@ loop::StageProgress stage_progress(const Run& run) {
 }
 
 ProgressCallback interrupts_only(const std::string&, const std::string&) {
-  return [](double, double) {
-    if (interrupted) throw Interrupted();
-  };
+  return [](double, double) { throw_if_stop_requested(); };
 }
 
 }  // namespace bouncelab::cli

@@ -9,9 +9,10 @@
 
 namespace bouncelab::cli {
 
-/// From now on the next progress call after Ctrl-C or SIGTERM throws Interrupted; a second signal, seconds later, ends
-/// the program at once.
-void notice_interrupts();
+/// From now on the next progress call after Ctrl-C, SIGTERM or SIGHUP throws Interrupted; a second signal, more than
+/// 0.2 s later, ends the program at once. A limit of the size of files, and a pipe that nobody reads, make writing
+/// fail.
+void notice_signals();
 
 /// A line on standard error with work done, rate and time left, where that is a terminal and --quiet was not given;
 /// nothing otherwise. Either way the callback throws Interrupted once the user asked to stop.

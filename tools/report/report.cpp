@@ -26,7 +26,7 @@ Json parsed(const std::string& text, const char* what) {
 
 /// JSON inside a <script> element: "</" would end it.
 std::string embedded(const Json& data) {
-  std::string text = data.dump();
+  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);  // names need not be UTF-8
   for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.replace(at, 2, "<\\/");
   return text;
 }

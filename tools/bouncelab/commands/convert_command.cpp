@@ -7,11 +7,13 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
@@ -29,6 +31,7 @@ Format format_of(const fs::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".csv" || is_hdf5(path) || is_json_lines(path)) return Format::table;
+  if (extension.empty() && (path == "-" || path.native().starts_with("/dev/"))) return Format::table;  // no name tells
   if (extension == ".txt") return Format::audacity;
   if (extension == ".svl") return Format::sonic_visualiser;
   if (extension == ".textgrid") return Format::praat;
@@ -38,16 +41,15 @@ Format format_of(const fs::path& path) {
 }
 
 std::string content_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in || fs::is_directory(path))
-    throw FileError(path.string(), fs::exists(path) ? "cannot be opened for reading" : "no such file");
+  std::ifstream in(readable(path), std::ios::binary);
+  if (!in) throw FileError(input_name(path), "cannot be opened for reading; check its permissions");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
 }
 
 audio::Annotations read_annotations(const fs::path& path, Format format) {
-  const std::string name = path.string();
+  const std::string name = input_name(path);
   if (format == Format::cues) return audio::read_cues(path);
   const std::string text = content_of(path);
   if (format == Format::sonic_visualiser) return audio::parse_sonic_visualiser_layer(text, name);
@@ -58,19 +60,20 @@ Onsets read_onsets(const ConvertOptions& options) {
   const Format format = format_of(options.input);
   if (format != Format::table) {
     audio::Annotations annotations = read_annotations(options.input, format);
-    if (annotations.points.empty()) throw FileError(options.input, "holds no marks");
+    if (annotations.points.empty()) throw FileError(input_name(options.input), "holds no marks");
     if (!options.recording.empty()) annotations.recording = options.recording;
     return audio::onsets_of(annotations, options.renumber);
   }
-  Onsets onsets = onsets_from_table(read_table(options.input, onset_columns()), options.input);
+  Onsets onsets = onsets_from_table(read_table(options.input, onset_columns()), input_name(options.input));
   if (!options.recording.empty()) {
     std::erase_if(onsets,
                   [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.recording; });
     for (Onset& onset : onsets) onset.recording = options.recording;
   }
   if (onsets.empty())
-    throw FileError(options.input, "holds no onsets" +
-                                       (options.recording.empty() ? std::string() : " of '" + options.recording + "'"));
+    throw FileError(
+        input_name(options.input),
+        "holds no onsets" + (options.recording.empty() ? std::string() : " of '" + options.recording + "'"));
   return onsets;
 }
 
@@ -112,11 +115,12 @@ void write_annotations(const fs::path& out, const audio::Annotations& annotation
 }  // namespace
 
 Outcome run_convert(const ConvertOptions& options, const Run& run) {
-  for (const std::string& out : options.outputs) {
-    format_of(out);
-    check_may_write(run, out);
-  }
+  for (const std::string& out : options.outputs) format_of(out);
+  check_files(run, {options.input, options.recording}, {options.outputs.begin(), options.outputs.end()});
   const Onsets onsets = read_onsets(options);
+  std::set<fs::path> inputs{options.input};  // which recordings the marks are of is known only now
+  for (const Onset& onset : onsets) inputs.insert(onset.recording);
+  check_files(run, {inputs.begin(), inputs.end()}, {options.outputs.begin(), options.outputs.end()});
   for (const std::string& out : options.outputs) {
     if (format_of(out) == Format::table)
       write_table(run, out, to_table(onsets), {options.input});

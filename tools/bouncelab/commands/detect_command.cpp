@@ -4,9 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/printable.hpp"
+#include "files/provenance.hpp"
+#include "files/same_content.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
@@ -26,110 +32,135 @@ std::vector<std::string> first_of(std::vector<std::string> lines, const char* wh
   return lines;
 }
 
+/// A recording's name for people.
+std::string name_of(const std::filesystem::path& recording) { return printable(input_name(recording)); }
+
 /// One line a recording, for people.
-std::string describe(const std::string& recording, const detection::Detection& d) {
-  std::string line = fmt::format("{}: {}", recording, d.message);
-  if (d.summary.restitution_median) line += fmt::format(", eps = {:.4f} in the median", *d.summary.restitution_median);
-  if (d.summary.n_channels > 1) line += fmt::format("; channel {} ({})", d.summary.channel, d.summary.channel_reason);
+std::string describe(const RecordingResult& r) {
+  std::string line = fmt::format("{}: {}", name_of(r.recording), r.message);
+  if (r.summary.restitution_median) line += fmt::format(", eps = {:.4f} in the median", *r.summary.restitution_median);
+  if (r.summary.n_channels > 1) line += fmt::format("; channel {} ({})", r.summary.channel, r.summary.channel_reason);
   return line;
 }
 
-std::vector<std::string> warnings_of(const std::vector<std::string>& recordings,
-                                     const std::vector<detection::Detection>& found) {
+bool is_unreadable(const RecordingResult& r) { return r.status == detection::DetectionStatus::unreadable; }
+
+std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings) {
   std::vector<std::string> warnings;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    if (found[k].status == detection::DetectionStatus::unreadable) warnings.push_back(found[k].message + "; left out");
-    for (const std::string& warning : found[k].warnings) warnings.push_back(recordings[k] + ": " + warning);
+  for (const RecordingResult& r : recordings) {
+    if (is_unreadable(r)) warnings.push_back(r.message + "; left out");
+    for (const std::string& warning : r.warnings) warnings.push_back(name_of(r.recording) + ": " + warning);
   }
-  return first_of(std::move(warnings), "with --json all of them are listed");
+  return warnings;
 }
 
 /// A line a recording; of very many a sum, and a line for each in which nothing was found.
-std::string describe_all(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found) {
+std::string describe_all(const std::vector<RecordingResult>& recordings) {
   std::vector<std::string> lines;
   std::size_t n_onsets = 0;
   std::int64_t n_drops = 0;
-  const bool many = found.size() > kMostLines;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    n_onsets += found[k].onsets.size();
-    n_drops += found[k].summary.n_drops;
-    if (found[k].status != detection::DetectionStatus::unreadable &&
-        !(many && found[k].status == detection::DetectionStatus::ok))
-      lines.push_back(describe(recordings[k], found[k]));
+  const bool many = recordings.size() > kMostLines;
+  for (const RecordingResult& r : recordings) {
+    n_onsets += r.n_onsets;
+    n_drops += r.summary.n_drops;
+    if (!is_unreadable(r) && !(many && r.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
   }
   std::string text;
   for (const std::string& line : first_of(std::move(lines), "with --json all of them are listed")) text += line + "\n";
-  if (many) text += fmt::format("{} impacts in {} drops in {} recordings\n", n_onsets, n_drops, found.size());
+  if (many) text += fmt::format("{} impacts in {} drops in {} recordings\n", n_onsets, n_drops, recordings.size());
   return text;
 }
 
 /// What went wrong with the recordings as a whole: exit code and error of the outcome.
-void conclude(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found,
-              std::size_t n_onsets, Outcome& outcome) {
-  const auto is_unreadable = [](const detection::Detection& d) {
-    return d.status == detection::DetectionStatus::unreadable;
-  };
-  const auto n_unreadable = std::count_if(found.begin(), found.end(), is_unreadable);
-  const std::size_t n_others = found.size() - 1;
+void conclude(const std::vector<RecordingResult>& recordings, bool found_any, Outcome& outcome) {
+  const auto n_unreadable = std::count_if(recordings.begin(), recordings.end(), is_unreadable);
+  const std::size_t n_others = recordings.size() - 1;
   const std::string others = n_others > 0 ? fmt::format(" (nor in the {} others)", n_others) : "";
   if (n_unreadable > 0) {
-    const detection::Detection& first = *std::find_if(found.begin(), found.end(), is_unreadable);
+    const RecordingResult& first = *std::find_if(recordings.begin(), recordings.end(), is_unreadable);
     outcome.exit_code = kFileError;
     outcome.error =
         n_unreadable == 1 ? first.message : fmt::format("{} (and {} more)", first.message, n_unreadable - 1);
   }
-  if (n_onsets == 0) {
-    if (n_unreadable < std::ssize(found)) {
-      const auto readable = std::find_if_not(found.begin(), found.end(), is_unreadable);
+  if (!found_any) {
+    const auto readable = std::find_if_not(recordings.begin(), recordings.end(), is_unreadable);
+    if (readable != recordings.end()) {
       outcome.exit_code = kNotUsable;
       outcome.error =
           fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
-                      recordings[static_cast<std::size_t>(readable - found.begin())], readable->message, others);
+                      name_of(readable->recording), readable->message, others);
     }
     outcome.text.clear();
   } else if (n_unreadable > 0) {
     outcome.error += fmt::format("; the results are those of the {} recordings that could be read",
-                                 std::ssize(found) - n_unreadable);
+                                 std::ssize(recordings) - n_unreadable);
   }
 }
 
-/// What was found in each recording, in the order given; files are read in parallel.
-std::vector<detection::Detection> detect_all(const DetectOptions& options, const Run& run) {
+/// Keeps `found` if it is among the first ones.
+void keep_first(std::size_t k, detection::Detection&& found, std::map<std::size_t, detection::Detection>& first) {
+  if (found.onsets.empty()) return;
+  first.emplace(k, std::move(found));
+  if (first.size() > kMostDetections) first.erase(std::prev(first.end()));
+}
+
+/// Files are read in parallel; their onsets go into the table, in the order of the recordings.
+DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
+                        TableWriter& table, const Run& run) {
   detection::DetectionConfig config;
   if (options.channel >= 0) config.channel = options.channel;
-  const std::vector<std::filesystem::path> recordings(options.recordings.begin(), options.recordings.end());
-  return detection::detect(recordings, config, run.common.n_threads,
-                           progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
+  DetectResult result;
+  result.recordings.resize(recordings.size());
+  const auto take = [&](std::size_t k, detection::Detection&& d) {
+    table.add(k, to_table(d.onsets));
+    result.recordings[k] = {recordings[k].string(), d.status, d.message, d.summary, d.warnings, d.onsets.size()};
+    keep_first(k, std::move(d), result.first);
+  };
+  detection::detect_each(recordings, config, run.common.n_threads, take,
+                         progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
+  return result;
+}
+
+/// The recordings with each content once, and a warning for each that is left out.
+std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& recordings,
+                                             std::vector<std::string>& warnings, const Run& run) {
+  const std::vector<std::size_t> same = first_of_same_content(recordings, run.common.n_threads);
+  std::vector<std::filesystem::path> once;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    if (same[k] == k)
+      once.push_back(recordings[k]);
+    else
+      warnings.push_back(name_of(recordings[k]) + ": the same recording as " + name_of(recordings[same[k]]) +
+                         " (by content); counted once");
+  }
+  return once;
 }
 
 }  // namespace
 
-Stage<std::vector<detection::Detection>> run_detect(const DetectOptions& options, const Run& run) {
-  check_may_write(run, options.out);
-  if (!options.labels.empty()) {
-    if (options.recordings.size() > 1)
-      throw InvalidArgument("--labels: a label track belongs to one recording; give one");
-    check_may_write(run, options.labels);
-  }
-  Stage<std::vector<detection::Detection>> stage;
-  stage.result = detect_all(options, run);
-  const std::vector<detection::Detection>& found = stage.result;
+Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
+  if (!options.labels.empty() && options.recordings.size() > 1)
+    throw InvalidArgument("--labels: a label track belongs to one recording; give one");
+  const std::vector<std::filesystem::path> given(options.recordings.begin(), options.recordings.end());
+  check_files(run, given, {options.out, options.labels});
+  Stage<DetectResult> stage;
   Outcome& outcome = stage.outcome;
+  const std::vector<std::filesystem::path> recordings = each_once(given, outcome.warnings, run);
+  TableWriter table(run, options.out);
+  stage.result = detect_all(options, recordings, table, run);
+  const std::vector<RecordingResult>& results = stage.result.recordings;
   std::vector<std::filesystem::path> inputs;
-  Onsets joined;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    if (found.size() > 1) joined.insert(joined.end(), found[k].onsets.begin(), found[k].onsets.end());
-    if (found[k].status != detection::DetectionStatus::unreadable) inputs.emplace_back(options.recordings[k]);
-  }
-  const Onsets& all = found.size() == 1 ? found.front().onsets : joined;  // ten hours are 60 MB
-  outcome.text = describe_all(options.recordings, found);
-  outcome.warnings = warnings_of(options.recordings, found);
-  outcome.json = detect_json(options.recordings, found);
-  conclude(options.recordings, found, all.size(), outcome);
-  if (all.empty()) return stage;
-  write_table(run, options.out, to_table(all), inputs);
+  for (const RecordingResult& r : results)
+    if (!is_unreadable(r)) inputs.emplace_back(r.recording);
+  outcome.text = describe_all(results);
+  outcome.json = detect_json(results, outcome.warnings);
+  outcome.warnings = first_of(joined(outcome.warnings, warnings_of(results)), "with --json all of them are listed");
+  conclude(results, !stage.result.first.empty(), outcome);
+  if (stage.result.first.empty()) return stage;
+  table.finish(inputs);
   if (!options.labels.empty())
-    write_text(run, options.labels, audio::audacity_labels(audio::annotations_of(all)), inputs);
+    write_text(run, options.labels,
+               audio::audacity_labels(audio::annotations_of(stage.result.first.begin()->second.onsets)), inputs);
   return stage;
 }
 

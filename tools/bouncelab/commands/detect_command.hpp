@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,8 +18,25 @@ struct DetectOptions {
   int channel = -1;  ///< -1: the one in which impacts are detected best
 };
 
-/// Writes options.out and, where named, options.labels; neither where no impact was found.
-/// @return what was found in each recording, in the order given
-Stage<std::vector<detection::Detection>> run_detect(const DetectOptions& options, const Run& run);
+/// What is kept of each of thousands of recordings; its onsets are in the table.
+struct RecordingResult {
+  std::string recording;  ///< as it was given
+  detection::DetectionStatus status = detection::DetectionStatus::silent;
+  std::string message;
+  detection::RecordingSummary summary;
+  std::vector<std::string> warnings;
+  std::size_t n_onsets = 0;
+};
+
+struct DetectResult {
+  std::vector<RecordingResult> recordings;  ///< in the order given; those with the same content once
+  /// Everything of the first recordings in which impacts were found, at most kMostDetections, by their index.
+  std::map<std::size_t, detection::Detection> first;
+};
+constexpr std::size_t kMostDetections = 30;
+
+/// Writes options.out and, where named, options.labels; neither where no impact was found. A recording with the same
+/// content as one before it counts once, and a warning names both.
+Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "bouncelab/core/input_file.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
@@ -38,8 +39,7 @@ std::string describe(const fit::FitResult& result) {
 }  // namespace
 
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
-  check_may_write(run, options.out);
-  if (!options.table.empty()) check_may_write(run, options.table);
+  check_files(run, {options.samples}, {options.out, options.table});
   const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
   fit::FitConfig config = options.config;
   config.law.seed = run.common.seed;
@@ -56,7 +56,7 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   outcome.warnings = result.warnings;
   if (result.status != fit::FitStatus::ok) {
     outcome.exit_code = kNotUsable;
-    outcome.error = options.samples + ": " + result.law.message;
+    outcome.error = input_name(options.samples) + ": " + result.law.message;
     std::erase(outcome.warnings, result.law.message);
   }
   return stage;

@@ -6,6 +6,7 @@
 
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/version.hpp"
 #include "bouncelab/detection/score.hpp"
@@ -97,7 +98,9 @@ Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const
 Outcome run_through_files(const LoopOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
-  for (const char* name : kOutputs) check_may_write(run, folder / name);
+  std::vector<fs::path> outputs;
+  for (const char* name : kOutputs) outputs.push_back(folder / name);
+  check_files(run, simulation_inputs(options.simulate), outputs, {folder / "recording.others.csv"});
   const LoopFiles files(folder);
   loop::LoopConfig config;
   config.simulation = simulation_config(options.simulate, run.common);
@@ -154,21 +157,20 @@ loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run) {
   for (const Parameter& p : run.parameters)
     if (std::find(only_how.begin(), only_how.end(), p.name) == only_how.end()) add(p.name, p.values);
   for (const loop::SweepAxis& axis : run.sweep) add("list of " + axis.option, axis.values);
-  if (!options.simulate.surface_file.empty())
-    identity.emplace_back("SHA-256 of the surface", sha256_of_file(options.simulate.surface_file));
-  const std::string table = "table:";
-  if (options.simulate.restitution_law.starts_with(table))
-    identity.emplace_back("SHA-256 of the law", sha256_of_file(options.simulate.restitution_law.substr(table.size())));
+  for (const fs::path& input : simulation_inputs(options.simulate))
+    identity.emplace_back("SHA-256 of " + input_name(input), sha256_of_file(input));
   return identity;
 }
 
-std::unique_ptr<loop::RunJournal> open_journal(const std::string& folder, const std::vector<std::string>& outputs,
-                                               const loop::RunIdentity& identity, const Run& run,
-                                               const loop::RunJournal::OnFinished& on_finished) {
-  const fs::path path = fs::path(folder) / kJournal;
-  if (run.common.force) fs::remove(path);
-  if (!fs::exists(path))
-    for (const std::string& name : outputs) check_may_write(run, fs::path(folder) / name);
+std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const std::vector<std::string>& outputs,
+                                               const Run& run, const loop::RunJournal::OnFinished& on_finished) {
+  const fs::path folder = options.out, path = folder / kJournal;
+  std::vector<fs::path> files;
+  for (const std::string& name : outputs) files.push_back(folder / name);
+  const bool goes_on = fs::exists(path) && !run.common.force;
+  check_files(goes_on ? replacing(run) : run, simulation_inputs(options.simulate), files, {path});
+  if (!goes_on) fs::remove(path);
+  const loop::RunIdentity identity = loop_identity(options, run);
   try {
     return std::make_unique<loop::RunJournal>(path, identity, on_finished);
   } catch (const InvalidArgument& error) {

@@ -27,12 +27,12 @@ loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& co
 /// reads, by content.
 loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run);
 
-/// The journal of an unfinished run in `folder`. Without one, outputs that exist are another run's.
+/// The journal of an unfinished run in the folder options.out, whose lock the caller has (OutputFolder). Without one,
+/// outputs that exist are another run's.
 /// @throws FileError where one of `outputs` exists and --force was not given; InvalidArgument where the journal is that
-///         of a run with other settings
-std::unique_ptr<loop::RunJournal> open_journal(const std::string& folder, const std::vector<std::string>& outputs,
-                                               const loop::RunIdentity& identity, const Run& run,
-                                               const loop::RunJournal::OnFinished& on_finished);
+///         of a run with other settings or of another version, or an output is an input
+std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const std::vector<std::string>& outputs,
+                                               const Run& run, const loop::RunJournal::OnFinished& on_finished);
 
 /// A run that may replace the files of its own folder.
 Run replacing(Run run);

@@ -69,7 +69,10 @@ loop::LoopResult run_journaled(const LoopOptions& options, const Run& run, loop:
   loop::LoopConfig config = loop_config(options, run.common);
   config.surface = surface_from_file(options.simulate, config.simulation.ball);
   config.with_smooth_ball = true;
-  if (config.sound_folder) fs::create_directories(*config.sound_folder);
+  if (config.sound_folder) {
+    fs::create_directories(*config.sound_folder);
+    remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already
+  }
   return loop::run_loop(config, stage_progress(run), std::move(finished), &journal);
 }
 
@@ -79,8 +82,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   loop::FinishedDrops finished;
-  const auto journal = open_journal(folder, kOutputs, loop_identity(options, run), run,
-                                    [&](std::string_view record) { finished.add(record); });
+  const auto journal = open_journal(options, kOutputs, run, [&](std::string_view record) { finished.add(record); });
   const loop::LoopResult result = run_journaled(options, run, std::move(finished), *journal);
 
   StageClock clock;

@@ -20,6 +20,10 @@ namespace fs = std::filesystem;
 /// Few samples are shown one by one; more only as a density, which fit.json has.
 constexpr std::size_t kMaxSamplesShown = 400;
 
+/// What a report is made of, where it exists.
+const char* const kShown[] = {"fit.json",   "summary.json",     "wave.json",  "paper.json", "fit_from_simulation.json",
+                              "sweep.json", "diagnostics.json", "samples.csv"};
+
 std::string content(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
@@ -49,6 +53,10 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   const fs::path fit = folder / "fit.json";
   if (!fs::exists(fit) && !fs::exists(folder / "sweep.json"))
     throw FileError(fit.string(), "no such file; bouncelab fit, analyze or loop makes it");
+  const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
+  std::vector<fs::path> shown;
+  for (const char* name : kShown) shown.push_back(folder / name);
+  check_files(run, shown, {out});
   std::vector<fs::path> inputs;
   report::ReportInput input;
   input.title =
@@ -61,9 +69,9 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   input.diagnostics_json = content_if_there(folder / "diagnostics.json", inputs);
   input.sweep_json = content_if_there(folder / "sweep.json", inputs);
   input.samples_json = samples_if_few(folder / "samples.csv", inputs);
-  const fs::path out = options.out.empty() ? folder / "report.html" : fs::path(options.out);
   write_text(run, out, report::render(input), inputs);
-  return {kDone, report_json(out.string()), "Report: " + fs::absolute(out).lexically_normal().string() + "\n", {}, {}};
+  const std::string name = is_stream(out) ? out.string() : fs::absolute(out).lexically_normal().string();
+  return {kDone, report_json(out.string()), "Report: " + name + "\n", {}, {}};
 }
 
 }  // namespace bouncelab::cli

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "bouncelab/core/input_file.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -28,8 +29,8 @@ std::string describe(const fit::RestitutionCounts& counts) {
 }  // namespace
 
 Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const Run& run) {
-  check_may_write(run, options.out);
-  const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), options.onsets);
+  check_files(run, {options.onsets, options.positions}, {options.out});
+  const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), input_name(options.onsets));
   fit::RestitutionConfig config = options.config;
   if (options.drop_height_m > 0.0) config.drop_height_m = options.drop_height_m;
   config.wave_speed_mps = options.wave_speed_mps;
@@ -52,7 +53,7 @@ Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const
   write_table(run, options.out, to_table(result.samples), inputs);
   if (result.samples.empty()) {
     outcome.exit_code = kNotUsable;
-    outcome.error = options.onsets + ": no three successive impacts: no coefficient of restitution";
+    outcome.error = input_name(options.onsets) + ": no three successive impacts: no coefficient of restitution";
   }
   return stage;
 }

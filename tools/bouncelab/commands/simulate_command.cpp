@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -41,16 +42,20 @@ std::string text_of(const SimulateOptions& options, const sim::SimulationConfig&
       100.0 * energy.remaining_j / energy.released_j);
 }
 
-std::vector<std::filesystem::path> inputs_of(const SimulateOptions& options) {
-  if (options.surface_file.empty()) return {};
-  return {options.surface_file};
-}
-
 }  // namespace
+
+std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options) {
+  std::vector<std::filesystem::path> inputs;
+  if (!options.surface_file.empty()) inputs.emplace_back(options.surface_file);
+  const std::string table = "table:";
+  if (options.restitution_law.starts_with(table)) inputs.emplace_back(options.restitution_law.substr(table.size()));
+  return inputs;
+}
 
 std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball) {
   if (options.surface_file.empty()) return std::nullopt;
-  return sim::surface_from_table(read_table(options.surface_file, sim::surface_columns()), options.surface_file, ball);
+  return sim::surface_from_table(read_table(options.surface_file, sim::surface_columns()),
+                                 input_name(options.surface_file), ball);
 }
 
 sim::SimulationConfig simulation_config(const SimulateOptions& options, const CommonOptions& common) {
@@ -72,8 +77,7 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
 
 Outcome run_simulate(const SimulateOptions& options, const Run& run) {
   const sim::SimulationConfig config = simulation_config(options, run.common);
-  check_may_write(run, options.out);
-  if (!options.write_surface.empty()) check_may_write(run, options.write_surface);
+  check_files(run, simulation_inputs(options), {options.out, options.write_surface});
 
   const std::optional<sim::Surface> given = surface_from_file(options, config.ball);
   const sim::Surface surface =
@@ -82,8 +86,9 @@ Outcome run_simulate(const SimulateOptions& options, const Run& run) {
                                 config.seed, progress_line(run, "surface", "asperities"));
   const sim::SimulationResult result = sim::simulate(config, surface, progress_line(run, "simulate", "drops"));
 
-  if (!options.write_surface.empty()) write_table(run, options.write_surface, to_table(surface), inputs_of(options));
-  write_table(run, options.out, to_table(result.impacts), inputs_of(options));
+  if (!options.write_surface.empty())
+    write_table(run, options.write_surface, to_table(surface), simulation_inputs(options));
+  write_table(run, options.out, to_table(result.impacts), simulation_inputs(options));
   Outcome outcome;
   outcome.exit_code = result.impacts.rows.empty() ? kNotUsable : kDone;
   if (result.impacts.rows.empty()) outcome.error = "no drop had an impact; see --plate, --min-speed and --max-time";

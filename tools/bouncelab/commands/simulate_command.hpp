@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
 
 /// The asperities of the file that the options name; absent where they name none. @throws FileError
 std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
+
+/// The files that a simulation reads: surface, table of the law.
+std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options);
 
 /// Simulates and writes options.out (and options.write_surface where named).
 Outcome run_simulate(const SimulateOptions& options, const Run& run);

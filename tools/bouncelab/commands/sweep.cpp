@@ -50,7 +50,7 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
 
   const OutputFolder output_folder(folder);
   std::map<std::size_t, loop::SweepPoint> finished;
-  const auto journal = open_journal(folder, kOutputs, loop_identity(options, run), run, [&](std::string_view record) {
+  const auto journal = open_journal(options, kOutputs, run, [&](std::string_view record) {
     loop::NumberedPoint numbered = loop::point_from_record(record);
     finished[numbered.index] = std::move(numbered.point);
   });

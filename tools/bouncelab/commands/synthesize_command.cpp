@@ -59,7 +59,7 @@ std::filesystem::path beside(const std::filesystem::path& out, const std::string
 class TruthFiles {
  public:
   TruthFiles(const Run& run, const std::filesystem::path& truth, const std::filesystem::path& impacts)
-      : run_(run), inputs_{impacts}, truth_(run, truth, inputs_) {}
+      : run_(run), inputs_{impacts}, truth_(run, truth) {}
 
   void add(const synthesis::DropTruth& drop) {
     if (recording_ != drop.recording) {
@@ -68,19 +68,19 @@ class TruthFiles {
     }
     truth_.add(synthesis::truth_table(drop.impacts, drop.recording.string()));
     if (drop.others.empty()) return;
-    if (!others_) others_ = std::make_unique<TableWriter>(run_, beside(recording_, ".others.csv"), inputs_);
+    if (!others_) others_ = std::make_unique<TableWriter>(run_, beside(recording_, ".others.csv"));
     others_->add(synthesis::others_table(drop.others));
   }
   void finish() {
     finish_recording();
-    truth_.finish();
+    truth_.finish(inputs_);
   }
 
  private:
   void finish_recording() {
     if (recording_.empty()) return;
     write_provenance(run_, recording_, inputs_);
-    if (others_) others_->finish();
+    if (others_) others_->finish(inputs_);
     others_.reset();
   }
 
@@ -125,7 +125,10 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
   const std::filesystem::path out = options.out;
   const std::filesystem::path truth =
       options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
-  check_may_write(run, out);
+  check_files(
+      run, {options.impacts},
+      options.each_drop ? std::vector<std::filesystem::path>{truth} : std::vector<std::filesystem::path>{out, truth},
+      {beside(out, ".others.csv")});
   TruthFiles files(run, truth, options.impacts);
   const synthesis::SynthesisResult result = make_sound(
       options, config, [&files](const synthesis::DropTruth& drop) { files.add(drop); }, run);

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -107,10 +108,8 @@ std::size_t length_of(hid_t set, const std::string& column, const std::string& p
 
 Table read_hdf5(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
   silence();
-  const std::string name = path.string();
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw FileError(name, "no such file");
-  const Handle file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const std::string name = input_name(path);
+  const Handle file(H5Fopen(readable(path).c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.is_open()) throw FileError(name, "is not an HDF5 file, or cut off, or not readable");
   Table table;
   for (const ColumnSpec& spec : wanted) {

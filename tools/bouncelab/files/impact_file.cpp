@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "files/table_file.hpp"
 
 namespace bouncelab::cli {
@@ -15,7 +16,7 @@ namespace {
 /// Whole drops from a CSV file: rows are read in pieces that begin with a drop.
 class CsvDrops {
  public:
-  explicit CsvDrops(const std::filesystem::path& path) : name_(path.string()), reader_(path, impact_columns()) {}
+  explicit CsvDrops(const std::filesystem::path& path) : name_(input_name(path)), reader_(path, impact_columns()) {}
 
   bool next(Impacts& drop) {
     while (!at_end_ && (first_ == rows_.rows.size() || rows_.rows[first_].drop == rows_.rows.back().drop)) read_more();
@@ -60,7 +61,8 @@ class CsvDrops {
 
 synthesis::DropSource impact_file(const std::filesystem::path& path) {
   if (is_hdf5(path) || is_json_lines(path)) {
-    const auto all = std::make_shared<Impacts>(impacts_from_table(read_table(path, impact_columns()), path.string()));
+    const auto all =
+        std::make_shared<Impacts>(impacts_from_table(read_table(path, impact_columns()), input_name(path)));
     return [all, drops = synthesis::drops_of(*all)](std::int64_t k, Impacts& drop) { return drops(k, drop); };
   }
   return [path, drops = std::shared_ptr<CsvDrops>()](std::int64_t k, Impacts& drop) mutable {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -52,9 +53,9 @@ const Json* value_of(const Json& row, const std::string& key) {
 }  // namespace
 
 Table read_json_lines(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
-  const std::string name = path.string();
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(name, std::filesystem::exists(path) ? "cannot be opened for reading" : "no such file");
+  const std::string name = input_name(path);
+  std::ifstream in(readable(path), std::ios::binary);
+  if (!in) throw FileError(name, "cannot be opened for reading; check its permissions");
   Table table;
   bool begun = false;
   std::string line;

@@ -4,17 +4,24 @@
 #include <fmt/format.h>
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <ctime>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
+#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/version.hpp"
+#include "json/json_text.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
@@ -35,32 +42,83 @@ const EVP_MD* sha256() {
   return EVP_sha256();
 }
 
-using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
+/// A checksum that is being computed.
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) { EVP_DigestInit_ex(context_.get(), sha256(), nullptr); }
+  void add(const void* bytes, std::size_t n) { EVP_DigestUpdate(context_.get(), bytes, n); }
+  std::string in_hexadecimal() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    std::string text;
+    for (unsigned int k = 0; k < size; ++k) text += fmt::format("{:02x}", digest[k]);
+    return text;
+  }
 
-std::string in_hexadecimal(const Digest& digest, unsigned int size) {
-  std::string text;
-  for (unsigned int k = 0; k < size; ++k) text += fmt::format("{:02x}", digest[k]);
-  return text;
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+std::string sha256_of(const std::string& text) {
+  Sha256 sum;
+  sum.add(text.data(), text.size());
+  return sum.in_hexadecimal();
 }
+
+std::string computed_sha256(const fs::path& path) {
+  FileBytes file(path);
+  Sha256 sum;
+  constexpr std::int64_t kAtOnce = 1 << 18;
+  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
+    throw_if_stop_requested();
+    const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
+    sum.add(bytes.data(), bytes.size());
+  }
+  return sum.in_hexadecimal();
+}
+
+/// What tells a file's content from that of others, and from its own after it was written to: device, inode, size, time
+/// of the last change.
+using Content = std::tuple<dev_t, ino_t, off_t, std::time_t, long>;
 
 }  // namespace
 
 std::string sha256_of_file(const fs::path& path) {
-  FileBytes file(path);
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  EVP_DigestInit_ex(context.get(), sha256(), nullptr);
-  constexpr std::int64_t kAtOnce = 1 << 18;
-  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
-    const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
-    EVP_DigestUpdate(context.get(), bytes.data(), bytes.size());
+  struct stat status {};
+  if (::stat(readable(path).c_str(), &status) != 0) return computed_sha256(path);
+  const Content content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+  // written to in the clock's last ticks it may be so again, at the same time as the system counts it
+  if (std::time(nullptr) - status.st_mtim.tv_sec < 2) return computed_sha256(path);
+  static std::mutex mutex;
+  static std::map<Content, std::string> known;
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = known.find(content); found != known.end()) return found->second;
   }
-  Digest digest{};
-  unsigned int size = 0;
-  EVP_DigestFinal_ex(context.get(), digest.data(), &size);
-  return in_hexadecimal(digest, size);
+  std::string sum = computed_sha256(path);
+  const std::lock_guard lock(mutex);
+  return known[content] = std::move(sum);
+}
+
+fs::path provenance_path(const fs::path& output) {
+  constexpr std::size_t kLongestName_bytes = 255;  // of the file systems in use
+  const std::string ending = ".meta.json";
+  std::string name = output.filename().string();
+  if (name.size() + ending.size() > kLongestName_bytes) {
+    const std::string sum = sha256_of(name).substr(0, 8);
+    name.resize(kLongestName_bytes - ending.size() - sum.size() - 1);
+    // the last character, which may be cut in two (UTF-8: 10xxxxxx continues one that 11xxxxxx began)
+    const auto last = [&] { return static_cast<unsigned char>(name.empty() ? 0 : name.back()); };
+    while ((last() & 0xC0) == 0x80) name.pop_back();
+    if (last() >= 0xC0) name.pop_back();
+    name += "~" + sum;
+  }
+  return output.parent_path() / (name + ending);
 }
 
 void write_provenance(const Run& run, const fs::path& output, const std::vector<fs::path>& inputs) {
+  if (is_stream(output)) return;  // nothing can lie beside it
   Json meta;
   meta["command_line"] = run.command_line;
   meta["version"] = version();
@@ -68,9 +126,9 @@ void write_provenance(const Run& run, const fs::path& output, const std::vector<
   meta["seed"] = run.common.seed;
   meta["inputs"] = Json::array();
   for (const fs::path& input : inputs)
-    meta["inputs"].push_back({{"path", input.string()}, {"sha256", sha256_of_file(input)}});
+    meta["inputs"].push_back({{"path", input_name(input)}, {"sha256", sha256_of_file(input)}});
   meta["parameters"] = json_of(run.parameters);
-  write_whole(output.string() + ".meta.json", meta.dump(2) + "\n", true);
+  write_whole(provenance_path(output), json_text(meta, 2) + "\n", true);
 }
 
 }  // namespace bouncelab::cli

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/table_file.hpp"
 
+#include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/file_plan.hpp"
+#include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "files/hdf5_table.hpp"
 #include "files/json_lines_table.hpp"
@@ -36,8 +40,7 @@ void write_text_table(const fs::path& path, const Table& table, const std::strin
     write_json_lines(out, table);
   else
     write_csv(out, table);
-  out.close();
-  if (!out) throw FileError(name, "writing failed; is the disk full?");
+  close_written(out, name);
 }
 
 }  // namespace
@@ -52,6 +55,7 @@ Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
 }
 
 void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
+  throw_if_stop_requested();
   OutputFile file(path, run.common.force);
   if (is_hdf5(path))
     write_hdf5(file.temporary_path(), table, path.string());
@@ -61,54 +65,91 @@ void write_table(const Run& run, const fs::path& path, const Table& table, const
   write_provenance(run, path, inputs);
 }
 
-TableWriter::TableWriter(const Run& run, const fs::path& path, std::vector<fs::path> inputs)
-    : run_(run), path_(path), inputs_(std::move(inputs)), file_(path, run.common.force) {
+TableWriter::TableWriter(const Run& run, const fs::path& path) : run_(run), path_(path), file_(path, run.common.force) {
   if (!is_hdf5(path)) text_.open(file_.temporary_path(), std::ios::binary | std::ios::trunc);
 }
 
-void TableWriter::add(const Table& rows) {
-  if (is_hdf5(path_))
-    append(whole_, rows);
-  else if (is_json_lines(path_))
-    write_json_lines(text_, rows);
-  else if (std::exchange(begun_, true))
-    write_csv_rows(text_, rows);
+void TableWriter::write_rows(std::ostream& out, const Table& rows) const {
+  if (is_json_lines(path_))
+    write_json_lines(out, rows);
   else
-    write_csv(text_, rows);
+    write_csv_rows(out, rows);
 }
 
-void TableWriter::finish() {
+/// The header.
+void TableWriter::begin(const Table& rows) {
+  if (std::exchange(begun_, true) || is_json_lines(path_)) return;
+  Table header = rows;
+  for (Column& column : header.columns) std::visit([](auto& values) { values.clear(); }, column.values);
+  write_csv(text_, header);
+}
+
+void TableWriter::add(std::size_t k, const Table& rows) {
   if (is_hdf5(path_)) {
-    write_hdf5(file_.temporary_path(), whole_, path_.string());
+    pieces_[k] = rows;
+    next_ = std::max(next_, k + 1);
+    return;
+  }
+  begin(rows);
+  if (k != next_) {
+    std::ostringstream text;
+    write_rows(text, rows);
+    const std::string bytes = std::move(text).str();
+    if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
+    waiting_[k] = {scratch_->append(bytes), bytes.size()};
+    return;
+  }
+  write_rows(text_, rows);
+  ++next_;
+  for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first)) {
+    text_ << scratch_->at(first->second.first, first->second.n);
+    ++next_;
+  }
+}
+
+void TableWriter::finish(const std::vector<fs::path>& inputs) {
+  throw_if_stop_requested();
+  if (is_hdf5(path_)) {
+    Table whole;
+    for (auto piece = pieces_.begin(); piece != pieces_.end(); piece = pieces_.erase(piece))
+      append(whole, piece->second);
+    write_hdf5(file_.temporary_path(), whole, path_.string());
   } else {
-    text_.close();
-    if (!text_) throw FileError(path_.string(), "writing failed; is the disk full?");
+    close_written(text_, path_);
   }
   file_.commit();
-  write_provenance(run_, path_, inputs_);
+  write_provenance(run_, path_, inputs);
 }
 
 void write_text(const Run& run, const fs::path& path, const std::string& content, const std::vector<fs::path>& inputs) {
+  throw_if_stop_requested();
   write_whole(path, content, run.common.force);
   write_provenance(run, path, inputs);
 }
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
+  if (folder_ == "-") throw InvalidArgument("--out -: the name of a folder is needed");
   std::error_code error;
   created_ = fs::create_directories(folder_, error);
-  if (!fs::is_directory(folder_))
+  if (!fs::is_directory(folder_, error))
     throw FileError(folder_.string(), "cannot be made a folder (" + (error ? error.message() : "it is a file") +
                                           "); choose another --out");
-  OutputFile probe(folder_ / "probe", true);  // vanishes again; throws where nothing can be written
+  lock_.emplace(folder_);
+  remove_abandoned_files(folder_);
 }
 
 OutputFolder::~OutputFolder() {
+  lock_.reset();
   std::error_code not_empty;
   if (created_) fs::remove(folder_, not_empty);
 }
 
-void check_may_write(const Run& run, const fs::path& path) {
-  OutputFile probe(path, run.common.force);  // vanishes again; throws where nothing can be written
+void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector<fs::path>& outputs,
+                 std::vector<fs::path> beside) {
+  inputs.emplace_back(run.common.config);
+  for (const fs::path& output : outputs)
+    if (!output.empty() && !is_stream(output)) beside.push_back(provenance_path(output));
+  bouncelab::check_files(inputs, outputs, beside, run.common.force);
 }
 
 }  // namespace bouncelab::cli

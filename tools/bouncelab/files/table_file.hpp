@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iosfwd>
+#include <map>
+#include <optional>
 #include <vector>
 
+#include "bouncelab/core/folder_lock.hpp"
 #include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/scratch_file.hpp"
 #include "bouncelab/core/table.hpp"
 #include "command.hpp"
 #include "files/provenance.hpp"
@@ -28,29 +35,42 @@ void write_table(const Run& run, const std::filesystem::path& path, const Table&
 class TableWriter {
  public:
   /// @param run  must outlive this. @throws FileError
-  TableWriter(const Run& run, const std::filesystem::path& path, std::vector<std::filesystem::path> inputs);
-  /// @param rows  with the same columns each time
-  void add(const Table& rows);
-  void finish();
+  TableWriter(const Run& run, const std::filesystem::path& path);
+  /// The next piece. @param rows  with the same columns each time
+  void add(const Table& rows) { add(next_, rows); }
+  /// The k-th piece, in any order: one that cannot be written yet waits in a file without a name.
+  void add(std::size_t k, const Table& rows);
+  /// All pieces were added.
+  void finish(const std::vector<std::filesystem::path>& inputs);
 
  private:
+  struct Place {
+    std::int64_t first = 0;
+    std::size_t n = 0;
+  };
+  void begin(const Table& rows);
+  void write_rows(std::ostream& out, const Table& rows) const;
+
   const Run& run_;
   std::filesystem::path path_;
-  std::vector<std::filesystem::path> inputs_;
   OutputFile file_;
   std::ofstream text_;
   bool begun_ = false;
-  Table whole_;  // of HDF5
+  std::size_t next_ = 0;  // piece that comes next in the file
+  std::map<std::size_t, Place> waiting_;
+  std::optional<ScratchFile> scratch_;   // those that wait
+  std::map<std::size_t, Table> pieces_;  // of HDF5
 };
 
 /// Writes a text (JSON, HTML ...) whole or not at all, and its provenance beside it. @throws FileError
 void write_text(const Run& run, const std::filesystem::path& path, const std::string& content,
                 const std::vector<std::filesystem::path>& inputs = {});
 
-/// A folder for outputs, created where it is missing; removed again where nothing was written to it.
+/// A folder for the outputs of one process at a time, created where it is missing; removed again where nothing was
+/// written to it. What killed processes left half-written in it is deleted.
 class OutputFolder {
  public:
-  /// @throws FileError where it cannot be created, or nothing can be written in it
+  /// @throws FileError where it cannot be created, nothing can be written in it, or another process is at work in it
   explicit OutputFolder(std::filesystem::path folder);
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -59,9 +79,13 @@ class OutputFolder {
  private:
   std::filesystem::path folder_;
   bool created_ = false;
+  std::optional<FolderLock> lock_;
 };
 
-/// Called before the work. @throws FileError where the output exists and --force was not given
-void check_may_write(const Run& run, const std::filesystem::path& path);
+/// Each command calls it before its work with all its files, those that are read (the configuration file is known) and
+/// those that are written (their provenance is known): bouncelab::check_files.
+/// @param beside  outputs that are written in some cases only, and replaced where they exist
+void check_files(const Run& run, std::vector<std::filesystem::path> inputs,
+                 const std::vector<std::filesystem::path>& outputs, std::vector<std::filesystem::path> beside = {});
 
 }  // namespace bouncelab::cli

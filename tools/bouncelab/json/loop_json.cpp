@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "json/json_text.hpp"
+
 namespace bouncelab::cli {
 namespace {
 
@@ -142,7 +144,7 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
     summary["processor_seconds"] = object_of(work->processor_s);
     summary["peak_memory_bytes"] = work->peak_memory_bytes;
   }
-  return summary.dump(2);
+  return json_text(summary, 2);
 }
 
 std::string paper_json(const loop::LoopResult& loop, const loop::PaperResult& paper) {
@@ -174,7 +176,7 @@ std::string sweep_json(const std::vector<loop::SweepAxis>& axes, const std::vect
   Json sweep{{"lists", Json::object()}, {"points", Json::array()}};
   for (const loop::SweepAxis& axis : axes) sweep["lists"][axis.option] = axis.values;
   for (const loop::SweepPoint& point : points) sweep["points"].push_back(json_of(point));
-  return sweep.dump(indent);
+  return json_text(sweep, indent);
 }
 
 }  // namespace bouncelab::cli

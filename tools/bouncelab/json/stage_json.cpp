@@ -3,6 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bouncelab/core/input_file.hpp"
+#include "json/json_text.hpp"
+
 namespace bouncelab::cli {
 namespace {
 
@@ -55,12 +58,12 @@ const char* word(detection::DetectionStatus status) {
   return "?";
 }
 
-Json json_of(const std::string& recording, const detection::Detection& d) {
-  const detection::RecordingSummary& s = d.summary;
-  return {{"recording", recording},
-          {"status", word(d.status)},
-          {"message", d.message},
-          {"n_onsets", d.onsets.size()},
+Json json_of(const RecordingResult& r) {
+  const detection::RecordingSummary& s = r.summary;
+  return {{"recording", input_name(r.recording)},
+          {"status", word(r.status)},
+          {"message", r.message},
+          {"n_onsets", r.n_onsets},
           {"n_drops", s.n_drops},
           {"n_candidates", s.n_candidates},
           {"rate_hz", s.rate_hz},
@@ -72,12 +75,12 @@ Json json_of(const std::string& recording, const detection::Detection& d) {
           {"eps_median", s.restitution_median ? Json(*s.restitution_median) : Json(nullptr)},
           {"contact_time_at_1_mps_s", s.contact_time_at_1_mps_s ? Json(*s.contact_time_at_1_mps_s) : Json(nullptr)},
           {"contact_time_sigma_s", s.contact_time_sigma_s ? Json(*s.contact_time_sigma_s) : Json(nullptr)},
-          {"warnings", d.warnings}};
+          {"warnings", r.warnings}};
 }
 
-Json recordings_json(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found) {
+Json recordings_json(const std::vector<RecordingResult>& recordings) {
   Json all = Json::array();
-  for (std::size_t k = 0; k < found.size(); ++k) all.push_back(json_of(recordings[k], found[k]));
+  for (const RecordingResult& r : recordings) all.push_back(json_of(r));
   return all;
 }
 
@@ -109,33 +112,34 @@ Json json_of(const fit::CalibrationResult& result) {
 
 }  // namespace
 
-std::string simulate_json(const sim::SimulationResult& result) { return json_of(result).dump(2); }
+std::string simulate_json(const sim::SimulationResult& result) { return json_text(json_of(result), 2); }
 
-std::string synthesize_json(const synthesis::SynthesisResult& result) { return json_of(result).dump(2); }
+std::string synthesize_json(const synthesis::SynthesisResult& result) { return json_text(json_of(result), 2); }
 
-std::string detect_json(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found) {
+std::string detect_json(const std::vector<RecordingResult>& recordings, const std::vector<std::string>& warnings) {
   std::size_t n_onsets = 0;
-  for (const detection::Detection& d : found) n_onsets += d.onsets.size();
-  return Json{{"n_onsets", n_onsets}, {"recordings", recordings_json(recordings, found)}}.dump(2);
+  for (const RecordingResult& r : recordings) n_onsets += r.n_onsets;
+  return json_text(Json{{"n_onsets", n_onsets}, {"recordings", recordings_json(recordings)}, {"warnings", warnings}},
+                   2);
 }
 
 std::string convert_json(std::size_t n_onsets, std::size_t n_by_hand) {
-  return Json{{"n_onsets", n_onsets}, {"n_by_hand", n_by_hand}}.dump(2);
+  return json_text(Json{{"n_onsets", n_onsets}, {"n_by_hand", n_by_hand}}, 2);
 }
 
-std::string restitution_json(const fit::RestitutionCounts& counts) { return json_of(counts).dump(2); }
+std::string restitution_json(const fit::RestitutionCounts& counts) { return json_text(json_of(counts), 2); }
 
-std::string calibrate_json(const fit::CalibrationResult& result) { return json_of(result).dump(2); }
+std::string calibrate_json(const fit::CalibrationResult& result) { return json_text(json_of(result), 2); }
 
-std::string report_json(const std::string& report) { return Json{{"report", report}}.dump(2); }
+std::string report_json(const std::string& report) { return json_text(Json{{"report", report}}, 2); }
 
 std::string analyze_json(const AnalyzeSummary& summary) {
   Json json = json_of(summary.counts);  // counts of onsets, drops and samples, median eps
-  json["recordings"] = recordings_json(summary.recordings, summary.found);
+  json["recordings"] = recordings_json(summary.recordings);
   json["seconds"] = Json::object();
   for (const auto& [stage, seconds] : summary.seconds) json["seconds"][stage] = seconds;
   json["warnings"] = summary.warnings;
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 }  // namespace bouncelab::cli

@@ -6,17 +6,18 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
+#include "commands/detect_command.hpp"
 
 namespace bouncelab::cli {
 
 std::string simulate_json(const sim::SimulationResult& result);
 std::string synthesize_json(const synthesis::SynthesisResult& result);
-std::string detect_json(const std::vector<std::string>& recordings, const std::vector<detection::Detection>& found);
+/// @param warnings  that are not of one recording alone
+std::string detect_json(const std::vector<RecordingResult>& recordings, const std::vector<std::string>& warnings);
 std::string convert_json(std::size_t n_onsets, std::size_t n_by_hand);
 std::string restitution_json(const fit::RestitutionCounts& counts);
 std::string calibrate_json(const fit::CalibrationResult& result);
@@ -25,8 +26,7 @@ std::string report_json(const std::string& report);
 /// summary.json of `analyze`.
 struct AnalyzeSummary {
   const fit::RestitutionCounts& counts;
-  const std::vector<std::string>& recordings;
-  const std::vector<detection::Detection>& found;
+  const std::vector<RecordingResult>& recordings;
   const std::vector<std::pair<std::string, double>>& seconds;  ///< by stage
   const std::vector<std::string>& warnings;
 };

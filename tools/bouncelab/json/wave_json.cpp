@@ -3,6 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bouncelab/core/input_file.hpp"
+#include "json/json_text.hpp"
+
 namespace bouncelab::cli {
 namespace {
 
@@ -58,7 +61,7 @@ Json to_json(const std::vector<fit::IntervalPrediction>& predictions) {
 }
 
 Json to_json(const RecordingDetails& details) {
-  Json json{{"recording", details.recording}, {"n_drops", details.n_drops}, {"drops", Json::array()}};
+  Json json{{"recording", input_name(details.recording)}, {"n_drops", details.n_drops}, {"drops", Json::array()}};
   if (details.wave) json["wave"] = to_json(*details.wave);
   if (details.noise) json["noise"] = {{"frequency_hz", details.noise->frequency_hz}, {"psd", details.noise->psd}};
   for (const DropDetails& drop : details.drops) {
@@ -71,12 +74,12 @@ Json to_json(const RecordingDetails& details) {
 
 }  // namespace
 
-std::string wave_json(const detection::WavePreview& preview) { return to_json(preview).dump(); }
+std::string wave_json(const detection::WavePreview& preview) { return json_text(to_json(preview)); }
 
 std::string diagnostics_json(const std::vector<RecordingDetails>& recordings) {
   Json all = Json::array();
   for (const RecordingDetails& details : recordings) all.push_back(to_json(details));
-  return Json{{"recordings", std::move(all)}}.dump();
+  return json_text(Json{{"recordings", std::move(all)}});
 }
 
 std::string samples_json(const RestitutionSamples& samples) {
@@ -86,7 +89,7 @@ std::string samples_json(const RestitutionSamples& samples) {
     json["eps"].push_back(sample.eps);
     json["sigma_eps"].push_back(sample.sigma_eps ? Json(*sample.sigma_eps) : Json(nullptr));
   }
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace bouncelab::cli

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Inputs and outputs as files of all kinds: nothing is lost, whatever names, links, pipes and devices are given.
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+#include "wav.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* const kOnsets = "t_s\n0.1\n0.5\n0.86\n1.184\n1.4756\n";
+const char* const kImpacts = "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1.3,1.2\n0,1,0.34,1.2,1.1\n";
+
+class Files : public ProgramTest {
+ protected:
+  Files() {
+    write("on.csv", kOnsets);
+    write("im.csv", kImpacts);
+  }
+  std::string content(const std::string& name) const { return content_of(folder_ / name); }
+  Json json(const std::string& name) const { return Json::parse(content(name)); }
+  /// Refused in one line, and every file is as it was.
+  void expect_kept(const std::string& arguments, const std::vector<std::string>& words) const {
+    SCOPED_TRACE(arguments);
+    const auto before = files();
+    std::string bytes;
+    for (const std::string& name : before) bytes += content(name);
+    expect_one_line_error(run(arguments), 2, words);
+    EXPECT_EQ(files(), before);
+    std::string bytes_after;
+    for (const std::string& name : before) bytes_after += content(name);
+    EXPECT_EQ(bytes_after, bytes);
+  }
+};
+
+TEST_F(Files, NoOutputReplacesAnInput) {
+  write("rec.wav", float_wav(bouncing(12), 44100));
+  fs::create_hard_link(folder_ / "rec.wav", folder_ / "hard.wav");
+  fs::create_symlink("rec.wav", folder_ / "soft.wav");
+  for (const char* out : {"rec.wav", "./rec.wav", "hard.wav", "soft.wav"}) {
+    expect_kept(std::string("detect rec.wav --force --out ") + out, {out, "is the input rec.wav"});
+    expect_kept(std::string("detect rec.wav --force --out o.csv --labels ") + out, {out, "is the input"});
+  }
+  expect_kept("synthesize im.csv --out s.wav --truth im.csv --force", {"im.csv", "is the input"});
+  expect_kept("restitution on.csv --out on.csv --force", {"on.csv", "is the input"});
+  expect_kept("convert on.csv --to on.csv --force", {"on.csv", "is the input"});
+  write("x.csv.meta.json", kOnsets);
+  expect_kept("restitution x.csv.meta.json --out x.csv", {"x.csv.meta.json", "is the input"});
+  write("options.toml", "drops = 1\n");
+  expect_kept("simulate --config options.toml --out options.toml --force", {"options.toml", "is the input"});
+  fs::create_directory(folder_ / "out");
+  fs::create_hard_link(folder_ / "rec.wav", folder_ / "out" / "wave.json");
+  expect_one_line_error(run("analyze rec.wav --out out --force"), 2, {"out/wave.json", "is the input"});
+}
+
+TEST_F(Files, TheRecordingOfATableIsAnInputOfItsMarksToo) {
+  write("rec.wav", float_wav(bouncing(12), 44100));
+  ASSERT_EQ(run("detect rec.wav --out o.csv").exit_code, 0);
+  expect_kept("convert o.csv --to rec.wav --force", {"rec.wav", "is the input"});
+}
+
+TEST_F(Files, NoOutputReplacesAnotherOne) {
+  expect_kept("simulate --drops 1 --impacts 3 --asperities 100 --out z.csv --write-surface z.csv --force",
+              {"z.csv", "two outputs"});
+  expect_kept("synthesize im.csv --out s.wav --truth ./s.wav", {"s.wav", "two outputs"});
+  expect_kept("convert on.csv --to a.txt a.txt --recording r.wav", {"a.txt", "two outputs"});
+}
+
+TEST_F(Files, DevicesAndPipesAreWrittenToAndStay) {
+  EXPECT_EQ(run("restitution on.csv --out /dev/null --force").exit_code, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  ASSERT_EQ(run("restitution on.csv --out s.csv").exit_code, 0);
+  const std::string table = content("s.csv");
+  for (const char* out : {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"}) {
+    const Result result = run(std::string("restitution on.csv --out ") + out);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, table) << out;
+    EXPECT_THAT(result.err, testing::HasSubstr("coefficients of restitution"));
+  }
+  EXPECT_EQ(run("restitution on.csv --out /dev/stderr --quiet").err, table);
+  const Result fifo = shell("mkfifo f && { cat f >read & } && \"$B\" restitution on.csv --out f && wait && test -p f");
+  EXPECT_EQ(fifo.exit_code, 0) << fifo.err;
+  EXPECT_EQ(content("read"), table);
+  EXPECT_EQ(files(), (std::vector<std::string>{"f", "im.csv", "on.csv", "read", "s.csv", "s.csv.meta.json"}));
+  expect_one_line_error(run("restitution on.csv --out - --json"), 2, {"--json", "standard output"});
+}
+
+TEST_F(Files, ALinkIsWrittenThroughAndStays) {
+  write("real.csv", "old");
+  fs::create_symlink("real.csv", folder_ / "link.csv");
+  fs::create_symlink("new.csv", folder_ / "dangling.csv");
+  expect_one_line_error(run("restitution on.csv --out link.csv"), 3, {"link.csv", "exists", "--force"});
+  EXPECT_EQ(run("restitution on.csv --out link.csv --force").exit_code, 0);
+  EXPECT_EQ(run("restitution on.csv --out dangling.csv").exit_code, 0);
+  for (const char* link : {"link.csv", "dangling.csv"}) EXPECT_TRUE(fs::is_symlink(folder_ / link));
+  EXPECT_EQ(content("real.csv"), content("new.csv"));
+  EXPECT_THAT(content("real.csv"), testing::StartsWith("recording,"));
+}
+
+TEST_F(Files, EveryCommandReadsFromPipesAndNamesTheSumOfWhatItRead) {
+  write("rec.wav", float_wav(bouncing(12), 44100));
+  ASSERT_EQ(run("restitution on.csv --out s.csv").exit_code, 0);
+  const std::string sum = shell("sha256sum on.csv").out.substr(0, 64);
+  for (const std::string in : {"-", "/dev/stdin", "/dev/fd/0"}) {
+    const Result result = shell("cat on.csv | \"$B\" restitution " + in + " --out p.csv --force");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(content("p.csv"), content("s.csv"));
+    const Json input = json("p.csv.meta.json")["inputs"][0];
+    EXPECT_EQ(input["sha256"], sum);
+    EXPECT_EQ(input["path"], in == "-" ? "standard input" : in);
+  }
+  EXPECT_EQ(shell("\"$B\" restitution - --out redirected.csv <on.csv").exit_code, 0);
+  EXPECT_EQ(content("redirected.csv"), content("s.csv"));
+  for (const std::string command : {"detect - --out o.csv", "analyze - --out out", "detect /dev/stdin --out p.csv"}) {
+    const Result result = shell("cat rec.wav | \"$B\" " + command + " --force");
+    EXPECT_EQ(result.exit_code, 0) << command << result.err;
+  }
+  EXPECT_THAT(content("o.csv"), testing::HasSubstr("standard input"));
+  EXPECT_EQ(shell("cat im.csv | \"$B\" synthesize - --out s.wav").exit_code, 0);
+  EXPECT_EQ(shell("cat s.csv | \"$B\" fit - --out f.json").exit_code, run("fit s.csv --out g.json").exit_code);
+  EXPECT_EQ(content("f.json"), content("g.json"));
+  EXPECT_EQ(shell("cat on.csv | \"$B\" convert - --to c.txt").exit_code, 0);
+}
+
+TEST_F(Files, AFifoIsReadOnceAndItsCommandEnds) {
+  const Result result = shell(
+      "mkfifo f && { cat on.csv >f & } && timeout 60 \"$B\" restitution f --out x.csv && rm f && sha256sum on.csv");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::HasSubstr(json("x.csv.meta.json")["inputs"][0]["sha256"].get<std::string>()));
+}
+
+TEST_F(Files, WhatCannotBeAnInputIsRefusedInOneLine) {
+  fs::create_directory(folder_ / "folder");
+  for (const char* command : {"restitution folder --out x.csv", "detect folder --out x.csv", "fit folder --out f.json",
+                              "synthesize folder --out x.wav", "convert folder --to x.csv"})
+    expect_one_line_error(run(command), command == std::string("convert folder --to x.csv") ? 2 : 3, {"folder"});
+  expect_one_line_error(shell("timeout 60 \"$B\" fit /dev/zero --out f.json"), 3, {"/dev/zero", "device"});
+  expect_one_line_error(shell("timeout 60 \"$B\" detect - --out o.csv </dev/zero"), 3, {"standard input", "device"});
+  expect_one_line_error(shell("cat on.csv | \"$B\" restitution - --positions - --out x.csv"), 2,
+                        {"standard input", "only once"});
+  expect_one_line_error(shell("\"$B\" restitution - --out x.csv <&-"), 3, {"standard input"});
+}
+
+TEST_F(Files, NamesThatAreNotUtf8AreNamedInValidJson) {
+  write("a\xff.wav", float_wav(bouncing(12), 44100));
+  const Result result = run("detect a\xff.wav --out o\xfe.csv --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Json::parse(result.out)["recordings"][0]["recording"], "a\xEF\xBF\xBD.wav");
+  EXPECT_EQ(json("o\xfe.csv.meta.json")["inputs"][0]["path"], "a\xEF\xBF\xBD.wav");
+  EXPECT_EQ(run("analyze a\xff.wav --out out\xfd --diagnostics --json").exit_code, 0);
+}
+
+TEST_F(Files, ANameOfTheLongestLengthIsWrittenWithItsProvenance) {
+  for (const std::string& name : {std::string(251, 'n') + ".csv", std::string(240, 'm') + ".csv"}) {
+    EXPECT_EQ(run("restitution on.csv --out " + name).exit_code, 0);
+    EXPECT_TRUE(fs::exists(folder_ / name));
+  }
+  const std::vector<std::string> all = files();
+  EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const std::string& name) { return name.ends_with(".meta.json"); }),
+            2);
+  expect_one_line_error(run("restitution on.csv --out " + std::string(252, 'n') + ".csv"), 3, {"nnn"});
+}
+
+TEST_F(Files, ATemporaryFileNeverFollowsALink) {
+  write("victim.txt", "mine");
+  ASSERT_TRUE(fs::create_directory(folder_ / "sl"));
+  // the name that version 0.1.0 would have written to
+  EXPECT_EQ(
+      shell("B=\"$B\" sh -c 'ln -s ../victim.txt sl/.a.partial-$$.csv; exec \"$B\" restitution on.csv --out sl/a.csv'")
+          .exit_code,
+      0);
+  EXPECT_EQ(content("victim.txt"), "mine");
+}
+
+TEST_F(Files, StandardOutputThatIsFullOrClosedIsAnError) {
+  for (const std::string to : {"--json >/dev/full", ">/dev/full", "--json >&-", "--version >/dev/full"}) {
+    const Result result = shell(
+        "\"$B\" " + std::string(to.starts_with("--version") ? "" : "restitution on.csv --out x.csv --force ") + to);
+    expect_one_line_error(result, 3, {"standard output"});
+  }
+  EXPECT_EQ(shell("\"$B\" restitution on.csv --out x.csv --force --quiet >&-").exit_code, 0);
+  EXPECT_THAT(content("x.csv"), testing::StartsWith("recording,"));
+  EXPECT_EQ(shell("\"$B\" restitution on.csv --out - >/dev/full").exit_code, 3);
+}
+
+TEST_F(Files, AReaderThatHasGoneIsNoFault) {
+  const Result result =
+      shell("{ sleep 0.5; \"$B\" simulate --drops 300 --asperities 100 --out - --quiet; echo $? >code; } | true");
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(content("code"), std::to_string(128 + SIGPIPE) + "\n");
+}
+
+TEST_F(Files, AFullDiskIsNamedWithTheFileAndLeavesNothing) {
+  for (const std::string command :
+       {"synthesize im.csv --out big.wav", "simulate --drops 300 --asperities 100 --out big.csv"}) {
+    const auto before = files();
+    expect_one_line_error(shell("ulimit -f 16; \"$B\" " + command), 3, {"big", "writing failed"});
+    EXPECT_EQ(files(), before);
+  }
+}
+
+TEST_F(Files, TheSameRecordingGivenTwiceCountsOnce) {
+  write("a.wav", float_wav(bouncing(12), 44100));
+  write("copy.wav", content("a.wav"));
+  write("other.wav", float_wav(bouncing(13), 44100));
+  const Result result = run("detect a.wav copy.wav other.wav ./a.wav --out o.csv --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Json::parse(result.out)["n_onsets"], 25);
+  EXPECT_THAT(result.err, testing::HasSubstr("copy.wav: the same recording as a.wav"));
+  EXPECT_THAT(result.err, testing::HasSubstr("./a.wav: the same recording as a.wav"));
+  EXPECT_EQ(json("o.csv.meta.json")["inputs"].size(), 2u);
+  ASSERT_EQ(run("analyze a.wav other.wav copy.wav --out out").exit_code, 0);
+  const Json summary = json("out/summary.json");
+  EXPECT_EQ(summary["n_onsets"], 25);
+  EXPECT_EQ(summary["warnings"][0], "copy.wav: the same recording as a.wav (by content); counted once");
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test
