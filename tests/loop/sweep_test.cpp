@@ -34,12 +34,26 @@ LoopResult loop_with(std::size_t n_found, std::size_t n_invented, double eps, do
 std::string failure(const LoopResult& loop) { return sweep_point({}, loop, {0.6}).failure; }
 
 TEST(Sweeps, RunThroughEveryCombinationTheLastAxisFastest) {
-  const auto all = combinations({{"radius-law", {"a", "b"}}, {"snr-db", {"10", "20", "30"}}});
-  ASSERT_EQ(all.size(), 6u);
-  EXPECT_EQ(text_of(all[0]), "radius-law a, snr-db 10");
-  EXPECT_EQ(text_of(all[1]), "radius-law a, snr-db 20");
-  EXPECT_EQ(text_of(all[5]), "radius-law b, snr-db 30");
-  EXPECT_EQ(combinations({}).size(), 1u);
+  const std::vector<SweepAxis> axes{{"radius-law", {"a", "b"}}, {"snr-db", {"10", "20", "30"}}};
+  ASSERT_EQ(n_combinations(axes), 6u);
+  EXPECT_EQ(text_of(combination(axes, 0)), "radius-law a, snr-db 10");
+  EXPECT_EQ(text_of(combination(axes, 1)), "radius-law a, snr-db 20");
+  EXPECT_EQ(text_of(combination(axes, 5)), "radius-law b, snr-db 30");
+  EXPECT_EQ(n_combinations({}), 1u);
+  EXPECT_TRUE(combination({}, 0).empty());
+}
+
+TEST(Sweeps, OfTooManyCombinationsAreRefusedHoweverManyThereAre) {
+  const SweepAxis hundred{"snr-db", std::vector<std::string>(100, "10")};
+  EXPECT_EQ(n_combinations({hundred, hundred}), 10'000u);
+  try {
+    n_combinations({hundred, hundred, hundred});
+    FAIL() << "a million combinations were taken";
+  } catch (const InvalidArgument& error) {
+    EXPECT_NE(std::string(error.what()).find("1e+06 combinations"), std::string::npos) << error.what();
+  }
+  // 100^40 is beyond every integer
+  EXPECT_THROW(n_combinations(std::vector<SweepAxis>(40, hundred)), InvalidArgument);
 }
 
 TEST(Sweeps, JudgeAPointByWhatFailsFirst) {

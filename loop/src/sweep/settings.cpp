@@ -1,20 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/loop/settings.hpp"
 
+#include <algorithm>
+#include <sstream>
+
+#include "bouncelab/core/error.hpp"
+
 namespace bouncelab::loop {
 
-std::vector<Settings> combinations(const std::vector<SweepAxis>& axes) {
-  std::vector<Settings> all{{}};
+std::size_t n_combinations(const std::vector<SweepAxis>& axes) {
+  std::size_t n = 1;
+  double n_exact = 1.0;  // the product may be beyond all integers
   for (const SweepAxis& axis : axes) {
-    std::vector<Settings> longer;
-    for (const Settings& settings : all)
-      for (const std::string& value : axis.values) {
-        longer.push_back(settings);
-        longer.back().emplace_back(axis.option, value);
-      }
-    all = std::move(longer);
+    n_exact *= static_cast<double>(axis.values.size());
+    n = n_exact > static_cast<double>(kMostCombinations) ? n : n * axis.values.size();
   }
-  return all;
+  if (n_exact <= static_cast<double>(kMostCombinations)) return n;
+  std::ostringstream out;
+  out << "the lists have " << n_exact << " combinations; a sweep runs through at most " << kMostCombinations
+      << ", each a closed loop of a second or more: shorten the lists, or make several sweeps";
+  throw InvalidArgument(out.str());
+}
+
+Settings combination(const std::vector<SweepAxis>& axes, std::size_t index) {
+  Settings settings;
+  for (std::size_t k = axes.size(); k-- > 0;) {
+    const SweepAxis& axis = axes[k];
+    settings.emplace_back(axis.option, axis.values[index % axis.values.size()]);
+    index /= axis.values.size();
+  }
+  std::reverse(settings.begin(), settings.end());
+  return settings;
 }
 
 std::string text_of(const Settings& settings) {
