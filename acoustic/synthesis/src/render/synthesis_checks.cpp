@@ -99,7 +99,7 @@ void validate(const Impacts& impacts, const SynthesisConfig& config) {
     if (impacts.states.empty() || !config.simulated_positions) continue;
     const auto& position = impacts.states[k].position_m;
     if (!contains(config.ground, position[0], position[1]))
-      throw InvalidArgument(
+      throw OffThePlate(
           place + "x = " + std::to_string(position[0]) + " m, y = " + std::to_string(position[1]) +
           " m is off the plate; let the simulation end the drop at the edge of the plate, or draw the positions");
   }

@@ -10,6 +10,7 @@
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
@@ -19,6 +20,12 @@
 #include "bouncelab/synthesis/sensor.hpp"
 
 namespace bouncelab::synthesis {
+
+/// A simulated ball strikes where the ground is no more.
+class OffThePlate : public InvalidArgument {
+ public:
+  using InvalidArgument::InvalidArgument;
+};
 
 /// Amplification and noise of a recording, full scale = 1. Computed from the impacts unless given.
 struct Levels {
@@ -84,7 +91,7 @@ std::shared_ptr<const Instrument> make_instrument(const SynthesisConfig& config)
 class SyntheticRecording {
  public:
   /// @param instrument  from make_instrument with the same configuration; made here where absent
-  /// @throws InvalidArgument naming the value: a setting out of range, no impacts, an impact off the plate ...
+  /// @throws InvalidArgument naming the value: a setting out of range, no impacts ...; OffThePlate naming the impact
   SyntheticRecording(const Impacts& impacts, const SynthesisConfig& config,
                      std::shared_ptr<const Instrument> instrument = nullptr);
   ~SyntheticRecording();
