@@ -127,7 +127,7 @@ TEST_F(Sweep, WhatIsWrongWithAPointIsSaidBeforeTheWork) {
   write("sweep.toml", "drops = 2\nsnr_db = [20, 400]\n");
   expect_one_line_error(run("loop --config sweep.toml --out out"), 2, {"snr-db 400"});
   write("empty.toml", "snr_db = []\n");
-  expect_one_line_error(run("loop --config empty.toml --out out"), 2, {"empty.toml", "line 1", "snr-db"});
+  expect_one_line_error(run("loop --config empty.toml --out out"), 2, {"empty.toml", "line 1", "snr_db"});
   write("simulate.toml", "drops = [1, 2]\n");
   expect_one_line_error(run("simulate --config simulate.toml --out a.csv"), 2, {"drops", "only loop"});
   EXPECT_FALSE(fs::exists(folder_ / "out"));

@@ -9,10 +9,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
@@ -21,54 +21,17 @@
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
+#include "options/command_line.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
-#include "options/config_file.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
-const std::vector<std::string> kConfigSections{"simulate", "synthesize", "detect", "restitution", "fit"};
-
-// in the order of --help, which is that of the data
-const std::vector<std::pair<std::string, Command (*)(CLI::App&)>> kCommands{
-    {"simulate", add_simulate_command}, {"synthesize", add_synthesize_command},   {"detect", add_detect_command},
-    {"convert", add_convert_command},   {"restitution", add_restitution_command}, {"fit", add_fit_command},
-    {"report", add_report_command},     {"calibrate", add_calibrate_command},     {"analyze", add_analyze_command},
-    {"loop", add_loop_command},
-};
-
 bool is_command(const std::vector<std::string>& typed) {
-  return !typed.empty() && std::any_of(kCommands.begin(), kCommands.end(),
-                                       [&](const auto& command) { return command.first == typed.front(); });
-}
-
-/// The line as it is parsed: the configuration file's keys stand between the command's name and the rest, so that the
-/// rest wins. The file's lists, through which `loop` runs, stay apart.
-struct FullLine {
-  std::vector<std::string> arguments;
-  std::vector<loop::SweepAxis> lists;
-};
-
-FullLine with_config(const std::vector<std::string>& typed, const CLI::App& app) {
-  if (typed.empty()) return {typed, {}};
-  const auto named = app.get_subcommands([&](const CLI::App* c) { return c->check_name(typed.front()); });
-  if (named.empty()) return {typed, {}};
-  const CLI::App* command = named.front();
-  std::string path;
-  for (std::size_t k = 1; k < typed.size(); ++k) {
-    if (typed[k] == "--config" && k + 1 < typed.size()) path = typed[k + 1];
-    if (typed[k].rfind("--config=", 0) == 0) path = typed[k].substr(9);
-  }
-  if (path.empty()) return {typed, {}};
-  const ConfigArguments file = config_arguments(path, *command, kConfigSections);
-  if (!file.lists.empty() && command->get_name() != "loop")
-    throw InvalidArgument(path + ": '" + file.lists.front().option + "' takes one value; only loop runs through lists");
-  FullLine line{{typed.front()}, file.lists};
-  line.arguments.insert(line.arguments.end(), file.arguments.begin(), file.arguments.end());
-  line.arguments.insert(line.arguments.end(), typed.begin() + 1, typed.end());
-  return line;
+  return !typed.empty() && std::any_of(all_commands().begin(), all_commands().end(),
+                                       [&](const CommandName& command) { return command.name == typed.front(); });
 }
 
 /// One line on standard error, whatever it quotes.
@@ -121,11 +84,24 @@ void keep_standard_descriptors() {
       (void)!::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest that is free
 }
 
-/// Parse errors in one line: what, and where help is.
-int wrong_usage(const CLI::ParseError& error, const CLI::App& app) {
+/// The message with every long or unprintable word of the command line as quotations show it.
+std::string with_quotations(std::string message, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    const std::string value = word.substr(word.find('=') + 1);  // of --option=value, else the word
+    const std::string shown = printable(value);
+    const auto at = shown == value ? std::string::npos : message.find(value);
+    if (at != std::string::npos) message.replace(at, value.size(), shown);
+  }
+  return message;
+}
+
+/// Parse errors in one line: what, where in the configuration file, and where help is.
+int wrong_usage(const CLI::ParseError& error, const CLI::App& app, const CommandLine& line) {
   const auto parsed = app.get_subcommands();
   const std::string name = parsed.empty() ? "bouncelab" : "bouncelab " + parsed.front()->get_name();
-  std::string message = error.what();
+  std::string message = with_quotations(error.what(), line.arguments);
+  for (const ConfigOption& option : line.from_file)
+    if (message.rfind("--" + option.name + ":", 0) == 0) message.insert(0, option.place + ": ");
   std::replace(message.begin(), message.end(), '\n', ' ');
   say(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
   return kWrongUsage;
@@ -144,20 +120,20 @@ int run(std::vector<std::string> line) {
   CommonOptions common;
   const std::vector<std::string> typed(line.begin() + 1, line.end());
   std::vector<Command> commands;
-  for (const auto& [name, add] : kCommands)
+  for (const auto& [name, add] : all_commands())
     // registering the options of all commands takes as long as detection in a second of sound
     if (!is_command(typed) || typed.front() == name) commands.push_back(add(app));
   for (const Command& command : commands) add_common_options(*command.app, common);
 
   if (!typed.empty() && typed.front().rfind('-', 0) != 0 && !is_command(typed))
     throw InvalidArgument("unknown command '" + typed.front() + "'; see bouncelab --help");
-  FullLine full;
+  CommandLine full;
   try {
-    full = with_config(typed, app);
+    full = is_command(typed) ? line_with_config(typed, *app.get_subcommand(typed.front())) : CommandLine{typed, {}};
     app.parse(
         std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) return wrong_usage(error, app);
+    if (error.get_exit_code() != 0) return wrong_usage(error, app, full);
     std::ostringstream help;
     return print((app.exit(error, help, help), help.str()), kDone);
   }
@@ -165,8 +141,8 @@ int run(std::vector<std::string> line) {
     if (!command.app->parsed()) continue;
     Run call{common, line, resolved_parameters(*command.app), {}, {}};
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
-    for (const loop::SweepAxis& axis : full.lists)  // the command line wins here too
-      if (command.app->get_option("--" + axis.option)->count() == 0) call.sweep.push_back(axis);
+    for (const ConfigOption& option : full.from_file)
+      if (option.is_axis) call.sweep.push_back({option.name, option.values});
     const bool standard_output_is_taken = is_taken_by_an_output(call.parameters);
     if (standard_output_is_taken && common.json)
       throw InvalidArgument("--json: standard output takes an output of this command; write that to a file");
@@ -201,6 +177,9 @@ int main(int argc, char** argv) {
   } catch (const InvalidArgument& error) {
     cli::say("bouncelab: " + std::string(error.what()));
     return cli::kWrongUsage;
+  } catch (const std::filesystem::filesystem_error& error) {
+    cli::say("bouncelab: " + error.path1().string() + ": " + error.code().message());
+    return cli::kFileError;
   } catch (const std::bad_alloc&) {
     cli::say("bouncelab: out of memory; ask for less at once");
     return cli::kFileError;

@@ -96,14 +96,15 @@ Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const
 
 /// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
 Outcome run_through_files(const LoopOptions& options, const Run& run) {
+  loop::LoopConfig config;  // what is wrong with it is said before the work
+  config.simulation = simulation_config(options.simulate, run.common);
+  synthesis_config(options.synthesize, run.common);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
   for (const char* name : kOutputs) outputs.push_back(folder / name);
   check_files(run, simulation_inputs(options.simulate), outputs, {folder / "recording.others.csv"});
   const LoopFiles files(folder);
-  loop::LoopConfig config;
-  config.simulation = simulation_config(options.simulate, run.common);
 
   StageClock clock;
   Outcome detected = times_to_times(options, files, run, clock);

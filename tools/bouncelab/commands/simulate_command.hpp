@@ -23,7 +23,8 @@ struct SimulateOptions {
   double mu = 0.2;
   bool drag = false;
   std::vector<double> height_m{0.09, 0.10};
-  std::vector<double> plate_m, start_m, velocity_mps, spin_radps;
+  std::vector<double> start_m{0.0, 0.0}, velocity_mps{0.0, 0.0}, spin_radps{0.0, 0.0, 0.0};
+  std::vector<double> plate_m;  ///< empty: no edge
   std::string surface_file;
 
   std::string out;  ///< of the impacts

@@ -34,9 +34,10 @@ ParsedLoop parsed(const Run& run, const loop::Settings& settings) {
   }
 }
 
-loop::SweepPoint run_point(const loop::Settings& settings, const ParsedLoop& parsed) {
-  loop::LoopConfig config = loop_config(parsed.options, parsed.common);
-  config.surface = surface_from_file(parsed.options.simulate, config.simulation.ball);
+loop::SweepPoint run_point(const Run& run, const loop::Settings& settings) {
+  const ParsedLoop loop = parsed(run, settings);
+  loop::LoopConfig config = loop_config(loop.options, loop.common);
+  config.surface = surface_from_file(loop.options.simulate, config.simulation.ball);
   return loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps);
 }
 
@@ -44,9 +45,8 @@ loop::SweepPoint run_point(const loop::Settings& settings, const ParsedLoop& par
 
 Outcome run_sweep(const LoopOptions& options, const Run& run) {
   const fs::path folder = options.out;
-  const std::vector<loop::Settings> all = loop::combinations(run.sweep);
-  std::vector<ParsedLoop> loops;
-  for (const loop::Settings& settings : all) loops.push_back(parsed(run, settings));  // errors come before the work
+  const std::size_t n_points = loop::n_combinations(run.sweep);
+  for (std::size_t k = 0; k < n_points; ++k) parsed(run, loop::combination(run.sweep, k));  // errors before the work
 
   const OutputFolder output_folder(folder);
   std::map<std::size_t, loop::SweepPoint> finished;
@@ -57,10 +57,10 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
 
   const ProgressCallback progress = progress_line(run, "sweep", "points");
   std::vector<loop::SweepPoint> points;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    progress(static_cast<double>(k), static_cast<double>(all.size()));
+  for (std::size_t k = 0; k < n_points; ++k) {
+    progress(static_cast<double>(k), static_cast<double>(n_points));
     if (finished.count(k) == 0) {
-      finished[k] = run_point(all[k], loops[k]);
+      finished[k] = run_point(run, loop::combination(run.sweep, k));
       journal->append(to_record(k, finished[k]));
     }
     points.push_back(finished[k]);

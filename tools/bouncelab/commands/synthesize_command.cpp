@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <sstream>
+#include <string_view>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/printable.hpp"
 #include "bouncelab/synthesis/hard_cases.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "files/impact_file.hpp"
@@ -31,24 +33,26 @@ audio::SampleEncoding encoding_of(const std::string& bits) {
   return bits == "float" ? audio::SampleEncoding::float32 : audio::SampleEncoding::pcm24;
 }
 
-/// False where the text is not one number.
-bool read_number(const std::string& text, double& value) {
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0';
+/// False where the text is not one finite decimal number.
+bool read_number(std::string_view text, double& value) {
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
 }
 
 synthesis::Channel channel_of(const std::string& text, double default_z_m) {
   synthesis::Channel channel;
   channel.z_m = default_z_m;
   double* const fields[] = {&channel.x_m, &channel.y_m, &channel.z_m, &channel.gain};
-  std::size_t n = 0;
-  std::istringstream in(text);
-  for (std::string cell; std::getline(in, cell, ','); ++n)
-    if (n >= std::size(fields) || !read_number(cell, *fields[n]))
-      throw InvalidArgument("--channel: '" + text + "' is not X,Y[,Z[,GAIN]] in metres");
-  if (n < 2) throw InvalidArgument("--channel: '" + text + "' is not X,Y[,Z[,GAIN]] in metres");
-  return channel;
+  std::string_view rest = text;
+  for (std::size_t n = 0; n < std::size(fields); ++n) {
+    const auto comma = rest.find(',');
+    if (!read_number(rest.substr(0, comma), *fields[n])) break;
+    if (comma == std::string_view::npos && n >= 1) return channel;
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  throw InvalidArgument("--channel: '" + printable(text) +
+                        "' is not X,Y[,Z[,GAIN]], finite decimal numbers, in metres");
 }
 
 std::filesystem::path beside(const std::filesystem::path& out, const std::string& ending) {
@@ -95,11 +99,15 @@ synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const sy
                                       const synthesis::TruthSink& truth, const Run& run) {
   const synthesis::DropSource drops = impact_file(options.impacts);
   const bool force = run.common.force;
-  if (options.each_drop)
-    return synthesis::synthesize_each_drop(drops, config, options.out, force, truth,
-                                           progress_line(run, "synthesize", "impacts"));
-  return synthesis::synthesize(drops, config, options.out, force, truth,
-                               progress_line(run, "synthesize", "s of sound"));
+  try {
+    if (options.each_drop)
+      return synthesis::synthesize_each_drop(drops, config, options.out, force, truth,
+                                             progress_line(run, "synthesize", "impacts"));
+    return synthesis::synthesize(drops, config, options.out, force, truth,
+                                 progress_line(run, "synthesize", "s of sound"));
+  } catch (const synthesis::OffThePlate& error) {
+    throw InvalidArgument(std::string(error.what()) + ": simulate --plate X,Y, or --positions drawn here");
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "commands/calibrate_command.hpp"
 #include "options/commands.hpp"
+#include "options/numbers.hpp"
 
 namespace bouncelab::cli {
 
@@ -15,13 +16,13 @@ Command add_calibrate_command(CLI::App& app) {
                          "paper's law\n"
                          "Example: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4");
   fit::CalibrationConfig& c = options->config;
-  command->add_option("--samples", c.n_samples, "Samples per seed")->check(CLI::Range(100, 100000000));
-  command->add_option("--seeds", c.n_seeds, "Seeds")->check(CLI::Range(2, 1000000));
+  command->add_option("--samples", c.n_samples, "Samples per seed")->check(within(100, 100000000));
+  command->add_option("--seeds", c.n_seeds, "Seeds")->check(within(2, 1000000));
   command->add_option("--below", c.below_at_1mps, "Mean distance below the peak at 1 m/s; goes as 1/v")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--above", c.above_at_1mps, "Mean distance above the peak at 1 m/s")->check(CLI::PositiveNumber);
+      ->check(within(1e-9, 1.0));
+  command->add_option("--above", c.above_at_1mps, "Mean distance above the peak at 1 m/s")->check(within(1e-9, 1.0));
   command->add_option("--timing", c.sigma_eps_at_1mps, "Timing error of eps at 1 m/s; 8.7e-4 doubles the width")
-      ->check(CLI::NonNegativeNumber);
+      ->check(within(0.0, 1.0));
   command->add_flag("--covariance-intervals", options->covariance_intervals, "Faster: no profile likelihood");
   return {command, [options](Run& run) { return run_calibrate(*options, run); }};
 }

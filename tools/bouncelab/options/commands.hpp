@@ -3,11 +3,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "command.hpp"
 #include "commands/loop_command.hpp"
+#include "options/config_file.hpp"
 
 namespace CLI {
 class App;
@@ -31,6 +33,16 @@ Command add_report_command(CLI::App& app);
 Command add_calibrate_command(CLI::App& app);
 Command add_analyze_command(CLI::App& app);
 Command add_loop_command(CLI::App& app);
+
+struct CommandName {
+  std::string name;
+  Command (*add)(CLI::App&) = nullptr;
+};
+const std::vector<CommandName>& all_commands();
+
+/// What `command` does with a section of its configuration file: it takes its own, and those of the commands that it
+/// runs as stages as far as it has their options. Absent where no command is called like the section.
+std::optional<ConfigSection> config_section(const std::string& command, const std::string& section);
 
 /// A command line of `loop` on its own.
 struct ParsedLoop {

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "options/numbers.hpp"
+
 namespace bouncelab::cli {
 
 void set_option_defaults(CLI::App& app) {
@@ -13,12 +15,21 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
   const char* group = "Every command has";
   app.add_option("--seed", common.seed, "Seed of all random numbers")->group(group);
   app.add_option("--threads", common.n_threads, "Threads, 0 = all cores; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
+      ->check(within(0, 1024))
       ->group(group);
   app.add_option("--config", common.config, "TOML file of options: KEY = VALUE; the command line wins")->group(group);
   app.add_flag("--json", common.json, "Summary as JSON on standard output")->group(group);
   app.add_flag("--quiet", common.quiet, "No progress, no summary; errors only")->group(group);
   app.add_flag("--force", common.force, "Replace outputs that exist")->group(group);
+  read_numbers_in_decimal(app);
+}
+
+std::vector<std::string> config_keys(const CLI::App& app) {
+  std::vector<std::string> keys;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames())
+      if (name != "help" && name != "config") keys.push_back(name);
+  return keys;
 }
 
 Parameters resolved_parameters(const CLI::App& app) {
@@ -27,7 +38,7 @@ Parameters resolved_parameters(const CLI::App& app) {
     const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
     if (name == "help") continue;
     if (option->count() > 0)
-      parameters.push_back({name, option->results()});
+      parameters.push_back({name, option->reduced_results()});
     else
       parameters.push_back({name, {option->get_items_expected_max() == 0 ? "false" : option->get_default_str()}});
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 
@@ -15,8 +16,12 @@ namespace bouncelab::cli {
 /// option is added.
 void set_option_defaults(CLI::App& app);
 
-/// --seed, --threads, --config, --json, --quiet, --force.
+/// --seed, --threads, --config, --json, --quiet, --force. To be called after all other options were added: numbers of
+/// all of them are then read in decimal.
 void add_common_options(CLI::App& app, CommonOptions& common);
+
+/// The options that a configuration file may set: all but --help and --config.
+std::vector<std::string> config_keys(const CLI::App& app);
 
 /// Every option with the value in force, as given or by default.
 Parameters resolved_parameters(const CLI::App& app);

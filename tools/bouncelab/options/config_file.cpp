@@ -1,104 +1,96 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "options/config_file.hpp"
 
-#define TOML_ENABLE_FORMATTERS 0
-#include <toml++/toml.h>
-
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <sstream>
+#include <map>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/printable.hpp"
+#include "options/common_options.hpp"
+#include "options/numbers.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
-std::string line_of(const toml::node& node) { return "line " + std::to_string(node.source().begin.line); }
-
-/// A scalar as it would be typed. Empty where the value is of no use on a command line.
-std::string typed(const toml::node& value) {
-  std::ostringstream out;
-  out.precision(17);
-  if (const auto* text = value.as_string()) return text->get();
-  if (const auto* flag = value.as_boolean()) return flag->get() ? "true" : "false";
-  if (const auto* whole = value.as_integer()) out << whole->get();
-  if (const auto* real = value.as_floating_point()) out << real->get();
-  return out.str();
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-class Arguments {
+class ConfigReader {
  public:
-  Arguments(const std::string& path, const CLI::App& command) : path_(path), command_(command) {}
-
-  void add(std::string key, const toml::node& value) {
-    std::replace(key.begin(), key.end(), '_', '-');
-    const CLI::Option* option = command_.get_option_no_throw("--" + key);
-    if (option == nullptr || key == "config" || key == "help")
-      throw InvalidArgument(path_ + ": " + line_of(value) + ": unknown key '" + key + "'; bouncelab " +
-                            command_.get_name() + " --help lists the options");
-    const auto* array = value.as_array();
-    if (array == nullptr || (takes_several(*option) && !holds_lists(*array)))
-      result.arguments.push_back("--" + key + "=" + text_of(key, value));
-    else
-      run_through(key, *array);
+  ConfigReader(const std::string& file, const CLI::App& command) : file_(file), command_(command) {
+    own_.use = ConfigSection::Use::own;
+    own_.known = config_keys(command);
   }
 
-  ConfigArguments result;
+  void add(const TomlEntry& entry, const std::optional<ConfigSection>& section) {
+    std::string name = entry.key;
+    std::replace(name.begin(), name.end(), '_', '-');
+    const ConfigSection& rules = section ? *section : own_;
+    const std::string command = section ? entry.section : command_.get_name();
+    if (!holds(rules.known, name))
+      refuse(entry, "unknown key '" + printable(entry.key) + "'; bouncelab " + command + " --help lists the options");
+    if (rules.use == ConfigSection::Use::stage && !holds(rules.taken, name))
+      refuse(entry,
+             fmt::format("bouncelab {0} does not hand '{1}' on to {2}; options of its own stand at the top level "
+                         "or in [{0}]",
+                         command_.get_name(), printable(entry.key), command));
+    const bool is_taken = rules.use != ConfigSection::Use::other;
+    // the top level and all sections that are taken set the same options; others are a world of their own
+    const auto [first, is_new] = lines_.emplace(std::pair{is_taken ? "" : entry.section, name}, entry.line);
+    if (!is_new) refuse(entry, fmt::format("'{}' is given already in line {}", entry.key, first->second));
+    if (is_taken) options.push_back(option_of(entry, name));
+  }
+
+  std::vector<ConfigOption> options;
 
  private:
-  static bool takes_several(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
-  static bool holds_lists(const toml::array& array) { return !array.empty() && array.front().is_array(); }
-
-  void run_through(const std::string& key, const toml::array& array) {
-    loop::SweepAxis axis{key, {}};
-    for (const toml::node& element : array) axis.values.push_back(text_of(key, element));
-    if (axis.values.empty())
-      throw InvalidArgument(path_ + ": " + line_of(array) + ": the list of '" + key + "' is empty");
-    result.lists.push_back(std::move(axis));
+  [[noreturn]] void refuse(const TomlEntry& entry, const std::string& what) const {
+    throw InvalidArgument(place_of(entry) + ": " + what);
   }
 
-  /// A scalar, or scalars joined by commas.
-  std::string text_of(const std::string& key, const toml::node& value) const {
-    std::string text;
-    if (const auto* array = value.as_array()) {
-      for (const toml::node& element : *array) text += (text.empty() ? "" : ",") + text_of(key, element);
-    } else {
-      text = typed(value);
+  std::string place_of(const TomlEntry& entry) const { return file_ + ": line " + std::to_string(entry.line); }
+
+  ConfigOption option_of(const TomlEntry& entry, const std::string& name) const {
+    const CLI::Option& option = *command_.get_option("--" + name);
+    ConfigOption result{name, place_of(entry), {}, false};
+    const bool repeats = option.get_items_expected_max() > 1;  // --channel A --channel B
+    const bool joins = takes_list(option);                     // --height A,B
+    result.is_axis = entry.depth == (repeats || joins ? 2 : 1);
+    if (entry.depth == 2 && !result.is_axis)
+      refuse(entry, "'" + entry.key + "' takes one value; a list of lists runs through an option that takes several");
+    for (const std::vector<std::string>& value : entry.values) {
+      if (repeats && value.size() > 1) refuse(entry, "'" + entry.key + "' cannot run through lists of several values");
+      result.values.push_back(fmt::format("{}", fmt::join(value, ",")));
     }
-    if (text.empty())
-      throw InvalidArgument(path_ + ": " + line_of(value) + ": key '" + key + "' needs a number, a word or true/false");
-    return text;
+    if (joins && entry.depth == 1) result.values = {fmt::format("{}", fmt::join(result.values, ","))};
+    return result;
   }
 
-  const std::string& path_;
+  const std::string& file_;
   const CLI::App& command_;
+  ConfigSection own_;
+  std::map<std::pair<std::string, std::string>, std::int64_t> lines_;  // of the section's key
 };
 
 }  // namespace
 
-ConfigArguments config_arguments(const std::string& path, const CLI::App& command,
-                                 const std::vector<std::string>& known_sections) {
-  toml::table table;
-  try {
-    table = toml::parse_file(path);
-  } catch (const toml::parse_error& error) {
-    const auto line = error.source().begin.line;
-    throw FileError(path, (line > 0 ? "line " + std::to_string(line) + ": " : "") + std::string(error.description()));
+std::vector<ConfigOption> config_options(const TomlEntries& toml, const std::string& file, const CLI::App& command,
+                                         const ConfigSections& sections) {
+  std::map<std::string, std::optional<ConfigSection>> rules{{"", std::nullopt}};
+  for (const TomlSection& section : toml.sections) {
+    rules[section.name] = sections(section.name);
+    if (!rules[section.name])
+      throw InvalidArgument(fmt::format("{}: line {}: unknown section [{}]; sections are named like commands", file,
+                                        section.line, printable(section.name)));
   }
-  Arguments arguments(path, command);
-  for (const auto& [key, value] : table) {
-    const std::string name(key.str());
-    const auto* section = value.as_table();
-    if (section == nullptr) {
-      arguments.add(name, value);
-      continue;
-    }
-    if (std::find(known_sections.begin(), known_sections.end(), name) == known_sections.end())
-      throw InvalidArgument(path + ": " + line_of(value) + ": unknown section [" + name + "]");
-    for (const auto& [inner_key, inner_value] : *section) arguments.add(std::string(inner_key.str()), inner_value);
-  }
-  return arguments.result;
+  ConfigReader reader(file, command);
+  for (const TomlEntry& entry : toml.entries) reader.add(entry, rules.at(entry.section));
+  return reader.options;
 }
 
 }  // namespace bouncelab::cli

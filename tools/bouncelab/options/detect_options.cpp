@@ -4,13 +4,14 @@
 
 #include "commands/detect_command.hpp"
 #include "options/commands.hpp"
+#include "options/numbers.hpp"
 #include "options/stage_options.hpp"
 
 namespace bouncelab::cli {
 
 void add_detect_options(CLI::App& app, DetectOptions& options) {
   app.add_option("--channel", options.channel, "Channel, from 0; -1 = the one in which impacts are detected best")
-      ->check(CLI::Range(-1, 1023));
+      ->check(within(-1, 1023));
 }
 
 Command add_detect_command(CLI::App& app) {

@@ -1,49 +1,63 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
-#include <map>
 #include <memory>
+#include <utility>
 
 #include "commands/fit_command.hpp"
 #include "options/commands.hpp"
+#include "options/numbers.hpp"
 #include "options/stage_options.hpp"
 
 namespace bouncelab::cli {
+namespace {
+
+/// An option whose values have names; the first of them is the default.
+template <class Value>
+void add_choice(CLI::App& app, const std::string& name, Value& value,
+                const std::vector<std::pair<std::string, Value>>& choices, const std::string& help) {
+  const auto choose = [&value, choices](const std::string& text) {
+    for (const auto& [choice, meaning] : choices)
+      if (choice == text) value = meaning;
+  };
+  std::vector<std::string> names;
+  for (const auto& choice : choices) names.push_back(choice.first);
+  app.add_option_function<std::string>(name, choose, help)->check(CLI::IsMember(names))->default_str(names.front());
+}
+
+}  // namespace
 
 void add_fit_options(CLI::App& app, FitOptions& options) {
   app.add_option("--nodes", options.config.law.node_speeds_mps,
                  "Speeds at which eps(v) is reported, m/s; default 0.25 0.6 1.2, or within the data")
-      ->check(CLI::PositiveNumber)
+      ->check(within(1e-6, 1e3))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
-      ->check(CLI::Range(2, 10))
+      ->check(within(2, 10))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--law-kind", options.config.law.kind, "series, viscoelastic or constant")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, fit::LawKind>{{"series", fit::LawKind::series},
-                                                                      {"viscoelastic", fit::LawKind::viscoelastic},
-                                                                      {"constant", fit::LawKind::constant}}))
-      ->default_str("series");
-  app.add_option("--method", options.config.law.method,
-                 "asymmetric-laplace (eps(v) is the peak), least-squares (the mean) or least-absolute (the median)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, fit::LawMethod>{{"asymmetric-laplace", fit::LawMethod::asymmetric_laplace},
-                                                {"least-squares", fit::LawMethod::least_squares},
-                                                {"least-absolute", fit::LawMethod::least_absolute}}))
-      ->default_str("asymmetric-laplace");
+  add_choice(app, "--law-kind", options.config.law.kind,
+             {{"series", fit::LawKind::series},
+              {"viscoelastic", fit::LawKind::viscoelastic},
+              {"constant", fit::LawKind::constant}},
+             "Form of the law");
+  add_choice(app, "--method", options.config.law.method,
+             {{"asymmetric-laplace", fit::LawMethod::asymmetric_laplace},
+              {"least-squares", fit::LawMethod::least_squares},
+              {"least-absolute", fit::LawMethod::least_absolute}},
+             "asymmetric-laplace (eps(v) is the peak), least-squares (the mean) or least-absolute (the median)");
   app.add_option("--bootstrap", options.config.law.n_bootstrap, "Replicates of the bootstrap by drop, 0 = none")
-      ->check(CLI::Range(0, 100000));
+      ->check(within(0, 100000));
   app.add_option("--goodness-replicates", options.config.n_goodness,
                  "Replicates of the Anderson-Darling test, 0 = none")
-      ->check(CLI::Range(0, 100000));
+      ->check(within(0, 100000));
   app.add_option("--hand-off-speed", options.config.dem_speed_mps,
                  "Speed of the constant eps for DEM codes, m/s; default the middle node")
-      ->check(CLI::PositiveNumber);
+      ->check(within(1e-6, 1e3));
   app.add_option("--windows", options.config.histograms.centres_mps, "Centres of the histograms' windows of speed, m/s")
-      ->check(CLI::PositiveNumber)
+      ->check(within(1e-6, 1e3))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--window-width", options.config.histograms.width_mps,
                  "Width of the histograms' windows, m/s; 0: chosen by the number of samples")
-      ->check(CLI::NonNegativeNumber);
+      ->check(within(0.0, 1e3));
 }
 
 Command add_fit_command(CLI::App& app) {

@@ -6,6 +6,7 @@
 #include "commands/simulate_command.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
+#include "options/numbers.hpp"
 #include "options/stage_options.hpp"
 
 namespace bouncelab::cli {
@@ -15,37 +16,31 @@ namespace {
 /// Ball, plate, start and end of a drop.
 void add_drop_options(CLI::App& app, SimulateOptions& o) {
   sim::SimulationConfig& c = o.config;
-  const auto positive = CLI::PositiveNumber;
-  app.add_option("--radius", c.ball.radius_m, "Radius of the ball [m]")->check(positive);
-  app.add_option("--density", c.ball.material.density_kgpm3, "Density of the ball [kg/m^3]")->check(positive);
-  app.add_option("--gravity", c.gravity_mps2, "[m/s^2]")->check(positive);
-  app.add_option("--height", o.height_m, "Fall height [m]: one value, or LO,HI to draw between")
-      ->delimiter(',')
-      ->expected(1, 2)
-      ->check(positive);
-  app.add_option("--start", o.start_m, "Start position X,Y on the plate [m]")->delimiter(',')->expected(2);
-  app.add_option("--velocity", o.velocity_mps, "Horizontal start velocity X,Y [m/s]")->delimiter(',')->expected(2);
-  app.add_option("--spin", o.spin_radps, "Start spin X,Y,Z [rad/s]")->delimiter(',')->expected(3);
-  app.add_option("--plate", o.plate_m, "Size X,Y of the plate [m]; a drop ends beyond its edge (default: no edge)")
-      ->delimiter(',')
-      ->expected(2)
-      ->check(positive);
-  app.add_option("--tilt", c.tilt_rad, "Tilt of the plate, downhill along x [rad]")->check(CLI::Range(0.0, 1.5707));
+  app.add_option("--radius", c.ball.radius_m, "Radius of the ball [m]")->check(within(1e-6, 10.0));
+  app.add_option("--density", c.ball.material.density_kgpm3, "Density of the ball [kg/m^3]")->check(within(1.0, 3e4));
+  app.add_option("--gravity", c.gravity_mps2, "[m/s^2]")->check(within(1e-3, 1e3));
+  add_list(app, "--height", o.height_m, "LO[,HI]", 1, 2, 1e-6, 1e3,
+           "Fall height [m]: one value, or LO,HI to draw between");
+  add_list(app, "--start", o.start_m, "X,Y", 2, 2, -1e3, 1e3, "Start position on the plate [m]");
+  add_list(app, "--velocity", o.velocity_mps, "X,Y", 2, 2, -1e3, 1e3, "Horizontal start velocity [m/s]");
+  add_list(app, "--spin", o.spin_radps, "X,Y,Z", 3, 3, -1e6, 1e6, "Start spin [rad/s]");
+  add_list(app, "--plate", o.plate_m, "X,Y", 2, 2, 1e-6, 1e6,
+           "Size of the plate [m]; a drop ends beyond its edge; default no edge");
+  app.add_option("--tilt", c.tilt_rad, "Tilt of the plate, downhill along x [rad]")->check(within(0.0, 1.5707));
   app.add_flag("--drag", o.drag, "Air drag (Schiller-Naumann, 20 degrees C)");
   app.add_option("--min-speed", c.min_speed_mps, "A drop ends before an impact slower than this [m/s]")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--max-time", c.max_time_s, "A drop ends so long after its release [s]")->check(positive);
+      ->check(within(0.0, 1e3));
+  app.add_option("--max-time", c.max_time_s, "A drop ends so long after its release [s]")->check(within(1e-6, 1e9));
 }
 
 }  // namespace
 
 void add_simulate_options(CLI::App& app, SimulateOptions& o) {
   sim::SimulationConfig& c = o.config;
-  const auto at_least_1 = CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000});
+  const auto at_least_1 = within(1, 1'000'000'000);
   app.add_option("--drops", c.n_drops, "Number of drops")->check(at_least_1);
   app.add_option("--impacts", c.n_impacts_max, "A drop ends after so many impacts")->check(at_least_1);
-  app.add_option("--asperities", o.n_asperities, "Small spheres on the ball")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
+  app.add_option("--asperities", o.n_asperities, "Small spheres on the ball")->check(at_least_1);
   app.add_option("--radius-law", o.radius_law,
                  "Radii of the asperities in units of the ball's: constant:R, uniform:LO,HI, normal:MEAN,SD, "
                  "lognormal:MEDIAN,SIGMA, exponential:MEAN");
@@ -53,8 +48,8 @@ void add_simulate_options(CLI::App& app, SimulateOptions& o) {
   app.add_option("--law", o.restitution_law,
                  "eps(v): series:A2=X,A4=Y,..., viscoelastic:GAMMA, constant:EPS, table:FILE.csv (v_mps,eps)");
   app.add_option("--contact", o.contact, "Contact model")->check(CLI::IsMember({"paper", "frictionless", "coulomb"}));
-  app.add_option("--beta", o.beta, "Tangential restitution of the paper's contact model")->check(CLI::Range(-1.0, 1.0));
-  app.add_option("--mu", o.mu, "Coefficient of friction of the Coulomb model")->check(CLI::NonNegativeNumber);
+  app.add_option("--beta", o.beta, "Tangential restitution of the paper's contact model")->check(within(-1.0, 1.0));
+  app.add_option("--mu", o.mu, "Coefficient of friction of the Coulomb model")->check(within(0.0, 1e3));
   add_drop_options(app, o);
 }
 
@@ -75,7 +70,7 @@ Command add_simulate_command(CLI::App& app) {
   command->add_option("--out", options->out, "Impacts: FILE.csv or FILE.h5")->required();
   add_simulate_options(*command, *options);
   command->add_option("--first-drop", options->config.first_drop, "Number of the first drop")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}));
+      ->check(within(std::int64_t{0}, std::int64_t{1'000'000'000'000}));
   command->add_option("--preset", options->preset, "paper: 2,320 drops of 95 impacts")->check(CLI::IsMember({"paper"}));
   command->add_option("--write-surface", options->write_surface, "Write the asperities: FILE.csv or FILE.h5");
   command->add_flag("--state", options->config.with_state,

@@ -5,6 +5,7 @@
 #include "bouncelab/synthesis/hard_cases.hpp"
 #include "commands/synthesize_command.hpp"
 #include "options/commands.hpp"
+#include "options/numbers.hpp"
 #include "options/stage_options.hpp"
 
 namespace bouncelab::cli {
@@ -18,23 +19,23 @@ std::string hard_case_help() {
 }
 
 void add_disturbance_options(CLI::App& app, synthesis::Disturbances& d) {
-  const auto not_negative = CLI::NonNegativeNumber;
+  const auto level = within(0.0, 1e6), per_s = within(0.0, 1e4);
   const char* group = "Disturbances (levels in units of the weakest wanted impact's peak)";
-  app.add_option("--hum", d.hum_level, "Mains hum with harmonics")->check(not_negative)->group(group);
-  app.add_option("--hum-hz", d.hum_hz, "Mains frequency [Hz]")->check(CLI::Range(1.0, 1000.0))->group(group);
-  app.add_option("--drift", d.drift_level, "Slow drift of the zero line")->check(not_negative)->group(group);
-  app.add_option("--clicks", d.clicks_per_s, "Electric clicks [1/s]")->check(not_negative)->group(group);
-  app.add_option("--knocks", d.knocks_per_s, "Knocks of a second object [1/s]")->check(not_negative)->group(group);
+  app.add_option("--hum", d.hum_level, "Mains hum with harmonics")->check(level)->group(group);
+  app.add_option("--hum-hz", d.hum_hz, "Mains frequency [Hz]")->check(within(1.0, 1000.0))->group(group);
+  app.add_option("--drift", d.drift_level, "Slow drift of the zero line")->check(level)->group(group);
+  app.add_option("--clicks", d.clicks_per_s, "Electric clicks [1/s]")->check(per_s)->group(group);
+  app.add_option("--knocks", d.knocks_per_s, "Knocks of a second object [1/s]")->check(per_s)->group(group);
   app.add_option("--double-hits", d.double_hit_fraction, "Share of impacts followed by a knock within 12 ms")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(within(0.0, 1.0))
       ->group(group);
   app.add_flag("--robot", d.robot_cycle, "Release click, fan, motors and pick-up; needs --pause 2 or more")
       ->group(group);
   app.add_option("--timbre-wander", d.timbre_wander, "Standard deviation of ln(mode amplitude) between impacts")
-      ->check(CLI::Range(0.0, 3.0))
+      ->check(within(0.0, 3.0))
       ->group(group);
   app.add_option("--phase-wander", d.phase_wander_rad, "Standard deviation of mode phases between impacts [rad]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(within(0.0, 10.0))
       ->group(group);
 }
 
@@ -42,7 +43,6 @@ void add_disturbance_options(CLI::App& app, synthesis::Disturbances& d) {
 
 void add_synthesize_options(CLI::App& app, SynthesizeOptions& o) {
   synthesis::SynthesisConfig& c = o.config;
-  const auto not_negative = CLI::NonNegativeNumber;
   app.add_option("--ground", o.ground, "Plate that the ball falls on")
       ->check(CLI::IsMember({"glass", "sic", "vitreloy"}));
   app.add_option("--sensor", o.sensor, "Sensor")->check(CLI::IsMember({"piezo", "microphone"}));
@@ -50,22 +50,22 @@ void add_synthesize_options(CLI::App& app, SynthesizeOptions& o) {
                  "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; "
                  "GAIN 0 is a dead channel")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--rate", c.rate_hz, "Sample rate [Hz]")->check(CLI::Range(8000, 2000000));
+  app.add_option("--rate", c.rate_hz, "Sample rate [Hz]")->check(within(8000, 2000000));
   app.add_option("--bits", o.bits, "Bits of a sample")->check(CLI::IsMember({"16", "24", "32", "float"}));
   app.add_option("--snr-db", c.snr_db, "Clean peak of the weakest wanted impact over the rms of the noise [dB]")
-      ->check(CLI::Range(-40.0, 200.0));
+      ->check(within(-40.0, 200.0));
   app.add_option("--noise-corner", c.noise_corner_hz, "Noise grows like 1/f below this [Hz]; 0: white")
-      ->check(not_negative);
+      ->check(within(0.0, 1e6));
   app.add_option("--peak", c.peak, "Clean peak of the strongest impact, full scale = 1; above 1 it is clipped")
-      ->check(CLI::Range(1e-6, 1e3));
-  app.add_option("--lead-in", c.lead_in_s, "Before the first release [s]")->check(CLI::Range(0.01, 3600.0));
-  app.add_option("--pause", c.pause_s, "After each drop's last impact [s]")->check(CLI::Range(0.05, 3600.0));
+      ->check(within(1e-6, 1e3));
+  app.add_option("--lead-in", c.lead_in_s, "Before the first release [s]")->check(within(0.01, 3600.0));
+  app.add_option("--pause", c.pause_s, "After each drop's last impact [s]")->check(within(0.05, 3600.0));
   app.add_option("--positions", o.positions,
                  "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
       ->check(CLI::IsMember({"simulated", "drawn"}));
   app.add_option("--spread", c.start_spread_m, "Drawn positions lie within this of the middle [m]")
-      ->check(not_negative);
-  app.add_option("--max-mode", c.max_mode_hz, "Modes of the ground up to this [Hz]")->check(CLI::Range(100.0, 200e3));
+      ->check(within(0.0, 10.0));
+  app.add_option("--max-mode", c.max_mode_hz, "Modes of the ground up to this [Hz]")->check(within(100.0, 200e3));
   app.add_option("--hard", o.hard_case, hard_case_help());
   add_disturbance_options(app, c.disturbances);
 }

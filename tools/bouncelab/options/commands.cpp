@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "options/commands.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+#include "options/common_options.hpp"
+#include "options/stage_options.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+template <class Options>
+std::vector<std::string> names_of(void (*add)(CLI::App&, Options&)) {
+  CLI::App app;
+  Options options;
+  add(app, options);
+  return config_keys(app);
+}
+
+/// The options of a stage that `command` hands on to it; absent where it does not run the stage.
+std::optional<std::vector<std::string>> handed_on(const std::string& command, const std::string& stage) {
+  if (command == "loop") {
+    if (stage == "simulate") return names_of(add_simulate_options);
+    if (stage == "synthesize") return names_of(add_synthesize_options);
+    if (stage == "detect" || stage == "restitution" || stage == "fit" || stage == "report")
+      return std::vector<std::string>{};
+  }
+  if (command == "analyze") {
+    if (stage == "detect") return names_of(add_detect_options);
+    if (stage == "restitution") return names_of(add_restitution_options);
+    if (stage == "fit") return names_of(add_fit_options);
+    if (stage == "report") return std::vector<std::string>{};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+// in the order of --help, which is that of the data
+const std::vector<CommandName>& all_commands() {
+  static const std::vector<CommandName> all{
+      {"simulate", add_simulate_command}, {"synthesize", add_synthesize_command},   {"detect", add_detect_command},
+      {"convert", add_convert_command},   {"restitution", add_restitution_command}, {"fit", add_fit_command},
+      {"report", add_report_command},     {"calibrate", add_calibrate_command},     {"analyze", add_analyze_command},
+      {"loop", add_loop_command},
+  };
+  return all;
+}
+
+std::optional<ConfigSection> config_section(const std::string& command, const std::string& section) {
+  const auto named = std::find_if(all_commands().begin(), all_commands().end(),
+                                  [&](const CommandName& c) { return c.name == section; });
+  if (named == all_commands().end()) return std::nullopt;
+  CLI::App app;
+  CommonOptions common;
+  const Command added = named->add(app);
+  add_common_options(*added.app, common);
+  ConfigSection result{ConfigSection::Use::other, config_keys(*added.app), {}};
+  if (section == command) {
+    result.use = ConfigSection::Use::own;
+  } else if (auto taken = handed_on(command, section)) {
+    result.use = ConfigSection::Use::stage;
+    result.taken = std::move(*taken);
+  }
+  return result;
+}
+
+}  // namespace bouncelab::cli
