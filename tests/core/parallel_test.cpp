@@ -2,16 +2,21 @@
 #include "bouncelab/core/parallel.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <fstream>
 #include <mutex>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "support/sanitizers.hpp"
 
 namespace bouncelab {
 namespace {
@@ -147,6 +152,28 @@ TEST(ParallelFor, AFailureOfAnInnerLoopReachesTheCaller) {
   Observed observed(true);
   parallel_for(200, 3, [&](std::size_t) { observed.work(); });
   EXPECT_GT(observed.n_threads(), 1u);
+}
+
+/// Leaves this process less address space than the stack of a thread takes.
+void allow_no_more_threads() {
+  rlim_t n_pages = 0;
+  std::ifstream("/proc/self/statm") >> n_pages;
+  const rlim_t most = n_pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + (1 << 20);
+  const rlimit limit{most, most};
+  ::setrlimit(RLIMIT_AS, &limit);
+}
+
+TEST(ParallelFor, GoesOnWithFewerThreadsWhereTheSystemGivesNoMore) {
+  if (test::kSanitizer != nullptr)
+    GTEST_SKIP() << test::kSanitizer << " needs more address space than any limit leaves";
+  EXPECT_EXIT(
+      {
+        allow_no_more_threads();
+        std::vector<std::atomic<int>> calls(100);
+        parallel_for(calls.size(), 8, [&](std::size_t k) { ++calls[k]; });
+        ::_exit(std::all_of(calls.begin(), calls.end(), [](const auto& n) { return n == 1; }) ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 TEST(WithThreads, LimitsTheLoopsInIt) {

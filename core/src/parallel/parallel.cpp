@@ -1,44 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/parallel.hpp"
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/partitioner.h>
-#include <oneapi/tbb/task_arena.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <optional>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace bouncelab {
 namespace {
-
-namespace tbb = oneapi::tbb;
-
-/// Which threads the loops of this thread may use: as they ask for, this one only, or those of the arena that it is in,
-/// either outside of any loop or within a call of one.
-enum class Allowed { as_asked, this_thread, arena, arena_within_loop };
-thread_local Allowed allowed = Allowed::as_asked;
-
-class Limit {
- public:
-  explicit Limit(Allowed here) : before_(std::exchange(allowed, here)) {}
-  Limit(const Limit&) = delete;
-  Limit& operator=(const Limit&) = delete;
-  ~Limit() { allowed = before_; }
-
- private:
-  Allowed before_;
-};
 
 /// The calls of one loop: which k is next, and the failure of the smallest k.
 class Calls {
  public:
   Calls(std::size_t n, const std::function<void(std::size_t)>& body) : n_(n), body_(body), first_failed_(n) {}
+
+  bool any_left() const { return next_ < first_failed_; }
 
   /// Makes calls until there is none left to make. Those before a failed one are still made, so that the same failure
   /// is reported whatever the number of threads.
@@ -49,6 +31,8 @@ class Calls {
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
+
+  int n_helpers = 0;  ///< threads of the pool that are making calls; guarded by the pool's mutex
 
  private:
   void call(std::size_t k) {
@@ -70,52 +54,139 @@ class Calls {
   std::exception_ptr failure_;
 };
 
-void make_on_all_threads(std::size_t n, Calls& calls) {
-  const auto n_threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const auto make = [&](std::size_t) {
-    const Limit limit(Allowed::arena_within_loop);
+class Pool;
+
+/// Where this thread is, which decides on the threads of the loops in it.
+struct Place {
+  Pool* pool = nullptr;  ///< none: as a loop asks for
+  bool in_loop = false;  ///< within a call of a loop of the pool
+  bool alone = false;    ///< no other thread may help
+};
+thread_local Place place;
+
+class At {
+ public:
+  explicit At(Place here) : before_(std::exchange(place, here)) {}
+  At(const At&) = delete;
+  At& operator=(const At&) = delete;
+  ~At() { place = before_; }
+
+ private:
+  Place before_;
+};
+
+/// Threads that help in every loop opened on one of them or on the thread that made the pool.
+class Pool {
+ public:
+  explicit Pool(int n_threads) : n_helpers_wanted_(static_cast<std::size_t>(n_threads - 1)) {}
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
+  ~Pool() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_all();
+    for (std::thread& helper : helpers_) helper.join();
+  }
+
+  void run(Calls& calls) {
+    const bool outermost = !place.in_loop;
+    const At here({this, true, false});
+    if (outermost && helpers_.empty()) start_helpers();
+    {
+      const std::lock_guard lock(mutex_);
+      open_.push_back(&calls);
+    }
+    changed_.notify_all();
     calls.make();
-  };
-  const auto loop = [&] { tbb::parallel_for(std::size_t{0}, std::min(n, n_threads), make, tbb::simple_partitioner()); };
-  // A thread that waits for an inner loop helps in it, and does not begin another call of an outer one meanwhile. One
-  // that waits for the outermost loop is not isolated: it helps in whatever inner loops the last calls have.
-  if (allowed == Allowed::arena_within_loop)
-    tbb::this_task_arena::isolate(loop);
-  else
-    loop();
+    std::unique_lock lock(mutex_);
+    std::erase(open_, &calls);
+    // A thread that waits for the outermost loop helps in whatever inner loops the last calls have. One that waits for
+    // an inner loop begins nothing else: it would come back late.
+    const auto done = [&] { return calls.n_helpers == 0; };
+    if (outermost)
+      help(lock, done);
+    else
+      changed_.wait(lock, done);
+  }
+
+ private:
+  /// As many as the system gives: results do not depend on it.
+  void start_helpers() {
+    try {
+      helpers_.reserve(n_helpers_wanted_);
+      while (helpers_.size() < n_helpers_wanted_)
+        helpers_.emplace_back([this] {
+          const At here({this, true, false});
+          std::unique_lock lock(mutex_);
+          help(lock, [this] { return ending_; });
+        });
+    } catch (const std::exception&) {
+      return;  // no more threads, or no memory for them
+    }
+  }
+
+  /// Makes calls of open loops, the outermost first: inner ones are for threads that have nothing else to do.
+  template <class Done>
+  void help(std::unique_lock<std::mutex>& lock, const Done& done) {
+    while (!done()) {
+      const auto loop = std::find_if(open_.begin(), open_.end(), [](const Calls* c) { return c->any_left(); });
+      if (loop == open_.end()) {
+        changed_.wait(lock);
+        continue;
+      }
+      Calls& calls = **loop;
+      ++calls.n_helpers;
+      lock.unlock();
+      calls.make();
+      lock.lock();
+      if (--calls.n_helpers == 0) changed_.notify_all();
+    }
+  }
+
+  const std::size_t n_helpers_wanted_;
+  std::vector<std::thread> helpers_;
+  std::mutex mutex_;
+  std::condition_variable changed_;  ///< a loop was opened, the last helper left one, or the pool ends
+  std::vector<Calls*> open_;         ///< loops, in the order in which they were opened
+  bool ending_ = false;
+};
+
+/// Cores that this process may run on: a batch system gives it fewer than the machine has.
+int n_cores() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (::sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 }  // namespace
 
-int resolved_threads(int n_threads) { return n_threads > 0 ? n_threads : tbb::info::default_concurrency(); }
+int resolved_threads(int n_threads) { return n_threads > 0 ? n_threads : n_cores(); }
 
 void parallel_for(std::size_t n, int n_threads, const std::function<void(std::size_t)>& body) {
   Calls calls(n, body);
   with_threads(n_threads, [&] {
-    if (n <= 1 || allowed == Allowed::this_thread)
+    if (n <= 1 || place.alone)
       calls.make();
     else
-      make_on_all_threads(n, calls);
+      place.pool->run(calls);
   });
   calls.rethrow();
 }
 
 void with_threads(int n_threads, const std::function<void()>& work) {
-  if (n_threads == 1 || allowed == Allowed::this_thread) {
-    const Limit limit(Allowed::this_thread);
+  if (place.alone) return work();
+  if (n_threads != 1 && place.pool != nullptr) return work();
+  const int n = resolved_threads(n_threads);
+  if (n == 1) {
+    const At here({place.pool, place.in_loop, true});
     return work();
   }
-  if (allowed == Allowed::arena || allowed == Allowed::arena_within_loop) return work();
-  const int n = resolved_threads(n_threads);
-  // TBB starts no more threads than there are cores unless it is told to
-  std::optional<tbb::global_control> more_than_cores;
-  if (n > tbb::info::default_concurrency())
-    more_than_cores.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n));
-  tbb::task_arena arena(n);
-  arena.execute([&] {
-    const Limit limit(Allowed::arena);
-    work();
-  });
+  Pool pool(n);
+  const At here({&pool, false, false});
+  work();
 }
 
 }  // namespace bouncelab

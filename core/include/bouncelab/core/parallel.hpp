@@ -6,10 +6,12 @@
 
 namespace bouncelab {
 
-/// Number of threads for an option whose 0 means all cores. @return n_threads, or the number of cores where it is <= 0
+/// Number of threads for an option whose 0 means all cores. @return n_threads, or the number of cores that this process
+/// may run on where it is <= 0
 int resolved_threads(int n_threads);
 
-/// Calls body(k) once for each k = 0 ... n-1, on at most n_threads threads; returns when all are done.
+/// Calls body(k) once for each k = 0 ... n-1, on at most n_threads threads; returns when all are done. Where the system
+/// starts no more threads (a limit on processes or memory), those that there are do the work.
 ///
 /// Each thread takes the next k that nobody has, so that a long piece of work among many short ones delays nobody.
 /// Loops may be nested: an inner loop shares the threads of the outermost one and never adds to them; one with
