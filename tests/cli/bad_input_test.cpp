@@ -107,5 +107,39 @@ TEST_F(BadInput, SoundWithNoBounceInventsNothing) {
   }
 }
 
+TEST_F(BadInput, ANegativeStandardErrorIsNotTakenForAPositiveOne) {
+  write("a.csv", "t_s,sigma_t_s\n0.1,1e-6\n0.3,-1e-6\n0.4,1e-6\n");
+  expect_refused("restitution a.csv --out s.csv", 3, {"a.csv", "line 3", "sigma_t_s"});
+  write("b.csv", "v_mps,eps,sigma_eps\n1,0.9,0.001\n1,0.9,-0.001\n");
+  expect_refused("fit b.csv --out f.json", 3, {"b.csv", "line 3", "sigma_eps"});
+}
+
+TEST_F(BadInput, OneRowBeyondPhysicsIsNamedInsteadOfFailingTheFit) {
+  write("a.csv", "v_mps,eps\n1,0.9\n1,1e308\n");
+  expect_refused("fit a.csv --out f.json", 3, {"a.csv", "line 3", "eps"});
+  write("b.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,0.3,1e308,0.9\n");
+  expect_refused("synthesize b.csv --out s.wav", 3, {"b.csv", "line 3", "v_mps"});
+}
+
+TEST_F(BadInput, DropsOfJsonLinesAreNotLostWhereTheFirstRowHasNone) {
+  std::string rows;
+  for (const char* drop : {"", ",\"drop\":0", ",\"drop\":1"})
+    for (const char* t_s : {"0.1", "0.3", "0.5"}) rows += "{\"t_s\":" + std::string(t_s) + drop + "}\n";
+  write("a.jsonl", rows);
+  expect_refused("restitution a.jsonl --out s.csv", 3, {"a.jsonl", "line 1", "drop", "line 4"});
+  write("b.jsonl", "{\"t_s\":0.1,\"drop\":18446744073709551615}\n");
+  expect_refused("restitution b.jsonl --out s.csv", 3, {"b.jsonl", "line 1", "18446744073709551615"});
+  write("c.jsonl", "{\"t_s\":0.1}\n\n\n{\"t_s\":0.3}\n{\"t_s\":0.2}\n");
+  expect_refused("restitution c.jsonl --out s.csv", 3, {"c.jsonl", "line 5"});
+}
+
+TEST_F(BadInput, WhatIsNoTableIsRefusedInAShortLine) {
+  write("a.csv", float_wav(bouncing(3), 44100));
+  expect_refused("restitution a.csv --out s.csv", 3, {"a.csv", "line 1", "a table of text is needed"});
+  expect_refused("fit a.csv --out f.json", 3, {"a.csv", "a table of text is needed"});
+  write("b.csv", std::string(2'000'000, ','));
+  expect_refused("fit b.csv --out f.json", 3, {"b.csv", "line 1 is longer than"});
+}
+
 }  // namespace
 }  // namespace bouncelab::cli_test

@@ -81,9 +81,111 @@ TEST(Csv, ACutOffLineIsNamed) {
 TEST(Csv, RowsKnowTheirLineWhereBlankLinesStandBetween) {
   const Table table = read_csv(file_with("a\n\n1\n2\n\n\n3\n\n"), {{"a"}});
   ASSERT_EQ(table.n_rows(), 3U);
-  EXPECT_EQ(table.line_of(0), 3U);
-  EXPECT_EQ(table.line_of(1), 4U);
-  EXPECT_EQ(table.line_of(2), 7U);
+  EXPECT_EQ(table.place_of(0), "line 3");
+  EXPECT_EQ(table.place_of(1), "line 4");
+  EXPECT_EQ(table.place_of(2), "line 7");
+}
+
+std::string read_back(const std::string& text) {
+  std::ostringstream out;
+  write_csv(out, Table{{{"recording", std::vector<std::string>{text}}, {"drop", std::vector<std::int64_t>{7}}}});
+  std::istringstream in(out.str());
+  const Table back = read_csv(in, "a.csv", {{"drop", ColumnType::integer}, {"recording", ColumnType::text}});
+  EXPECT_EQ(*back.integers("drop"), std::vector<std::int64_t>{7});
+  return back.texts("recording")->front();
+}
+
+TEST(Csv, EveryTextReadsBackToTheSameBytes) {
+  for (const std::string text :
+       {"new\nline.wav", "a\r\nb", "\r", "\n", "\"", "\"\"", ",", " a ", "\ta", "caf\xE9.wav", "<!--<script>.wav",
+        "=HYPERLINK(\"x\")", "\x1b[31m", "12\" plate, \"third\"\n.wav", "\xEF\xBB\xBF"})
+    EXPECT_EQ(read_back(text), text);
+  EXPECT_EQ(read_back(std::string(4096, '"')), std::string(4096, '"'));
+}
+
+TEST(Csv, ACellAloneInItsRowIsKeptWhereItIsEmpty) {
+  std::ostringstream out;
+  write_csv(out, Table{{{"x", std::vector<double>{1.0, NAN, 2.0}}}});
+  std::istringstream in(out.str());
+  EXPECT_EQ(read_csv(in, "a.csv", {{"x"}}).n_rows(), 3U);
+}
+
+TEST(Csv, LinesAreCountedThroughQuotedLineBreaks) {
+  const std::string text = "name,t_s\n\"a\nb\r\nc\",1\n\nd,2\ne,3\n";
+  const Table table = read_csv(file_with(text), {{"t_s"}, {"name", ColumnType::text}});
+  EXPECT_EQ(table.texts("name")->front(), "a\nb\r\nc");
+  EXPECT_EQ(table.place_of(0), "line 2");
+  EXPECT_EQ(table.place_of(1), "line 6");
+  EXPECT_EQ(table.place_of(2), "line 7");
+  EXPECT_THAT(message_of(text + "f,x\n", {{"t_s"}}), HasSubstr("line 8, column t_s: 'x' is not a number"));
+}
+
+TEST(Csv, LinesAreCountedOnInTheNextPiece) {
+  std::istringstream in("a\n1\n\n\"2\"\n\n3\n");
+  CsvReader reader(in, "a.csv", {{"a"}});
+  EXPECT_EQ(reader.next(1).place_of(0), "line 2");
+  EXPECT_EQ(reader.next(1).place_of(0), "line 4");
+  EXPECT_EQ(reader.next(5).place_of(0), "line 6");
+  EXPECT_EQ(reader.next(5).n_rows(), 0U);
+}
+
+TEST(Csv, AQuoteThatIsNotClosedIsNamedByTheLineOfItsRow) {
+  EXPECT_THAT(message_of("a,b\n1,2\n3,\"4\n5,6\n", {{"a"}}), HasSubstr("row of line 3"));
+}
+
+TEST(Csv, TextAfterAClosingQuoteIsRefused) {
+  EXPECT_THAT(message_of("a,b\n1,\"x\"y\n", {{"a"}}), HasSubstr("line 2: text follows the closing quote"));
+  EXPECT_THAT(message_of("a,b\n1,\"x\" \n", {{"a"}}), HasSubstr("line 2: text follows the closing quote"));
+}
+
+TEST(Csv, AColumnThatStandsThereTwiceIsRefusedIfItIsWanted) {
+  EXPECT_THAT(message_of("t_s,x,t_s\n1,2,3\n", {{"t_s"}}), HasSubstr("line 1: column 't_s' stands there twice"));
+  EXPECT_EQ(message_of("t_s,x,x\n1,2,3\n", {{"t_s"}}), "no error");
+}
+
+TEST(Csv, LineEndsOfOneCarriageReturnAreRefused) {
+  EXPECT_THAT(message_of("a,b\r1,2\r", {{"a"}}), HasSubstr("LF or CRLF"));
+}
+
+TEST(Csv, IntegersAreWholeDecimalAndInRange) {
+  const auto integer = [](const std::string& cell) {
+    return message_of("n\n" + cell + "\n", {{"n", ColumnType::integer}});
+  };
+  for (const char* good : {"0", "-1", "+7", " 3 ", "3.0", "2e3", "9223372036854775807", "-9223372036854775808"})
+    EXPECT_EQ(integer(good), "no error") << good;
+  EXPECT_THAT(integer("1.5"), HasSubstr("is not an integer"));
+  EXPECT_THAT(integer("nan"), HasSubstr("is not an integer"));
+  for (const char* large : {"9223372036854775808", "18446744073709551615"})
+    EXPECT_THAT(integer(large), HasSubstr("beyond the range of a 64-bit integer"));
+  EXPECT_THAT(integer("1e18"), HasSubstr("is not an integer"));
+  for (const char* word : {"\"\"", "0x10", "1_000", "++1", "+-1", "1 2", "inf"})
+    EXPECT_NE(integer(word), "no error") << word;
+}
+
+TEST(Csv, RealsAreDecimalAndInRange) {
+  const auto real = [](const std::string& cell) { return message_of("x\n" + cell + "\n", {{"x"}}); };
+  for (const char* good : {"1", "+.5", "-1e-3", "nan", "NaN", "inf", "5e-324"})
+    EXPECT_EQ(real(good), "no error") << good;
+  for (const char* word : {"0x1p3", "1e400", "-1e400", "+-1", "1d5", "1.2.3", "--1"})
+    EXPECT_NE(real(word), "no error") << word;
+}
+
+TEST(Csv, WhatIsNoTableIsRefusedAtOnceInAShortLine) {
+  EXPECT_THAT(message_of(std::string("RIFF\x24\0\0\0WAVE", 12), {{"a"}}), HasSubstr("line 1 holds a byte 0"));
+  EXPECT_THAT(message_of("\xFF\xFE"
+                         "a\0\n\0",
+                         {{"a"}}),
+              HasSubstr("is UTF-16"));
+  EXPECT_THAT(message_of(std::string(100'000'000, ','), {{"a"}}), HasSubstr("line 1 is longer than 1048576 bytes"));
+  EXPECT_THAT(message_of("a\n1\n\"" + std::string(3'000'000, '\n'), {{"a"}}), HasSubstr("longer than 1048576 bytes"));
+  EXPECT_THAT(message_of("a\n" + std::string(100'000'000, 'x'), {{"a"}}), HasSubstr("line 2 is longer"));
+  const std::string cell = message_of("a\n" + std::string(1'000'000, '\x1b'), {{"a"}});
+  EXPECT_LT(cell.size(), 500U);
+  EXPECT_THAT(cell, HasSubstr("\\x1b"));
+  EXPECT_THAT(cell, testing::Not(HasSubstr("\x1b")));
+  EXPECT_LT(message_of(std::string(1'000'000, ','), {{"a"}}).size(), 500U);
+  std::ifstream zeros("/dev/zero", std::ios::binary);
+  EXPECT_THROW(read_csv(zeros, "/dev/zero", {{"a"}}), FileError);
 }
 
 TEST(Csv, AnEmptyFileSaysSo) { EXPECT_THAT(message_of("", {{"a"}}), HasSubstr("is empty")); }

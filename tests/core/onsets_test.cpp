@@ -34,7 +34,7 @@ TEST(Onsets, TimesThatGoBackAreNamedByLine) {
     onsets_from_table(table, "times.csv");
     FAIL() << "unsorted times were accepted";
   } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("times.csv: line 4, column t_s"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("times.csv: row 3, column t_s"));
   }
 }
 

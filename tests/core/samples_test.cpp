@@ -21,14 +21,14 @@ TEST(Samples, RoundTripThroughTheTableKeepsWhatTheyWereComputedWith) {
   samples[1].conditions.contact_time_corrected = true;
   const Table table = to_table(samples);
   EXPECT_EQ(*table.texts("corrected"), (std::vector<std::string>{"drag|travel_time", "contact_time"}));
-  const RestitutionSamples back = samples_from_table(table);
+  const RestitutionSamples back = samples_from_table(table, "s.csv");
   ASSERT_EQ(back.size(), 2u);
   for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(back[k].conditions, samples[k].conditions) << k;
 }
 
 TEST(Samples, ATableOfSpeedsAndCoefficientsIsEnough) {
-  const RestitutionSamples samples =
-      samples_from_table(Table{{{"v_mps", std::vector<double>{1.0, 2.0}}, {"eps", std::vector<double>{0.9, 0.8}}}});
+  const RestitutionSamples samples = samples_from_table(
+      Table{{{"v_mps", std::vector<double>{1.0, 2.0}}, {"eps", std::vector<double>{0.9, 0.8}}}}, "s.csv");
   ASSERT_EQ(samples.size(), 2u);
   EXPECT_EQ(samples[1].impact, 1);
   EXPECT_EQ(samples[1].conditions, SampleConditions{});
@@ -38,14 +38,15 @@ TEST(Samples, ATableOfSpeedsAndCoefficientsIsEnough) {
 TEST(Samples, ACorrectionIsAWholeWord) {
   const RestitutionSamples samples = samples_from_table(Table{{{"v_mps", std::vector<double>{1.0}},
                                                                {"eps", std::vector<double>{0.9}},
-                                                               {"corrected", std::vector<std::string>{"no_drag|x"}}}});
+                                                               {"corrected", std::vector<std::string>{"no_drag|x"}}}},
+                                                        "s.csv");
   EXPECT_EQ(samples[0].conditions, SampleConditions{});
 }
 
 TEST(Samples, ThatAreNoNumbersAreFlagged) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const RestitutionSamples samples =
-      samples_from_table(Table{{{"v_mps", std::vector<double>{1.0, nan}}, {"eps", std::vector<double>{nan, 0.8}}}});
+  const RestitutionSamples samples = samples_from_table(
+      Table{{{"v_mps", std::vector<double>{1.0, nan}}, {"eps", std::vector<double>{nan, 0.8}}}}, "s.csv");
   for (const RestitutionSample& s : samples) EXPECT_EQ(s.flags, Flags{Flag::not_finite});
 }
 

@@ -73,7 +73,7 @@ TEST(Surface, GoesThroughItsTable) {
   }
 }
 
-TEST(Surface, BadRowsAreNamedByTheirLine) {
+TEST(Surface, BadRowsAreNamed) {
   const auto refuse = [](double ux, double radius_m) {
     Table table{{{"ux", std::vector<double>{1, ux}},
                  {"uy", std::vector<double>{0, 0}},
@@ -83,7 +83,7 @@ TEST(Surface, BadRowsAreNamedByTheirLine) {
       surface_from_table(table, "s.csv", Ball{});
       ADD_FAILURE() << "accepted " << ux << ", " << radius_m;
     } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find("line 3"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("row 2"), std::string::npos) << error.what();
     }
   };
   refuse(0.0, 1e-6);

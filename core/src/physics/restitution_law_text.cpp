@@ -37,11 +37,6 @@ SeriesLaw series(std::string_view terms, std::string_view text) {
   }
 }
 
-TableLaw table(const std::string& path) {
-  const Table rows = read_csv(path, {{"v_mps"}, {"eps"}});
-  return {*rows.reals("v_mps"), *rows.reals("eps")};
-}
-
 RestitutionLaw parsed(std::string_view text) {
   const auto colon = text.find(':');
   const std::string_view name = text.substr(0, colon);
@@ -50,11 +45,28 @@ RestitutionLaw parsed(std::string_view text) {
   if (name == "series") return bare ? SeriesLaw{} : series(rest, text);
   if (name == "viscoelastic") return bare ? ViscoelasticLaw{} : ViscoelasticLaw{number<double>(rest, text)};
   if (name == "constant") return bare ? ConstantLaw{} : ConstantLaw{number<double>(rest, text)};
-  if (name == "table" && !rest.empty()) return table(std::string(rest));
+  if (name == "table" && !rest.empty())
+    return law_from_table(read_csv(std::string(rest), law_columns()), std::string(rest));
   refuse(text);
 }
 
 }  // namespace
+
+std::vector<ColumnSpec> law_columns() {
+  return {{"v_mps", ColumnType::real, true, known({0.0, 1e4})},
+          {"eps", ColumnType::real, true, known(positive_up_to(10.0))}};
+}
+
+TableLaw law_from_table(const Table& table, const std::string& name) {
+  check_columns(table, law_columns(), name);
+  const auto& v_mps = *table.reals("v_mps");
+  for (std::size_t k = 1; k < v_mps.size(); ++k)
+    if (!(v_mps[k] > v_mps[k - 1]))
+      throw FileError(name, table.place_of(k) + ", column v_mps: " + short_number(v_mps[k]) + " follows " +
+                                short_number(v_mps[k - 1]) + "; sort the rows by speed");
+  if (v_mps.empty()) throw FileError(name, "holds no rows; a law needs at least one speed and its eps");
+  return {v_mps, *table.reals("eps")};
+}
 
 RestitutionLaw restitution_law_from_text(std::string_view text) {
   RestitutionLaw law = parsed(text);

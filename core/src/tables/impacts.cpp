@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "tables/optional_cells.hpp"
 
 namespace bouncelab {
 namespace {
@@ -106,21 +107,24 @@ Table to_table(const Impacts& impacts) {
 }
 
 std::vector<ColumnSpec> impact_columns() {
-  std::vector<ColumnSpec> columns{{"drop", ColumnType::integer},
-                                  {"impact", ColumnType::integer},
-                                  {"t_s", ColumnType::real},
-                                  {"v_mps", ColumnType::real},
-                                  {"v_after_mps", ColumnType::real},
-                                  {"eps_macro", ColumnType::real, false},
-                                  {"v_contact_mps", ColumnType::real, false},
-                                  {"eps_contact", ColumnType::real, false},
-                                  {"asperity", ColumnType::integer, false}};
-  for (const StateColumn& column : kStateColumns) columns.push_back({column.name, ColumnType::real, false});
-  for (const StateColumn& column : kEnergyColumns) columns.push_back({column.name, ColumnType::real, false});
+  constexpr double kFastest_mps = 1e4;
+  constexpr Range kSpeeds_mps{-kFastest_mps, kFastest_mps};
+  constexpr Range kState{-1e9, 1e9, false, false};  // metres, m/s, rad/s, joules
+  std::vector<ColumnSpec> columns{{"drop", ColumnType::integer, true, kIndexRange},
+                                  {"impact", ColumnType::integer, true, kIndexRange},
+                                  {"t_s", ColumnType::real, true, known(kTimeRange_s)},
+                                  {"v_mps", ColumnType::real, true, known(positive_up_to(kFastest_mps))},
+                                  {"v_after_mps", ColumnType::real, true, known(kSpeeds_mps)},
+                                  {"v_contact_mps", ColumnType::real, false, kSpeeds_mps},
+                                  {"eps_contact", ColumnType::real, false, {-1e6, 1e6}},
+                                  {"asperity", ColumnType::integer, false, {-1.0, kIndexRange.greatest}}};
+  for (const StateColumn& column : kStateColumns) columns.push_back({column.name, ColumnType::real, false, kState});
+  for (const StateColumn& column : kEnergyColumns) columns.push_back({column.name, ColumnType::real, false, kState});
   return columns;
 }
 
 Impacts impacts_from_table(const Table& table, const std::string& name, const Impact* before) {
+  check_columns(table, impact_columns(), name);
   const auto& drop = *table.integers("drop");
   const auto& impact = *table.integers("impact");
   const auto& t = *table.reals("t_s");
@@ -133,16 +137,13 @@ Impacts impacts_from_table(const Table& table, const std::string& name, const Im
   Impacts impacts;
   impacts.rows.reserve(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
-    const std::string place = "line " + std::to_string(table.line_of(k));
-    if (!std::isfinite(t[k])) throw FileError(name, place + ", column t_s: not a finite time");
-    if (!std::isfinite(v[k]) || !std::isfinite(v_after[k]))
-      throw FileError(name, place + ", columns v_mps and v_after_mps: not finite speeds");
-    if (before && drop[k] < before->drop) throw FileError(name, place + ": drops must not go back; sort the file");
+    if (before && drop[k] < before->drop)
+      throw FileError(name, table.place_of(k) + ": drops must not go back; sort the file");
     if (before && drop[k] == before->drop && t[k] <= before->t_s)
-      throw FileError(name, place + ", column t_s: times must increase within a drop; sort the file");
-    impacts.rows.push_back({drop[k], impact[k], t[k], v[k], v_after[k], v_after[k] / v[k],
-                            v_contact ? (*v_contact)[k] : v[k], eps_contact ? (*eps_contact)[k] : v_after[k] / v[k],
-                            asperity ? (*asperity)[k] : -1});
+      throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop; sort the file");
+    const double eps = v_after[k] / v[k];
+    impacts.rows.push_back({drop[k], impact[k], t[k], v[k], v_after[k], eps, optional_cell(v_contact, k).value_or(v[k]),
+                            optional_cell(eps_contact, k).value_or(eps), asperity ? (*asperity)[k] : -1});
     before = &impacts.rows.back();
   }
   bool has_state = true;

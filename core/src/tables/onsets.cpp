@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/onsets.hpp"
 
-#include <cmath>
-
 #include "bouncelab/core/error.hpp"
 #include "tables/optional_cells.hpp"
 
 namespace bouncelab {
+
+std::string recording_cell(const std::string& recording) {
+  const std::string_view formula = "=+-@\t\r\n";
+  return !recording.empty() && formula.find(recording.front()) != std::string_view::npos ? "./" + recording : recording;
+}
 
 Table to_table(const Onsets& onsets) {
   std::vector<std::string> recording, flags;
   std::vector<std::int64_t> drop, impact;
   std::vector<double> t, sigma, amplitude, snr;
   for (const Onset& o : onsets) {
-    recording.push_back(o.recording);
+    recording.push_back(recording_cell(o.recording));
     drop.push_back(o.drop);
     impact.push_back(o.impact);
     t.push_back(o.t_s);
@@ -33,13 +36,18 @@ Table to_table(const Onsets& onsets) {
 }
 
 std::vector<ColumnSpec> onset_columns() {
-  return {{"recording", ColumnType::text, false}, {"drop", ColumnType::integer, false},
-          {"impact", ColumnType::integer, false}, {"t_s", ColumnType::real},
-          {"sigma_t_s", ColumnType::real, false}, {"amplitude", ColumnType::real, false},
-          {"snr_db", ColumnType::real, false},    {"flags", ColumnType::text, false}};
+  return {{"recording", ColumnType::text, false},
+          {"drop", ColumnType::integer, false, kIndexRange},
+          {"impact", ColumnType::integer, false, kIndexRange},
+          {"t_s", ColumnType::real, true, known(kTimeRange_s)},
+          {"sigma_t_s", ColumnType::real, false, positive_up_to(kTimeRange_s.greatest)},
+          {"amplitude", ColumnType::real, false, {0.0, 1e30}},
+          {"snr_db", ColumnType::real, false},
+          {"flags", ColumnType::text, false}};
 }
 
 Onsets onsets_from_table(const Table& table, const std::string& name) {
+  check_columns(table, onset_columns(), name);
   const auto& t = *table.reals("t_s");
   const auto* recording = table.texts("recording");
   const auto* drop = table.integers("drop");
@@ -48,16 +56,15 @@ Onsets onsets_from_table(const Table& table, const std::string& name) {
   Onsets onsets;
   onsets.reserve(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
-    const std::string place = "line " + std::to_string(table.line_of(k)) + ", column t_s: ";
-    if (!std::isfinite(t[k])) throw FileError(name, place + "not a finite time");
     Onset onset;
     if (recording) onset.recording = (*recording)[k];
     if (drop) onset.drop = (*drop)[k];
     const bool goes_on =
         !onsets.empty() && onsets.back().recording == onset.recording && onsets.back().drop == onset.drop;
     if (goes_on && t[k] <= onsets.back().t_s)
-      throw FileError(name, place + "times must increase within a drop, but " + std::to_string(t[k]) + " follows " +
-                                std::to_string(onsets.back().t_s) + "; sort the file");
+      throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop, but " +
+                                std::to_string(t[k]) + " follows " + std::to_string(onsets.back().t_s) +
+                                "; sort the file");
     onset.impact = impact ? (*impact)[k] : (goes_on ? onsets.back().impact + 1 : 0);
     onset.t_s = t[k];
     onset.sigma_t_s = optional_cell(table.reals("sigma_t_s"), k);

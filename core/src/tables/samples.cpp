@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/onsets.hpp"
 #include "tables/optional_cells.hpp"
 
 namespace bouncelab {
@@ -34,11 +36,28 @@ void read_corrected(const std::string& text, SampleConditions& conditions) {
 struct ConditionColumn {
   const char* name;
   std::optional<double> SampleConditions::*member;
+  double greatest;
 };
-constexpr ConditionColumn kConditionColumns[] = {{"gravity_mps2", &SampleConditions::gravity_mps2},
-                                                 {"ball_radius_m", &SampleConditions::ball_radius_m},
-                                                 {"ball_density_kgpm3", &SampleConditions::ball_density_kgpm3},
-                                                 {"wave_speed_mps", &SampleConditions::wave_speed_mps}};
+constexpr ConditionColumn kConditionColumns[] = {{"gravity_mps2", &SampleConditions::gravity_mps2, 1e4},
+                                                 {"ball_radius_m", &SampleConditions::ball_radius_m, 1e3},
+                                                 {"ball_density_kgpm3", &SampleConditions::ball_density_kgpm3, 1e6},
+                                                 {"wave_speed_mps", &SampleConditions::wave_speed_mps, 1e6}};
+
+/// Of samples that the fit takes. Orders of magnitude above what any ball does: what is beyond is a fault of the table,
+/// and one such row would outweigh all others. A flagged sample may be of a pair of intervals that are no pair.
+constexpr Range kUsedSpeed_mps = positive_up_to(1e4);
+constexpr Range kUsedEps = positive_up_to(1e3);
+
+/// @throws FileError
+void check_used(const RestitutionSample& s, const std::string& place, const std::string& name) {
+  if (!s.flags.empty() || s.v_mps <= 0.0) return;
+  const auto require = [&](const char* column, double value, const Range& range) {
+    if (!range.holds(value))
+      throw FileError(name, place + ", column " + column + ": " + range.why_not(value) + ", or flag the row");
+  };
+  require("v_mps", s.v_mps, kUsedSpeed_mps);
+  require("eps", s.eps, kUsedEps);
+}
 
 }  // namespace
 
@@ -47,7 +66,7 @@ Table to_table(const RestitutionSamples& samples) {
   std::vector<std::int64_t> drop, impact;
   std::vector<double> t, v, eps, sigma_v, sigma_eps;
   for (const RestitutionSample& s : samples) {
-    recording.push_back(s.recording);
+    recording.push_back(recording_cell(s.recording));
     drop.push_back(s.drop);
     impact.push_back(s.impact);
     t.push_back(s.t_s);
@@ -68,30 +87,32 @@ Table to_table(const RestitutionSamples& samples) {
                {"sigma_eps", std::move(sigma_eps)},
                {"flags", std::move(flags)},
                {"corrected", std::move(corrected)}}};
-  for (const auto& [name, member] : kConditionColumns) {
+  for (const auto& column : kConditionColumns) {
     std::vector<double> values;
-    for (const RestitutionSample& s : samples) values.push_back(cell_of(s.conditions.*member));
-    table.columns.push_back({name, std::move(values)});
+    for (const RestitutionSample& s : samples) values.push_back(cell_of(s.conditions.*column.member));
+    table.columns.push_back({column.name, std::move(values)});
   }
   return table;
 }
 
 std::vector<ColumnSpec> sample_columns() {
   std::vector<ColumnSpec> columns{{"recording", ColumnType::text, false},
-                                  {"drop", ColumnType::integer, false},
-                                  {"impact", ColumnType::integer, false},
-                                  {"t_s", ColumnType::real, false},
+                                  {"drop", ColumnType::integer, false, kIndexRange},
+                                  {"impact", ColumnType::integer, false, kIndexRange},
+                                  {"t_s", ColumnType::real, false, {kTimeRange_s.least, kTimeRange_s.greatest}},
                                   {"v_mps", ColumnType::real},
                                   {"eps", ColumnType::real},
-                                  {"sigma_v_mps", ColumnType::real, false},
-                                  {"sigma_eps", ColumnType::real, false},
+                                  {"sigma_v_mps", ColumnType::real, false, positive_up_to(1e9)},
+                                  {"sigma_eps", ColumnType::real, false, positive_up_to(1e9)},
                                   {"flags", ColumnType::text, false},
                                   {"corrected", ColumnType::text, false}};
-  for (const auto& column : kConditionColumns) columns.push_back({column.name, ColumnType::real, false});
+  for (const auto& column : kConditionColumns)
+    columns.push_back({column.name, ColumnType::real, false, positive_up_to(column.greatest)});
   return columns;
 }
 
-RestitutionSamples samples_from_table(const Table& table) {
+RestitutionSamples samples_from_table(const Table& table, const std::string& name) {
+  check_columns(table, sample_columns(), name);
   const auto& v = *table.reals("v_mps");
   const auto& eps = *table.reals("eps");
   const auto* recording = table.texts("recording");
@@ -113,8 +134,10 @@ RestitutionSamples samples_from_table(const Table& table) {
     s.sigma_eps = optional_cell(table.reals("sigma_eps"), k);
     if (flags) s.flags = Flags::from_text((*flags)[k]);
     if (corrected) read_corrected((*corrected)[k], s.conditions);
-    for (const auto& [name, member] : kConditionColumns) s.conditions.*member = optional_cell(table.reals(name), k);
+    for (const auto& column : kConditionColumns)
+      s.conditions.*column.member = optional_cell(table.reals(column.name), k);
     if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) s.flags.add(Flag::not_finite);
+    check_used(s, table.place_of(k), name);
   }
   return samples;
 }

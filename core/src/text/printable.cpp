@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bouncelab/core/utf8.hpp"
+
 namespace bouncelab {
 namespace {
 
@@ -76,22 +78,6 @@ std::string tail_that_fits(const std::vector<Glyph>& all, std::size_t width) {
 }
 
 }  // namespace
-
-std::size_t utf8_character(std::string_view text) {
-  if (text.empty()) return 0;
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t size = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < size) return 0;
-  for (std::size_t k = 1; k < size; ++k)
-    if ((byte(k) & 0xC0U) != 0x80U) return 0;
-  const unsigned second = byte(1);
-  const bool too_long = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-  const bool surrogate = first == 0xED && second >= 0xA0;
-  const bool beyond = first == 0xF4 && second >= 0x90;
-  return too_long || surrogate || beyond ? 0 : size;
-}
 
 std::string printable(std::string_view text, std::size_t limit) {
   const std::size_t most_bytes = 4 * limit;  // of `limit` characters

@@ -23,6 +23,14 @@ Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {
   return onsets;
 }
 
+std::vector<ColumnSpec> position_columns() {
+  constexpr Range kPlates_m{-1e3, 1e3};
+  return {{"drop", ColumnType::integer, true, kIndexRange},
+          {"impact", ColumnType::integer, true, kIndexRange},
+          {"x_m", ColumnType::real, true, kPlates_m},
+          {"y_m", ColumnType::real, true, kPlates_m}};
+}
+
 TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m) {
   TravelTime travel{wave_speed_mps, sensor_x_m, sensor_y_m, {}};
   const auto &drops = *positions.integers("drop"), &impacts = *positions.integers("impact");

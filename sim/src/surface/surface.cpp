@@ -52,23 +52,30 @@ Table to_table(const Surface& surface) {
   return {{{"ux", std::move(ux)}, {"uy", std::move(uy)}, {"uz", std::move(uz)}, {"radius_m", std::move(radius_m)}}};
 }
 
-std::vector<ColumnSpec> surface_columns() { return {{"ux"}, {"uy"}, {"uz"}, {"radius_m"}}; }
+std::vector<ColumnSpec> surface_columns() {
+  const Range finite = known({-1e100, 1e100});
+  return {{"ux", ColumnType::real, true, finite},
+          {"uy", ColumnType::real, true, finite},
+          {"uz", ColumnType::real, true, finite},
+          {"radius_m", ColumnType::real, true, known(positive_up_to(1e3))}};
+}
 
 Surface surface_from_table(const Table& table, const std::string& name, const Ball& ball) {
+  check_columns(table, surface_columns(), name);
   const auto &ux = *table.reals("ux"), &uy = *table.reals("uy"), &uz = *table.reals("uz");
   const auto& radius_m = *table.reals("radius_m");
   Surface surface;
   surface.asperities.reserve(ux.size());
   for (std::size_t k = 0; k < ux.size(); ++k) {
-    const std::string place = "line " + std::to_string(table.line_of(k));
     const Vector3 direction{ux[k], uy[k], uz[k]};
     const double length = norm(direction);
-    if (!(length > 1e-100 && length < 1e100))
-      throw FileError(name, place + ", columns ux, uy, uz: the direction cannot be normalised, its length is " +
-                                std::to_string(length) + "; give three finite numbers, not all 0");
-    if (!(radius_m[k] > 0.0 && radius_m[k] < ball.radius_m))
-      throw FileError(name, place + ", column radius_m: " + std::to_string(radius_m[k]) +
-                                " is outside (0, R = " + std::to_string(ball.radius_m) + " m)");
+    if (!(length > 1e-100))
+      throw FileError(name, table.place_of(k) +
+                                ", columns ux, uy, uz: the direction cannot be normalised, its length is " +
+                                short_number(length) + "; give three numbers, not all 0");
+    if (!(radius_m[k] < ball.radius_m))
+      throw FileError(name, table.place_of(k) + ", column radius_m: " + short_number(radius_m[k]) +
+                                " is outside (0, R = " + short_number(ball.radius_m) + " m)");
     surface.asperities.push_back({(1.0 / length) * direction, radius_m[k]});
   }
   return surface;

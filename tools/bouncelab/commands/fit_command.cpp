@@ -40,7 +40,7 @@ std::string describe(const fit::FitResult& result) {
 
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples}, {options.out, options.table});
-  const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()));
+  const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()), options.samples);
   fit::FitConfig config = options.config;
   config.law.seed = run.common.seed;
   config.n_threads = run.common.n_threads;

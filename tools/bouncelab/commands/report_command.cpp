@@ -40,7 +40,7 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
 
 std::string samples_if_few(const fs::path& path, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
-  const RestitutionSamples samples = samples_from_table(read_table(path, sample_columns()));
+  const RestitutionSamples samples = samples_from_table(read_table(path, sample_columns()), path.string());
   if (samples.size() > kMaxSamplesShown) return {};
   inputs.push_back(path);
   return samples_json(samples);

@@ -36,10 +36,8 @@ Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const
   config.wave_speed_mps = options.wave_speed_mps;
   std::vector<std::filesystem::path> inputs{options.onsets};
   if (!options.positions.empty()) {
-    const Table positions = read_table(options.positions, {{"drop", ColumnType::integer},
-                                                           {"impact", ColumnType::integer},
-                                                           {"x_m", ColumnType::real},
-                                                           {"y_m", ColumnType::real}});
+    const Table positions = read_table(options.positions, fit::position_columns());
+    check_columns(positions, fit::position_columns(), options.positions);
     config.travel_time =
         fit::travel_time_from_table(positions, options.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
     inputs.push_back(options.positions);

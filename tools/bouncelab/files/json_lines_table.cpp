@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/json_lines_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -9,73 +10,181 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/line_reader.hpp"
+#include "bouncelab/core/utf8.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Column empty_column(const ColumnSpec& spec) {
-  if (spec.type == ColumnType::real) return {spec.name, std::vector<double>{}};
-  if (spec.type == ColumnType::integer) return {spec.name, std::vector<std::int64_t>{}};
-  return {spec.name, std::vector<std::string>{}};
-}
+/// A column as it grows, one value a row.
+struct Growing {
+  Column column;
+  bool required = true;
+  bool in_this_row = false;
+  std::size_t first_line = 0, first_line_without = 0;  // 0: none yet
+};
 
-/// Appends a value; false where it is not of the column's type. Texts and reals may be absent, integers not.
-bool append(Column& column, const Json* value) {
-  const bool absent = !value || value->is_null();
-  if (auto* reals = std::get_if<std::vector<double>>(&column.values)) {
-    if (!absent && !value->is_number()) return false;
-    reals->push_back(absent ? std::numeric_limits<double>::quiet_NaN() : value->get<double>());
+/// Puts the numbers and texts of one line into the columns as the parser comes upon them: no tree is built, and nesting
+/// costs a bit a level. What the functions return says whether to go on.
+class RowParser : public nlohmann::json_sax<Json> {
+ public:
+  explicit RowParser(std::vector<Growing>& columns) : columns_(columns) {}
+
+  /// @return what is wrong; empty: nothing
+  std::string parse(const std::string& line) {
+    depth_ = 0;
+    fault_.clear();
+    target_ = nullptr;
+    if (!Json::sax_parse(line, this) && fault_.empty()) fault_ = "is not JSON";
+    return fault_;
+  }
+
+  bool null() override { return at_value(); }
+  bool boolean(bool) override {
+    return at_value() && (target_ == nullptr || refuse("true or false where a number or a text is needed"));
+  }
+  bool number_integer(number_integer_t value) override { return at_value() && put(value); }
+  bool number_unsigned(number_unsigned_t value) override {
+    if (!at_value()) return false;
+    if (value <= static_cast<number_unsigned_t>(std::numeric_limits<std::int64_t>::max()))
+      return put(static_cast<std::int64_t>(value));
+    if (is_integer_column()) return refuse(std::to_string(value) + " is beyond the range of a 64-bit integer");
+    return put(static_cast<double>(value));
+  }
+  bool number_float(number_float_t value, const string_t& text) override {
+    if (!at_value()) return false;
+    if (!is_integer_column()) return put(static_cast<double>(value));
+    const auto whole = whole_number(value);
+    return whole ? put(*whole) : refuse(printable(text) + " is not an integer, or beyond its range");
+  }
+  bool string(string_t& value) override {
+    if (!at_value() || target_ == nullptr) return fault_.empty();
+    auto* texts = std::get_if<std::vector<std::string>>(&target_->column.values);
+    if (texts == nullptr) return refuse("'" + printable(value) + "' is not a number");
+    if (value.find('\0') != std::string::npos) return refuse("a text holds the character 0");
+    texts->push_back(bytes_of_utf8(value));
+    return taken();
+  }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(std::size_t) override {
+    if (depth_ > 0 && !at_value()) return false;
+    return depth_++ == 0 || target_ == nullptr || refuse("an object where a number or a text is needed");
+  }
+  bool key(string_t& name) override {
+    if (depth_ > 1) return true;
+    const auto found = std::find_if(columns_.begin(), columns_.end(),
+                                    [&](const Growing& growing) { return growing.column.name == name; });
+    target_ = found == columns_.end() ? nullptr : &*found;
+    if (target_ == nullptr) return true;
+    if (target_->in_this_row) return refuse("stands there twice");
+    target_->in_this_row = true;
     return true;
   }
-  if (auto* integers = std::get_if<std::vector<std::int64_t>>(&column.values)) {
-    if (absent || !value->is_number_integer()) return false;
-    integers->push_back(value->get<std::int64_t>());
+  bool end_object() override { return depth_-- > 0; }
+  bool start_array(std::size_t) override {
+    if (!at_value()) return false;
+    ++depth_;
+    return target_ == nullptr || refuse("a list where a number or a text is needed");
+  }
+  bool end_array() override { return depth_-- > 0; }
+  bool parse_error(std::size_t at, const std::string& token, const nlohmann::detail::exception& error) override {
+    constexpr int kTooLargeNumber = 406;
+    return refuse("'" + printable(token) + "' " +
+                  (error.id == kTooLargeNumber ? "is beyond the range of a 64-bit real"
+                                               : "is not JSON, at character " + std::to_string(at)));
+  }
+
+ private:
+  bool refuse(const std::string& what) {
+    fault_ = (target_ != nullptr ? "key " + target_->column.name + ": " : std::string()) + what;
+    return false;
+  }
+  bool at_value() { return depth_ > 0 || refuse("is not a JSON object; one is needed on each line"); }
+  bool is_integer_column() const {
+    return target_ != nullptr && std::holds_alternative<std::vector<std::int64_t>>(target_->column.values);
+  }
+  bool taken() {
+    target_ = nullptr;
     return true;
   }
-  if (!absent && !value->is_string()) return false;
-  std::get<std::vector<std::string>>(column.values).push_back(absent ? std::string() : value->get<std::string>());
-  return true;
+  template <class Number>
+  bool put(Number value) {
+    if (target_ == nullptr) return true;
+    if (auto* reals = std::get_if<std::vector<double>>(&target_->column.values))
+      reals->push_back(static_cast<double>(value));
+    else if (auto* integers = std::get_if<std::vector<std::int64_t>>(&target_->column.values))
+      integers->push_back(static_cast<std::int64_t>(value));
+    else
+      return refuse("a number where a text is needed");
+    return taken();
+  }
+
+  std::vector<Growing>& columns_;
+  std::size_t depth_ = 0;
+  Growing* target_ = nullptr;  // of the value that comes next
+  std::string fault_;
+};
+
+std::size_t size_of(const Column& column) {
+  return std::visit([](const auto& values) { return values.size(); }, column.values);
 }
 
-Json parse_row(const std::string& line, const std::string& name, const std::string& place) {
-  Json row = Json::parse(line, nullptr, false);
-  if (!row.is_object()) throw FileError(name, place + ": is not a JSON object; one is needed on each line");
-  return row;
+/// Fills what the row did not have; an integer stands there as 0 until finished() refuses it.
+void end_row(std::vector<Growing>& columns, std::size_t n_rows, std::size_t line) {
+  for (Growing& growing : columns) {
+    growing.in_this_row = false;
+    const bool absent = size_of(growing.column) < n_rows;
+    std::size_t& first = absent ? growing.first_line_without : growing.first_line;
+    if (first == 0) first = line;
+    if (!absent) continue;
+    if (auto* reals = std::get_if<std::vector<double>>(&growing.column.values))
+      reals->push_back(std::numeric_limits<double>::quiet_NaN());
+    else
+      std::visit([](auto& values) { values.emplace_back(); }, growing.column.values);
+  }
 }
 
-const Json* value_of(const Json& row, const std::string& key) {
-  const auto found = row.find(key);
-  return found == row.end() ? nullptr : &*found;
+/// The columns that any row had.
+Table finished(std::vector<Growing> columns, Table table, const std::string& name) {
+  for (Growing& growing : columns) {
+    const auto line = [](std::size_t number) { return "line " + std::to_string(number); };
+    const std::string& key = growing.column.name;
+    if (growing.first_line == 0 && growing.required)
+      throw FileError(name, line(growing.first_line_without) + ": the key '" + key + "' is missing");
+    if (growing.first_line == 0) continue;
+    if (growing.first_line_without != 0 && std::holds_alternative<std::vector<std::int64_t>>(growing.column.values))
+      throw FileError(name, line(growing.first_line_without) + ": the key '" + key + "' is missing, but " +
+                                line(growing.first_line) + " has it; integers must be in all rows or in none");
+    table.columns.push_back(std::move(growing.column));
+  }
+  return table;
 }
 
 }  // namespace
 
-Table read_json_lines(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
-  const std::string name = input_name(path);
-  std::ifstream in(readable(path), std::ios::binary);
-  if (!in) throw FileError(name, "cannot be opened for reading; check its permissions");
+Table read_json_lines(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted) {
+  std::vector<Growing> columns;
+  for (const ColumnSpec& spec : wanted) columns.push_back({empty_column(spec), spec.required});
+  RowParser parser(columns);
+  LineReader lines(in, name);
   Table table;
-  bool begun = false;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
+  std::size_t n_rows = 0;
+  for (std::string line; lines.next(line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const std::string place = "line " + std::to_string(number);
-    const Json row = parse_row(line, name, place);
-    for (const ColumnSpec& spec : wanted) {
-      if (begun || !(spec.required || row.contains(spec.name) || spec.type != ColumnType::integer)) continue;
-      if (spec.required && !row.contains(spec.name))
-        throw FileError(name, place + ": the key '" + spec.name + "' is missing");
-      table.columns.push_back(empty_column(spec));
-    }
-    begun = true;
-    for (Column& column : table.columns)
-      if (!append(column, value_of(row, column.name)))
-        throw FileError(name, place + ", key " + column.name + ": absent or not of the kind that is needed");
+    if (const std::string fault = parser.parse(line); !fault.empty())
+      throw FileError(name, "line " + std::to_string(lines.number()) + ": " + fault);
+    table.stands_on(n_rows++, lines.number());
+    end_row(columns, n_rows, lines.number());
   }
-  if (!begun) throw FileError(name, "is empty; one JSON object on each line is needed");
-  return table;
+  if (n_rows == 0) throw FileError(name, "is empty; one JSON object on each line is needed");
+  return finished(std::move(columns), std::move(table), name);
+}
+
+Table read_json_lines(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
+  std::ifstream in = open_text(path);
+  return read_json_lines(in, input_name(path), wanted);
 }
 
 void write_json_lines(std::ostream& out, const Table& table) {
@@ -84,10 +193,13 @@ void write_json_lines(std::ostream& out, const Table& table) {
     for (const Column& column : table.columns)
       std::visit(
           [&](const auto& values) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(values)>, std::vector<double>>) {
-              if (std::isnan(values[row])) return;
+            using Value = typename std::decay_t<decltype(values)>::value_type;
+            if constexpr (std::is_same_v<Value, std::string>) {
+              object[column.name] = utf8_of_bytes(values[row]);
+            } else {
+              // JSON has no infinity
+              if (std::isfinite(static_cast<double>(values[row]))) object[column.name] = values[row];
             }
-            object[column.name] = values[row];
           },
           column.values);
     out << object.dump() << '\n';

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <string>
 #include <vector>
 
 #include "bouncelab/core/table.hpp"
@@ -11,11 +12,16 @@ namespace bouncelab::cli {
 
 /// Tables as JSON Lines: one object a row, its keys the columns; what is not known (NaN) is absent.
 
-/// Reads the wanted columns; null is as absent. A column that is required must be in the first row.
-/// @throws FileError naming line and key
+/// Reads the wanted columns. A column is there where any row has its key; rows without it, or with null, have NaN or an
+/// empty text. Integers are in all rows or in none. 3.0 is an integer too. Bytes that utf8_of_bytes() escaped are bytes
+/// again.
+/// @throws FileError naming line and key: no text, a line longer than kLongestRow_bytes, not one JSON object, a key
+///         twice, a value of another type, an integer beyond 64 bits or in some rows only, a required column in none
 Table read_json_lines(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+/// @param name  of the file, for messages
+Table read_json_lines(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
 
-/// Writes the rows.
+/// Writes the rows; texts by utf8_of_bytes().
 void write_json_lines(std::ostream& out, const Table& table);
 
 }  // namespace bouncelab::cli

@@ -41,7 +41,7 @@ Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recor
     impact.push_back(row.impact);
     flags.push_back(row.flags.text());
   }
-  return {{{"recording", std::vector<std::string>(truth.size(), recording)},
+  return {{{"recording", std::vector<std::string>(truth.size(), recording_cell(recording))},
            {"drop", std::move(drop)},
            {"impact", std::move(impact)},
            reals("t_s", &TrueImpact::t_s),

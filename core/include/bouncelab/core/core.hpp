@@ -14,9 +14,11 @@
 #include "bouncelab/core/impacts.hpp"          // simulate writes, synthesize reads
 #include "bouncelab/core/input_file.hpp"       // pipes too
 #include "bouncelab/core/interrupts.hpp"       // asked to stop
+#include "bouncelab/core/line_reader.hpp"      // of tables of text
 #include "bouncelab/core/onsets.hpp"           // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"      // whole or not at all
 #include "bouncelab/core/parallel.hpp"         // loops on several threads
+#include "bouncelab/core/printable.hpp"        // names and cells in messages
 #include "bouncelab/core/progress.hpp"         // long computations report here
 #include "bouncelab/core/quadrature.hpp"       // Gauss-Legendre
 #include "bouncelab/core/random.hpp"           // counter-based random numbers
@@ -26,4 +28,5 @@
 #include "bouncelab/core/statistics.hpp"       // medians, quantiles
 #include "bouncelab/core/table.hpp"            // columns by name
 #include "bouncelab/core/units.hpp"            // pi, g
+#include "bouncelab/core/utf8.hpp"             // bytes as text that can be turned back
 #include "bouncelab/core/version.hpp"          // version and commit

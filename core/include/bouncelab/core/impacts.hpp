@@ -49,7 +49,8 @@ Table to_table(const Impacts& impacts);
 /// Columns that impacts_from_table understands: `drop`, `impact`, `t_s`, `v_mps` and `v_after_mps` are required.
 std::vector<ColumnSpec> impact_columns();
 
-/// Checks what the table promises: finite times that increase within each drop, positive speeds, drops in order.
+/// Checks what the table promises: numbers in the ranges of impact_columns(), times that increase within each drop,
+/// drops in order.
 /// @param name        of the file, for messages
 /// @param before      the row before the table's first one, where the table is a piece of a longer one
 /// @throws FileError naming the first offending row by its line

@@ -26,11 +26,16 @@ struct Onset {
 /// Onsets ordered by recording (in the order given), then time.
 using Onsets = std::vector<Onset>;
 
+/// The name of a recording as a table has it: ./NAME where NAME begins with = + - @ or a control character, which a
+/// spreadsheet would take for a formula. It is the same file.
+std::string recording_cell(const std::string& recording);
+
 /// The `onsets` table of docs/formats.md.
 Table to_table(const Onsets& onsets);
 /// Columns that onsets_from_table understands; only `t_s` is required (drop 0, numbered in order, where not said).
 std::vector<ColumnSpec> onset_columns();
-/// @throws FileError naming the first row (by its line) whose time is not finite or does not increase in its drop
+/// @throws FileError naming the first row (by its line) with a number outside the range of its column, or whose time
+///         does not increase in its drop
 Onsets onsets_from_table(const Table& table, const std::string& name);
 
 }  // namespace bouncelab

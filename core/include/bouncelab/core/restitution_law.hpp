@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "bouncelab/core/table.hpp"
+
 namespace bouncelab {
 
 /// Coefficients C_i of eps(v) = 1 + sum_i C_i A_i v^(i/10) for viscoelastic spheres, index i = 0 ... 10
@@ -61,6 +63,13 @@ void validate(const RestitutionLaw& law);
 /// "constant:0.98" or "table:FILE.csv" (columns v_mps, eps); without parameters the defaults above hold.
 /// @throws InvalidArgument naming the text and what may stand; FileError where the table cannot be read
 RestitutionLaw restitution_law_from_text(std::string_view text);
+
+/// Columns of the law's table: v_mps and eps.
+std::vector<ColumnSpec> law_columns();
+/// @param name  of the file, for messages
+/// @throws FileError naming the first line whose speed is not in [0, 1e4] m/s or does not increase, or whose eps is not
+///         in (0, 10]
+TableLaw law_from_table(const Table& table, const std::string& name);
 
 /// One line for people, e.g. "A2 = 0.0467, A4 = 0.1339, A5 = -0.2876".
 std::string describe(const RestitutionLaw& law);

@@ -23,7 +23,9 @@ struct TravelTime {
 /// @throws InvalidArgument where the wave speed is not positive
 Onsets without_travel_time(Onsets onsets, const TravelTime& travel);
 
-/// Positions from columns drop, impact, x_m, y_m.
+/// Columns of a table of positions: drop, impact, x_m, y_m.
+std::vector<ColumnSpec> position_columns();
+/// Positions from those columns; a row without numbers has no position.
 TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m);
 
 }  // namespace bouncelab::fit

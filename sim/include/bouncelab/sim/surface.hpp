@@ -66,7 +66,8 @@ Table to_table(const Surface& surface);
 std::vector<ColumnSpec> surface_columns();
 /// Normalises the directions.
 /// @param name  of the file, for messages
-/// @throws FileError naming the first line whose direction has no length or whose radius is not in (0, R)
+/// @throws FileError naming the first line whose numbers are not finite, whose direction has no length or whose radius
+/// is not in (0, R)
 Surface surface_from_table(const Table& table, const std::string& name, const Ball& ball);
 
 }  // namespace bouncelab::sim

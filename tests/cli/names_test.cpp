@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Names of files that break what is not careful with them.
+#include <nlohmann/json.hpp>
+
+#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "program.hpp"
+#include "wav.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// For the shell, whatever is in it.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+class Names : public ProgramTest {
+ protected:
+  void expect_whole_way(const std::string& name, const std::string& in_table) const {
+    SCOPED_TRACE(testing::PrintToString(name));
+    write(name, float_wav(bouncing(12), 44100));
+    for (const std::string table : {"o.csv", "o.jsonl", "o.h5"}) {
+      const Result detected = run("detect --force --out " + table + " -- " + quoted("./" + name));
+      ASSERT_EQ(detected.exit_code, 0) << detected.err;
+      const Result samples = run("restitution --force " + table + " --out s.csv");
+      ASSERT_EQ(samples.exit_code, 0) << samples.err;
+      const Table back = read_csv(folder_ / "s.csv", {{"recording", ColumnType::text}, {"t_s"}});
+      EXPECT_EQ(back.n_rows(), 10U);
+      EXPECT_EQ(back.texts("recording")->front(), in_table) << table;
+    }
+  }
+};
+
+TEST_F(Names, WithLineBreaksQuotesAndEscapeSequencesGoThroughEveryTable) {
+  for (const std::string name :
+       {"new\nline.wav", "car\rriage.wav", "a, \"b\" .wav", "\x1b[31mred.wav", "<!--<script>.wav", " blank.wav"})
+    expect_whole_way(name, "./" + name);
+}
+
+TEST_F(Names, ThatASpreadsheetTakesForFormulasAreWrittenWithTheirFolder) {
+  write("=1+1.wav", float_wav(bouncing(12), 44100));
+  ASSERT_EQ(run("detect =1+1.wav --out o.csv").exit_code, 0);
+  EXPECT_THAT(content_of(folder_ / "o.csv"), testing::HasSubstr("\n./=1+1.wav,0,0,"));
+}
+
+TEST_F(Names, OfTheLongestKindGoThroughEveryTable) {
+  const std::string name = std::string(240, 'n') + ".wav";
+  expect_whole_way(name, "./" + name);
+}
+
+TEST_F(Names, ReachTheTerminalEscapedAndCut) {
+  const Result absent =
+      run("detect " + quoted("no\x1b[2J\nsuch\xFF" + std::string(3000, 'x') + ".wav") + " --out o.csv");
+  expect_one_line_error(absent, 3, {"no\\x1b[2J\\nsuch\\xff", "xxx.wav"});
+  EXPECT_LT(absent.err.size(), 1000U);
+  EXPECT_EQ(absent.err.find('\x1b'), std::string::npos);
+  write("a.csv", "t_s\n\x1b[31m" + std::string(500'000, 'x') + "\n");
+  const Result cell = run("restitution a.csv --out s.csv");
+  expect_one_line_error(cell, 3, {"line 2, column t_s: '\\x1b[31mxxx"});
+  EXPECT_LT(cell.err.size(), 1000U);
+}
+
+TEST_F(Names, ThatLookLikeAScriptAreShownInTheReport) {
+  write("<!--<script>.wav", float_wav(bouncing(20), 44100));
+  ASSERT_EQ(run("analyze '<!--<script>.wav' --out out").exit_code, 0);
+  const std::string html = content_of(folder_ / "out" / "report.html");
+  EXPECT_EQ(html.find("<!--<script>"), std::string::npos) << "the page's own script would be swallowed";
+  EXPECT_NE(html.find("\\u003c!--\\u003cscript>.wav"), std::string::npos);
+  const std::string begin = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t at = html.find(begin) + begin.size();
+  const std::string data = html.substr(at, html.find("</script>", at) - at);
+  EXPECT_EQ(data.find('<'), std::string::npos);
+  EXPECT_EQ(Json::parse(data)["wave"]["recording"], "<!--<script>.wav");
+}
+
+TEST_F(Names, ImpactsWithoutStatesAreSynthesizedFromEveryFormat) {
+  for (const std::string table : {"i.csv", "i.jsonl", "i.h5"}) {
+    ASSERT_EQ(run("simulate --drops 2 --impacts 5 --asperities 100 --out " + table).exit_code, 0);
+    const Result made = run("synthesize --force " + table + " --out s.wav");
+    EXPECT_EQ(made.exit_code, 0) << table << ": " << made.err;
+    EXPECT_THAT(content_of(folder_ / "s.truth.csv"), testing::HasSubstr("s.wav,1,4,"));
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test
