@@ -40,7 +40,8 @@ class Hdf5Table : public testing::Test {
   };
   void write_foreign(const Foreign& f, hid_t type = H5T_NATIVE_DOUBLE) const {
     const hid_t file = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    const hid_t space = H5Screate_simple(1, &f.n_rows, nullptr);
+    const hsize_t most = H5S_UNLIMITED;  // of a chunk that may be larger than what is in it
+    const hid_t space = H5Screate_simple(1, &f.n_rows, f.chunk > 0 ? &most : nullptr);
     const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     if (f.chunk > 0) H5Pset_chunk(list, 1, &f.chunk);
     if (f.deflate > 0) H5Pset_deflate(list, f.deflate);

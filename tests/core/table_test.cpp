@@ -51,8 +51,10 @@ std::string of_impacts(const std::string& row) {
                     [](const Table& table) { impacts_from_table(table, "a.csv"); });
 }
 
-TEST(Table, AStandardErrorThatIsNotPositiveIsRefusedByLineAndColumn) {
-  for (const char* bad : {"-1e-6", "0", "inf", "-inf"}) {
+TEST(Table, AStandardErrorThatIsNoneIsRefusedByLineAndColumn) {
+  EXPECT_THAT(of_onsets("t_s,sigma_t_s\n0.1,0\n"), HasSubstr("line 2, column sigma_t_s: 0 is outside (0, 1e+10]"));
+  EXPECT_EQ(of_samples("v_mps,eps,sigma_eps\n1,0.9,0\n"), "no error") << "the fit takes it for not known, and says so";
+  for (const char* bad : {"-1e-6", "inf", "-inf"}) {
     EXPECT_THAT(of_onsets("t_s,sigma_t_s\n0.1,1e-6\n\n0.2," + std::string(bad) + "\n"),
                 HasSubstr("a.csv: line 4, column sigma_t_s: "))
         << bad;
@@ -66,8 +68,9 @@ TEST(Table, AStandardErrorThatIsNotPositiveIsRefusedByLineAndColumn) {
 }
 
 TEST(Table, WhatNoBallDoesIsRefusedByItsRow) {
-  EXPECT_THAT(of_samples("v_mps,eps\n1,0.9\n1,1e308\n"), HasSubstr("line 3, column eps: 1e+308 is outside (0, 1000]"));
-  EXPECT_THAT(of_samples("v_mps,eps\n1,0.9\n1,-0.1\n"), HasSubstr("line 3, column eps: -0.1"));
+  EXPECT_THAT(of_samples("v_mps,eps\n1,0.9\n1,1e308\n"),
+              HasSubstr("line 3, column eps: 1e+308 is outside [-1000, 1000]"));
+  EXPECT_THAT(of_samples("v_mps,eps\n1,0.9\n1,-1e9\n"), HasSubstr("line 3, column eps: -1e+09"));
   EXPECT_THAT(of_samples("v_mps,eps\n1e308,0.9\n"), HasSubstr("line 2, column v_mps: 1e+308"));
   EXPECT_EQ(of_samples("v_mps,eps,flags\n1,1e308,extra_impact\n"), "no error") << "a flagged row is left out anyway";
   EXPECT_EQ(of_samples("v_mps,eps\n1,\n,0.9\n1,inf\n"), "no error") << "flagged not_finite";

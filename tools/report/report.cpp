@@ -24,10 +24,16 @@ Json parsed(const std::string& text, const char* what) {
   }
 }
 
-/// JSON inside a <script> element: "</" would end it.
+/// JSON inside a <script> element: "</script" would end it, "<!--<script" would swallow what follows. A '<' stands in
+/// texts only.
 std::string embedded(const Json& data) {
-  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);  // names need not be UTF-8
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.replace(at, 2, "<\\/");
+  std::string text;
+  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {  // names need not be UTF-8
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
   return text;
 }
 

@@ -46,7 +46,8 @@ constexpr ConditionColumn kConditionColumns[] = {{"gravity_mps2", &SampleConditi
 /// Of samples that the fit takes. Orders of magnitude above what any ball does: what is beyond is a fault of the table,
 /// and one such row would outweigh all others. A flagged sample may be of a pair of intervals that are no pair.
 constexpr Range kUsedSpeed_mps = positive_up_to(1e4);
-constexpr Range kUsedEps = positive_up_to(1e3);
+constexpr Range kUsedEps{-1e3, 1e3};  // the fit warns of negative ones
+constexpr Range kSigma{0.0, 1e9};     // the fit takes 0 for not known, and says so
 
 /// @throws FileError
 void check_used(const RestitutionSample& s, const std::string& place, const std::string& name) {
@@ -102,8 +103,8 @@ std::vector<ColumnSpec> sample_columns() {
                                   {"t_s", ColumnType::real, false, {kTimeRange_s.least, kTimeRange_s.greatest}},
                                   {"v_mps", ColumnType::real},
                                   {"eps", ColumnType::real},
-                                  {"sigma_v_mps", ColumnType::real, false, positive_up_to(1e9)},
-                                  {"sigma_eps", ColumnType::real, false, positive_up_to(1e9)},
+                                  {"sigma_v_mps", ColumnType::real, false, kSigma},
+                                  {"sigma_eps", ColumnType::real, false, kSigma},
                                   {"flags", ColumnType::text, false},
                                   {"corrected", ColumnType::text, false}};
   for (const auto& column : kConditionColumns)

@@ -48,8 +48,8 @@ Table to_table(const RestitutionSamples& samples);
 std::vector<ColumnSpec> sample_columns();
 /// Rows whose v or eps is missing or not finite stay in, flagged `not_finite`: who uses them counts them.
 /// @param name  of the file, for messages
-/// @throws FileError naming the first row with a number outside the range of its column: a standard error that is not
-///         positive, or a speed above 1e4 m/s or eps outside (0, 1000] in a row without a flag, for instance
+/// @throws FileError naming the first row with a number outside the range of its column: a negative standard error,
+///         or a speed above 1e4 m/s or eps outside [-1000, 1000] in a row without a flag, for instance
 RestitutionSamples samples_from_table(const Table& table, const std::string& name);
 
 }  // namespace bouncelab
