@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <sndfile.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <span>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
@@ -182,6 +184,62 @@ TEST(Annotations, WhatIsNotMarksIsNamed) {
               HasSubstr("choose it"));
 }
 
+std::string svl(const std::string& rate, const std::string& points) {
+  return "<sv><data><model name='a' sampleRate='" + rate + "'/>" + points + "</data></sv>";
+}
+
+TEST(Annotations, TimesThatNoRecordingHasAreRefused) {
+  using testing::HasSubstr;
+  for (const std::string rate : {"1e-300", "0", "-44100", "1e300"})
+    EXPECT_THAT(refusal([&] { parse_sonic_visualiser_layer(svl(rate, "<point frame='1'/>"), "a.svl"); }),
+                HasSubstr("sampleRate '" + rate + "'"));
+  EXPECT_THAT(refusal([] { parse_sonic_visualiser_layer(svl("44100", "<point frame='1e300'/>"), "a.svl"); }),
+              HasSubstr("point 1: a time of"));
+  EXPECT_THAT(refusal([] { parse_audacity_labels("0.1\t0.1\t\n1e308\t1e308\t\n", "a.txt"); }),
+              HasSubstr("line 2: a time of 1e+308 s"));
+  EXPECT_THAT(refusal([] {
+                parse_text_grid("\"ooTextFile\" \"TextGrid\" 0 1 1 \"TextTier\" \"a\" 0 1 1 1e300 \"\"", "a.TextGrid");
+              }),
+              HasSubstr("point 1: a time of"));
+}
+
+TEST(Annotations, ATextGridWithMoreTiersOrPointsThanBytesIsRefused) {
+  using testing::HasSubstr;
+  const std::string head = "\"ooTextFile\" \"TextGrid\" 0 1 ";
+  for (const std::string count : {"1e61", "-1", "1.5", "9000000000000000000"}) {
+    EXPECT_THAT(refusal([&] { parse_text_grid(head + count + " \"TextTier\"", "a.TextGrid"); }), HasSubstr("tiers"));
+    EXPECT_THAT(refusal([&] { parse_text_grid(head + "1 \"TextTier\" \"a\" 0 1 " + count, "a.TextGrid"); }),
+                HasSubstr("points"));
+  }
+}
+
+TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
+  const Onsets onsets = onsets_of(
+      parse_audacity_labels("1\t1\t0.9223372036854775807 t_s=1\n2\t2\t0.5\n3\t3\t99999999999.0\n", "a.txt"), false);
+  ASSERT_EQ(onsets.size(), 3U);
+  EXPECT_EQ(onsets[0].impact, 0);
+  EXPECT_EQ(onsets[0].flags, Flags{Flag::by_hand});
+  EXPECT_EQ(onsets[1].impact, 5);
+  EXPECT_EQ(onsets[2].drop, 0);
+  EXPECT_EQ(onsets[2].impact, 6);
+}
+
+TEST(Annotations, ALayerWithAttributesWithoutNamesIsRefusedInLinearMemory) {
+  std::string points;  // the quadratic reader took 3 GB for these 200 kB, and 300 GB for ten times as many
+  for (int k = 0; k < 200000; ++k) points += "<point   =\"1\"";
+  EXPECT_THAT(refusal([&] { parse_sonic_visualiser_layer(svl("44100", points), "a.svl"); }),
+              testing::HasSubstr("not XML from byte"));
+}
+
+TEST(Annotations, ALayerNestedAHundredThousandDeepIsRead) {
+  std::string open, close;
+  for (int k = 0; k < 100000; ++k) open += "<g>", close += "</g>";
+  EXPECT_EQ(parse_sonic_visualiser_layer(svl("10", open + "<point frame='5' label='a&#10;b'/>" + close), "a.svl")
+                .points.at(0)
+                .label,
+            "a\nb");
+}
+
 class Cues : public testing::Test {
  protected:
   std::string bytes(const fs::path& path) const {
@@ -215,6 +273,8 @@ TEST_F(Cues, ACopyOfTheRecordingHoldsThemAndItsSamplesAreUntouched) {
     write_sound(original.filename(), SampleEncoding::pcm24);
     copy_with_cues(original, annotations_of(onsets), marked, "b");
     expect_same(onsets_of(read_cues(marked), false), onsets);
+    const std::string in_memory = bytes(marked);
+    expect_same(onsets_of(parse_cues(std::as_bytes(std::span(in_memory)), "b"), false), onsets);
     SF_INFO info, before;
     EXPECT_EQ(samples(marked, info), samples(original, before));
     EXPECT_EQ(info.format, before.format);
@@ -249,6 +309,15 @@ TEST_F(Cues, ManyThousandAreNoProblem) {
   }
   copy_with_cues(folder_ / "a.wav", annotations_of(many), folder_ / "b.wav", "b.wav");
   expect_same(onsets_of(read_cues(folder_ / "b.wav"), false), many);
+}
+
+TEST_F(Cues, ASampleRateThatIsNoneIsRefused) {
+  write_sound("a.wav", SampleEncoding::pcm16);
+  copy_with_cues(folder_ / "a.wav", annotations_of(some_onsets()), folder_ / "b.wav", "b.wav");
+  std::string file = bytes(folder_ / "b.wav");
+  std::fill_n(file.begin() + static_cast<std::ptrdiff_t>(file.find("fmt ")) + 12, 4, '\xFF');
+  EXPECT_THAT(refusal([&] { parse_cues(std::as_bytes(std::span(file)), "b.wav"); }),
+              testing::HasSubstr("sample rate 4294967295 Hz"));
 }
 
 TEST_F(Cues, OtherFilesAreRefused) {

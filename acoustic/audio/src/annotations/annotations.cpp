@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "annotations/number_text.hpp"
+#include "annotations/time_range.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::audio {
@@ -22,11 +23,16 @@ struct Labelled {
 
 bool read_number(std::string_view text, double& value) { return parse_number(text, value) && std::isfinite(value); }
 
+// a number beyond this is not one of a drop or an impact, and counting on from it could overflow
+constexpr std::int64_t kHighestNumber = 1'000'000'000;
+
+bool is_number(std::int64_t value) { return value >= 0 && value <= kHighestNumber; }
+
 /// DROP.IMPACT; false if the word is something else.
 bool parse_drop_and_impact(std::string_view word, Onset& onset) {
   const auto dot = word.find('.');
   return dot != std::string_view::npos && parse_number(word.substr(0, dot), onset.drop) &&
-         parse_number(word.substr(dot + 1), onset.impact) && onset.drop >= 0 && onset.impact >= 0;
+         parse_number(word.substr(dot + 1), onset.impact) && is_number(onset.drop) && is_number(onset.impact);
 }
 
 std::optional<Labelled> read_label(const std::string& label) {
@@ -43,8 +49,8 @@ std::optional<Labelled> read_label(const std::string& label) {
     }
     double value = 0.0;
     if (!read_number(std::string_view(word).substr(equals + 1), value)) continue;
-    if (key == "t_s") result.t_s = value;
-    if (key == "sigma_t_s") result.onset.sigma_t_s = value;
+    if (key == "t_s" && std::abs(value) <= kLongest_s) result.t_s = value;
+    if (key == "sigma_t_s" && value >= 0.0) result.onset.sigma_t_s = value;
     if (key == "amplitude") result.onset.amplitude = value;
     if (key == "snr_db") result.onset.snr_db = value;
   }

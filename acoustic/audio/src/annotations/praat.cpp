@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
+#include <string_view>
 
 #include "annotations/number_text.hpp"
+#include "annotations/time_range.hpp"
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 
@@ -19,7 +22,7 @@ std::string quoted(const std::string& text) {
 /// The tokens that Praat reads from its text files: free-standing numbers and quoted texts; it ignores all other words.
 class FreeStanding {
  public:
-  FreeStanding(const std::string& text, const std::string& name) : text_(text), name_(name) {}
+  FreeStanding(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   double number() {
     for (std::string word; next_word(word);) {
@@ -28,6 +31,14 @@ class FreeStanding {
       if (word.front() == '"') throw FileError(name_, "has the text " + word + " where a number belongs");
     }
     throw FileError(name_, "ends where a number belongs; is the file cut off?");
+  }
+  /// How many tiers or points follow; each takes several bytes of the file. @param what  for messages
+  std::int64_t count(const std::string& what) {
+    const double n = number();
+    if (!(n >= 0.0 && n <= static_cast<double>(text_.size())) || n != std::floor(n))
+      throw FileError(name_, "says that it has " + number_text(n) + " " + what +
+                                 ", which cannot be in a file of its length; save it again in Praat");
+    return static_cast<std::int64_t>(n);
   }
   std::string text() {
     for (std::string word; next_word(word);)
@@ -39,7 +50,7 @@ class FreeStanding {
   /// A word, or a quoted text with its first quote and without its last.
   bool next_word(std::string& word) {
     at_ = text_.find_first_not_of(" \t\r\n", at_);
-    if (at_ == std::string::npos) return false;
+    if (at_ == std::string_view::npos) return false;
     word.clear();
     if (text_[at_] != '"') {
       const std::size_t end = std::min(text_.find_first_of(" \t\r\n", at_), text_.size());
@@ -59,7 +70,7 @@ class FreeStanding {
     throw FileError(name_, "ends within a text; is the file cut off?");
   }
 
-  const std::string& text_;
+  std::string_view text_;
   const std::string& name_;
   std::size_t at_ = 0;
 };
@@ -82,15 +93,15 @@ std::string text_grid(const Annotations& annotations, double duration_s) {
   return text;
 }
 
-Annotations parse_text_grid(const std::string& text, const std::string& name) {
+Annotations parse_text_grid(std::string_view text, const std::string& name) {
   if (text.rfind("\xFE\xFF", 0) == 0 || text.rfind("\xFF\xFE", 0) == 0)
     throw FileError(name, "is UTF-16; in Praat choose Preferences, Text writing preferences, UTF-8, and save it again");
   FreeStanding in(text, name);
-  if (text.find("TextGrid") == std::string::npos || in.text() != "ooTextFile" || in.text() != "TextGrid")
+  if (text.find("TextGrid") == std::string_view::npos || in.text() != "ooTextFile" || in.text() != "TextGrid")
     throw FileError(name, "is not a TextGrid of Praat");
   in.number();
   in.number();
-  const auto n_tiers = static_cast<std::int64_t>(in.number());
+  const auto n_tiers = in.count("tiers");
   for (std::int64_t tier = 0; tier < n_tiers; ++tier) {
     const bool has_points = in.text() == "TextTier";
     Annotations result;
@@ -98,10 +109,10 @@ Annotations parse_text_grid(const std::string& text, const std::string& name) {
     result.resolution_s = 1e-9;
     in.number();
     in.number();
-    const auto n = static_cast<std::int64_t>(in.number());
+    const auto n = in.count("points");
     for (std::int64_t k = 0; k < n; ++k) {
       Annotation point;
-      point.t_s = in.number();
+      point.t_s = checked_time(in.number(), name, "point " + std::to_string(k + 1));
       if (!has_points) in.number();
       point.label = in.text();
       if (has_points) result.points.push_back(std::move(point));

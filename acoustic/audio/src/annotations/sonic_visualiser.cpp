@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <pugixml.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "annotations/number_text.hpp"
+#include "annotations/time_range.hpp"
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::audio {
 namespace {
+
+// of whole frames; far beyond any recording's on both sides
+constexpr double kLowestRate_hz = 1.0;
+constexpr double kHighestRate_hz = 1e9;
 
 constexpr std::pair<const char*, char> kEntities[] = {
     {"&quot;", '"'}, {"&apos;", '\''}, {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}};
@@ -26,45 +34,27 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-std::string unescaped(const std::string& text) {
-  std::string result;
-  for (std::size_t k = 0; k < text.size();) {
-    const auto entity = std::find_if(std::begin(kEntities), std::end(kEntities), [&](const auto& e) {
-      return text.compare(k, std::char_traits<char>::length(e.first), e.first) == 0;
-    });
-    const bool plain = entity == std::end(kEntities);
-    result += plain ? text[k] : entity->second;
-    k += plain ? 1 : std::char_traits<char>::length(entity->first);
-  }
-  return result;
+/// The node after this one in the order of the text, without recursion, however deep the elements are nested.
+pugi::xml_node next_in_text(pugi::xml_node node) {
+  if (node.first_child()) return node.first_child();
+  while (node && !node.next_sibling()) node = node.parent();
+  return node.next_sibling();
 }
 
-/// An XML element's attributes.
-using Attributes = std::map<std::string, std::string>;
-
-/// From behind the element's name to its end. Returns the place behind it.
-std::size_t read_attributes(const std::string& text, std::size_t at, Attributes& attributes) {
-  while (at < text.size() && text[at] != '>') {
-    const std::size_t equals = text.find_first_of("=>", at);
-    if (equals == std::string::npos || text[equals] == '>') return equals;
-    const std::size_t open = text.find_first_of("\"'", equals);
-    if (open == std::string::npos) return open;
-    const std::size_t close = text.find(text[open], open + 1);
-    if (close == std::string::npos) return close;
-    const std::size_t first = text.find_first_not_of(" \t\r\n/", at);
-    const std::size_t last = text.find_last_not_of(" \t\r\n", equals - 1);
-    attributes[text.substr(first, last + 1 - first)] = unescaped(text.substr(open + 1, close - open - 1));
-    at = close + 1;
-  }
-  return at;
-}
-
-double number_of(const Attributes& attributes, const std::string& key, const std::string& name) {
-  const auto found = attributes.find(key);
+double number_of(const pugi::xml_node& node, const char* key, const std::string& name) {
   double value = 0.0;
-  if (found == attributes.end() || !parse_number(found->second, value) || !std::isfinite(value))
-    throw FileError(name, "has an element without a numeric '" + key + "'; is it a layer of Sonic Visualiser?");
+  if (!parse_number(node.attribute(key).value(), value) || !std::isfinite(value))
+    throw FileError(name,
+                    std::string("has an element without a numeric '") + key + "'; is it a layer of Sonic Visualiser?");
   return value;
+}
+
+double rate_of(const pugi::xml_node& model, const std::string& name) {
+  const double rate_hz = number_of(model, "sampleRate", name);
+  if (!(rate_hz >= kLowestRate_hz && rate_hz <= kHighestRate_hz))
+    throw FileError(name, std::string("sampleRate '") + model.attribute("sampleRate").value() +
+                              "': must be 1 to 1e9 Hz; save the layer again");
+  return rate_hz;
 }
 
 }  // namespace
@@ -86,25 +76,31 @@ std::string sonic_visualiser_layer(const Annotations& annotations, int rate_hz, 
          "plotStyle=\"0\" colourName=\"Purple\" colour=\"#c832ff\" darkBackground=\"false\" />\n  </display>\n</sv>\n";
 }
 
-Annotations parse_sonic_visualiser_layer(const std::string& text, const std::string& name) {
+Annotations parse_sonic_visualiser_layer(std::string_view text, const std::string& name) {
+  if (text.find('\0') != std::string_view::npos)
+    throw FileError(name, "holds a byte 0: it is not XML in UTF-8; save the layer again");
+  pugi::xml_document document;
+  // line breaks in labels are kept as they are
+  const pugi::xml_parse_result parsed =
+      document.load_buffer(text.data(), text.size(), pugi::parse_escapes, pugi::encoding_utf8);
+  if (!parsed)
+    throw FileError(name, "is not XML from byte " + std::to_string(parsed.offset) + " on (" + parsed.description() +
+                              "); was it cut off?");
   Annotations result;
   double rate_hz = 0.0;
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
-    const std::size_t end = text.find_first_of(" \t\r\n/>", at + 1);
-    const std::string element = text.substr(at + 1, end == std::string::npos ? end : end - at - 1);
-    Attributes attributes;
-    at = end == std::string::npos || element.empty() || element.front() == '!' ? at + 1
-                                                                               : read_attributes(text, end, attributes);
-    if (at == std::string::npos) throw FileError(name, "ends within an element; is the file cut off?");
+  for (pugi::xml_node node = document.first_child(); node; node = next_in_text(node)) {
+    const std::string_view element = node.name();
     if (element == "model" && rate_hz == 0.0) {
-      rate_hz = number_of(attributes, "sampleRate", name);
-      result.recording = attributes["name"];
+      rate_hz = rate_of(node, name);
+      result.recording = node.attribute("name").value();
     }
     if (element != "point") continue;
-    if (rate_hz <= 0.0) throw FileError(name, "has points before a model with a positive sampleRate");
-    result.points.push_back({number_of(attributes, "frame", name) / rate_hz, attributes["label"]});
+    if (rate_hz == 0.0) throw FileError(name, "has points before a model with a sampleRate");
+    const std::string place = "point " + std::to_string(result.points.size() + 1);
+    result.points.push_back(
+        {checked_time(number_of(node, "frame", name) / rate_hz, name, place), node.attribute("label").value()});
   }
-  if (rate_hz <= 0.0) throw FileError(name, "is not a layer of Sonic Visualiser: no model with a sampleRate");
+  if (rate_hz == 0.0) throw FileError(name, "is not a layer of Sonic Visualiser: no model with a sampleRate");
   result.resolution_s = 1.0 / rate_hz;
   return result;
 }

@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "io/readable_file.hpp"
+#include "io/sound_bytes.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
 constexpr std::uint64_t kIn32Bits = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kHighestRate_hz = 1'000'000'000;
 
 template <class T>
 void put(std::string& bytes, T value) {
@@ -29,17 +36,16 @@ T get(const std::string& bytes, std::size_t at) {
 }
 
 struct Chunk {
-  std::string id;
+  std::array<char, 4> id{};
   std::uint64_t begin = 0, size = 0;  ///< of the content
+  bool is(std::string_view other) const { return std::string_view(id.data(), id.size()) == other; }
 };
 
 /// The chunks of a WAV or RF64 file (EBU Tech 3306).
 class RiffFile {
  public:
-  explicit RiffFile(const std::filesystem::path& path)
-      : name_(input_name(path)), in_(readable(path), std::ios::binary) {
-    if (!in_) throw FileError(name_, "cannot be opened for reading");
-    const std::uint64_t length = std::filesystem::file_size(readable(path));
+  RiffFile(SoundBytes bytes, std::string name) : name_(std::move(name)), bytes_(bytes) {
+    const auto length = static_cast<std::uint64_t>(bytes_.size());
     const std::string head = read(0, 12);
     kind_ = head.substr(0, 4);
     if (head.size() < 12 || (kind_ != "RIFF" && kind_ != "RF64" && kind_ != "BW64") || head.substr(8) != "WAVE")
@@ -47,11 +53,13 @@ class RiffFile {
     std::uint64_t data_size = kIn32Bits;
     for (std::uint64_t at = 12; at + 8 <= length;) {
       const std::string header = read(at, 8);
-      Chunk chunk{header.substr(0, 4), at + 8, get<std::uint32_t>(header, 4)};
-      if (chunk.id == "ds64") data_size = get<std::uint64_t>(read(chunk.begin, 16), 8);
-      if (chunk.id == "data" && chunk.size == kIn32Bits) chunk.size = data_size;
+      Chunk chunk{{}, at + 8, get<std::uint32_t>(header, 4)};
+      header.copy(chunk.id.data(), chunk.id.size());
+      if (chunk.is("ds64")) data_size = get<std::uint64_t>(read(chunk.begin, 16), 8);
+      if (chunk.is("data") && chunk.size == kIn32Bits) chunk.size = data_size;
       if (chunk.size > length - chunk.begin)
-        throw FileError(name_, "the chunk '" + chunk.id + "' is longer than the file; was the recording cut off?");
+        throw FileError(name_,
+                        "the chunk '" + header.substr(0, 4) + "' is longer than the file; was the recording cut off?");
       chunks_.push_back(chunk);
       at = chunk.begin + chunk.size + chunk.size % 2;
     }
@@ -62,26 +70,29 @@ class RiffFile {
   const std::string& name() const { return name_; }
   std::string read(std::uint64_t begin, std::uint64_t size) {
     std::string bytes(size, '\0');
-    in_.clear();
-    in_.seekg(static_cast<std::streamoff>(begin));
-    in_.read(bytes.data(), static_cast<std::streamsize>(size));
-    bytes.resize(static_cast<std::size_t>(in_.gcount()));
+    const std::int64_t got = bytes_.read(static_cast<std::int64_t>(begin), std::as_writable_bytes(std::span(bytes)));
+    if (bytes_.error() != 0)
+      throw FileError(name_, std::string("cannot be read (") + std::strerror(bytes_.error()) + ")");
+    bytes.resize(static_cast<std::size_t>(got));
     return bytes;
   }
   std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.size); }
   bool is_cue_chunk(const Chunk& chunk) {
-    return chunk.id == "cue " || (chunk.id == "LIST" && chunk.size >= 4 && read(chunk.begin, 4) == "adtl");
+    return chunk.is("cue ") || (chunk.is("LIST") && chunk.size >= 4 && read(chunk.begin, 4) == "adtl");
   }
   int rate_hz() {
-    for (const Chunk& chunk : chunks_)
-      if (chunk.id == "fmt " && chunk.size >= 16)
-        if (const auto rate = get<std::uint32_t>(content(chunk), 4); rate > 0) return static_cast<int>(rate);
+    for (const Chunk& chunk : chunks_) {
+      if (!chunk.is("fmt ") || chunk.size < 16) continue;
+      const auto rate = get<std::uint32_t>(read(chunk.begin, 16), 4);
+      if (rate > 0 && rate <= kHighestRate_hz) return static_cast<int>(rate);
+      throw FileError(name_, "sample rate " + std::to_string(rate) + " Hz: must be 1 to 1e9 Hz; correct the header");
+    }
     throw FileError(name_, "has no format chunk with a sample rate");
   }
 
  private:
   std::string name_, kind_;
-  std::ifstream in_;
+  SoundBytes bytes_;
   std::vector<Chunk> chunks_;
 };
 
@@ -128,19 +139,16 @@ std::string cue_chunks(const Annotations& annotations, int rate_hz, const std::s
   return chunk_bytes("cue ", cues) + chunk_bytes("LIST", labels);
 }
 
-}  // namespace
-
-Annotations read_cues(const std::filesystem::path& path) {
-  RiffFile file(path);
+Annotations cues_of(RiffFile file) {
   Annotations result;
   const int rate_hz = file.rate_hz();
-  result.recording = input_name(path);
+  result.recording = file.name();
   result.resolution_s = 1.0 / rate_hz;
   std::map<std::uint32_t, std::string> labels;
   std::string cues;
   for (const Chunk& chunk : file.chunks()) {
     if (!file.is_cue_chunk(chunk)) continue;
-    if (chunk.id == "cue ")
+    if (chunk.is("cue "))
       cues = file.content(chunk);
     else
       read_labels(file.content(chunk), labels);
@@ -152,9 +160,21 @@ Annotations read_cues(const std::filesystem::path& path) {
   return result;
 }
 
+}  // namespace
+
+Annotations read_cues(const std::filesystem::path& path) {
+  const ReadableFile file(path);
+  return cues_of({SoundBytes(file.descriptor()), file.name()});
+}
+
+Annotations parse_cues(std::span<const std::byte> bytes, const std::string& name) {
+  return cues_of({SoundBytes(bytes), name});
+}
+
 void copy_with_cues(const std::filesystem::path& recording, const Annotations& annotations,
                     const std::filesystem::path& out, const std::string& name) {
-  RiffFile file(recording);
+  const ReadableFile input(recording);
+  RiffFile file(SoundBytes(input.descriptor()), input.name());
   const std::string cues = cue_chunks(annotations, file.rate_hz(), name);
   std::ofstream to(out, std::ios::binary | std::ios::trunc);
   to << file.read(0, 12);
@@ -163,7 +183,7 @@ void copy_with_cues(const std::filesystem::path& recording, const Annotations& a
   constexpr std::uint64_t kPiece = 1 << 20;
   for (const Chunk& chunk : file.chunks()) {
     if (file.is_cue_chunk(chunk)) continue;
-    if (chunk.id == "ds64") ds64_at = length + 8;
+    if (chunk.is("ds64")) ds64_at = length + 8;
     const std::uint64_t begin = chunk.begin - 8, size = 8 + chunk.size;
     for (std::uint64_t done = 0; done < size; done += kPiece)
       to << file.read(begin + done, std::min(kPiece, size - done));

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bouncelab/core/onsets.hpp"
@@ -44,21 +47,23 @@ Onsets onsets_of(const Annotations& annotations, bool renumber);
 std::string audacity_labels(const Annotations& annotations);
 /// Of labels that span an interval the begin is used. @param name  of the file, for messages. @throws FileError naming
 /// the line
-Annotations parse_audacity_labels(const std::string& text, const std::string& name);
+Annotations parse_audacity_labels(std::string_view text, const std::string& name);
 
 /// Time instants layer of Sonic Visualiser (.svl): times are whole frames. @param n_frames  of the recording
 std::string sonic_visualiser_layer(const Annotations& annotations, int rate_hz, std::int64_t n_frames);
 /// @throws FileError if the text is not a layer of points
-Annotations parse_sonic_visualiser_layer(const std::string& text, const std::string& name);
+Annotations parse_sonic_visualiser_layer(std::string_view text, const std::string& name);
 
 /// TextGrid of Praat with one point tier, named as the recording. @param duration_s  of the recording
 std::string text_grid(const Annotations& annotations, double duration_s);
 /// The first point tier of a TextGrid, long or short text. @throws FileError if there is none
-Annotations parse_text_grid(const std::string& text, const std::string& name);
+Annotations parse_text_grid(std::string_view text, const std::string& name);
 
 /// Cue points and their labels (chunks `cue ` and `LIST` of type `adtl`) of a WAV or RF64 file; times are whole frames.
 /// @throws FileError if the file is neither, or holds no cue points
 Annotations read_cues(const std::filesystem::path& path);
+/// The same of the bytes of a file in memory. @param name  of the file, for messages and as the recording's
+Annotations parse_cues(std::span<const std::byte> bytes, const std::string& name);
 /// Copies a WAV or RF64 file byte for byte, with these cue points in place of those it has.
 /// @param name  of the new file, for messages, if `out` is a temporary one
 /// @throws FileError if the recording is neither, or a point lies beyond frame 2^32, or the copy of a WAV file would
