@@ -4,6 +4,7 @@
 
 #include "bouncelab/core/air.hpp"              // density, viscosity, drag of a sphere
 #include "bouncelab/core/ball.hpp"             // material, mass, Hertz contact time
+#include "bouncelab/core/child_process.hpp"    // readers of foreign files, with limits
 #include "bouncelab/core/csv.hpp"              // tables as files
 #include "bouncelab/core/error.hpp"            // what is thrown
 #include "bouncelab/core/file_bytes.hpp"       // bytes of a file without reading it whole
