@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <limits>
 
 #include "program.hpp"
@@ -94,6 +95,38 @@ TEST_F(BadInput, AnExistingOutputIsKeptUnlessForced) {
   EXPECT_EQ(content_of(folder_ / "i.csv"), "mine");
   EXPECT_EQ(run("simulate --drops 1 --impacts 3 --asperities 100 --out i.csv --force").exit_code, 0);
   EXPECT_NE(content_of(folder_ / "i.csv"), "mine");
+}
+
+TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
+  fs::copy(fs::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav", folder_ / "endless.wav");
+  expect_refused("detect endless.wav --out o.csv", 3, {"endless.wav", "processor time", "ffmpeg"});
+  for (const std::string name : {"a", "b"}) write(name + ".wav", float_wav(bouncing(12), 44100));
+  const Result result = run("detect a.wav endless.wav b.wav --out o.csv --quiet");
+  expect_one_line_error(result, 3, {"endless.wav", "processor time", "the 2 recordings that could be read"});
+  const std::string onsets = content_of(folder_ / "o.csv");
+  for (const std::string name : {"a.wav", "b.wav"}) EXPECT_THAT(onsets, testing::HasSubstr(name));
+  EXPECT_EQ(std::count(onsets.begin(), onsets.end(), '\n'), 1 + 2 * 12);
+}
+
+TEST_F(BadInput, AStreamedFlacIsDetectedAsTheSameFileWithItsLength) {
+  // as an encoder leaves it that writes to a pipe: 0 samples in the header (RFC 9639, 8.2)
+  std::string flac = content_of(fs::path(BOUNCELAB_SAMPLES) / "clean.flac");
+  write("a.flac", flac);
+  ASSERT_EQ(run("detect a.flac --out whole.csv").exit_code, 0);
+  flac[21] = static_cast<char>(flac[21] & 0xF0);
+  std::fill_n(flac.begin() + 22, 4, '\0');
+  write("a.flac", flac);
+  ASSERT_EQ(run("detect a.flac --out streamed.csv").exit_code, 0);
+  EXPECT_EQ(content_of(folder_ / "streamed.csv"), content_of(folder_ / "whole.csv"));
+}
+
+TEST_F(BadInput, MarksThatTakeMemoryWithoutEnd) {
+  std::string layer = "<sv><data><model name=\"a\" sampleRate=\"44100\"/>";
+  for (int k = 0; k < 20000; ++k) layer += "<point   =\"1\"";
+  write("q.svl", layer);
+  expect_refused("convert q.svl --to x.csv", 3, {"q.svl", "not XML"});
+  write("slow.svl", "<sv><model sampleRate=\"1e-300\"/><point frame=\"1\"/></sv>");
+  expect_refused("convert slow.svl --to x.csv", 3, {"slow.svl", "sampleRate '1e-300'"});
 }
 
 TEST_F(BadInput, SoundWithNoBounceInventsNothing) {

@@ -2,6 +2,7 @@
 #include "bouncelab/core/child_process.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -21,6 +22,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/interrupts.hpp"
 
 namespace bouncelab {
 namespace {
@@ -199,6 +201,13 @@ void serve(const ChildProcess::Answer& answer) {
   }
 }
 
+/// In pieces, so that a request to stop is seen. @throws Interrupted
+void wait_for_answer(int socket) {
+  constexpr int kPiece_ms = 100;
+  pollfd answer{socket, POLLIN, 0};
+  while (poll(&answer, 1, kPiece_ms) <= 0) throw_if_stop_requested();
+}
+
 std::string amount(double value, const char* unit) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.0f %s", value, unit);
@@ -260,8 +269,11 @@ std::string ChildProcess::ask(std::string_view request, const ChildLimits& limit
   AnswerHead answered;
   std::string text;
   bool is_alive = send_all(socket_, &head, sizeof head) && send_all(socket_, request.data(), request.size()) &&
-                  (descriptor < 0 || send_descriptor(socket_, descriptor)) &&
-                  receive_all(socket_, &answered, sizeof answered);
+                  (descriptor < 0 || send_descriptor(socket_, descriptor));
+  if (is_alive) {
+    wait_for_answer(socket_);
+    is_alive = receive_all(socket_, &answered, sizeof answered);
+  }
   if (is_alive) {
     text.resize(answered.n_bytes);
     is_alive = receive_all(socket_, text.data(), text.size());

@@ -5,9 +5,15 @@
 #include <gtest/gtest.h>
 #include <sndfile.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
@@ -37,6 +43,11 @@ class AudioReaderTest : public ::testing::Test {
     const auto path = folder_ / name;
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
+  }
+
+  static std::string read_bytes(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
   }
 
   static std::string message_of(const std::filesystem::path& path) {
@@ -102,6 +113,88 @@ TEST_F(AudioReaderTest, DecodesIntegersToTheBitAsLibsndfileDoes) {
     }
 }
 
+TEST_F(AudioReaderTest, ReadsFloatsBitByBitWhereverTheyLie) {
+  auto x = ramp(40001);
+  x[7] = -1e-42F;
+  for (const int container :
+       std::vector<int>{SF_FORMAT_WAV, SF_FORMAT_WAVEX, SF_FORMAT_RF64, SF_FORMAT_W64, SF_FORMAT_AIFF, SF_FORMAT_AU,
+                        SF_FORMAT_AU | SF_ENDIAN_LITTLE, SF_FORMAT_CAF}) {
+    AudioReader reader(write("x", container | SF_FORMAT_FLOAT, 48000, 1, x));
+    std::vector<float> got(x.size());
+    reader.read(0, 0, got);
+    EXPECT_EQ(got, x) << reader.format().description;
+  }
+}
+
+/// The whole of one channel.
+std::vector<float> channel_of(AudioReader& reader, int channel) {
+  std::vector<float> all(static_cast<std::size_t>(reader.format().n_frames));
+  reader.read(0, channel, all);
+  return all;
+}
+
+TEST_F(AudioReaderTest, ReadsAFileInMemoryAsTheSameFileOnDisk) {
+  for (const int format : {SF_FORMAT_WAV | SF_FORMAT_PCM_24, SF_FORMAT_FLAC | SF_FORMAT_PCM_16}) {
+    const auto path = write("x", format, 48000, 2, ramp(2 * 30000));
+    const std::string bytes = read_bytes(path);
+    AudioReader on_disk(path), in_memory(std::as_bytes(std::span(bytes)), "x");
+    EXPECT_EQ(in_memory.format().description, on_disk.format().description);
+    for (const int channel : {0, 1}) EXPECT_EQ(channel_of(in_memory, channel), channel_of(on_disk, channel));
+  }
+}
+
+/// As an encoder leaves it that writes to a pipe: it cannot go back to write the length (RFC 9639, 8.2: 0 is unknown).
+std::string without_length(std::string flac) {
+  EXPECT_EQ(flac.substr(0, 4), "fLaC");
+  flac[21] = static_cast<char>(flac[21] & 0xF0);
+  std::fill_n(flac.begin() + 22, 4, '\0');
+  return flac;
+}
+
+TEST_F(AudioReaderTest, CountsTheFramesOfAFlacStreamThatDoesNotSayHowManyItHas) {
+  // the second is longer than what is held whole, and is read in pieces
+  for (const auto& [n_channels, n_frames] : {std::pair{1, 30001}, std::pair{2, 9'000'000}, std::pair{8, 20000}}) {
+    const auto x = ramp(n_channels * n_frames);
+    const auto path = write("whole.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, n_channels, x);
+    AudioReader whole(path), streamed(write_bytes("streamed.flac", without_length(read_bytes(path))));
+    ASSERT_EQ(streamed.format().n_frames, n_frames);
+    std::vector<float> expected(1000), got(1000);
+    for (const std::int64_t first : {0, n_frames - 1000, n_frames / 2, n_frames / 3})
+      for (int channel = 0; channel < n_channels; ++channel) {
+        whole.read(first, channel, expected);
+        streamed.read(first, channel, got);
+        ASSERT_EQ(got, expected) << n_channels << " channels, from " << first;
+      }
+  }
+}
+
+TEST_F(AudioReaderTest, TakesTheLengthOfAStreamedWavFromTheFile) {
+  const auto path = write("a.wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, ramp(30000));
+  std::string bytes = read_bytes(path);
+  const std::size_t data = bytes.find("data");
+  for (const char fill : {'\xFF', '\0'}) {
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(data) + 4, 4, fill);
+    std::fill_n(bytes.begin() + 4, 4, fill);
+    AudioReader whole(path), streamed(write_bytes("b.wav", bytes));
+    EXPECT_EQ(streamed.format().n_frames, 30000);
+    EXPECT_EQ(channel_of(streamed, 0), channel_of(whole, 0));
+  }
+}
+
+TEST_F(AudioReaderTest, RefusesAHeaderThatPromisesMoreThanAnyFileOfItsSizeHolds) {
+  std::string bytes = read_bytes(write("a.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, 1, ramp(1000)));
+  bytes[21] = static_cast<char>(bytes[21] | 0x0F);  // 2^36 - 1 samples
+  std::fill_n(bytes.begin() + 22, 4, '\xFF');
+  EXPECT_THAT(message_of(write_bytes("lie.flac", bytes)), HasSubstr("promises 68719476735 samples"));
+}
+
+TEST_F(AudioReaderTest, RefusesFramesOutsideTheFileHoweverFar) {
+  AudioReader reader(write("a.wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, ramp(1000)));
+  std::vector<float> out(10);
+  for (const std::int64_t first : {std::int64_t{-1}, std::int64_t{991}, INT64_MAX, INT64_MAX - 5})
+    EXPECT_THROW(reader.read(first, 0, out), InvalidArgument) << first;
+}
+
 TEST_F(AudioReaderTest, ReadsFlacToItsResolution) {
   const auto x = ramp(30000);
   AudioReader reader(write("mono.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_24, 44100, 1, x));
@@ -154,6 +247,60 @@ TEST_F(AudioReaderTest, NamesTheSampleThatIsNotFinite) {
 TEST_F(AudioReaderTest, RefusesARateOfOneHertz) {
   EXPECT_THAT(message_of(write("slow.wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16, 1, 1, ramp(100))),
               HasSubstr("sampling rate 1 Hz"));
+}
+
+/// Its chunks send libsndfile 1.2.0 round in a circle.
+const std::filesystem::path kEndless = std::filesystem::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav";
+
+TEST_F(AudioReaderTest, GivesUpAFileThatLibsndfileReadsForEverAndReadsTheOthers) {
+  const auto x = ramp(30000);
+  const auto wav = write("a.wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, x);
+  const auto flac = write("a.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, 2, x);
+  AudioReader before(flac);
+  const auto expected = channel_of(before, 1);
+  EXPECT_THAT(message_of(kEndless), HasSubstr("endless_chunks.wav: takes more than 5 s of processor time to read"));
+  EXPECT_EQ(channel_of(before, 1), expected);
+  AudioReader after(flac);
+  EXPECT_EQ(channel_of(after, 1), expected);
+  EXPECT_EQ(message_of(wav), "accepted");
+}
+
+TEST_F(AudioReaderTest, SaysTheReasonOfEachOfManyBadFilesReadAtTheSameTime) {
+  // libsndfile keeps the reason in one place for all threads: 5 of 100 files were bad for "No Error"
+  constexpr int kThreads = 4, kFiles = 50;
+  const auto text = write_bytes("t.wav", "this is not a recording at all, not even a short one\n");
+  std::vector<std::string> reasons(kThreads * kFiles);
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < kThreads; ++thread)
+    threads.emplace_back([&, thread] {
+      for (int k = 0; k < kFiles; ++k) reasons[static_cast<std::size_t>(thread * kFiles + k)] = message_of(text);
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& reason : reasons) EXPECT_THAT(reason, HasSubstr("Format not recognised"));
+}
+
+TEST_F(AudioReaderTest, ReadsManyFilesOneAfterTheOtherAndAtTheSameTime) {
+  const auto x = ramp(2 * 3000);
+  std::vector<std::filesystem::path> paths;
+  for (const int format : {SF_FORMAT_WAV | SF_FORMAT_PCM_16, SF_FORMAT_FLAC | SF_FORMAT_PCM_16,
+                           SF_FORMAT_OGG | SF_FORMAT_VORBIS, SF_FORMAT_AIFF | SF_FORMAT_PCM_24})
+    paths.push_back(write("x" + std::to_string(paths.size()), format, 48000, 2, x));
+  std::vector<std::vector<float>> expected;
+  for (const auto& path : paths) {
+    AudioReader reader(path);
+    expected.push_back(channel_of(reader, 1));
+  }
+  std::vector<std::thread> threads;
+  for (std::size_t thread = 0; thread < 4; ++thread)
+    threads.emplace_back([&, thread] {
+      for (std::size_t k = 0; k < 40; ++k) {
+        const std::size_t file = (k + thread) % paths.size();
+        AudioReader reader(paths[file]), other(paths[0]);
+        EXPECT_EQ(channel_of(reader, 1), expected[file]);
+        EXPECT_EQ(channel_of(other, 1), expected[0]);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
 }
 
 }  // namespace

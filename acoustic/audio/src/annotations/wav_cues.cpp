@@ -20,7 +20,7 @@ namespace bouncelab::audio {
 namespace {
 
 constexpr std::uint64_t kIn32Bits = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint32_t kHighestRate_hz = 1'000'000'000;
+constexpr std::uint32_t kHighestHeaderRate_hz = 1'000'000'000;
 
 template <class T>
 void put(std::string& bytes, T value) {
@@ -84,7 +84,7 @@ class RiffFile {
     for (const Chunk& chunk : chunks_) {
       if (!chunk.is("fmt ") || chunk.size < 16) continue;
       const auto rate = get<std::uint32_t>(read(chunk.begin, 16), 4);
-      if (rate > 0 && rate <= kHighestRate_hz) return static_cast<int>(rate);
+      if (rate > 0 && rate <= kHighestHeaderRate_hz) return static_cast<int>(rate);
       throw FileError(name_, "sample rate " + std::to_string(rate) + " Hz: must be 1 to 1e9 Hz; correct the header");
     }
     throw FileError(name_, "has no format chunk with a sample rate");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/pcm_decode.hpp"
 
+#include <cassert>
 #include <cstring>
 
 #include "bouncelab/audio/dsp/vector_clones.hpp"
@@ -8,7 +9,7 @@
 namespace bouncelab::audio {
 namespace {
 
-BOUNCELAB_VECTOR_CLONES void decode_16_bits(const unsigned char* from, float* to, std::int64_t n) {
+BOUNCELAB_VECTOR_CLONES void decode_16_bits(const std::byte* from, float* to, std::int64_t n) {
   for (std::int64_t k = 0; k < n; ++k) {
     std::int16_t x;
     std::memcpy(&x, from + 2 * k, sizeof x);
@@ -17,7 +18,7 @@ BOUNCELAB_VECTOR_CLONES void decode_16_bits(const unsigned char* from, float* to
 }
 
 /// Each integer goes into the upper three bytes of one of 32 bits, so that its sign comes right.
-BOUNCELAB_VECTOR_CLONES void decode_24_bits(const unsigned char* from, float* to, std::int64_t n) {
+BOUNCELAB_VECTOR_CLONES void decode_24_bits(const std::byte* from, float* to, std::int64_t n) {
   using Bytes = unsigned char __attribute__((vector_size(16)));
   using Integers = std::int32_t __attribute__((vector_size(16)));
   using Floats = float __attribute__((vector_size(16)));
@@ -32,16 +33,34 @@ BOUNCELAB_VECTOR_CLONES void decode_24_bits(const unsigned char* from, float* to
     std::memcpy(to + k, &value, sizeof value);
   }
   for (; k < n; ++k) {
-    const unsigned char* x = from + 3 * k;
-    const std::uint32_t high = std::uint32_t{x[0]} << 8 | std::uint32_t{x[1]} << 16 | std::uint32_t{x[2]} << 24;
+    const auto byte = [&](int b) { return std::to_integer<std::uint32_t>(from[3 * k + b]); };
+    const std::uint32_t high = byte(0) << 8 | byte(1) << 16 | byte(2) << 24;
     to[k] = static_cast<float>(static_cast<std::int32_t>(high)) * 0x1p-31F;
   }
 }
 
 }  // namespace
 
-void decode_pcm(const unsigned char* from, int n_bytes, float* to, std::int64_t n) {
-  (n_bytes == 2 ? decode_16_bits : decode_24_bits)(from, to, n);
+int bytes_per_sample(PlainEncoding encoding) {
+  switch (encoding) {
+    case PlainEncoding::none:
+      return 0;
+    case PlainEncoding::int16:
+      return 2;
+    case PlainEncoding::int24:
+      return 3;
+    case PlainEncoding::float32:
+      break;
+  }
+  return 4;
+}
+
+void decode_pcm(std::span<const std::byte> from, PlainEncoding encoding, std::span<float> out) {
+  const auto n = std::ssize(out);
+  assert(std::ssize(from) >= n * bytes_per_sample(encoding));
+  if (encoding == PlainEncoding::int16) decode_16_bits(from.data(), out.data(), n);
+  if (encoding == PlainEncoding::int24) decode_24_bits(from.data(), out.data(), n);
+  if (encoding == PlainEncoding::float32 && n > 0) std::memcpy(out.data(), from.data(), out.size_bytes());
 }
 
 }  // namespace bouncelab::audio

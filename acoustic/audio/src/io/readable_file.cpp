@@ -21,8 +21,8 @@ ReadableFile::ReadableFile(const std::filesystem::path& path) : name_(input_name
     throw FileError(name_, "the file is empty (0 bytes); record again");
   descriptor_ = open(content.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0)
-    throw FileError(
-        name_, std::string("cannot be opened for reading (") + std::strerror(errno) + "); check its permissions");
+    throw FileError(name_,
+                    std::string("cannot be opened for reading (") + std::strerror(errno) + "); check its permissions");
 }
 
 ReadableFile::~ReadableFile() { close(descriptor_); }

@@ -47,8 +47,8 @@ class ChildProcess {
   /// @param remedy      the end of the message about a reader that was ended: what to do with the file
   /// @param descriptor  handed over to the child, and stays open here; -1: none
   /// @throws FileError as the child threw it of the same file, or saying that the child crashed or exceeded a limit;
-  /// Interrupted where
-  ///         the child was ended by the same signal as this process is to be (Ctrl-C)
+  /// Interrupted once
+  ///         a stop was requested, or where the child was ended by such a signal (Ctrl-C)
   std::string ask(std::string_view request, const ChildLimits& limits, const std::string& file,
                   const std::string& remedy, int descriptor = -1);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -25,7 +26,10 @@ class AudioReader {
  public:
   /// @throws FileError naming the remedy: missing, empty, not audio, m4a (which libsndfile cannot read), truncated or
   ///         with a header that promises more than the file holds, a sampling rate outside 4 kHz ... 4 MHz
-  explicit AudioReader(std::filesystem::path path);
+  explicit AudioReader(const std::filesystem::path& path);
+  /// The same for the bytes of a file in memory, which must outlive the reader.
+  /// @param name  for messages. @throws FileError
+  AudioReader(std::span<const std::byte> bytes, const std::string& name);
   AudioReader(AudioReader&&) noexcept;
   AudioReader& operator=(AudioReader&&) noexcept;
   ~AudioReader();

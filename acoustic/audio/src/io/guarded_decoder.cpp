@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/guarded_decoder.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/error.hpp"
+#include "io/sound_bytes.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+// A header takes milliseconds. Then by size: libsndfile goes through a file of MP3 or Ogg, and counts a FLAC without
+// length, at over 50 MB/s of the file; every decoder makes over 50 MB/s of floats. 1 s/MB is left for slow machines.
+constexpr double kLeast_cpu_s = 5.0;
+constexpr double kBytesPerCpuSecond = 1e6;
+// Decoders hold a few MB, and tables of the file's parts in proportion to its length.
+constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
+constexpr std::int64_t kMemoryPerFileByte = 10;
+// of samples that a process without a file may keep
+constexpr std::size_t kKept_bytes = 1 << 20;
+
+const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
+
+enum class Action : std::int32_t { open, read, close };
+
+struct Request {
+  Action action = Action::open;
+  std::int64_t first = 0, n_frames = 0;  // of read
+};
+
+/// SoundInfo but for its text, which follows.
+struct PlainInfo {
+  double rate_hz;
+  std::int32_t n_channels;
+  std::int64_t n_frames;
+  bool may_be_infinite;
+  PlainEncoding plain;
+  std::int64_t first_byte;
+};
+
+template <class T>
+std::string bytes_of(const T& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+std::string message_of(const SoundInfo& info) {
+  return bytes_of(PlainInfo{info.rate_hz, info.n_channels, info.n_frames, info.may_be_infinite, info.plain,
+                            info.first_byte}) +
+         info.description;
+}
+
+SoundInfo info_of(const std::string& message) {
+  PlainInfo info{};
+  std::memcpy(&info, message.data(), sizeof info);
+  return {info.rate_hz,
+          info.n_channels,
+          info.n_frames,
+          info.may_be_infinite,
+          info.plain,
+          info.first_byte,
+          message.substr(sizeof info)};
+}
+
+}  // namespace
+
+/// What the process does: one file at a time.
+class DecodingService {
+ public:
+  explicit DecodingService(std::span<float> samples) : samples_(samples) {}
+
+  std::string answer(std::string_view message, int descriptor) {
+    Request request;
+    std::memcpy(&request, message.data(), sizeof request);
+    if (request.action == Action::open) return open(descriptor, std::string(message.substr(sizeof request)));
+    if (request.action == Action::close) return close();
+    const std::int64_t n_samples = request.n_frames * decoder_.value().info().n_channels;
+    decoder_->read(request.first, samples_.first(static_cast<std::size_t>(n_samples)));
+    return {};
+  }
+
+ private:
+  std::string open(int descriptor, const std::string& name) {
+    descriptor_ = descriptor;
+    decoder_.emplace(SoundBytes(descriptor), name);
+    const std::string info = message_of(decoder_->info());
+    // the bytes of plain samples are read where they are needed
+    if (decoder_->info().plain != PlainEncoding::none) close();
+    return info;
+  }
+
+  std::string close() {
+    decoder_.reset();
+    ::close(descriptor_);
+    return {};
+  }
+
+  std::span<float> samples_;
+  std::optional<SoundDecoder> decoder_;
+  int descriptor_ = -1;
+};
+
+class DecoderProcess {
+ public:
+  explicit DecoderProcess(const std::string& file)
+      : memory_(GuardedDecoder::kMostSamples * sizeof(float)),
+        samples_(reinterpret_cast<float*>(memory_.bytes().data()), GuardedDecoder::kMostSamples),
+        child_([decoding = std::make_shared<DecodingService>(samples_)](
+                   std::string_view request, int descriptor) { return decoding->answer(request, descriptor); },
+               file) {}
+
+  std::span<float> samples() const { return samples_; }
+  ChildProcess& child() { return child_; }
+  void discard_samples() { memory_.discard(); }
+
+ private:
+  SharedMemory memory_;
+  std::span<float> samples_;
+  ChildProcess child_;
+};
+
+namespace {
+
+/// Processes that have no file to read now.
+class Idle {
+ public:
+  /// One that is kept, or a new one.
+  std::unique_ptr<DecoderProcess> take(const std::string& file) {
+    {
+      const std::lock_guard lock(mutex_);
+      while (!processes_.empty()) {
+        std::unique_ptr<DecoderProcess> process = std::move(processes_.back());
+        processes_.pop_back();
+        if (process->child().is_usable()) return process;  // otherwise this process is a copy of its owner
+      }
+    }
+    return std::make_unique<DecoderProcess>(file);
+  }
+  void keep(std::unique_ptr<DecoderProcess> process) {
+    const std::lock_guard lock(mutex_);
+    processes_.push_back(std::move(process));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<DecoderProcess>> processes_;
+};
+
+/// Never destroyed: a recording may still be open when static objects go. The processes notice that this one has ended.
+Idle& idle() {
+  static Idle& processes = *new Idle;
+  return processes;
+}
+
+ChildLimits limits_for(std::int64_t n_file_bytes, std::int64_t n_sample_bytes) {
+  return {kLeast_cpu_s + static_cast<double>(n_file_bytes + n_sample_bytes) / kBytesPerCpuSecond,
+          kLeast_memory_bytes + kMemoryPerFileByte * n_file_bytes};
+}
+
+}  // namespace
+
+GuardedDecoder::GuardedDecoder(int descriptor, std::string name)
+    : name_(std::move(name)), n_bytes_(SoundBytes(descriptor).size()), process_(idle().take(name_)) {
+  info_ = info_of(process_->child().ask(bytes_of(Request{Action::open}) + name_, limits_for(n_bytes_, 0), name_,
+                                        kRemedy, descriptor));
+  if (info_.plain != PlainEncoding::none) idle().keep(std::move(process_));
+}
+
+GuardedDecoder::~GuardedDecoder() {
+  if (!process_ || !process_->child().is_usable()) return;
+  try {
+    process_->child().ask(bytes_of(Request{Action::close}), limits_for(n_bytes_, 0), name_, kRemedy);
+    // of a long recording: the next one may be short
+    if (info_.n_frames > static_cast<std::int64_t>(kKept_bytes / sizeof(float)) / info_.n_channels)
+      process_->discard_samples();
+    idle().keep(std::move(process_));
+  } catch (...) {  // the samples were read; the process ends here
+  }
+}
+
+std::span<float> GuardedDecoder::read(std::int64_t first, std::int64_t n_frames) {
+  const auto n_samples = static_cast<std::size_t>(n_frames * info_.n_channels);
+  ChildLimits limits = limits_for(n_bytes_, static_cast<std::int64_t>(n_samples * sizeof(float)));
+  limits.memory_bytes = 0;  // as for opening it
+  process_->child().ask(bytes_of(Request{Action::read, first, n_frames}), limits, name_, kRemedy);
+  return process_->samples().first(n_samples);
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "io/sound_decoder.hpp"
+
+namespace bouncelab::audio {
+
+class DecoderProcess;
+
+/// A SoundDecoder in a process of its own, with limits on processor time and memory that scale with the file.
+///
+/// A process that has read a file without an error is kept, and reads the next one: starting one takes longer than
+/// reading the header of a recording. At most as many are kept as there were files open at the same time; they end with
+/// this process.
+class GuardedDecoder {
+ public:
+  static constexpr std::int64_t kMostSamples = 1 << 24;  ///< that can be read at once, of all channels together
+
+  /// @param descriptor  of a regular file open for reading; it stays the caller's
+  /// @throws FileError as SoundDecoder, or where libsndfile crashes or needs more than the file can be worth
+  GuardedDecoder(int descriptor, std::string name);
+  GuardedDecoder(const GuardedDecoder&) = delete;
+  GuardedDecoder& operator=(const GuardedDecoder&) = delete;
+  ~GuardedDecoder();
+
+  const SoundInfo& info() const { return info_; }
+  /// n interleaved frames from `first` on, all of them inside the file and at most kMostSamples samples.
+  /// @return them, valid until the next call; shared with the other process, which does not touch them until then
+  /// @throws FileError
+  std::span<float> read(std::int64_t first, std::int64_t n_frames);
+
+ private:
+  std::string name_;
+  std::int64_t n_bytes_ = 0;
+  std::unique_ptr<DecoderProcess> process_;
+  SoundInfo info_;
+};
+
+}  // namespace bouncelab::audio
