@@ -100,12 +100,24 @@ TEST_F(BadInput, AnExistingOutputIsKeptUnlessForced) {
 TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
   fs::copy(fs::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav", folder_ / "endless.wav");
   expect_refused("detect endless.wav --out o.csv", 3, {"endless.wav", "processor time", "ffmpeg"});
-  for (const std::string name : {"a", "b"}) write(name + ".wav", float_wav(bouncing(12), 44100));
+  write("a.wav", float_wav(bouncing(12), 44100));
+  write("b.wav", float_wav(bouncing(11), 44100));
   const Result result = run("detect a.wav endless.wav b.wav --out o.csv --quiet");
   expect_one_line_error(result, 3, {"endless.wav", "processor time", "the 2 recordings that could be read"});
   const std::string onsets = content_of(folder_ / "o.csv");
   for (const std::string name : {"a.wav", "b.wav"}) EXPECT_THAT(onsets, testing::HasSubstr(name));
-  EXPECT_EQ(std::count(onsets.begin(), onsets.end(), '\n'), 1 + 2 * 12);
+  EXPECT_EQ(std::count(onsets.begin(), onsets.end(), '\n'), 1 + 12 + 11);
+}
+
+TEST_F(BadInput, AnHdf5TableThatNeverEnds) {
+  fs::copy(fs::path(BOUNCELAB_TEST_INPUTS) / "endless_strings.h5", folder_ / "endless.h5");
+  expect_refused("restitution endless.h5 --out s.csv", 3, {"endless.h5"});
+  // a good one through the same door
+  write("on.csv", "recording,drop,impact,t_s\na,0,0,0.1\na,0,1,0.4\na,0,2,0.65\na,0,3,0.85\n");
+  ASSERT_EQ(run("convert on.csv --to on.h5").exit_code, 0);
+  ASSERT_EQ(run("restitution on.h5 --out from_h5.csv").exit_code, 0);
+  ASSERT_EQ(run("restitution on.csv --out from_csv.csv").exit_code, 0);
+  EXPECT_EQ(content_of(folder_ / "from_h5.csv"), content_of(folder_ / "from_csv.csv"));
 }
 
 TEST_F(BadInput, AStreamedFlacIsDetectedAsTheSameFileWithItsLength) {
