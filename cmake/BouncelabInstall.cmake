@@ -9,4 +9,5 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config-ve
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config-version.cmake
         DESTINATION ${package_dir} COMPONENT core)
+install(FILES cmake/FindSLEEF.cmake DESTINATION ${package_dir} COMPONENT core)
 install(FILES cmake/FindFFTW3.cmake cmake/FindSndFile.cmake DESTINATION ${package_dir} COMPONENT acoustic)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
@@ -42,8 +43,7 @@ std::vector<double> bounds(const CalibrationConfig& config) {
   LawData data;
   constexpr std::size_t kGrid = 4000;
   for (std::size_t k = 0; k < kGrid; ++k) {
-    const double v =
-        config.v_lo_mps * std::pow(config.v_hi_mps / config.v_lo_mps, (static_cast<double>(k) + 0.5) / kGrid);
+    const double v = config.v_lo_mps * pow(config.v_hi_mps / config.v_lo_mps, (static_cast<double>(k) + 0.5) / kGrid);
     data.v_mps.push_back(v);
     data.eps.push_back(restitution(config.law, v));
     data.tau.push_back(std::max(config.sigma_eps_at_1mps / v, 1e-12));
@@ -55,8 +55,8 @@ std::vector<double> bounds(const CalibrationConfig& config) {
   Eigen::VectorXd theta = Eigen::VectorXd::Zero(likelihood.n_parameters());
   for (Eigen::Index j = 0; j < n_law; ++j)
     theta[j] = restitution(config.law, model.node_v_mps[static_cast<std::size_t>(j)]);
-  theta.segment(n_law, 2) << std::log(config.below_at_1mps), -1.0;
-  theta.segment(n_law + 3, 2) << std::log(config.above_at_1mps), -1.0;
+  theta.segment(n_law, 2) << log(config.below_at_1mps), -1.0;
+  theta.segment(n_law + 3, 2) << log(config.above_at_1mps), -1.0;
   const Eigen::MatrixXd white =
       whitening(likelihood.information(theta) * (static_cast<double>(config.n_samples) / kGrid), 1e-12);
   const Eigen::MatrixXd covariance = (white * white.transpose()).topLeftCorner(n_law, n_law);
@@ -87,10 +87,10 @@ std::pair<double, double> slope_bounds(const CalibrationConfig& config, double v
   const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
   const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, v_mps});
   Eigen::VectorXd theta(3);
-  theta << data.eps[0], std::log(config.below_at_1mps / v_mps), std::log(config.above_at_1mps / v_mps);
+  theta << data.eps[0], log(config.below_at_1mps / v_mps), log(config.above_at_1mps / v_mps);
   const double n = static_cast<double>(config.n_samples) *
-                   std::log((v_mps + 0.5 * kWindowWidth_mps) / (v_mps - 0.5 * kWindowWidth_mps)) /
-                   std::log(config.v_hi_mps / config.v_lo_mps);
+                   log((v_mps + 0.5 * kWindowWidth_mps) / (v_mps - 0.5 * kWindowWidth_mps)) /
+                   log(config.v_hi_mps / config.v_lo_mps);
   const Eigen::MatrixXd white = whitening(likelihood.information(theta) * (n / kCopies), 1e-12);
   const Eigen::VectorXd variances = (white * white.transpose()).diagonal();
   return {std::sqrt(variances[1]) * v_mps / config.below_at_1mps,
@@ -188,7 +188,7 @@ RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uin
     RestitutionSample& s = samples[k];
     s.drop = static_cast<std::int64_t>(k / kPerDrop);
     s.impact = static_cast<std::int64_t>(k % kPerDrop);
-    s.v_mps = config.v_lo_mps * std::pow(config.v_hi_mps / config.v_lo_mps, random.uniform());
+    s.v_mps = config.v_lo_mps * pow(config.v_hi_mps / config.v_lo_mps, random.uniform());
     const double below = config.below_at_1mps / s.v_mps, above = config.above_at_1mps / s.v_mps;
     const double scatter =
         random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
@@ -15,7 +16,7 @@ namespace bouncelab::sim {
 namespace {
 
 Vector3 gravity(const SimulationConfig& config) {
-  return {config.gravity_mps2 * std::sin(config.tilt_rad), 0.0, -config.gravity_mps2 * std::cos(config.tilt_rad)};
+  return {config.gravity_mps2 * sin(config.tilt_rad), 0.0, -config.gravity_mps2 * cos(config.tilt_rad)};
 }
 
 /// Uniform on the rotations (Shoemake, Graphics Gems III (1992), 124).
@@ -23,7 +24,7 @@ Quaternion random_orientation(Random& random) {
   const double u = random.uniform();
   const double p = 2.0 * std::numbers::pi * random.uniform(), q = 2.0 * std::numbers::pi * random.uniform();
   const double a = std::sqrt(1.0 - u), b = std::sqrt(u);
-  return normalized(Quaternion{a * std::sin(p), a * std::cos(p), b * std::sin(q), b * std::cos(q)});
+  return normalized(Quaternion{a * sin(p), a * cos(p), b * sin(q), b * cos(q)});
 }
 
 /// Kinetic and potential energy; zero potential with the ball on the plate's centre.
@@ -80,8 +81,8 @@ void require(bool holds, const std::string& quantity, double value, const std::s
 void require_sane_restitution(const SimulationConfig& c) {
   const auto& [wx, wy, wz] = c.start_spin_radps;
   const auto& [vx, vy] = c.start_velocity_mps;
-  const double fastest_mps = std::sqrt(2.0 * c.gravity_mps2 * c.drop_height_max_m) + std::hypot(vx, vy) +
-                             c.ball.radius_m * std::hypot(wx, wy, wz);
+  const double fastest_mps =
+      std::sqrt(2.0 * c.gravity_mps2 * c.drop_height_max_m) + hypot(vx, vy) + c.ball.radius_m * hypot(wx, wy, wz);
   constexpr int kPoints = 1000;
   for (int k = 0; k <= kPoints; ++k) {
     const double v_mps = fastest_mps * k / kPoints;
@@ -119,7 +120,7 @@ void validate(const SimulationConfig& c) {
   validate(c.law);
   validate(c.contact);
   require(c.gravity_mps2 > 0.0 && std::isfinite(c.gravity_mps2), "gravity", c.gravity_mps2, "> 0 m/s^2");
-  require(c.tilt_rad >= 0.0 && std::cos(c.tilt_rad) > 1e-6, "tilt of the plate", c.tilt_rad,
+  require(c.tilt_rad >= 0.0 && cos(c.tilt_rad) > 1e-6, "tilt of the plate", c.tilt_rad,
           "[0, pi/2) rad; a ball never lands on an upright plate");
   for (const double size_m : c.plate_size_m) require(size_m > 0.0, "size of the plate", size_m, "> 0 m");
   require(c.n_drops >= 1, "number of drops", static_cast<double>(c.n_drops), ">= 1");

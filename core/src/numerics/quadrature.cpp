@@ -4,12 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab {
 
 QuadratureRule gauss_legendre(int n, double lo, double hi) {
   QuadratureRule rule;
   for (int k = 0; k < n; ++k) {
-    double x = -std::cos(std::numbers::pi * (k + 0.75) / (n + 0.5));  // within Newton's reach of the root
+    double x = -cos(std::numbers::pi * (k + 0.75) / (n + 0.5));  // within Newton's reach of the root
     double derivative = 0.0;
     for (int iteration = 0; iteration < 5; ++iteration) {
       double p = 1.0, p_before = 0.0;

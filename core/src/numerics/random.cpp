@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab {
 
 std::array<std::uint64_t, 4> philox_block(std::uint64_t seed, RandomStream stream, std::uint64_t index,
@@ -34,13 +36,13 @@ double Random::normal() {
     has_spare_ = false;
     return spare_normal_;
   }
-  const double radius = std::sqrt(-2.0 * std::log(uniform()));
-  const double angle = 2.0 * std::numbers::pi * uniform();
-  spare_normal_ = radius * std::sin(angle);
+  const double radius = std::sqrt(-2.0 * log(uniform()));
+  const SinCos angle = sin_cos(2.0 * std::numbers::pi * uniform());
+  spare_normal_ = radius * angle.sin;
   has_spare_ = true;
-  return radius * std::cos(angle);
+  return radius * angle.cos;
 }
 
-double Random::exponential() { return -std::log(uniform()); }
+double Random::exponential() { return -log(uniform()); }
 
 }  // namespace bouncelab

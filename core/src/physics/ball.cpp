@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab {
 
 double mass_kg(const Ball& ball) {
@@ -18,7 +20,7 @@ double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mp
   };
   const double effective_modulus_pa = 1.0 / (compliance(ball.material) + compliance(plate));
   const double scale = 15.0 * mass_kg(ball) / (16.0 * effective_modulus_pa * std::sqrt(ball.radius_m));
-  return 2.943 * std::pow(scale, 0.4) * std::pow(v_mps, -0.2);
+  return 2.943 * pow(scale, 0.4) * pow(v_mps, -0.2);
 }
 
 }  // namespace bouncelab

@@ -8,12 +8,14 @@
 #include <numbers>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab {
 namespace {
 
 /// Half the contact time in units of (largest indentation)/v: integral of dx / sqrt(1 - x^(5/2)) from 0 to 1,
 /// = (2/5) B(2/5, 1/2).
-const double kHalfDuration = 0.4 * std::beta(0.4, 0.5);
+constexpr double kHalfDuration = 1.4716375921623523;
 
 double acceleration(double x) { return x > 0.0 ? -1.25 * x * std::sqrt(x) : 0.0; }
 
@@ -63,8 +65,8 @@ PointImpulses hertz_impulses(double duration_samples) {
   double total = 0.0;
   for (int k = 1; k < n; ++k) {
     const double theta = std::numbers::pi * k / n;
-    points.nodes.push_back(0.5 * (1.0 - std::cos(theta)));
-    points.weights.push_back(std::sin(theta) * hertz_force(points.nodes.back()));
+    points.nodes.push_back(0.5 * (1.0 - cos(theta)));
+    points.weights.push_back(sin(theta) * hertz_force(points.nodes.back()));
     total += points.weights.back();
   }
   for (double& weight : points.weights) weight /= total;

@@ -6,13 +6,14 @@
 #include <iomanip>
 #include <sstream>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab {
 namespace {
 
 double evaluate(const SeriesLaw& law, double v_mps) {
-  const double root = std::pow(v_mps, 0.1);  // one pow, then Horner in v^(1/10)
+  const double root = pow(v_mps, 0.1);  // one pow, then Horner in v^(1/10)
   double sum = 0.0;
   for (std::size_t i = std::min(law.a.size(), kViscoelasticC.size()); i-- > 1;)
     sum = (sum + kViscoelasticC[i] * law.a[i]) * root;
@@ -20,7 +21,7 @@ double evaluate(const SeriesLaw& law, double v_mps) {
 }
 
 double evaluate(const ViscoelasticLaw& law, double v_mps) {
-  return viscoelastic_restitution(std::sqrt(law.gamma) * std::pow(v_mps, 0.1));
+  return viscoelastic_restitution(std::sqrt(law.gamma) * pow(v_mps, 0.1));
 }
 
 double evaluate(const ConstantLaw& law, double) { return law.eps; }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/error_budget.hpp"
 
-#include <gsl/gsl_cdf.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "budget/timing_noise.hpp"
+#include "law/distributions.hpp"
 
 namespace bouncelab::fit {
 
@@ -41,10 +41,9 @@ double shift_by_contact_time(double v_mps, double eps, const BudgetConfig& confi
 
 /// Parts of the variance; they are scaled down where together they exceed what is there (timing stated too large).
 void add_shares(BudgetRow& row) {
-  const double ball = std::pow(row.spread_asperities.value_or(0.0), 2);
+  const double ball = square(row.spread_asperities.value_or(0.0));
   const auto& timing_spread = row.spread_timing_stated ? row.spread_timing_stated : row.spread_timing_lag1;
-  const double timing = std::pow(timing_spread.value_or(0.0), 2),
-               travel = row.spread_travel_time * row.spread_travel_time;
+  const double timing = square(timing_spread.value_or(0.0)), travel = row.spread_travel_time * row.spread_travel_time;
   const double total = std::max(row.spread * row.spread, ball + timing + travel);
   if (!(total > 0.0)) return;
   row.share_asperities = ball / total;
@@ -59,22 +58,22 @@ BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& la
   row.n = bin.size();
   const auto n = static_cast<double>(row.n);
   row.v_mps = bin[bin.size() / 2]->v_mps;
-  double square = 0.0, stated = 0.0, n_stated = 0.0, mean = 0.0;
+  double squares = 0.0, stated = 0.0, n_stated = 0.0, mean = 0.0;
   for (const RestitutionSample* s : bin) mean += (s->eps - restitution(*law.law, s->v_mps)) / n;
   for (const RestitutionSample* s : bin) {
-    square += std::pow(s->eps - restitution(*law.law, s->v_mps) - mean, 2);
+    squares += square(s->eps - restitution(*law.law, s->v_mps) - mean);
     if (!s->sigma_eps) continue;
     stated += *s->sigma_eps * *s->sigma_eps;
     n_stated += 1.0;
   }
-  row.spread = std::sqrt(square / std::max(1.0, n - 1.0));
+  row.spread = std::sqrt(squares / std::max(1.0, n - 1.0));
   if (n_stated > 0.0) row.spread_timing_stated = std::sqrt(stated / n_stated);
   const double eps = restitution(*law.law, row.v_mps), interval_s = 2.0 * row.v_mps / config.gravity_mps2;
   if (timing && timing->sigma_s)
     row.spread_timing_lag1 = *timing->sigma_s * std::sqrt(1.0 + (1.0 + eps) * (1.0 + eps) + eps * eps) / interval_s;
   if (law.scatter) {
     const double below = law.scatter->below(row.v_mps), above = law.scatter->above(row.v_mps);
-    row.spread_asperities = law.method == LawMethod::least_squares ? below : std::hypot(below, above);
+    row.spread_asperities = law.method == LawMethod::least_squares ? below : hypot(below, above);
     row.mean_minus_peak = law.method == LawMethod::asymmetric_laplace ? above - below : 0.0;
   }
   const auto point = std::min_element(law.curve.begin(), law.curve.end(), [&](const auto& a, const auto& b) {
@@ -95,17 +94,17 @@ void fit_width(ErrorBudget& budget) {
   const std::vector<BudgetRow>& rows = budget.rows;
   if (rows.size() < 4) return;
   double w = 0.0, wx = 0.0, wy = 0.0;
-  const auto y_of = [](const BudgetRow& r) { return std::log(r.spread); };
+  const auto y_of = [](const BudgetRow& r) { return log(r.spread); };
   for (const BudgetRow& r : rows) {
     if (!(r.spread > 0.0)) return;
     const auto n = static_cast<double>(r.n);
     w += n;
-    wx += n * std::log(r.v_mps);
+    wx += n * log(r.v_mps);
     wy += n * y_of(r);
   }
   double sxx = 0.0, sxy = 0.0, syy = 0.0;
   for (const BudgetRow& r : rows) {
-    const double x = std::log(r.v_mps) - wx / w, y = y_of(r) - wy / w, n = static_cast<double>(r.n);
+    const double x = log(r.v_mps) - wx / w, y = y_of(r) - wy / w, n = static_cast<double>(r.n);
     sxx += n * x * x;
     sxy += n * x * y;
     syy += n * y * y;
@@ -114,13 +113,12 @@ void fit_width(ErrorBudget& budget) {
   const double slope = sxy / sxx, n_free = static_cast<double>(rows.size()) - 2.0;
   const double se = std::sqrt(std::max(0.0, syy - slope * sxy) / n_free / sxx);
   Estimate exponent = normal_estimate(slope, se);
-  exponent.ci68 =
-      Interval{slope - gsl_cdf_tdist_Pinv(0.84135, n_free) * se, slope + gsl_cdf_tdist_Pinv(0.84135, n_free) * se};
-  exponent.ci95 =
-      Interval{slope - gsl_cdf_tdist_Pinv(0.975, n_free) * se, slope + gsl_cdf_tdist_Pinv(0.975, n_free) * se};
+  const double reach68 = student_t_quantile(0.84135, n_free) * se, reach95 = student_t_quantile(0.975, n_free) * se;
+  exponent.ci68 = Interval{slope - reach68, slope + reach68};
+  exponent.ci95 = Interval{slope - reach95, slope + reach95};
   budget.width_exponent = exponent;
   for (const double v : {rows.front().v_mps, rows.back().v_mps})
-    budget.width_law.push_back({v, std::exp(wy / w + slope * (std::log(v) - wx / w)), std::nullopt});
+    budget.width_law.push_back({v, exp(wy / w + slope * (log(v) - wx / w)), std::nullopt});
 }
 
 }  // namespace

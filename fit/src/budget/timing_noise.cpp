@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/statistics.hpp"
 
@@ -77,20 +78,20 @@ std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const
   if (pairs.size() < 8) return std::nullopt;
   const MeanWithError variance = mean_by_drop(pairs, &Pair::product_s2);
   const MeanWithError covariance = mean_by_drop(pairs, &Pair::normalised);
-  double square = 0.0;
+  double squares = 0.0;
   std::size_t n = 0;
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
     const double interval_s = samples[k + 1].t_s - samples[k].t_s;
     if (samples[k + 1].drop != samples[k].drop || samples[k + 1].impact != samples[k].impact + 1 || !(interval_s > 0.0))
       continue;
     const double r = samples[k].eps - restitution(*law.law, samples[k].v_mps);
-    square += std::pow(r * interval_s / samples[k].eps, 2);
+    squares += square(r * interval_s / samples[k].eps);
     ++n;
   }
   TimingNoise noise;
   noise.n_pairs = pairs.size();
-  noise.lag1_correlation = covariance.mean / (square / static_cast<double>(n));
-  noise.lag1_correlation_se = covariance.se / (square / static_cast<double>(n));
+  noise.lag1_correlation = covariance.mean / (squares / static_cast<double>(n));
+  noise.lag1_correlation_se = covariance.se / (squares / static_cast<double>(n));
   noise.variance_s2 = variance.mean;
   noise.variance_se_s2 = variance.se;
   if (variance.mean > 0.0) noise.sigma_s = std::sqrt(variance.mean);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::fit {
 
 const char* to_string(FitStatus status) {
@@ -42,7 +44,7 @@ std::string in_words(double value, std::optional<double> se) {
     std::snprintf(text, sizeof text, "%.6g", value);
     return text;
   }
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(*se))), 0, 12);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(log10(*se))), 0, 12);
   std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, *se);
   return text;
 }

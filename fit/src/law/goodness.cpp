@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/goodness.hpp"
 
-#include <gsl/gsl_cdf.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
+#include "law/distributions.hpp"
 
 namespace bouncelab::fit {
-
-double chi2_survival(double chi2, double ndf) { return gsl_cdf_chisq_Q(chi2, ndf); }
 
 std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
                                       std::size_t n_groups_most) {
@@ -42,10 +40,9 @@ namespace {
 double expected_distance(const LawLikelihood& likelihood, const ScatterModel& scatter, std::size_t k) {
   const double v = likelihood.data().v_mps[k], tau = likelihood.data().tau[k];
   const double below = scatter.below(v), above = scatter.above(v);
-  if (likelihood.scatter().kind == ScatterKind::normal)
-    return std::sqrt(2.0 / std::numbers::pi) * std::hypot(below, tau);
+  if (likelihood.scatter().kind == ScatterKind::normal) return std::sqrt(2.0 / std::numbers::pi) * hypot(below, tau);
   // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
-  return std::hypot((below * below + above * above) / (below + above), tau * std::sqrt(2.0 / std::numbers::pi));
+  return hypot((below * below + above * above) / (below + above), tau * std::sqrt(2.0 / std::numbers::pi));
 }
 
 ResidualBin residual_bin(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const ScatterModel& scatter,

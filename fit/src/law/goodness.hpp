@@ -24,9 +24,6 @@ struct ChiSquare {
 std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t n_parameters,
                                       std::size_t n_groups_most = 40);
 
-/// Probability of a chi-square above chi2.
-double chi2_survival(double chi2, double ndf);
-
 /// Residuals in up to 24 bins of speed with equal counts.
 std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Eigen::VectorXd& theta);
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "law/law_likelihood.hpp"
@@ -43,7 +44,7 @@ LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_
                             std::to_string(s.eps) + ": must be finite, the speed positive; leave it out");
     data.v_mps.push_back(s.v_mps);
     data.eps.push_back(s.eps);
-    data.tau.push_back(std::hypot(s.sigma_eps.value_or(0.0), kResolution));
+    data.tau.push_back(hypot(s.sigma_eps.value_or(0.0), kResolution));
     data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
   }
   return data;
@@ -89,7 +90,7 @@ std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, 
           std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, family);
   candidate.maximum = maximise_twice(likelihood, start);
-  candidate.bic = static_cast<double>(likelihood.n_parameters()) * std::log(n) - 2.0 * candidate.maximum.loglik;
+  candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
 
@@ -111,7 +112,7 @@ bool remove_outliers(const LawData& data, const LawModel& model, const Candidate
                      std::vector<std::size_t>& outliers) {
   const LawLikelihood likelihood(data, model, fit.family);
   const ScatterModel scatter = likelihood.scatter_model(fit.maximum.x);
-  const double in_scales = std::log(static_cast<double>(data.size()) / 1e-6);
+  const double in_scales = log(static_cast<double>(data.size()) / 1e-6);
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double d = data.eps[k] - likelihood.eps_of(fit.maximum.x, k);
@@ -164,7 +165,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
     c.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
     c.loglik = maximum.loglik;
     c.aic = 2.0 * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
-    c.bic = std::log(static_cast<double>(main.data.size())) * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
+    c.bic = log(static_cast<double>(main.data.size())) * static_cast<double>(c.n_parameters) - 2.0 * c.loglik;
     results.push_back(std::move(c));
   }
   double aic = HUGE_VAL, bic = HUGE_VAL;
@@ -223,7 +224,7 @@ namespace {
 double scale_at(const std::vector<double>& c, double x) {
   double sum = 0.0;
   for (std::size_t k = c.size(); k-- > 0;) sum = sum * x + c[k];
-  return std::exp(sum);
+  return exp(sum);
 }
 
 LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& config) {
@@ -266,8 +267,8 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& config)
 
 }  // namespace
 
-double ScatterModel::below(double v_mps) const { return scale_at(log_below, std::log(v_mps / v_ref_mps)); }
-double ScatterModel::above(double v_mps) const { return scale_at(log_above, std::log(v_mps / v_ref_mps)); }
+double ScatterModel::below(double v_mps) const { return scale_at(log_below, log(v_mps / v_ref_mps)); }
+double ScatterModel::above(double v_mps) const { return scale_at(log_above, log(v_mps / v_ref_mps)); }
 
 LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   LawFit fit;

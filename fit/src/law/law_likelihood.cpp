@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::fit {
@@ -20,8 +21,7 @@ constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
   const double ratio = d * d / variance;
-  return {-0.5 * (ratio + std::log(2.0 * std::numbers::pi * variance)), d / variance, (ratio - 1.0) * s * s / variance,
-          0.0};
+  return {-0.5 * (ratio + log(2.0 * std::numbers::pi * variance)), d / variance, (ratio - 1.0) * s * s / variance, 0.0};
 }
 
 double polynomial(const double* c, std::size_t n, double x) {
@@ -42,14 +42,13 @@ Eigen::Index ScatterFamily::n_parameters() const {
 
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
-  for (const double v : data.v_mps) x_.push_back(std::log(v / scatter.v_ref_mps));
+  for (const double v : data.v_mps) x_.push_back(log(v / scatter.v_ref_mps));
   for (const double tau : data.tau) inverse_tau_.push_back(1.0 / tau);
   if (model.is_linear()) {
     basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
   } else {
     basis_.resize(1, static_cast<Eigen::Index>(data.size()));
-    for (std::size_t k = 0; k < data.size(); ++k)
-      basis_(0, static_cast<Eigen::Index>(k)) = std::pow(data.v_mps[k], 0.1);
+    for (std::size_t k = 0; k < data.size(); ++k) basis_(0, static_cast<Eigen::Index>(k)) = pow(data.v_mps[k], 0.1);
   }
 }
 
@@ -70,12 +69,13 @@ LaplaceSides LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) 
   const double* c = theta.data() + n_law_;
   const double log_below = polynomial(c, scatter_.n_terms, x_[k]);
   if (scatter_.kind != ScatterKind::asymmetric_laplace) {
-    const double b = std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax));
+    const double b = exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax));
     return laplace_sides(b, b);
   }
   const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x_[k]);
-  return laplace_sides(std::exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax)),
-                       std::exp(std::clamp(log_above, kLogScaleMin, kLogScaleMax)));
+  const Pair b =
+      exp(Pair{std::clamp(log_below, kLogScaleMin, kLogScaleMax), std::clamp(log_above, kLogScaleMin, kLogScaleMax)});
+  return laplace_sides(b.first, b.second);
 }
 
 NormalLaplace LawLikelihood::density_at(double d, const LaplaceSides& sides, std::size_t k) const {
@@ -156,7 +156,7 @@ double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_
   const LaplaceSides b = scales(theta, k);
   const double d = data_.eps[k] - eps_of(theta, k, nullptr), tau = data_.tau[k];
   if (scatter_.kind == ScatterKind::normal)
-    return 0.5 * std::erfc(-d / std::sqrt(2.0 * (b.b_below * b.b_below + tau * tau)));
+    return 0.5 * erfc(-d / std::sqrt(2.0 * (b.b_below * b.b_below + tau * tau)));
   return normal_laplace_cdf(d, b.b_below, b.b_above, tau);
 }
 
@@ -179,7 +179,7 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
   for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
     const Information3 info = information_of(theta, k);
     Eigen::VectorXd powers(n_terms);
-    for (Eigen::Index i = 0; i < n_terms; ++i) powers[i] = std::pow(x_[k], static_cast<double>(i));
+    for (Eigen::Index i = 0; i < n_terms; ++i) powers[i] = power(x_[k], static_cast<int>(i));
     // predictors (rows): location, log b_below, log b_above
     Eigen::MatrixXd design = Eigen::MatrixXd::Zero(3, n_parameters());
     eps_of(theta, k, row.data());

@@ -8,13 +8,14 @@
 #include <cmath>
 #include <set>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
 double term(int order, double v_mps) {
-  return kViscoelasticC[static_cast<std::size_t>(order)] * std::pow(v_mps, 0.1 * order);
+  return kViscoelasticC[static_cast<std::size_t>(order)] * pow(v_mps, 0.1 * order);
 }
 
 /// Rows C_i v^(i/10): eps = 1 + rows A.
@@ -38,7 +39,9 @@ void check_orders(const std::vector<int>& orders) {
 }  // namespace
 
 std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power) {
-  const ceres::Jet<double, 1> x = exp(0.5 * ceres::Jet<double, 1>(log_gamma, 0)) * tenth_power;
+  const double value = exp(0.5 * log_gamma) * tenth_power;
+  ceres::Jet<double, 1> x(value);
+  x.v[0] = 0.5 * value;
   const auto eps = viscoelastic_restitution(x);
   return {eps.a, eps.v[0]};
 }
@@ -61,7 +64,7 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
   if (kind == LawKind::series) return series_terms(orders, v_mps) * a_of_q;
   Eigen::MatrixXd rows(n, 1);
   for (Eigen::Index k = 0; k < n; ++k)
-    rows(k, 0) = viscoelastic_of_log_gamma(q[0], std::pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
+    rows(k, 0) = viscoelastic_of_log_gamma(q[0], pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
   return rows;
 }
 
@@ -71,24 +74,24 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
   if (kind == LawKind::series) return (series_terms(orders, v_mps) * reported(q)).array() + 1.0;
   Eigen::VectorXd values(n);
   for (Eigen::Index k = 0; k < n; ++k)
-    values[k] = viscoelastic_of_log_gamma(q[0], std::pow(v_mps[static_cast<std::size_t>(k)], 0.1)).first;
+    values[k] = viscoelastic_of_log_gamma(q[0], pow(v_mps[static_cast<std::size_t>(k)], 0.1)).first;
   return values;
 }
 
 Eigen::VectorXd LawModel::reported(const Eigen::VectorXd& q) const {
   if (kind == LawKind::series) return a_of_q * (q.array() - 1.0).matrix();
-  if (kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, std::exp(q[0]));
+  if (kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, exp(q[0]));
   return q;
 }
 
 Eigen::MatrixXd LawModel::reported_jacobian(const Eigen::VectorXd& q) const {
   if (kind == LawKind::series) return a_of_q;
-  if (kind == LawKind::viscoelastic) return Eigen::MatrixXd::Constant(1, 1, std::exp(q[0]));
+  if (kind == LawKind::viscoelastic) return Eigen::MatrixXd::Constant(1, 1, exp(q[0]));
   return Eigen::MatrixXd::Ones(1, 1);
 }
 
 RestitutionLaw LawModel::law(const Eigen::VectorXd& q) const {
-  if (kind == LawKind::viscoelastic) return ViscoelasticLaw{std::exp(q[0])};
+  if (kind == LawKind::viscoelastic) return ViscoelasticLaw{exp(q[0])};
   if (kind == LawKind::constant) return ConstantLaw{q[0]};
   SeriesLaw series;
   series.a.assign(static_cast<std::size_t>(*std::max_element(orders.begin(), orders.end())) + 1, 0.0);
@@ -107,7 +110,7 @@ std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n) 
   std::vector<double> speeds;
   for (std::size_t j = 0; j < n; ++j)
     speeds.push_back(n == 1 ? std::sqrt(lo * hi)
-                            : lo * std::pow(hi / lo, static_cast<double>(j) / static_cast<double>(n - 1)));
+                            : lo * pow(hi / lo, static_cast<double>(j) / static_cast<double>(n - 1)));
   return speeds;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "bouncelab/core/elementary.hpp"
 #include "law/goodness.hpp"
 #include "law/profile.hpp"
 #include "text/format.hpp"
@@ -83,7 +84,7 @@ bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, dou
   if (!a.se || !std::isfinite(*a.se)) return false;
   if (3.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
   const int order = model.orders[static_cast<std::size_t>(i)];
-  const double of_term = std::abs(kViscoelasticC[static_cast<std::size_t>(order)]) * std::pow(v_mps, 0.1 * order);
+  const double of_term = std::abs(kViscoelasticC[static_cast<std::size_t>(order)]) * pow(v_mps, 0.1 * order);
   return *a.se * of_term < std::abs(1.0 - eps);
 }
 
@@ -155,7 +156,7 @@ void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Paramete
   const auto& v = likelihood.data().v_mps;
   std::vector<double> speeds;
   for (std::size_t k = 0; k < kPoints; ++k)
-    speeds.push_back(v.front() * std::pow(v.back() / v.front(), static_cast<double>(k) / (kPoints - 1)));
+    speeds.push_back(v.front() * pow(v.back() / v.front(), static_cast<double>(k) / (kPoints - 1)));
   const Eigen::MatrixXd rows = model.jacobian(speeds, q);
   const Eigen::VectorXd eps = model.eps(speeds, q);
   for (std::size_t k = 0; k < kPoints; ++k) {
@@ -168,7 +169,7 @@ void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maxim
   const double n_parameters = static_cast<double>(fit.n_parameters), n = static_cast<double>(fit.n);
   fit.loglik = maximum.loglik;
   fit.aic = 2.0 * n_parameters - 2.0 * maximum.loglik;
-  fit.bic = n_parameters * std::log(n) - 2.0 * maximum.loglik;
+  fit.bic = n_parameters * log(n) - 2.0 * maximum.loglik;
   std::vector<double> u;
   for (std::size_t k = 0; k < fit.n; ++k) u.push_back(likelihood.probability_below(maximum.x, k));
   if (const auto chi2 = pearson_chi2(u, fit.n_parameters)) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/quadrature.hpp"
 
 namespace bouncelab::fit {
@@ -17,67 +18,6 @@ constexpr double kSqrtHalfPi = 1.25331413731550025121;
 constexpr double kInvSqrt2 = 0.70710678118654752440;
 // exp(-u^2/2) is below 1e-17 from here on: the other side of the peak and the normal no longer matter
 constexpr double kFar = 8.8;
-
-/// log f without -log(b_below + b_above), the share of T1 in f, and phi(z) / (T1 + T2)
-struct Parts {
-  double log_sum = 0.0;
-  double share_above = 0.0;
-  double hazard = 0.0;
-};
-
-/// The side d >= 0 with u1 = a tau - z < 0: exp(E) factored out, E = (a tau)^2 / 2 - a d.
-Parts parts_beyond(double u1, double u2, double a_tau, double z) {
-  const double exponent = a_tau * (0.5 * a_tau - z);
-  if (u1 < -kFar) return {exponent, 1.0, 0.0};
-  const double normal = std::exp(-0.5 * u1 * u1) / kSqrt2Pi;  // phi(u1) = phi(z) exp(-E)
-  const double t1 = 1.0 - normal * mills_ratio(-u1);
-  const double t2 = normal * mills_ratio(u2);
-  const double sum = t1 + t2;
-  return {exponent + std::log(sum), t1 / sum, normal / sum};
-}
-
-Parts parts(double a_tau, double c_tau, double z) {
-  const double u1 = a_tau - z, u2 = c_tau + z;
-  if (u1 < 0.0) return parts_beyond(u1, u2, a_tau, z);
-  if (u2 < 0.0) {
-    Parts mirrored = parts_beyond(u2, u1, c_tau, -z);
-    mirrored.share_above = 1.0 - mirrored.share_above;
-    return mirrored;
-  }
-  const double r1 = mills_ratio(u1), r2 = mills_ratio(u2);
-  return {-0.5 * z * z - kLogSqrt2Pi + std::log(r1 + r2), r1 / (r1 + r2), 1.0 / (r1 + r2)};
-}
-
-NormalLaplace pure_laplace(double d, double b_below, double b_above) {
-  const double p_above = b_above / (b_below + b_above), p_below = 1.0 - p_above;
-  const double log_peak = -std::log(b_below + b_above);
-  if (d > 0.0) return {log_peak - d / b_above, 1.0 / b_above, -p_below, d / b_above - p_above};
-  if (d < 0.0) return {log_peak + d / b_below, -1.0 / b_below, -d / b_below - p_below, -p_above};
-  return {log_peak, 0.5 * (1.0 / b_above - 1.0 / b_below), -p_below, -p_above};
-}
-
-Information3 pure_laplace_information(double b_below, double b_above) {
-  const double p = b_above / (b_below + b_above), q = 1.0 - p;
-  const double cross = 1.0 / (b_below + b_above);
-  return {1.0 / (b_below * b_above), -cross, cross, q * (2.0 - q), -p * q, p * (2.0 - p)};
-}
-
-void add_panel(Information3& sum, double lo, double hi, double b_below, double b_above, double tau) {
-  const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-  for (std::size_t k = 0; k < kGaussLegendre12Positive.nodes.size(); ++k) {
-    for (const double side : {-1.0, 1.0}) {
-      const NormalLaplace f =
-          normal_laplace(middle + side * half * kGaussLegendre12Positive.nodes[k], b_below, b_above, tau);
-      const double w = std::abs(half) * kGaussLegendre12Positive.weights[k] * std::exp(f.log_density);
-      sum.ll += w * f.d_location * f.d_location;
-      sum.lb += w * f.d_location * f.d_log_below;
-      sum.la += w * f.d_location * f.d_log_above;
-      sum.bb += w * f.d_log_below * f.d_log_below;
-      sum.ba += w * f.d_log_below * f.d_log_above;
-      sum.aa += w * f.d_log_above * f.d_log_above;
-    }
-  }
-}
 
 // Cody's coefficients, from high powers to low ones but for the numerator's highest, which comes last
 constexpr std::array<double, 5> kErfNumerator{3.1611237438705656, 113.864154151050156, 377.485237685302021,
@@ -98,6 +38,7 @@ constexpr std::array<double, 5> kTailDenominator{2.56852019228982242, 1.87295284
 struct Ratio {
   double numerator, denominator;
 };
+constexpr double kErfReach = 0.46875;  // of the approximation of erf(x) / x
 
 /// Two polynomials of the same degree by Horner's rule; the denominator's highest power has the coefficient 1.
 template <std::size_t n>
@@ -110,13 +51,83 @@ Ratio ratio(const std::array<double, n + 1>& numerator, const std::array<double,
   return {sum.numerator + numerator[n - 1], sum.denominator + denominator[n - 1]};
 }
 
+/// 1 - Phi(u), u >= 0. @param density  phi(u)
+double upper_tail(double u, double density) {
+  const double x = u * kInvSqrt2;
+  if (x > kErfReach) return density * mills_ratio(u);
+  const Ratio erf = ratio(kErfNumerator, kErfDenominator, x * x);
+  return 0.5 * (1.0 - x * erf.numerator / erf.denominator);
+}
+
+/// f (b_below + b_above) = exp(exponent) sum, the share of T1 in it, and phi(z) / (T1 + T2)
+struct Parts {
+  double exponent = 0.0;
+  double sum = 1.0;
+  double share_above = 0.0;
+  double hazard = 0.0;
+};
+
+/// The side d >= 0 with u1 = a tau - z < 0: exp(E) factored out, E = (a tau)^2 / 2 - a d.
+Parts parts_beyond(double u1, double u2, double a_tau, double z) {
+  const double exponent = a_tau * (0.5 * a_tau - z);
+  if (u1 < -kFar) return {exponent, 1.0, 1.0, 0.0};
+  const double normal = exp(-0.5 * u1 * u1) / kSqrt2Pi;  // phi(u1) = phi(z) exp(-E)
+  const double t1 = 1.0 - upper_tail(-u1, normal);
+  const double t2 = normal * mills_ratio(u2);
+  const double sum = t1 + t2;
+  return {exponent, sum, t1 / sum, normal / sum};
+}
+
+Parts parts(double a_tau, double c_tau, double z) {
+  const double u1 = a_tau - z, u2 = c_tau + z;
+  if (u1 < 0.0) return parts_beyond(u1, u2, a_tau, z);
+  if (u2 < 0.0) {
+    Parts mirrored = parts_beyond(u2, u1, c_tau, -z);
+    mirrored.share_above = 1.0 - mirrored.share_above;
+    return mirrored;
+  }
+  const double r1 = mills_ratio(u1), r2 = mills_ratio(u2);
+  return {-0.5 * z * z - kLogSqrt2Pi, r1 + r2, r1 / (r1 + r2), 1.0 / (r1 + r2)};
+}
+
+NormalLaplace pure_laplace(double d, double b_below, double b_above) {
+  const double p_above = b_above / (b_below + b_above), p_below = 1.0 - p_above;
+  const double log_peak = -log(b_below + b_above);
+  if (d > 0.0) return {log_peak - d / b_above, 1.0 / b_above, -p_below, d / b_above - p_above};
+  if (d < 0.0) return {log_peak + d / b_below, -1.0 / b_below, -d / b_below - p_below, -p_above};
+  return {log_peak, 0.5 * (1.0 / b_above - 1.0 / b_below), -p_below, -p_above};
+}
+
+Information3 pure_laplace_information(double b_below, double b_above) {
+  const double p = b_above / (b_below + b_above), q = 1.0 - p;
+  const double cross = 1.0 / (b_below + b_above);
+  return {1.0 / (b_below * b_above), -cross, cross, q * (2.0 - q), -p * q, p * (2.0 - p)};
+}
+
+void add_panel(Information3& sum, double lo, double hi, double b_below, double b_above, double tau) {
+  const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
+  for (std::size_t k = 0; k < kGaussLegendre12Positive.nodes.size(); ++k) {
+    for (const double side : {-1.0, 1.0}) {
+      const NormalLaplace f =
+          normal_laplace(middle + side * half * kGaussLegendre12Positive.nodes[k], b_below, b_above, tau);
+      const double w = std::abs(half) * kGaussLegendre12Positive.weights[k] * exp(f.log_density);
+      sum.ll += w * f.d_location * f.d_location;
+      sum.lb += w * f.d_location * f.d_log_below;
+      sum.la += w * f.d_location * f.d_log_above;
+      sum.bb += w * f.d_log_below * f.d_log_below;
+      sum.ba += w * f.d_log_below * f.d_log_above;
+      sum.aa += w * f.d_log_above * f.d_log_above;
+    }
+  }
+}
+
 }  // namespace
 
 double scaled_erfc(double x) {
-  if (x <= 0.46875) {
+  if (x <= kErfReach) {
     const double y = x * x;
     const Ratio erf = ratio(kErfNumerator, kErfDenominator, y);
-    return std::exp(y) * (1.0 - x * erf.numerator / erf.denominator);
+    return exp(y) * (1.0 - x * erf.numerator / erf.denominator);
   }
   if (x <= 4.0) {
     const Ratio erfc = ratio(kErfcNumerator, kErfcDenominator, x);
@@ -132,15 +143,15 @@ double mills_ratio(double u) { return kSqrtHalfPi * scaled_erfc(u * kInvSqrt2); 
 LaplaceSides laplace_sides(double b_below, double b_above) {
   const double sum = b_below + b_above, product = b_below * b_above;
   const double inverse = 1.0 / (sum * product);  // one division serves all
-  return {b_below,      b_above, inverse * sum * b_above, inverse * sum * b_below, inverse * product * b_above,
-          std::log(sum)};
+  return {b_below,          b_above, inverse * sum * b_above, inverse * sum * b_below, inverse * product * b_above,
+          inverse * product};
 }
 
 NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau) {
   const double a_tau = tau * sides.inverse_above, c_tau = tau * sides.inverse_below, z = d * inverse_tau;
   const Parts f = parts(a_tau, c_tau, z);
   const double w1 = f.share_above, w2 = 1.0 - w1;
-  return {f.log_sum - sides.log_width, w1 * sides.inverse_above - w2 * sides.inverse_below,
+  return {f.exponent + log(f.sum * sides.inverse_width), w1 * sides.inverse_above - w2 * sides.inverse_below,
           -(1.0 - sides.p_above) - c_tau * ((c_tau + z) * w2 - f.hazard),
           -sides.p_above - a_tau * ((a_tau - z) * w1 - f.hazard)};
 }
@@ -152,11 +163,11 @@ NormalLaplace normal_laplace(double d, double b_below, double b_above, double ta
 
 double normal_laplace_cdf(double d, double b_below, double b_above, double tau) {
   const double p_above = b_above / (b_below + b_above);
-  if (!(tau > 0.0)) return d > 0.0 ? 1.0 - p_above * std::exp(-d / b_above) : (1.0 - p_above) * std::exp(d / b_below);
+  if (!(tau > 0.0)) return d > 0.0 ? 1.0 - p_above * exp(-d / b_above) : (1.0 - p_above) * exp(d / b_below);
   // integrate by parts: F = Phi(z) - p_above T1 + p_below T2
   const Parts f = parts(tau / b_above, tau / b_below, d / tau);
-  const double sum = std::exp(f.log_sum);
-  const double phi_cdf = 0.5 * std::erfc(-d / tau * kInvSqrt2);
+  const double sum = exp(f.exponent) * f.sum;
+  const double phi_cdf = 0.5 * erfc(-d / tau * kInvSqrt2);
   return phi_cdf + sum * ((1.0 - p_above) * (1.0 - f.share_above) - p_above * f.share_above);
 }
 

@@ -32,8 +32,8 @@ NormalLaplace normal_laplace(double d, double b_below, double b_above, double ta
 struct LaplaceSides {
   double b_below = 1.0, b_above = 1.0;
   double inverse_below = 1.0, inverse_above = 1.0;
-  double p_above = 0.5;    ///< probability of the upper side
-  double log_width = 0.0;  ///< log(b_below + b_above)
+  double p_above = 0.5;        ///< probability of the upper side
+  double inverse_width = 0.5;  ///< 1 / (b_below + b_above)
 };
 LaplaceSides laplace_sides(double b_below, double b_above);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/statistics.hpp"
@@ -71,7 +72,7 @@ double anderson_darling(std::vector<double> u) {
   double sum = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const double low = std::clamp(u[i], 1e-300, 1.0), high = std::clamp(1.0 - u[n - 1 - i], 1e-16, 1.0);
-    sum += (2.0 * static_cast<double>(i) + 1.0) * (std::log(low) + std::log(high));
+    sum += (2.0 * static_cast<double>(i) + 1.0) * (log(low) + log(high));
   }
   return -static_cast<double>(n) - sum / static_cast<double>(n);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::fit {
@@ -38,7 +39,7 @@ Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& 
     for (int i = 0; i < 80; ++i) {
       const double log_gamma = 0.5 * (lo + hi);
       const bool too_bouncy =
-          viscoelastic_restitution(std::exp(0.5 * log_gamma) * std::pow(middle.v_mps, 0.1)) > middle.median_eps;
+          viscoelastic_restitution(exp(0.5 * log_gamma) * pow(middle.v_mps, 0.1)) > middle.median_eps;
       (too_bouncy ? lo : hi) = log_gamma;
     }
     return Eigen::VectorXd::Constant(1, lo);
@@ -71,7 +72,7 @@ Eigen::VectorXd log_scales(const LawData& data, const std::vector<SpeedBin>& bin
     timing /= static_cast<double>(bins[j].end - bins[j].begin);
     // an exponential of mean b and a half-normal add in variance: 2 b^2 + tau^2 against 2 mean^2
     const double free_of_timing = std::sqrt(std::max(mean * mean - 0.5 * timing, 0.04 * mean * mean));
-    result[static_cast<Eigen::Index>(j)] = std::log(std::max(free_of_timing, 1e-8));
+    result[static_cast<Eigen::Index>(j)] = log(std::max(free_of_timing, 1e-8));
   }
   return result;
 }
@@ -87,8 +88,7 @@ Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const S
   Eigen::MatrixXd powers(static_cast<Eigen::Index>(bins.size()), n_terms);
   for (Eigen::Index j = 0; j < powers.rows(); ++j)
     for (Eigen::Index i = 0; i < n_terms; ++i)
-      powers(j, i) =
-          std::pow(std::log(bins[static_cast<std::size_t>(j)].v_mps / scatter.v_ref_mps), static_cast<double>(i));
+      powers(j, i) = power(log(bins[static_cast<std::size_t>(j)].v_mps / scatter.v_ref_mps), static_cast<int>(i));
   const auto solver = powers.colPivHouseholderQr();
   const Eigen::VectorXd below = solver.solve(log_scales(data, bins, fitted, -1.0));
   const Eigen::VectorXd above = solver.solve(log_scales(data, bins, fitted, 1.0));
@@ -104,7 +104,7 @@ void widen(LawData& data, const LawLikelihood& likelihood, const Eigen::VectorXd
   const ScatterModel scatter = likelihood.scatter_model(theta);
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double b = 0.5 * (scatter.below(data.v_mps[k]) + scatter.above(data.v_mps[k]));
-    data.tau[k] = std::hypot(data.tau[k], width * b);
+    data.tau[k] = hypot(data.tau[k], width * b);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <span>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/statistics.hpp"
 
@@ -21,12 +22,12 @@ std::optional<Flag> breaking_flag(const Onset& onset) {
 
 std::optional<double> sigma_of_eps(const Onset& before, const Onset& here, const Onset& after, double eps, double t_s) {
   if (!before.sigma_t_s || !here.sigma_t_s || !after.sigma_t_s) return std::nullopt;
-  return std::hypot(*after.sigma_t_s, (1.0 + eps) * *here.sigma_t_s, eps * *before.sigma_t_s) / t_s;
+  return hypot(*after.sigma_t_s, (1.0 + eps) * *here.sigma_t_s, eps * *before.sigma_t_s) / t_s;
 }
 
 std::optional<double> sigma_of_v(const Onset& before, const Onset& here, double gravity_mps2) {
   if (!before.sigma_t_s || !here.sigma_t_s) return std::nullopt;
-  return 0.5 * gravity_mps2 * std::hypot(*before.sigma_t_s, *here.sigma_t_s);
+  return 0.5 * gravity_mps2 * hypot(*before.sigma_t_s, *here.sigma_t_s);
 }
 
 /// What is taken out of an interval.
@@ -92,7 +93,7 @@ RestitutionSample first_sample(const Onset& here, const Onset& after, const Rest
   sample.eps =
       flight_of(interval_s, config, {config.correct_drag, config.correct_contact_time}).launch_mps / sample.v_mps;
   if (here.sigma_t_s && after.sigma_t_s)
-    sample.sigma_eps = sample.eps * std::hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s;
+    sample.sigma_eps = sample.eps * hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s;
   return sample;
 }
 
@@ -196,9 +197,9 @@ Restitution restitution_without_travel_time(const Onsets& onsets, RestitutionCon
   std::map<std::pair<std::int64_t, std::int64_t>, double> uncorrected;
   for (const RestitutionSample& s : restitution_samples(onsets, config).samples)
     uncorrected[{s.drop, s.impact}] = s.eps;
-  double square = 0.0;
-  for (const RestitutionSample& s : result.samples) square += std::pow(s.eps - uncorrected.at({s.drop, s.impact}), 2);
-  result.counts.rms_shift_travel_time = std::sqrt(square / std::max(1.0, static_cast<double>(result.samples.size())));
+  double squares = 0.0;
+  for (const RestitutionSample& s : result.samples) squares += square(s.eps - uncorrected.at({s.drop, s.impact}));
+  result.counts.rms_shift_travel_time = std::sqrt(squares / std::max(1.0, static_cast<double>(result.samples.size())));
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::fit {
@@ -18,7 +19,7 @@ Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {
       continue;
     }
     const auto& [x_m, y_m] = found->second;
-    onset.t_s -= std::hypot(x_m - travel.sensor_x_m, y_m - travel.sensor_y_m) / travel.wave_speed_mps;
+    onset.t_s -= hypot(x_m - travel.sensor_x_m, y_m - travel.sensor_y_m) / travel.wave_speed_mps;
   }
   return onsets;
 }

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "law/distributions.hpp"
 #include "law/goodness.hpp"
 #include "law/law_likelihood.hpp"
 #include "windows/shape_fit.hpp"
@@ -22,7 +24,7 @@ LawData window_data(const RestitutionSamples& samples, double lo, double hi, dou
   const double eps_centre = law.law ? restitution(*law.law, centre) : 0.0;
   for (const RestitutionSample& s : samples) {
     if (!(s.v_mps >= lo && s.v_mps < hi) || !std::isfinite(s.eps)) continue;
-    double eps = s.eps, tau = std::hypot(s.sigma_eps.value_or(0.0), kResolution);
+    double eps = s.eps, tau = hypot(s.sigma_eps.value_or(0.0), kResolution);
     if (law.law) {
       const double residual = eps - restitution(*law.law, s.v_mps);
       const double stretch = !law.scatter     ? 1.0
@@ -78,7 +80,7 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
   result.loglik = fit.maximum.loglik;
   std::vector<double> u;
   for (std::size_t k = 0; k < data.size(); ++k)
-    u.push_back(normal_laplace_cdf(data.eps[k] - theta[0], std::exp(theta[1]), std::exp(theta[2]), data.tau[k]));
+    u.push_back(normal_laplace_cdf(data.eps[k] - theta[0], exp(theta[1]), exp(theta[2]), data.tau[k]));
   if (const auto chi2 = pearson_chi2(u, 3, 1)) {
     result.chi2 = chi2->chi2;
     result.ndf = chi2->ndf;
@@ -95,8 +97,7 @@ void compare_with_other_densities(HistogramFit& result, const LawData& data, con
   const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
   if (symmetric.maximum.converged)
     result.p_equal_slopes = chi2_survival(std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
-  result.shapes =
-      fit_shapes(result.bins, data.tau, {fit.maximum.x[0], std::exp(fit.maximum.x[1]), std::exp(fit.maximum.x[2])});
+  result.shapes = fit_shapes(result.bins, data.tau, {fit.maximum.x[0], exp(fit.maximum.x[1]), exp(fit.maximum.x[2])});
 }
 
 /// Differences of AIC beyond which one shape is called better (Burnham & Anderson, 2002: "essentially no support").

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "windows/shape_fit.hpp"
 
-#include <gsl/gsl_cdf.h>
-#include <gsl/gsl_sf_gamma.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +8,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "bouncelab/core/elementary.hpp"
+#include "law/distributions.hpp"
 #include "law/goodness.hpp"
 #include "law/maximise.hpp"
 
@@ -19,7 +18,7 @@ namespace {
 
 constexpr Eigen::Index kCellsPerBin = 4;
 
-double normal_cdf(double z) { return 0.5 * std::erfc(-z * std::sqrt(0.5)); }
+double normal_cdf(double z) { return 0.5 * erfc(-z * std::sqrt(0.5)); }
 
 /// Cells of equal width, four to a bin, and the timing errors that move what is in them.
 class Blur {
@@ -101,16 +100,16 @@ Eigen::VectorXd cells_of(const Blur& blur, const std::function<Sides(double)>& s
 }
 
 Eigen::VectorXd two_exponentials(const Eigen::VectorXd& x, const Blur& blur) {
-  const double below = std::exp(x[1]), above = std::exp(x[2]), p_above = above / (below + above);
+  const double below = exp(x[1]), above = exp(x[2]), p_above = above / (below + above);
   return cells_of(blur, [&](double eps) {
     const double d = eps - x[0];
-    const double tail = d > 0.0 ? p_above * std::exp(-d / above) : (1.0 - p_above) * std::exp(d / below);
+    const double tail = d > 0.0 ? p_above * exp(-d / above) : (1.0 - p_above) * exp(d / below);
     return d > 0.0 ? Sides{1.0 - tail, tail} : Sides{tail, 1.0 - tail};
   });
 }
 
 Eigen::VectorXd normal(const Eigen::VectorXd& x, const Blur& blur) {
-  const double sd = std::exp(x[1]);
+  const double sd = exp(x[1]);
   return cells_of(blur, [&](double eps) {
     const double z = (eps - x[0]) / sd;
     return Sides{normal_cdf(z), normal_cdf(-z)};
@@ -119,26 +118,25 @@ Eigen::VectorXd normal(const Eigen::VectorXd& x, const Blur& blur) {
 
 /// @param sign  +1: long tail to high eps, -1: to low eps
 Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) {
-  const double scale = std::exp(x[1]);
+  const double scale = exp(x[1]);
   return cells_of(blur, [&](double eps) {
-    const double inner = std::exp(-sign * (eps - x[0]) / scale);
-    const double short_side = std::exp(-inner), long_side = -std::expm1(-inner);
+    const double inner = exp(-sign * (eps - x[0]) / scale);
+    const double short_side = exp(-inner), long_side = -expm1(-inner);
     return sign > 0.0 ? Sides{short_side, long_side} : Sides{long_side, short_side};
   });
 }
 
 /// By Simpson's rule in each cell: faster than its distribution function.
 Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
-  const double scale = std::exp(x[1]), nu = std::exp(std::clamp(x[2], -0.7, 7.0));
-  const double norm =
-      std::exp(gsl_sf_lngamma(0.5 * (nu + 1.0)) - gsl_sf_lngamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
+  const double scale = exp(x[1]), nu = exp(std::clamp(x[2], -0.7, 7.0));
+  const double norm = exp(log_gamma(0.5 * (nu + 1.0)) - log_gamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
   const auto density = [&](double eps) {
     const double z = (eps - x[0]) / scale;
-    return norm * std::exp(-0.5 * (nu + 1.0) * std::log1p(z * z / nu));
+    return norm * exp(-0.5 * (nu + 1.0) * log1p(z * z / nu));
   };
   Eigen::VectorXd cells(blur.n_cells() + 2);
-  cells[0] = gsl_cdf_tdist_P((blur.edge(0) - x[0]) / scale, nu);
-  cells[blur.n_cells() + 1] = gsl_cdf_tdist_Q((blur.edge(blur.n_cells()) - x[0]) / scale, nu);
+  cells[0] = student_t_below((blur.edge(0) - x[0]) / scale, nu);
+  cells[blur.n_cells() + 1] = student_t_below((x[0] - blur.edge(blur.n_cells())) / scale, nu);
   const double width = blur.edge(1) - blur.edge(0);
   double left = density(blur.edge(0));
   for (Eigen::Index i = 0; i < blur.n_cells(); ++i) {
@@ -150,7 +148,7 @@ Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
 }
 
 std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
-  const double sd = std::hypot(s.b_below, s.b_above), mean = s.peak + s.b_above - s.b_below;
+  const double sd = hypot(s.b_below, s.b_above), mean = s.peak + s.b_above - s.b_below;
   constexpr double kEuler = 0.5772156649015329;
   // the Gumbel's short side falls as exp(-exp(z)): a start that gives the outermost bins no probability has no gradient
   const double reach = std::max(mean - bins.eps_edges.front(), bins.eps_edges.back() - mean);
@@ -162,22 +160,22 @@ std::vector<ShapeModel> shape_models(const ShapeStart& s, const Bins& bins) {
   };
   const auto tail = [&](double sign) {
     return ShapeModel{DensityShape::gumbel,
-                      start({mean - sign * kEuler * scale, std::log(scale)}),
+                      start({mean - sign * kEuler * scale, log(scale)}),
                       [sign](const Eigen::VectorXd& x, const Blur& blur) { return gumbel(x, blur, sign); },
                       {"mode", "scale"},
                       {sign}};
   };
   return {{DensityShape::two_exponentials,
-           start({s.peak, std::log(s.b_below), std::log(s.b_above)}),
+           start({s.peak, log(s.b_below), log(s.b_above)}),
            two_exponentials,
            {"peak_eps", "slope_rising", "slope_falling"},
            {1.0, 1.0},
            -1.0},
-          {DensityShape::normal, start({mean, std::log(sd)}), normal, {"mean", "sd"}, {1.0}},
+          {DensityShape::normal, start({mean, log(sd)}), normal, {"mean", "sd"}, {1.0}},
           tail(-1.0),
           tail(1.0),
           {DensityShape::student_t,
-           start({0.5 * (mean + s.peak), std::log(0.7 * sd), std::log(4.0)}),
+           start({0.5 * (mean + s.peak), log(0.7 * sd), log(4.0)}),
            student_t,
            {"location", "scale", "nu"},
            {1.0, 1.0}}};
@@ -193,7 +191,7 @@ struct BinnedLikelihood {
     Eigen::MatrixXd d(counts.size(), x.size());
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       Eigen::VectorXd ahead = x, behind = x;
-      const double h = i == 0 ? 1e-4 * std::exp(x[1]) : 1e-4;
+      const double h = i == 0 ? 1e-4 * exp(x[1]) : 1e-4;
       ahead[i] += h;
       behind[i] -= h;
       d.col(i) = (blur.bins_of(model.cells(ahead, blur)) - blur.bins_of(model.cells(behind, blur))) / (2.0 * h);
@@ -204,7 +202,7 @@ struct BinnedLikelihood {
     if (!x.allFinite()) return -HUGE_VAL;
     const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
     if (gradient) *gradient = derivatives(x).transpose() * counts.cwiseQuotient(p);
-    return counts.dot(p.array().log().matrix());
+    return counts.dot(p.unaryExpr([](double share) { return log(share); }));
   }
   Eigen::MatrixXd information(const Eigen::VectorXd& x) const {
     const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
@@ -257,7 +255,7 @@ ShapeFit fit_shape(const ShapeModel& model, const Blur& blur, const Eigen::Vecto
   fit.parameters.push_back({model.parameter_names[0], normal_estimate(maximum.x[0], se[0])});
   for (Eigen::Index i = 1; i < maximum.x.size(); ++i) {
     const auto j = static_cast<std::size_t>(i);
-    const double value = model.signs[j - 1] * std::exp(model.exponent * maximum.x[i]);
+    const double value = model.signs[j - 1] * exp(model.exponent * maximum.x[i]);
     fit.parameters.push_back({model.parameter_names[j], normal_estimate(value, std::abs(value) * se[i])});
   }
   const Eigen::VectorXd expected = counts.sum() * blur.bins_of(model.cells(maximum.x, blur));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "law/start_values.hpp"
 
 namespace bouncelab::fit {
@@ -14,10 +15,10 @@ constexpr double k95 = 1.959963984540054;
 /// Estimate of sign * exp(log_value) whose logarithm has this standard error, or these profile intervals.
 Estimate exponential_estimate(double log_value, double se, const std::optional<ProfileIntervals>& profile,
                               double sign) {
-  const double value = std::exp(log_value);
+  const double value = exp(log_value);
   Estimate e = normal_estimate(value, value * se);
   const auto through = [&](const Interval& offset) {
-    const double a = value * std::exp(sign * offset.lo), b = value * std::exp(sign * offset.hi);
+    const double a = value * exp(sign * offset.lo), b = value * exp(sign * offset.hi);
     return Interval{std::min(a, b), std::max(a, b)};
   };
   e.ci68 = through(profile ? profile->offset68 : Interval{-se, se});
@@ -88,9 +89,9 @@ std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd
                        (bins.eps_edges.back() - bins.eps_edges.front()) * static_cast<double>(k) / (kPoints - 1);
     double sum = 0.0;
     for (std::size_t j = 0; j < n_taus; ++j)
-      sum += std::exp(normal_laplace(eps - theta[0], std::exp(theta[1]), std::exp(theta[2]),
-                                     taus[(2 * j + 1) * taus.size() / (2 * n_taus)])
-                          .log_density);
+      sum += exp(
+          normal_laplace(eps - theta[0], exp(theta[1]), exp(theta[2]), taus[(2 * j + 1) * taus.size() / (2 * n_taus)])
+              .log_density);
     curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
   }
   return curve;

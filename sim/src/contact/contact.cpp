@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::sim {
@@ -43,7 +44,7 @@ Vector3 impulse(const FrictionlessContact&, const Mobility& k, const Demand& d) 
 
 Vector3 impulse(const CoulombContact& model, const Mobility& k, const Demand& d) {
   const Vector3 sticking = impulse(PaperContact{0.0}, k, d);
-  const double tangential = std::hypot(sticking.x, sticking.y);
+  const double tangential = hypot(sticking.x, sticking.y);
   if (tangential <= model.mu * sticking.z) return sticking;
   const Vector3 edge_of_cone{model.mu * sticking.x / tangential, model.mu * sticking.y / tangential, 1.0};
   return impulse_along(edge_of_cone, k, d);

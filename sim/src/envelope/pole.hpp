@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
 namespace bouncelab::sim {
@@ -33,7 +34,10 @@ struct Pole {
     double cosine, sine;
   };
   static Turn turn(double angle) {
-    if (angle > 0.01) return {std::cos(angle), std::sin(angle)};
+    if (angle > 0.01) {
+      const SinCos exact = sin_cos(angle);
+      return {exact.cos, exact.sin};
+    }
     // the next terms of the series are below 2e-18
     const double a2 = angle * angle;
     return {1.0 - a2 * (0.5 - a2 * (1.0 / 24.0 - a2 * (1.0 / 720.0))),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::sim {
@@ -18,7 +19,7 @@ double draw(const NormalRadii& law, Random& random) {
   while (radius <= 0.0);
   return radius;
 }
-double draw(const LognormalRadii& law, Random& random) { return law.median * std::exp(law.sigma * random.normal()); }
+double draw(const LognormalRadii& law, Random& random) { return law.median * exp(law.sigma * random.normal()); }
 double draw(const ExponentialRadii& law, Random& random) { return law.mean * random.exponential(); }
 
 bool is_good(const ConstantRadii& law) { return law.radius > 0.0 && law.radius < 1.0; }

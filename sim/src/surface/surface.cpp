@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "surface/radius_law.hpp"
@@ -14,9 +15,9 @@ namespace {
 
 Vector3 random_direction(Random& random) {
   const double z = random.uniform(-1.0, 1.0);
-  const double azimuth = 2.0 * std::numbers::pi * random.uniform();
+  const SinCos azimuth = sin_cos(2.0 * std::numbers::pi * random.uniform());
   const double s = std::sqrt((1.0 - z) * (1.0 + z));
-  return normalized(Vector3{s * std::cos(azimuth), s * std::sin(azimuth), z});
+  return normalized(Vector3{s * azimuth.cos, s * azimuth.sin, z});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -17,8 +18,8 @@ std::vector<float> low_pass(int factor) {
   double sum = 0.0;
   for (int k = -reach; k <= reach; ++k) {
     const double x = std::numbers::pi * cutoff * k;
-    const double window = 0.5 + 0.5 * std::cos(std::numbers::pi * k / (reach + 1.0));
-    taps.push_back(window * (k == 0 ? 1.0 : std::sin(x) / x));
+    const double window = 0.5 + 0.5 * cos(std::numbers::pi * k / (reach + 1.0));
+    taps.push_back(window * (k == 0 ? 1.0 : sin(x) / x));
     sum += taps.back();
   }
   std::vector<float> unit_gain;

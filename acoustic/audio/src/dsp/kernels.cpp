@@ -74,8 +74,8 @@ BOUNCELAB_VECTOR_CLONES float largest_of(const float* x, std::size_t n) {
 
 // correlate: 6 times as fast as a plain loop that the compiler vectorises, twice as fast as the same order of
 // operations left to the compiler for the same registers. It takes an eighth of the time of a detection. Fused
-// multiply-add is exactly defined, so that every machine gives the same bytes as long as the order is the same: of each
-// output taps 0, 8, 16 ..., then 1, 9, 17 ..., so that a wide register of samples serves several taps.
+// multiply-add is exactly defined, so that every processor gives the same bytes as long as the order is the same: of
+// each output taps 0, 8, 16 ..., then 1, 9, 17 ..., so that a wide register of samples serves several taps.
 
 constexpr std::size_t kStride = 8;
 constexpr std::size_t kOutputs = 64;  // outputs: what an addition's latency takes

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -31,7 +32,7 @@ std::vector<float> hann(std::size_t n) {
   std::vector<float> window(n);
   for (std::size_t k = 0; k < n; ++k)
     window[k] = static_cast<float>(
-        0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(n)));
+        0.5 - 0.5 * cos(2.0 * std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(n)));
   return window;
 }
 
@@ -166,7 +167,7 @@ double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
   std::complex<double> response = 0.0;
   const double phase = -2.0 * std::numbers::pi * frequency_hz / rate_hz;
   for (std::size_t k = 0; k < model.filter.size(); ++k)
-    response += static_cast<double>(model.filter[k]) * std::polar(1.0, phase * static_cast<double>(k));
+    response += static_cast<double>(model.filter[k]) * polar(1.0, phase * static_cast<double>(k));
   return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
 }
 

@@ -4,6 +4,7 @@
 #include <fftw3.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <map>
@@ -14,6 +15,7 @@
 #include <type_traits>
 
 #include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
 
@@ -78,8 +80,8 @@ const RealFft::Plan& plan_for(std::size_t n) {
         fftwf_plan_dft_1d(size, as_complex(work.in), as_complex(work.out), FFTW_BACKWARD, FFTW_ESTIMATE));
     for (int k = 0; k < size; ++k) {
       const double phase = 2.0 * std::numbers::pi * k / static_cast<double>(n);
-      plan.cosine.push_back(static_cast<float>(std::cos(phase)));
-      plan.sine.push_back(static_cast<float>(std::sin(phase)));
+      plan.cosine.push_back(static_cast<float>(cos(phase)));
+      plan.sine.push_back(static_cast<float>(sin(phase)));
     }
   }
   return plan;
@@ -122,7 +124,7 @@ BOUNCELAB_VECTOR_CLONES void pack(const float* re, const float* im, const float*
 
 }  // namespace
 
-RealFft::RealFft(std::size_t n) : n_(n), plan_(&plan_for(n)) { assert(n >= 4 && n % 2 == 0); }
+RealFft::RealFft(std::size_t n) : n_(n), plan_(&plan_for(n)) { assert(n >= 4 && std::has_single_bit(n)); }
 
 Spectrum RealFft::forward(std::span<const float> x) {
   assert(x.size() <= n_);

@@ -6,6 +6,7 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -34,7 +35,7 @@ struct PhaseSteps {
 
   explicit PhaseSteps(double angle) {
     std::array<Phasor, kBlock + 1> p;
-    p[1] = {std::cos(angle), std::sin(angle)};
+    p[1] = {cos(angle), sin(angle)};
     for (std::size_t j = 2; j <= kBlock; ++j) p[j] = times(p[j / 2], p[j - j / 2]);  // errors grow with log j
     for (std::size_t j = 0; j < kBlock; ++j) {
       c[j] = static_cast<float>(p[j].c);

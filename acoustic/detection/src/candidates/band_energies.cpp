@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
@@ -40,7 +41,7 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
   const std::vector<int> octave = octaves(n / 2, sound.rate_hz / static_cast<double>(n));
   std::vector<float> window;
   for (std::size_t k = 0; k < n; ++k)
-    window.push_back(static_cast<float>(0.5 + 0.5 * std::cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
+    window.push_back(static_cast<float>(0.5 + 0.5 * cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
   std::vector<float> x(2 * n + 1);
   std::vector<float> part(n);
   const auto powers = [&] {
@@ -59,7 +60,7 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
     const auto before = powers();
     for (int b = 0; b < kEnergyBands; ++b) {
       const float added = std::max(0.0F, after[b] - before[b]);
-      band_energies[c].log_power[b] = std::log(std::max(added, kDetectable * before[b]) + 1e-20F);
+      band_energies[c].log_power[b] = static_cast<float>(log(std::max(added, kDetectable * before[b]) + 1e-20F));
       band_energies[c].added_share[b] = added / (after[b] + before[b] + 1e-20F);
     }
   }
@@ -76,7 +77,7 @@ float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
   }
   loudness /= weight;
   constexpr float kCurvature = 0.5F / (kSameScatter * kSameScatter) - 0.5F / (kOtherScatter * kOtherScatter);
-  static const float log_ratio = std::log(kOtherScatter / kSameScatter);
+  static const auto log_ratio = static_cast<float>(log(kOtherScatter / kSameScatter));
   float sum = -log_ratio;  // one degree of freedom for the loudness
   for (int k = 0; k < kEnergyBands; ++k) {
     const float both = a.added_share[k] * b.added_share[k];
@@ -86,7 +87,7 @@ float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
     sum +=
         std::max(both, share_of_louder) * std::max(kMinLogOddsOfBand, log_ratio - kCurvature * difference * difference);
   }
-  return 1.0F / (1.0F + std::exp(std::clamp(-kIndependence * sum, -kMaxLogOdds, kMaxLogOdds)));
+  return 1.0F / (1.0F + static_cast<float>(exp(std::clamp(-kIndependence * sum, -kMaxLogOdds, kMaxLogOdds))));
 }
 
 }  // namespace bouncelab::detection

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "bouncelab/core/elementary.hpp"
 #include "candidates/innovation_energy.hpp"
 
 namespace bouncelab::detection {
@@ -28,7 +29,7 @@ double rise_ratio(double sum_before, double n_before, double sum_after, double n
   const double after = sum_after / n_after;
   if (after <= before) return 0.0;
   const double all = (sum_before + sum_after) / (n_before + n_after);
-  return 0.5 * ((n_before + n_after) * std::log(all) - n_before * std::log(before) - n_after * std::log(after));
+  return 0.5 * ((n_before + n_after) * log(all) - n_before * log(before) - n_after * log(after));
 }
 
 /// after / before at which the likelihood ratio reaches the threshold. The ratio is a monotonic function of
@@ -60,7 +61,7 @@ std::int64_t refine(const InnovationEnergy& energy, std::int64_t hop, std::int64
     const double before = sums[static_cast<std::size_t>(n - begin)] / n_before;
     const double after = (sums.back() - sums[static_cast<std::size_t>(n - begin)]) / n_after;
     if (after <= before) continue;
-    const double cost = n_before * std::log(before) + n_after * std::log(after);  // -2 LLR but for a constant
+    const double cost = n_before * log(before) + n_after * log(after);  // -2 LLR but for a constant
     if (cost < best) {
       best = cost;
       best_sample = n;

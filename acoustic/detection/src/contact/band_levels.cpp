@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
@@ -103,7 +104,7 @@ BandLevels measure_levels(const audio::AudioSource& sound, const ImpactTemplate&
                                               z.re.begin() + static_cast<std::ptrdiff_t>(band.to), 0.0);
       row.push_back(in_phase / band.energy - (is_training ? impact.fit.amplitude * band.own_noise : 0.0));
     }
-    levels.contact_scaling.push_back(std::pow(impact.v_mps, -0.2));
+    levels.contact_scaling.push_back(pow(impact.v_mps, -0.2));
     levels.level.push_back(std::move(row));
   }
   return levels;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "contact/contact_time.hpp"
 #include "contact/level_model.hpp"
 
@@ -67,7 +68,7 @@ PooledEstimate pool_bands(const BandEstimates& bands) {
     mean.step = sum / weights;
     double chi2 = 0.0, n = 0.0;
     for (std::size_t m = 0; m < step.size(); ++m) {
-      chi2 += robust[m] * std::pow(step[m] - mean.step, 2) / variance[m];
+      chi2 += robust[m] * square(step[m] - mean.step) / variance[m];
       n += robust[m];
     }
     inflation = std::max(1.0, chi2 / std::max(n - 2.0, 1.0));  // the amplitudes take one more degree of freedom
@@ -85,8 +86,7 @@ std::vector<double> log_likelihood(const LevelModel& model) {
     if (!model.is_active[m]) continue;
     double sum = 0.0;
     for (std::size_t k = 0; k < model.n_impacts(); ++k)
-      sum -= 0.5 *
-             (std::log(model.variance(k, m)) + std::min(std::pow(model.residual[k][m], 2) / model.variance(k, m), 9.0));
+      sum -= 0.5 * (log(model.variance(k, m)) + std::min(square(model.residual[k][m]) / model.variance(k, m), 9.0));
     by_band.push_back(sum);
   }
   return by_band;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
@@ -28,7 +30,7 @@ ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvi
   pooled.tau2_s2 /= weights;
   double chi2 = 0.0;
   for (const ContactEvidence& drop : drops)
-    chi2 += std::pow(((drop.*pulse).tau2_s2 - pooled.tau2_s2) / (drop.*pulse).sigma2_s2, 2);
+    chi2 += square(((drop.*pulse).tau2_s2 - pooled.tau2_s2) / (drop.*pulse).sigma2_s2);
   const double scatter = drops.size() > 1 ? std::max(1.0, chi2 / static_cast<double>(drops.size() - 1)) : 1.0;
   pooled.sigma2_s2 = std::sqrt(scatter / weights);
   return pooled;
@@ -45,14 +47,14 @@ double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
     }
   const double error = std::sqrt(std::max(squares - sum * sum / n, 1e-30) / (n - 1.0) * n);
   const double z = sum / error;
-  return 0.5 * std::erfc(-std::copysign(std::max(0.0, std::abs(z) - kMinPulseDifference), z) / std::sqrt(2.0));
+  return 0.5 * erfc(-std::copysign(std::max(0.0, std::abs(z) - kMinPulseDifference), z) / std::sqrt(2.0));
 }
 
 /// Combined with the prior, where the two are compatible.
 ContactFit with_prior(ContactFit fit) {
   const double prior = kPrior_s * kPrior_s;
   const double spread = 2.0 * kPrior_s * kPriorSigma_s;
-  if (std::abs(fit.tau2_s2 - prior) > kMaxDifference * std::hypot(fit.sigma2_s2, spread)) return fit;
+  if (std::abs(fit.tau2_s2 - prior) > kMaxDifference * hypot(fit.sigma2_s2, spread)) return fit;
   const double weight = 1.0 / (fit.sigma2_s2 * fit.sigma2_s2);
   const double prior_weight = 1.0 / (spread * spread);
   fit.tau2_s2 = (weight * fit.tau2_s2 + prior_weight * prior) / (weight + prior_weight);
@@ -68,9 +70,7 @@ ContactLaw law_of(const ContactFit& fit) {
 
 }  // namespace
 
-double contact_delay(double v_mps, double reference_scaling) {
-  return 0.5 * (std::pow(v_mps, -0.2) - reference_scaling);
-}
+double contact_delay(double v_mps, double reference_scaling) { return 0.5 * (pow(v_mps, -0.2) - reference_scaling); }
 
 ContactLaw assumed_contact(double rms_hz) {
   if (rms_hz < kSoft_hz) return {0.0, 0.5 / rms_hz};
@@ -86,7 +86,7 @@ std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drop
   ContactLaw law;
   law.tau_1_s = p_hertz * a.tau_1_s + (1.0 - p_hertz) * b.tau_1_s;
   law.sigma_s = std::sqrt(p_hertz * a.sigma_s * a.sigma_s + (1.0 - p_hertz) * b.sigma_s * b.sigma_s +
-                          p_hertz * (1.0 - p_hertz) * std::pow(a.tau_1_s - b.tau_1_s, 2));
+                          p_hertz * (1.0 - p_hertz) * square(a.tau_1_s - b.tau_1_s));
   law.hertz_tau_1_s = a.tau_1_s;
   law.is_significant = pooled[0].tau2_s2 > kSignificant * pooled[0].sigma2_s2;
   return law;

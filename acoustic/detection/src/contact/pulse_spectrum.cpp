@@ -3,13 +3,14 @@
 
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-double half_sine_force(double s) { return 0.5 * kPi * std::sin(kPi * s); }
+double half_sine_force(double s) { return 0.5 * kPi * sin(kPi * s); }
 
 }  // namespace
 
@@ -22,8 +23,8 @@ PulseSpectrum::PulseSpectrum(double (*force)(double)) {
   double total = 0.0;
   for (int q = 0; q < kNodes; ++q) {
     const double theta = kPi * (q + 0.5) / kAll;
-    middle_out[q] = -0.5 * std::cos(theta);
-    weight[q] = std::sin(theta) * force(0.5 + middle_out[q]);
+    middle_out[q] = -0.5 * cos(theta);
+    weight[q] = sin(theta) * force(0.5 + middle_out[q]);
     total += weight[q];
   }
   // each node's phasor advances by its own angle from x to x: 2048 roundings
@@ -32,8 +33,8 @@ PulseSpectrum::PulseSpectrum(double (*force)(double)) {
     const double phase = 2.0 * kPi * middle_out[q];
     weight[q] /= total;
     slope_weight[q] = -weight[q] * phase;
-    turn_c[q] = std::cos(phase / kPerUnit);
-    turn_s[q] = std::sin(phase / kPerUnit);
+    turn_c[q] = cos(phase / kPerUnit);
+    turn_s[q] = sin(phase / kPerUnit);
   }
   for (int k = 0; k <= static_cast<int>(kLargest * kPerUnit); ++k) {
     double value = 0.0, slope = 0.0;

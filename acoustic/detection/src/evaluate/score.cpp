@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/statistics.hpp"
 
@@ -60,7 +61,7 @@ double contact_scaling(const Onsets& truth, const std::vector<std::size_t>& drop
   const std::size_t from = k > 0 ? k - 1 : k;
   if (from + 1 >= drop.size() || truth[drop[from + 1]].impact != truth[drop[from]].impact + 1) return 0.0;
   const double flight_s = truth[drop[from + 1]].t_s - truth[drop[from]].t_s;
-  return flight_s > 0.0 ? std::pow(flight_s, -0.2) : 0.0;
+  return flight_s > 0.0 ? pow(flight_s, -0.2) : 0.0;
 }
 
 /// Sum of squared errors over their sigmas about their weighted regression on a constant and, with enough impacts, on
@@ -85,7 +86,7 @@ struct ChiSquared {
       uu += weight * (k.scaling - u) * (k.scaling - u), ue += weight * (k.scaling - u) * k.error_s;
     }
     const double slope = of_speed && uu > 0.0 ? ue / uu : 0.0;
-    for (const StatedError& k : drop) chi2 += std::pow((k.error_s - e - slope * (k.scaling - u)) / k.sigma_s, 2);
+    for (const StatedError& k : drop) chi2 += square((k.error_s - e - slope * (k.scaling - u)) / k.sigma_s);
     ndf += static_cast<double>(drop.size()) - (of_speed ? 2.0 : 1.0);
   }
 };

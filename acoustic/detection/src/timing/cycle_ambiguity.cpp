@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
@@ -32,7 +33,7 @@ double cost_of_sound(const TimedImpact& impact, std::size_t hypothesis) {
 
 std::optional<double> log_eps(double before_s, double here_s, double after_s) {
   if (!(before_s < here_s && here_s < after_s)) return std::nullopt;
-  return std::log((after_s - here_s) / (here_s - before_s));
+  return log((after_s - here_s) / (here_s - before_s));
 }
 
 /// Whether impact k and both its neighbours follow each other without a gap.
@@ -78,7 +79,7 @@ class CycleCosts {
                                               hypothesis_time(track_[k + 1], after));
     if (!eps) return 1e3;
     const double z = (*eps - expected_[k].centre) / expected_[k].width;
-    return 2.5 * std::log1p(0.25 * z * z);
+    return 2.5 * log1p(0.25 * z * z);
   }
 
   /// Of all terms that hold impact k.

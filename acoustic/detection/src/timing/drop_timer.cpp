@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "contact/band_levels.hpp"
 #include "timing/clipping.hpp"
@@ -59,7 +60,7 @@ double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
   double weight = 1e-300;
   for (const TimedImpact& impact : impacts) {
     const double amplitude = impact.fit.amplitude;
-    sum += amplitude * amplitude * std::pow(impact.v_mps, -0.2);
+    sum += amplitude * amplitude * pow(impact.v_mps, -0.2);
     weight += amplitude * amplitude;
   }
   return sum / weight;

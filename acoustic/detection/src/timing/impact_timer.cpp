@@ -7,6 +7,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
@@ -53,8 +54,8 @@ ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) const {
   Mask mask(learned_.filter.n_window(), 1.0F);
   const std::size_t n_taper = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
   for (std::size_t k = 0; k < n_taper; ++k)
-    mask[n_fit - n_taper + k] = static_cast<float>(
-        std::pow(std::cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_taper)), 2));
+    mask[n_fit - n_taper + k] =
+        static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_taper))));
   std::fill(mask.begin() + static_cast<std::ptrdiff_t>(n_fit), mask.end(), 0.0F);
   return mask;
 }
@@ -90,7 +91,7 @@ DelayEstimate ImpactTimer::estimate_clipped(const FitWindow& window, double shif
   const auto scan = [&](double centre, double step, int from, int to) {
     const double start = best.shift;
     for (int k = from; k <= to; ++k) {
-      const double amplitude = centre * std::pow(step, k);
+      const double amplitude = centre * pow(step, k);
       DelayEstimate r =
           estimate_delay(clipped_template(amplitude, start, window.mask), learned_.subbands, window.spectrum, 0.0);
       const double rest = window.total - 2.0 * r.log_likelihood_ratio;

@@ -8,6 +8,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "contact/pulse_spectrum.hpp"
 
 namespace bouncelab::detection {
@@ -70,7 +71,7 @@ class JointEstimator {
 
   audio::Spectrum template_of(std::size_t k) const {
     const double v_mps = impacts_[k].v_mps;
-    const double scaling = v_mps > 0.0 ? std::pow(v_mps, -0.2) : 0.0;
+    const double scaling = v_mps > 0.0 ? pow(v_mps, -0.2) : 0.0;
     return template_at_speed(learned_.filter, sound_.rate_hz, tau_1_s_, scaling, template_scaling_);
   }
 

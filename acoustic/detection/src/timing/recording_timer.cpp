@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "contact/contact_time.hpp"
 
 namespace bouncelab::detection {
@@ -123,10 +124,10 @@ Onset to_onset(const TimedImpact& from, const ContactCorrection& contact, std::o
   Onset onset;
   onset.impact = from.impact;
   onset.t_s = from.fit.t_s - contact.delay_s;
-  onset.sigma_t_s = std::hypot(std::hypot(from.fit.sigma_s, from.doubt_s), contact.sigma_s);
+  onset.sigma_t_s = hypot(hypot(from.fit.sigma_s, from.doubt_s), contact.sigma_s);
   if (peak) {
     onset.amplitude = from.fit.amplitude * *peak;
-    onset.snr_db = 20.0 * std::log10(*onset.amplitude / std::sqrt(noise_variance));
+    onset.snr_db = 20.0 * log10(*onset.amplitude / std::sqrt(noise_variance));
   }
   if (from.clipped) onset.flags.add(Flag::clipped);
   if (from.overlap) onset.flags.add(Flag::overlap);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 #include "timing/coherence_weight.hpp"
 
@@ -43,9 +44,9 @@ audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const Templat
   const std::size_t n_template = window.n_template;
   for (std::size_t n = 0; n < window.n_window; ++n) {
     double w = n < n_template ? scale : 0.0;
-    if (n < rise) w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(rise)), 2);
+    if (n < rise) w *= square(sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(rise)));
     if (n < n_template && n + fall > n_template)
-      w *= std::pow(std::sin(0.5 * kPi * static_cast<double>(n_template - n) / static_cast<double>(fall)), 2);
+      w *= square(sin(0.5 * kPi * static_cast<double>(n_template - n) / static_cast<double>(fall)));
     mean[n] *= static_cast<float>(w);
   }
   return fourier.forward(mean);

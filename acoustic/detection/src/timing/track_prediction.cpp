@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
@@ -61,12 +62,12 @@ double last_flight(const Track& track) {
   const TimedImpact& before = track[track.size() - 2];
   const auto n = static_cast<double>(last.impact - before.impact);
   const double eps = predicted_eps(track);
-  return (last.fit.t_s - before.fit.t_s) * std::pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - std::pow(eps, n));
+  return (last.fit.t_s - before.fit.t_s) * pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - pow(eps, n));
 }
 
 double first_of_missing(const Track& track, double n_missing, double total_s) {
   const double eps = predicted_eps(track);
-  return total_s * (1.0 - eps) / (1.0 - std::pow(eps, n_missing + 1.0));
+  return total_s * (1.0 - eps) / (1.0 - pow(eps, n_missing + 1.0));
 }
 
 bool is_predicted_amplitude(const Track& track, double amplitude, double interval_s) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "bouncelab/core/elementary.hpp"
 #include "timing/cycle_ambiguity.hpp"
 #include "timing/impact_timer.hpp"
 #include "timing/track_prediction.hpp"
@@ -39,7 +40,7 @@ constexpr double kMinProminence = 2.0;
 
 /// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
 /// normals. A hundredth is enough, since a track goes on more often than not.
-double noise_threshold(double n_lags) { return std::log(n_lags) + 4.6; }
+double noise_threshold(double n_lags) { return log(n_lags) + 4.6; }
 
 /// What one search needs: the sound and the template with the impacts known so far.
 struct Search {
@@ -225,9 +226,9 @@ void set_doubt(const TimedImpact& hypotheses, const CycleChoice& choice, TimedIm
   double odds_of_others = 0.0, squares = 0.0;
   for (std::size_t h = 0; h < choice.log_odds_margin.size(); ++h) {
     if (h == choice.hypothesis) continue;
-    const double odds = std::exp(-choice.log_odds_margin[h]);
+    const double odds = exp(-choice.log_odds_margin[h]);
     odds_of_others += odds;
-    squares += odds * std::pow(hypothesis_time(hypotheses, h) - impact.fit.t_s, 2);
+    squares += odds * square(hypothesis_time(hypotheses, h) - impact.fit.t_s);
   }
   impact.doubtful = odds_of_others > kMinDoubt;
   impact.doubt_s = std::sqrt(squares / (1.0 + odds_of_others));

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
@@ -132,17 +134,17 @@ void learn_eps(TrainState& s, double log_eps, double width, double jitter2) {
     s.sum_jitter_squares += jitter2;
   }
   s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
-  s.n_gains += log_eps > std::log(kLeastGain) ? 1 : 0;
-  s.n_losing += log_eps < std::log(kLargestLosingEps) ? 1 : 0;
+  s.n_gains += log_eps > log(kLeastGain) ? 1 : 0;
+  s.n_losing += log_eps < log(kLargestLosingEps) ? 1 : 0;
   s.log_loss -= s.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
   s.mean_log_eps += step / std::min(s.n_eps, kMemory);
-  s.mean_eps = std::exp(s.mean_log_eps);
+  s.mean_eps = exp(s.mean_log_eps);
 }
 
 }  // namespace
 
 TrainState begin_train(const HeardSound& first, const HeardSound& second) {
-  static const double kLogRange = std::log(kLongestFlight_s / kShortestFirstFlight_s);
+  static const double kLogRange = log(kLongestFlight_s / kShortestFirstFlight_s);
   TrainState s;
   s.first_s = first.candidate.t_s;
   s.flight_s = second.candidate.t_s - s.first_s;
@@ -151,8 +153,8 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
   s.log_amplitude = second.log_amplitude;
   const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
   s.log_odds =
-      -kStartCost - std::log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
-                             chance_rate(second.rivals, s.flight_s, as_rivals(n_own, second)) / odds_of_timbre(second));
+      -kStartCost - log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
+                        chance_rate(second.rivals, s.flight_s, as_rivals(n_own, second)) / odds_of_timbre(second));
   return s;
 }
 
@@ -169,7 +171,7 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   }
   const double flight_s = from.flight_s * last_flight;
   if (flight_s < kShortestFlight_s) return {};
-  const double log_eps = std::log(eps);
+  const double log_eps = log(eps);
   const double timing2 = jitter2(from, next);
   const double width = spread(from, n_missing, timing2);
   const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
@@ -180,7 +182,7 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
                       odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps);
   if (from.log_odds + largest_log(odds / chance) < least_log_odds) return {};  // most are far from it
   const double beats = n_missing + 1.0;
-  const double log_odds = from.log_odds + std::log(odds / (chance + rhythm_density(gap / beats) / beats));
+  const double log_odds = from.log_odds + log(odds / (chance + rhythm_density(gap / beats) / beats));
   if (log_odds < least_log_odds) return {};
   TrainState s = from;
   s.flight_s = flight_s;
@@ -196,27 +198,27 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
 double log_odds_before(const HeardSound& before, const HeardSound& first, double flight_s, double mean_log_eps,
                        double scatter) {
   const double interval_s = first.candidate.t_s - before.candidate.t_s;
-  const double log_eps = std::log(flight_s / interval_s);
-  const double jitter = std::hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
-  const double core = student3(log_eps - mean_log_eps, std::hypot(std::max(scatter, kScatter), jitter));
+  const double log_eps = log(flight_s / interval_s);
+  const double jitter = hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
+  const double core = student3(log_eps - mean_log_eps, hypot(std::max(scatter, kScatter), jitter));
   const int n_own = first.candidate.amplitude >= before.candidate.amplitude ? 1 : 0;
   const double chance = chance_rate(before.rivals, interval_s, as_rivals(n_own, before)) / odds_of_timbre(before) +
                         rhythm_density(interval_s / flight_s) / flight_s;
-  return std::log(kHeard * (1.0 - kOutlier) * core / interval_s / chance *
-                  odds_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
+  return log(kHeard * (1.0 - kOutlier) * core / interval_s / chance *
+             odds_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
 }
 
 bool is_ball_like(const TrainState& s) {
   if (s.n_heard < kLeastImpacts || s.last[0].t_s - s.first_s < kShortestTrain_s) return false;
   const double n = s.n_eps;
   // single losses must not make a ball of a rhythm, nor single gains hide that it is one
-  const double log_loss = std::min(s.log_loss, std::log(s.first_flight_s / s.flight_s));
+  const double log_loss = std::min(s.log_loss, log(s.first_flight_s / s.flight_s));
   const double scatter = std::sqrt(std::max(0.0, s.sum_squares - s.sum_jitter_squares) / n);
   const double least_over_scatter =
       std::min(n * kLossOverScatter * scatter, std::max(kMuchLogLoss, n * kLeastOverScatter * scatter));
   return static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
          s.n_outliers <= 1 + kMostOutliers * n && s.n_gains <= kMostGains * n && s.n_losing >= kLeastLosing * n &&
-         log_loss > std::max({kLeastLogLoss, -n * std::log(kLargestMeanEps), least_over_scatter});
+         log_loss > std::max({kLeastLogLoss, -n * log(kLargestMeanEps), least_over_scatter});
 }
 
 }  // namespace bouncelab::detection

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
@@ -26,7 +27,7 @@ double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << 
 
 /// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
 double harmonic(double n) {
-  const auto approximately = [](double m) { return std::log(m) + 0.5772 + 0.5 / m; };
+  const auto approximately = [](double m) { return log(m) + 0.5772 + 0.5 / m; };
   constexpr int kTabulated = 1024;
   static const std::vector<double> table = [&] {
     std::vector<double> values;
@@ -41,7 +42,9 @@ double harmonic(double n) {
 /// The least that reaches so far.
 int octave_of(double distance_s) {
   const double distance = distance_s / kSmallestReach_s;
-  return distance <= 1.0 ? 0 : static_cast<int>(std::ceil(std::log2(distance)));
+  if (distance <= 1.0) return 0;
+  int exponent = 0;  // 2^(exponent - 1) <= distance < 2^exponent
+  return std::frexp(distance, &exponent) == 0.5 ? exponent - 1 : exponent;
 }
 
 /// How much j and k are rivals, 0 ... 1.
@@ -111,7 +114,7 @@ double chance_rate(const Rivals& rivals, double flight_s, double n_own) {
 double chance_of_first(const Rivals& rivals) { return rivals.stronger.back() * harmonic(rivals.all.back()); }
 
 double rhythm_density(double gap) {
-  const double log_gap = std::log(gap);
+  const double log_gap = log(gap);
   return 0.5 * kRhythmShare * (student3(log_gap, kRhythmScatter) + student3(log_gap, kDrummerScatter)) / gap;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double kTimingOfReach = 0.15;
 
 HeardSounds::HeardSounds(const std::vector<Candidate>& c, double timing, const std::vector<BandEnergies>& t)
     : candidates(c), band_energies(t), timing_s(timing), rivals(count_rivals(c, t)) {
-  for (const Candidate& candidate : c) log_amplitude.push_back(std::log(candidate.amplitude));
+  for (const Candidate& candidate : c) log_amplitude.push_back(log(candidate.amplitude));
 }
 
 HeardSound HeardSounds::heard(std::size_t k) const {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "bouncelab/core/elementary.hpp"
 #include "tracking/bounce_model.hpp"
 
 namespace bouncelab::detection {
@@ -28,8 +29,7 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   for (std::size_t k = 2; k < std::min(kFirst, train.impacts.size()); ++k) {
     if (train.impacts[k].impact - train.impacts[k - 2].impact != 2) continue;
     const double t1_s = c[train.impacts[k - 1].candidate].t_s;
-    log_eps.push_back(
-        std::log((c[train.impacts[k].candidate].t_s - t1_s) / (t1_s - c[train.impacts[k - 2].candidate].t_s)));
+    log_eps.push_back(log((c[train.impacts[k].candidate].t_s - t1_s) / (t1_s - c[train.impacts[k - 2].candidate].t_s)));
   }
   if (log_eps.size() < 2) return {};
   const auto n = static_cast<double>(log_eps.size());
@@ -172,7 +172,7 @@ void begin_at_source(const HeardSounds& sounds, std::size_t first_free, Train& t
 std::optional<double> first_log_eps(const std::vector<Candidate>& c, const Train& train) {
   if (train.impacts[2].impact != 2) return {};
   const double t1_s = c[train.impacts[1].candidate].t_s;
-  return std::log((c[train.impacts[2].candidate].t_s - t1_s) / (t1_s - c[train.impacts[0].candidate].t_s));
+  return log((c[train.impacts[2].candidate].t_s - t1_s) / (t1_s - c[train.impacts[0].candidate].t_s));
 }
 
 /// One recording, one ball: log odds that a train's eps, which was open, is that of the surest other train.
@@ -188,8 +188,8 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trai
   const std::optional<double> here = first_log_eps(c, train);
   const std::optional<double> there = surest != nullptr ? first_log_eps(c, *surest) : std::nullopt;
   if (!here || !there) return 0.0;
-  const double open = std::exp(*here) / kEpsRange;  // eps uniform, as the model has it
-  return std::log((1.0 - kAnother) * student3(*here - *there, kScatterOfDrops) / open + kAnother);
+  const double open = exp(*here) / kEpsRange;  // eps uniform, as the model has it
+  return log((1.0 - kAnother) * student3(*here - *there, kScatterOfDrops) / open + kAnother);
 }
 
 }  // namespace

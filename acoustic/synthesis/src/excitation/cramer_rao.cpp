@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::synthesis {
 namespace {
 
@@ -20,7 +22,7 @@ double largest(std::span<const double> samples, double so_far) {
 
 WaveMeter::WaveMeter(const ResonatorBank& bank) : bank_(bank) {
   std::vector<Complex> steps;
-  for (const Complex& pole : bank.poles_per_s()) steps.push_back(std::exp(pole / bank.rate_hz()));
+  for (const Complex& pole : bank.poles_per_s()) steps.push_back(exp(pole / bank.rate_hz()));
   for (const Complex& p : steps)
     for (const Complex& q : steps) {
       sums_.push_back(1.0 / (1.0 - p * q));
@@ -71,7 +73,7 @@ WaveMeasure WaveMeter::measure(const Contact& contact, const PoleValues& amplitu
   PoleValues slopes(bank_.size());
   for (std::size_t p = 0; p < bank_.size(); ++p) {
     const Complex s = bank_.poles_per_s()[p] / bank_.rate_hz();
-    slopes.set(p, wave.ringing[p] * s * noise.whitening_gain(std::exp(s)));
+    slopes.set(p, wave.ringing[p] * s * noise.whitening_gain(exp(s)));
   }
   result.slope_energy += ringing_energy(slopes);
   result.peak = ringing_peak(wave.ringing, largest(wave.samples, 0.0));

@@ -8,6 +8,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
 
 namespace bouncelab::synthesis {
@@ -91,7 +92,7 @@ int n_interval_nodes(double max_radps, double rate_hz) {
 
 double largest_frequency_radps(const std::vector<Complex>& poles) {
   double largest = 0.0;
-  for (const Complex& pole : poles) largest = std::max(largest, std::abs(pole));
+  for (const Complex& pole : poles) largest = std::max(largest, hypot(pole.real(), pole.imag()));
   return largest;
 }
 
@@ -106,7 +107,7 @@ double smallest_decay_per_s(const std::vector<Complex>& poles) {
 ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
     : poles_(std::move(poles)),
       rate_hz_(rate_hz),
-      memory_frames_(static_cast<std::int64_t>(std::log(1e11) / smallest_decay_per_s(poles_) * rate_hz)),
+      memory_frames_(static_cast<std::int64_t>(log(1e11) / smallest_decay_per_s(poles_) * rate_hz)),
       interval_(gauss_legendre(n_interval_nodes(largest_frequency_radps(poles_), rate_hz), 0.0, 1.0)),
       pole_steps_(size()),
       step_(size()),
@@ -116,13 +117,12 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
   for (std::size_t p = 0; p < size(); ++p) {
     const Complex s = poles_[p] / rate_hz;
     pole_steps_.set(p, s);
-    step_.set(p, std::exp(s));
-    block_step_.set(p, std::exp(s * static_cast<double>(kBlock)));
+    step_.set(p, exp(s));
+    block_step_.set(p, exp(s * static_cast<double>(kBlock)));
     for (std::size_t i = 0; i < kick_.size(); ++i)
-      kick_[i].set(p, interval_.weights[i] * std::exp(s * (1.0 - interval_.nodes[i])));
+      kick_[i].set(p, interval_.weights[i] * exp(s * (1.0 - interval_.nodes[i])));
     for (std::int64_t j = 0; j < kBlock; ++j)
-      table_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j),
-                 std::exp(s * static_cast<double>(j)));
+      table_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j), exp(s * static_cast<double>(j)));
   }
 }
 
@@ -180,7 +180,7 @@ void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> ou
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {
   const double seconds = static_cast<double>(n_frames) / rate_hz_;
-  for (std::size_t p = 0; p < size(); ++p) state.set(p, state[p] * std::exp(poles_[p] * seconds));
+  for (std::size_t p = 0; p < size(); ++p) state.set(p, state[p] * exp(poles_[p] * seconds));
 }
 
 }  // namespace bouncelab::synthesis

@@ -5,13 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/quadrature.hpp"
+#include "plate/bessel.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
 
-double j_slope(int n, double x) { return n / x * std::cyl_bessel_j(n, x) - std::cyl_bessel_j(n + 1.0, x); }
-double i_slope(int n, double x) { return n / x * std::cyl_bessel_i(n, x) + std::cyl_bessel_i(n + 1.0, x); }
+double j_slope(int n, double x) { return n / x * bessel_j(n, x) - bessel_j(n + 1, x); }
+double i_slope(int n, double x) { return n / x * bessel_i(n, x) + bessel_i(n + 1, x); }
 
 /// Bending moment and Kelvin-Kirchhoff force at the edge, lambda = k a, for the two Bessel parts of the shape. The
 /// parts with I_n are divided by I_n(lambda), which grows like exp(lambda).
@@ -20,8 +22,8 @@ struct EdgeConditions {
 
   EdgeConditions(int n, double lambda, double nu) {
     const double square = static_cast<double>(n) * n;
-    const double j = std::cyl_bessel_j(n, lambda), dj = j_slope(n, lambda);
-    const double di = i_slope(n, lambda) / std::cyl_bessel_i(n, lambda);
+    const double j = bessel_j(n, lambda), dj = j_slope(n, lambda);
+    const double di = i_slope(n, lambda) / bessel_i(n, lambda);
     moment_j = lambda * lambda * j + (1.0 - nu) * (lambda * dj - square * j);
     moment_i = lambda * lambda - (1.0 - nu) * (lambda * di - square);
     force_j = lambda * lambda * lambda * dj + (1.0 - nu) * square * (lambda * dj - j);
@@ -32,12 +34,12 @@ struct EdgeConditions {
 
 double radial(const DiskMode& mode, double r_m) {
   const double x = mode.wavenumber_per_m * r_m;
-  return std::cyl_bessel_j(mode.n_diameters, x) + mode.mix * std::cyl_bessel_i(mode.n_diameters, x);
+  return bessel_j(mode.n_diameters, x) + mode.mix * bessel_i(mode.n_diameters, x);
 }
 
 DiskMode mode_at_root(int n, double lambda, double radius_m, double nu) {
   const EdgeConditions edge(n, lambda, nu);
-  DiskMode mode{n, lambda / radius_m, edge.moment_j / (edge.moment_i * std::cyl_bessel_i(n, lambda)), 1.0, 0.0};
+  DiskMode mode{n, lambda / radius_m, edge.moment_j / (edge.moment_i * bessel_i(n, lambda)), 1.0, 0.0};
   const QuadratureRule rule = gauss_legendre(64, 0.0, radius_m);
   double mean_square = 0.0;
   for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
@@ -82,9 +84,9 @@ std::vector<DiskMode> free_disk_modes(double radius_m, double poisson_ratio, dou
 }
 
 void disk_shapes_at(const std::vector<DiskMode>& modes, double x_m, double y_m, std::span<double> shapes) {
-  const double r_m = std::hypot(x_m, y_m), theta = std::atan2(y_m, x_m);
+  const double r_m = hypot(x_m, y_m), theta = atan2(y_m, x_m);
   for (std::size_t k = 0; k < modes.size(); ++k)
-    shapes[k] = modes[k].scale * radial(modes[k], r_m) * std::cos(modes[k].n_diameters * theta - modes[k].phase_rad);
+    shapes[k] = modes[k].scale * radial(modes[k], r_m) * cos(modes[k].n_diameters * theta - modes[k].phase_rad);
 }
 
 }  // namespace bouncelab::synthesis

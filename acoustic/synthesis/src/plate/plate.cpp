@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "plate/disk_modes.hpp"
 #include "plate/rectangular_modes.hpp"
@@ -82,17 +83,17 @@ const Material& contact_material(const Ground& ground) {
 }
 
 bool contains(const Ground& ground, double x_m, double y_m) {
-  if (ground.disk) return std::hypot(x_m, y_m) <= ground.disk->radius_m;
+  if (ground.disk) return hypot(x_m, y_m) <= ground.disk->radius_m;
   return std::abs(x_m) <= 0.5 * ground.carrier.length_x_m && std::abs(y_m) <= 0.5 * ground.carrier.length_y_m;
 }
 
 double mindlin_frequency_hz(double k_per_m, double thickness_m, const Material& m) {
   const double shear_pa = m.youngs_modulus_pa / (2.0 * (1.0 + m.poisson_ratio));
   const double rigidity_nm =
-      m.youngs_modulus_pa * std::pow(thickness_m, 3) / (12.0 * (1.0 - m.poisson_ratio * m.poisson_ratio));
+      m.youngs_modulus_pa * power(thickness_m, 3) / (12.0 * (1.0 - m.poisson_ratio * m.poisson_ratio));
   // (k^2 - a W)(k^2 - b W) = c W with W = omega^2; its lower root, in the form that does not cancel
   const double a = m.density_kgpm3 / (std::numbers::pi * std::numbers::pi / 12.0 * shear_pa);
-  const double b = m.density_kgpm3 * std::pow(thickness_m, 3) / (12.0 * rigidity_nm);
+  const double b = m.density_kgpm3 * power(thickness_m, 3) / (12.0 * rigidity_nm);
   const double c = m.density_kgpm3 * thickness_m / rigidity_nm;
   const double k2 = k_per_m * k_per_m;
   const double half = k2 * (a + b) + c;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/quadrature.hpp"
 
 namespace bouncelab::synthesis {
@@ -107,7 +108,7 @@ RectangularModes free_rectangle_modes(double length_x_m, double length_y_m, doub
       // even-even holds heave, the mixed classes one tilt each; odd-odd has no rigid motion
       const Eigen::Index n_rigid = parity_x + parity_y == 2 ? 0 : 1;
       for (Eigen::Index k = n_rigid; k < solver.eigenvalues().size(); ++k) {
-        const double wavenumber_per_m = std::pow(solver.eigenvalues()[k], 0.25);
+        const double wavenumber_per_m = std::sqrt(std::sqrt(solver.eigenvalues()[k]));
         if (wavenumber_per_m > max_wavenumber_per_m) break;
         const auto vector = solver.eigenvectors().col(k);
         result.modes.push_back({wavenumber_per_m, parity_x, parity_y, {vector.begin(), vector.end()}});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 
@@ -30,11 +31,11 @@ PoleValues StrikeSound::amplitudes(std::size_t channel, const Strike& strike) co
   const Disturbances& d = config_.disturbances;
   Random random(config_.seed, RandomStream::plate, (1ull << 63) | static_cast<std::uint64_t>(strike.impact_index + 1));
   if (d.timbre_wander > 0.0)
-    for (double& shape : shapes) shape *= std::exp(d.timbre_wander * random.normal());
+    for (double& shape : shapes) shape *= exp(d.timbre_wander * random.normal());
   PoleValues result = instrument_->amplitudes(channel, shapes);
   if (d.phase_wander_rad > 0.0)
     for (std::size_t k = 0; k < shapes.size(); ++k)
-      result.set(k, result[k] * std::polar(1.0, d.phase_wander_rad * random.normal()));
+      result.set(k, result[k] * polar(1.0, d.phase_wander_rad * random.normal()));
   return result;
 }
 
@@ -93,7 +94,7 @@ void scale_to(const Levels& levels, std::vector<TrueImpact>& truth) {
   for (TrueImpact& row : truth) {
     row.amplitude *= levels.gain;
     row.sigma_t_s *= levels.noise_rms / levels.gain;
-    row.snr_db = 20.0 * std::log10(row.amplitude / levels.noise_rms);
+    row.snr_db = 20.0 * log10(row.amplitude / levels.noise_rms);
     if (row.amplitude > 1.0) row.flags.add(Flag::clipped);
   }
 }
@@ -102,7 +103,7 @@ Levels levels_for(const SynthesisConfig& config, double weakest_peak, double str
   Levels levels;
   levels.gain = config.peak / strongest_peak;
   levels.weakest_peak = weakest_peak * levels.gain;
-  levels.noise_rms = levels.weakest_peak * std::pow(10.0, -config.snr_db / 20.0);
+  levels.noise_rms = levels.weakest_peak * pow(10.0, -config.snr_db / 20.0);
   return levels;
 }
 

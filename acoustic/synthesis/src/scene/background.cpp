@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 
 namespace bouncelab::synthesis {
@@ -19,9 +20,9 @@ void add_tone(double frequency_hz, double phase_rad, double amplitude, double ra
               std::span<double> out) {
   const double turns = frequency_hz / rate_hz * static_cast<double>(first);
   double angle = 2.0 * std::numbers::pi * (turns - std::floor(turns)) + phase_rad;
-  double re = std::cos(angle), im = std::sin(angle);
-  const double step_re = std::cos(2.0 * std::numbers::pi * frequency_hz / rate_hz);
-  const double step_im = std::sin(2.0 * std::numbers::pi * frequency_hz / rate_hz);
+  double re = cos(angle), im = sin(angle);
+  const double step_re = cos(2.0 * std::numbers::pi * frequency_hz / rate_hz);
+  const double step_im = sin(2.0 * std::numbers::pi * frequency_hz / rate_hz);
   for (double& y : out) {
     y += amplitude * im;
     const double next = re * step_re - im * step_im;
@@ -95,8 +96,8 @@ void Background::add_clicks(std::int64_t first, std::span<double> out) const {
 
 std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std::size_t n) const {
   const double rate_hz = config_.rate_hz;
-  const double keep = std::exp(-2.0 * std::numbers::pi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
-  const double keep_low = std::exp(-2.0 * std::numbers::pi * burst.lowest_hz / rate_hz);
+  const double keep = exp(-2.0 * std::numbers::pi * std::min(burst.highest_hz, 0.4 * rate_hz) / rate_hz);
+  const double keep_low = exp(-2.0 * std::numbers::pi * burst.lowest_hz / rate_hz);
   // one pole above, one below the band
   const auto filter = [=](std::span<double> samples) {
     double passed = 0.0, low = 0.0;
@@ -106,7 +107,7 @@ std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std:
       y = passed - low;
     }
   };
-  const auto run_in = static_cast<std::int64_t>(std::log(1e6) / (2.0 * std::numbers::pi * burst.lowest_hz) * rate_hz);
+  const auto run_in = static_cast<std::int64_t>(log(1e6) / (2.0 * std::numbers::pi * burst.lowest_hz) * rate_hz);
   std::vector<double> response(static_cast<std::size_t>(run_in), 0.0);
   response.front() = 1.0;
   filter(response);
@@ -127,7 +128,7 @@ std::vector<double> Background::whine(const Burst& burst, std::int64_t from, std
   std::vector<double> sound(n, 0.0);
   Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
   for (int k = 0; k < kTones; ++k) {
-    const double frequency_hz = burst.lowest_hz * std::pow(burst.highest_hz / burst.lowest_hz, random.uniform());
+    const double frequency_hz = burst.lowest_hz * pow(burst.highest_hz / burst.lowest_hz, random.uniform());
     add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * std::numbers::pi),
              std::sqrt(2.0 / kTones), config_.rate_hz, from, sound);
   }

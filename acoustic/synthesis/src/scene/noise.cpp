@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 
 namespace bouncelab::synthesis {
@@ -19,12 +20,12 @@ struct Ziggurat {
   std::array<double, kLayers + 1> x{}, density{};
 
   Ziggurat() {
-    x[0] = kLayerArea / std::exp(-0.5 * kTail * kTail);  // the base layer with its tail as a rectangle
+    x[0] = kLayerArea / exp(-0.5 * kTail * kTail);  // the base layer with its tail as a rectangle
     x[1] = kTail;
     for (std::size_t k = 2; k < kLayers; ++k)
-      x[k] = std::sqrt(-2.0 * std::log(kLayerArea / x[k - 1] + std::exp(-0.5 * x[k - 1] * x[k - 1])));
+      x[k] = std::sqrt(-2.0 * log(kLayerArea / x[k - 1] + exp(-0.5 * x[k - 1] * x[k - 1])));
     x[kLayers] = 0.0;
-    for (std::size_t k = 0; k <= kLayers; ++k) density[k] = std::exp(-0.5 * x[k] * x[k]);
+    for (std::size_t k = 0; k <= kLayers; ++k) density[k] = exp(-0.5 * x[k] * x[k]);
   }
 };
 
@@ -49,7 +50,7 @@ double slow_sample(Random& random, std::uint32_t word) {
     if (layer == 0) return std::copysign(beyond_tail(random), u);
     const double height =
         kZiggurat.density[layer] + random.uniform() * (kZiggurat.density[layer + 1] - kZiggurat.density[layer]);
-    if (height < std::exp(-0.5 * x * x)) return x;
+    if (height < exp(-0.5 * x * x)) return x;
   }
 }
 
@@ -95,7 +96,7 @@ FlickerFilter::FlickerFilter(double corner_hz, double rate_hz) {
   // a pole and then a zero half a ratio above it: -20 dB a decade half of the time, -10 dB on average
   constexpr double kLowest_hz = 5.0, kRatio = 4.0;
   const auto discrete = [rate_hz](double frequency_hz) {
-    return std::exp(-2.0 * std::numbers::pi * frequency_hz / rate_hz);
+    return exp(-2.0 * std::numbers::pi * frequency_hz / rate_hz);
   };
   for (double f = kLowest_hz; f < corner_hz; f *= kRatio) {
     poles_.push_back(discrete(f));
@@ -103,7 +104,7 @@ FlickerFilter::FlickerFilter(double corner_hz, double rate_hz) {
     scale_ *= (1.0 + poles_.back()) / (1.0 + zeros_.back());
   }
   if (poles_.empty()) return;
-  memory_frames_ = static_cast<std::int64_t>(std::log(1e6) * rate_hz / (2.0 * std::numbers::pi * kLowest_hz));
+  memory_frames_ = static_cast<std::int64_t>(log(1e6) * rate_hz / (2.0 * std::numbers::pi * kLowest_hz));
   std::vector<double> response(static_cast<std::size_t>(memory_frames_), 0.0);
   response.front() = 1.0;
   apply(response);

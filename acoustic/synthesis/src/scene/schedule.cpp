@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 
@@ -20,7 +21,7 @@ Random random_of(const SynthesisConfig& config, Item item, std::uint64_t index =
   return {config.seed, RandomStream::disturbance, (index << 8) | static_cast<std::uint64_t>(item)};
 }
 
-double log_uniform(Random& random, double lo, double hi) { return lo * std::pow(hi / lo, random.uniform()); }
+double log_uniform(Random& random, double lo, double hi) { return lo * pow(hi / lo, random.uniform()); }
 
 /// Waiting time to the next event of a Poisson process.
 double waiting_s(Random& random, double rate_per_s) {

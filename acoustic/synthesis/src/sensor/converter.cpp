@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensor/converter.hpp"
 
+#include "bouncelab/core/elementary.hpp"
+#include "plate/bessel.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -18,10 +21,10 @@ double windowed_sinc(double u) {
   const double x = u / ConverterFilter::kHalfWidth_samples;
   if (std::abs(x) > 1.0) return 0.0;
   const double argument = 2.0 * std::numbers::pi * kCutoff * u;
-  const double sinc = u == 0.0 ? 1.0 : std::sin(argument) / argument;
+  const double sinc = u == 0.0 ? 1.0 : sin(argument) / argument;
   // Kaiser's window less its pedestal (3e-4 of its height): without a step at its ends, quadrature over them is exact
-  const double pedestal = 1.0 / std::cyl_bessel_i(0.0, kBeta);
-  const double window = std::cyl_bessel_i(0.0, kBeta * std::sqrt(1.0 - x * x)) * pedestal;
+  const double pedestal = 1.0 / bessel_i(0, kBeta);
+  const double window = bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) * pedestal;
   return 2.0 * kCutoff * sinc * (window - pedestal);
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::synthesis {
@@ -113,18 +114,18 @@ std::vector<Complex> Instrument::couplings(const Channel& channel) const {
   // Rayleigh's integral, rho/(2 pi) int phi exp(-i w (r - r_0)/c) / r dA, on a grid finer than a quarter of a wave
   constexpr int kGridX = 60, kGridY = 40;
   const double dx_m = ground_.carrier.length_x_m / kGridX, dy_m = ground_.carrier.length_y_m / kGridY;
-  const double centre_m = std::hypot(channel.x_m, channel.y_m, channel.z_m);
+  const double centre_m = hypot(channel.x_m, channel.y_m, channel.z_m);
   for (int i = 0; i < kGridX; ++i)
     for (int j = 0; j < kGridY; ++j) {
       const double x_m = (i - 0.5 * (kGridX - 1)) * dx_m, y_m = (j - 0.5 * (kGridY - 1)) * dy_m;
       plate_.shapes_under_ball(x_m, y_m, shapes);
       if (ground_.disk && !contains(ground_, x_m, y_m))
         for (std::size_t k = 0; k < n; ++k) shapes[k] *= plate_.modes()[k].of_disk ? 0.0 : 1.0;
-      const double r_m = std::hypot(x_m - channel.x_m, y_m - channel.y_m, channel.z_m);
+      const double r_m = hypot(x_m - channel.x_m, y_m - channel.y_m, channel.z_m);
       for (std::size_t k = 0; k < n; ++k) {
         const double phase =
             2.0 * std::numbers::pi * plate_.modes()[k].frequency_hz * (r_m - centre_m) / kSpeedOfSound_mps;
-        result[k] += shapes[k] / r_m * std::polar(1.0, -phase);
+        result[k] += shapes[k] / r_m * polar(1.0, -phase);
       }
     }
   for (std::size_t k = 0; k < n; ++k)
@@ -155,8 +156,8 @@ PoleValues Instrument::amplitudes(std::size_t channel, const std::vector<double>
 
 double Instrument::travel_time_s(std::size_t channel, double x_m, double y_m) const {
   const Channel& c = channels_[channel];
-  if (sensor_.kind == SensorKind::microphone) return std::hypot(x_m - c.x_m, y_m - c.y_m, c.z_m) / kSpeedOfSound_mps;
-  return std::hypot(x_m - c.x_m, y_m - c.y_m) / rayleigh_speed_mps(ground_.carrier.material);
+  if (sensor_.kind == SensorKind::microphone) return hypot(x_m - c.x_m, y_m - c.y_m, c.z_m) / kSpeedOfSound_mps;
+  return hypot(x_m - c.x_m, y_m - c.y_m) / rayleigh_speed_mps(ground_.carrier.material);
 }
 
 }  // namespace bouncelab::synthesis

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::synthesis {
 namespace {
 
@@ -30,7 +32,7 @@ ReverberationTail::ReverberationTail(const Reverberation& room, double rate_hz) 
   if (room.level_db <= -200.0) return;
   for (std::size_t k = 0; k < kLines; ++k) {
     lengths_[k] = static_cast<std::size_t>(std::lround(kLengths_s[k] * rate_hz));
-    losses_[k] = std::pow(10.0, -3.0 * kLengths_s[k] / room.decay_60db_s);
+    losses_[k] = pow(10.0, -3.0 * kLengths_s[k] / room.decay_60db_s);
   }
   memory_frames_ = static_cast<std::int64_t>(3.0 * room.decay_60db_s * rate_hz);
   // the level by trial: the tail of an impulse at gain 1
@@ -40,7 +42,7 @@ ReverberationTail::ReverberationTail(const Reverberation& room, double rate_hz) 
   add_to(response);
   double energy = -1.0;
   for (const double h : response) energy += h * h;
-  input_gain_ = std::sqrt(std::pow(10.0, room.level_db / 10.0) / energy);
+  input_gain_ = std::sqrt(pow(10.0, room.level_db / 10.0) / energy);
 }
 
 void ReverberationTail::add_to(std::span<double> sound) const {

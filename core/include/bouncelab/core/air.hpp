@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab {
 
@@ -18,6 +18,6 @@ struct Air {
 /// Within 5 % for Re < 800, which is 2 m/s for the paper's ball. Source: Schiller & Naumann, VDI Zeitschrift 77, 318
 /// (1933), as in Clift, Grace, Weber, Bubbles, Drops and Particles (1978), table 5.1.
 /// @param reynolds  >= 0
-inline double schiller_naumann_factor(double reynolds) { return 1.0 + 0.15 * std::pow(reynolds, 0.687); }
+inline double schiller_naumann_factor(double reynolds) { return 1.0 + 0.15 * pow(reynolds, 0.687); }
 
 }  // namespace bouncelab

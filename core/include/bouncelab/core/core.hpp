@@ -6,6 +6,7 @@
 #include "bouncelab/core/ball.hpp"             // material, mass, Hertz contact time
 #include "bouncelab/core/child_process.hpp"    // readers of foreign files, with limits
 #include "bouncelab/core/csv.hpp"              // tables as files
+#include "bouncelab/core/elementary.hpp"       // exp, log, sin ... to the same bits everywhere
 #include "bouncelab/core/error.hpp"            // what is thrown
 #include "bouncelab/core/file_bytes.hpp"       // bytes of a file without reading it whole
 #include "bouncelab/core/file_plan.hpp"        // no output is an input

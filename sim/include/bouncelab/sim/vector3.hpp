@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::sim {
 
 /// A vector of three-dimensional space.
@@ -47,8 +49,9 @@ constexpr Vector3 rotate(Quaternion q, Vector3 a) {
 inline Quaternion rotation_by(Vector3 rotation_rad) {
   const double angle = norm(rotation_rad);
   if (angle == 0.0) return {};
-  const double s = std::sin(0.5 * angle) / angle;
-  return {std::cos(0.5 * angle), s * rotation_rad.x, s * rotation_rad.y, s * rotation_rad.z};
+  const SinCos half = sin_cos(0.5 * angle);
+  const double s = half.sin / angle;
+  return {half.cos, s * rotation_rad.x, s * rotation_rad.y, s * rotation_rad.z};
 }
 
 }  // namespace bouncelab::sim

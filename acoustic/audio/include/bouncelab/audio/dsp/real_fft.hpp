@@ -22,7 +22,7 @@ struct Spectrum {
 /// variance 1 has variance 1 in each real and imaginary part.
 class RealFft {
  public:
-  /// @param n  even, >= 4
+  /// @param n  a power of two, >= 4: of those lengths FFTW, as Debian builds it, gives the same bits by SSE2 as by AVX
   explicit RealFft(std::size_t n);
   std::size_t size() const { return n_; }
   /// @param x  at most n samples; what is missing is 0

@@ -2,7 +2,7 @@
 #pragma once
 
 /// Compiles a function three times, for registers of 128, 256 and 512 bits, and takes the widest that the processor
-/// has. The acoustic targets are compiled with -ffp-contract=off: no fused multiply-add, so that every machine gives
+/// has. Everything is compiled with -ffp-contract=off: no fused multiply-add, so that every x86-64 processor gives
 /// the same bytes.
 ///
 /// For loops on which much of the time goes. All of synthesis/ takes 1.2 times as long without it, a detection 1.04

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace bouncelab::fit {
+
+// Of the functions of core/elementary.hpp, so that they give the same bits on every processor; relative errors below
+// 1e-12. GSL's take the C library's functions.
+
+/// Probability of a chi-square above chi2. @param chi2  >= 0  @param ndf  > 0
+double chi2_survival(double chi2, double ndf);
+
+/// Probability of Student's t below t, for nu > 0 degrees of freedom.
+double student_t_below(double t, double nu);
+
+/// The t below which it falls with probability p. @param p  in [0.5, 1)
+double student_t_quantile(double p, double nu);
+
+}  // namespace bouncelab::fit
