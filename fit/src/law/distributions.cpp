@@ -12,7 +12,7 @@ namespace bouncelab::fit {
 namespace {
 
 constexpr double kTiny = 1e-300;
-constexpr double kEnough = 1e-16;
+constexpr double kConverged = 1e-16;
 constexpr int kMostTerms = 100000;
 
 /// b_0 + a_1/(b_1 + a_2/(b_2 + ...)), built up term by term.
@@ -24,7 +24,7 @@ class ContinuedFraction {
     d_ = 1.0 / not_zero(b + a * d_);
     c_ = not_zero(b + a / c_);
     value_ *= c_ * d_;
-    return std::abs(c_ * d_ - 1.0) < kEnough;
+    return std::abs(c_ * d_ - 1.0) < kConverged;
   }
   double value() const { return value_; }
 
@@ -35,7 +35,7 @@ class ContinuedFraction {
 
 double lower_gamma_series(double a, double x) {
   double term = 1.0 / a, sum = term;
-  for (int k = 1; k < kMostTerms && term > kEnough * sum; ++k) sum += term *= x / (a + k);
+  for (int k = 1; k < kMostTerms && term > kConverged * sum; ++k) sum += term *= x / (a + k);
   return sum;
 }
 

@@ -8,12 +8,12 @@
 ///
 /// The C library chooses variants with fused multiply-add where the processor has it; their last digits differ, and a
 /// ball that bounces on a rough surface makes another orbit of another last digit. All that computes results takes its
-/// functions from here, none from <cmath> but what IEEE 754 defines to the last bit (sqrt, fma, roundings, scalings);
-/// tests/reference/no_libm_functions holds it to that.
+/// functions from here, none from the header cmath but what IEEE 754 defines to the last bit (sqrt, fma, roundings,
+/// scalings); tests/reference/no_libm_functions holds it to that.
 ///
 /// By SLEEF's deterministic functions without fused multiply-add (Shibata & Petrogalli, IEEE TPDS 31, 1316 (2020),
 /// doi:10.1109/TPDS.2019.2960333): errors of at most 1 unit in the last place unless said otherwise. Arguments outside
-/// the domain give NaN or infinities as in <cmath>.
+/// the domain give NaN or infinities as those of the C library do.
 namespace bouncelab {
 
 double exp(double x);

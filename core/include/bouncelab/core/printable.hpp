@@ -14,7 +14,8 @@ inline constexpr std::size_t kMessage_characters = 1000;
 
 /// A text from outside (a file's name, a cell, a word of the command line) as one line that is safe on a terminal:
 /// control characters, line breaks, characters that turn the direction of writing and bytes that are not UTF-8 are
-/// written as \n, \t, \r or \xff. All else stays as it is; applied twice it gives the same.
+/// written as escape sequences of C (backslash and n, t, r or xff). All else stays as it is; applied twice it gives the
+/// same.
 /// @param limit  at least 50. A longer text is cut in its middle, "first part...last part (1234 bytes)"; of a path the
 ///               name at its end stays. Takes the same time for a text of any length.
 /// @return at most `limit` characters, valid UTF-8
