@@ -90,7 +90,7 @@ class DecodingService {
   std::string open(int descriptor, const std::string& name) {
     descriptor_ = descriptor;
     decoder_.emplace(SoundBytes(descriptor), name);
-    const std::string info = message_of(decoder_->info());
+    std::string info = message_of(decoder_->info());
     // the bytes of plain samples are read where they are needed
     if (decoder_->info().plain != PlainEncoding::none) close();
     return info;
