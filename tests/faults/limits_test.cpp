@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Too little of something: memory, descriptors, threads, size of a file. `prlimit` sets the limits.
+#include <unistd.h>
+
+#include "fault_test.hpp"
+#include "support/sanitizers.hpp"
+
+namespace bouncelab::fault_test {
+namespace {
+
+class Limits : public FaultTest {
+ protected:
+  /// Whether the program can be loaded at all: the dynamic linker's failures are not the program's.
+  bool starts(const std::string& before) const { return run_under(before, "--version").exit_code == 0; }
+
+  void expect_every_job_whole_or_explained(const std::vector<std::string>& limits, int n_threads) const {
+    for (const Job& job : jobs()) {
+      const Undisturbed whole = undisturbed(job);
+      for (const std::string& before : limits) {
+        SCOPED_TRACE(before + job.arguments);
+        const Result result = run_job(job, n_threads, "", before);
+        expect_whole_or_explained(result, files_in(), whole);
+        empty_out();
+      }
+      if (HasFailure()) return;
+    }
+  }
+};
+
+TEST_F(Limits, OfMemoryEndInTheWholeResultOrInOneLine) {
+  if (test::kSanitizer != nullptr)
+    GTEST_SKIP() << test::kSanitizer << " needs more address space than any limit leaves";
+  std::vector<std::string> limits;
+  const double step = 1 + 0.25 / n_times(1);
+  for (double bytes = 3e7; bytes < 4e8; bytes *= step) {
+    const std::string before = "prlimit --as=" + std::to_string(static_cast<long>(bytes)) + " ";
+    if (starts(before)) limits.push_back(before);
+  }
+  expect_every_job_whole_or_explained(limits, 7);
+}
+
+TEST_F(Limits, OfDescriptorsEndInTheWholeResultOrInOneLine) {
+  std::vector<std::string> limits;
+  for (int n = 3; n < 14; ++n) {
+    const std::string before = "prlimit --nofile=" + std::to_string(n) + " ";
+    if (starts(before)) limits.push_back(before);
+  }
+  expect_every_job_whole_or_explained(limits, 7);
+}
+
+TEST_F(Limits, OfFileSizeEndInTheWholeResultOrInOneLine) {
+  std::vector<std::string> limits;
+  for (const int bytes : {0, 1000, 8192, 70000, 500000})
+    limits.push_back("prlimit --fsize=" + std::to_string(bytes) + " ");
+  expect_every_job_whole_or_explained(limits, 2);
+}
+
+TEST_F(Limits, OfProcessesCostTimeOnly) {
+  // root has no such limit
+  std::string before = ::geteuid() == 0 ? "setpriv --reuid=65534 --regid=65534 --clear-groups " : "";
+  if (!starts(before)) GTEST_SKIP() << "a user without rights cannot run the program where it is";
+  before += "prlimit --nproc=1 ";
+  if (!starts(before)) GTEST_SKIP() << "the limit cannot be set here";
+  for (const Job& job : jobs()) {
+    SCOPED_TRACE(job.arguments);
+    const Undisturbed whole = undisturbed(job);
+    const Result result = run_job(job, 7, "", before);
+    EXPECT_EQ(result.exit_code, whole.exit_code) << result.err;
+    EXPECT_THAT(differences(files_in(), whole.files), testing::IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab::fault_test
