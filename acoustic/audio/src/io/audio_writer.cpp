@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/audio/audio_writer.hpp"
 
+#include <fcntl.h>
 #include <sndfile.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,6 +100,43 @@ SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, s
   return info;
 }
 
+/// What libsndfile writes into. It keeps no errors of what its encoder of FLAC writes, last of all when it is closed: a
+/// full disk would leave half a recording that passes for a whole one. So the first is kept here.
+struct Sink {
+  int descriptor = -1;
+  int error = 0;  ///< errno
+};
+
+sf_count_t length_of(void* sink) {
+  struct stat status {};
+  return ::fstat(static_cast<Sink*>(sink)->descriptor, &status) == 0 ? status.st_size : -1;
+}
+
+sf_count_t seek_in(sf_count_t offset, int whence, void* sink) {
+  return ::lseek(static_cast<Sink*>(sink)->descriptor, offset, whence);
+}
+
+sf_count_t read_from(void* to, sf_count_t n, void* sink) {
+  return ::read(static_cast<Sink*>(sink)->descriptor, to, static_cast<std::size_t>(n));
+}
+
+sf_count_t write_to(const void* from, sf_count_t n, void* user_data) {
+  Sink& sink = *static_cast<Sink*>(user_data);
+  const char* bytes = static_cast<const char*>(from);
+  for (sf_count_t at = 0; at < n;) {
+    const ssize_t n_written = ::write(sink.descriptor, bytes + at, static_cast<std::size_t>(n - at));
+    if (n_written < 0 && errno == EINTR) continue;
+    if (n_written <= 0) {
+      if (sink.error == 0) sink.error = n_written < 0 ? errno : ENOSPC;
+      return at;
+    }
+    at += n_written;
+  }
+  return n;
+}
+
+sf_count_t place_in(void* sink) { return ::lseek(static_cast<Sink*>(sink)->descriptor, 0, SEEK_CUR); }
+
 }  // namespace
 
 struct AudioWriter::State {
@@ -102,6 +144,7 @@ struct AudioWriter::State {
       : name(path.string()), encoding(encoding_), output(path, may_replace) {}
   ~State() {
     if (file) sf_close(file);
+    if (sink.descriptor >= 0) ::close(sink.descriptor);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -111,6 +154,7 @@ struct AudioWriter::State {
   std::vector<int> words;
   std::vector<float> floats;
   OutputFile output;  // destroyed after the file in it is closed
+  Sink sink;
   SNDFILE* file = nullptr;
 };
 
@@ -118,7 +162,11 @@ AudioWriter::AudioWriter(const std::filesystem::path& path, const AudioSpec& spe
                          bool may_replace) {
   SF_INFO info = checked_info(path, spec, n_frames);
   state_ = std::make_unique<State>(path, spec.encoding, may_replace);
-  state_->file = sf_open(state_->output.temporary_path().c_str(), SFM_WRITE, &info);
+  state_->sink.descriptor = ::open(state_->output.temporary_path().c_str(), O_RDWR | O_CLOEXEC);
+  if (state_->sink.descriptor < 0)
+    throw FileError(state_->name, "cannot be written: " + std::string(std::strerror(errno)));
+  SF_VIRTUAL_IO calls{length_of, seek_in, read_from, write_to, place_in};
+  state_->file = sf_open_virtual(&calls, SFM_WRITE, &info, &state_->sink);
   if (!state_->file) throw FileError(state_->name, std::string("cannot be written: ") + sf_strerror(nullptr));
   // the PEAK chunk carries the time of writing: the same sound would not be the same bytes
   sf_command(state_->file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
@@ -146,12 +194,16 @@ void AudioWriter::write(std::span<const double> interleaved) {
                    [&](double x) { return rounding.left_aligned(x); });
     n_written = sf_write_int(state_->file, words.data(), n);
   }
+  if (state_->sink.error != 0)
+    throw FileError(state_->name, "writing failed: " + std::string(std::strerror(state_->sink.error)));
   if (n_written != n)
     throw FileError(state_->name, std::string("writing failed (") + sf_strerror(state_->file) + "); is the disk full?");
 }
 
 void AudioWriter::commit() {
   const int status = sf_close(std::exchange(state_->file, nullptr));
+  if (state_->sink.error != 0)
+    throw FileError(state_->name, "writing failed: " + std::string(std::strerror(state_->sink.error)));
   if (status != 0) throw FileError(state_->name, std::string("closing failed: ") + sf_error_number(status));
   state_->output.commit();
 }
