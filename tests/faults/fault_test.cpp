@@ -38,7 +38,9 @@ std::string without_what_varies(const std::string& name, const std::string& cont
   if (!provenance && !name.ends_with("summary.json")) return content;
   Json json = Json::parse(content, nullptr, false);
   if (!json.is_object()) return content;
-  for (const char* key : {"command_line", "seconds", "processor_seconds", "peak_memory_bytes"}) json.erase(key);
+  // the paper's loop adds what it took, and of how much sound, when everything else is written
+  for (const char* key : {"command_line", "seconds", "processor_seconds", "peak_memory_bytes", "sound_s"})
+    json.erase(key);
   if (json.contains("parameters"))
     for (const char* key : {"threads", "force"}) json["parameters"].erase(key);
   if (json.contains("inputs") && provenance)
@@ -172,12 +174,14 @@ void expect_nothing_half_written(const Files& found, const Undisturbed& expected
 }
 
 void expect_whole_or_explained(const Result& result, const Files& found, const Undisturbed& expected) {
+  EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("unexpected error")));
+  // some of many recordings could not be opened: the results are those of the others, and said to be
+  if (result.err.find("the results are those of") != std::string::npos) return;
   if (result.exit_code == expected.exit_code) {
     EXPECT_THAT(differences(found, expected.files), testing::IsEmpty());
     return;
   }
   cli_test::expect_one_line_error(result, 3, {"bouncelab: "});
-  EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("unexpected error")));
   EXPECT_THAT(partial_files(found), testing::IsEmpty());
   expect_nothing_half_written(found, expected);
 }

@@ -50,6 +50,7 @@ TEST_F(Disk, StandardOutputThatIsFullIsAnErrorOfTheCommand) {
     const Result result = run(job.arguments + std::string(" --json >/dev/full"));
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_THAT(result.err, testing::HasSubstr("standard output"));
+    empty_out();
   }
 }
 
