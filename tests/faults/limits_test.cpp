@@ -55,7 +55,7 @@ TEST_F(Limits, OfFileSizeEndInTheWholeResultOrInOneLine) {
   expect_every_job_whole_or_explained(limits, 2);
 }
 
-TEST_F(Limits, OfProcessesCostTimeOnly) {
+TEST_F(Limits, OfProcessesCostTimeOnlyOrAreSaidInOneLine) {
   // root has no such limit
   std::string before = ::geteuid() == 0 ? "setpriv --reuid=65534 --regid=65534 --clear-groups " : "";
   if (!starts(before)) GTEST_SKIP() << "a user without rights cannot run the program where it is";
@@ -65,8 +65,12 @@ TEST_F(Limits, OfProcessesCostTimeOnly) {
     SCOPED_TRACE(job.arguments);
     const Undisturbed whole = undisturbed(job);
     const Result result = run_job(job, 7, "", before);
-    EXPECT_EQ(result.exit_code, whole.exit_code) << result.err;
-    EXPECT_THAT(differences(files_in(), whole.files), testing::IsEmpty());
+    expect_whole_or_explained(result, files_in(), whole);
+    // sound is read in a process of its own, which cannot be done without; threads can
+    if (std::string(job.arguments).find(".wav") == std::string::npos) {
+      EXPECT_EQ(result.exit_code, whole.exit_code) << result.err;
+    }
+    empty_out();
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -112,9 +113,11 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
   const std::string summary = analyze_json({samples.result.counts, found.recordings, clock.seconds(), warnings});
   write_text(run, folder / "summary.json", summary + "\n", {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(found.recordings)}, run);
-  const Outcome& worst = fit.outcome.exit_code != kDone ? fit.outcome : detected;
-  return {worst.exit_code, summary, detected.text + samples.outcome.text + fit.outcome.text + shown.text, warnings,
-          worst.error};
+  // recordings that were left out are named also where the fit of the others fails
+  const std::string both = detected.error.empty() || fit.outcome.error.empty() ? "" : "; ";
+  return {std::max(detected.exit_code, fit.outcome.exit_code), summary,
+          detected.text + samples.outcome.text + fit.outcome.text + shown.text, warnings,
+          detected.error + both + fit.outcome.error};
 }
 
 }  // namespace bouncelab::cli
