@@ -93,16 +93,13 @@ TEST_F(Folder, ThatVanishesDuringTheWorkIsSaidInOneLine) {
 
 class Recording : public FaultTest {
  protected:
-  /// Runs `detect` while the recording's length changes back and forth.
-  Result detect_while_length_changes(std::uintmax_t to) const {
-    const std::uintmax_t length = fs::file_size(path("long.wav"));
+  /// Runs `detect` while the recording's length changes from the one to the other, and so on.
+  Result detect_while_length_changes(const std::vector<std::uintmax_t>& lengths) const {
     std::atomic<bool> done = false;
     std::thread writer([&] {
       Chance chance;
-      while (!done) {
-        fs::resize_file(path("long.wav"), to);
-        std::this_thread::sleep_for(std::chrono::duration<double>(chance.between(0, 2e-3)));
-        fs::resize_file(path("long.wav"), length);
+      for (std::size_t k = 0; !done; k = (k + 1) % lengths.size()) {
+        fs::resize_file(path("long.wav"), lengths[k]);
         std::this_thread::sleep_for(std::chrono::duration<double>(chance.between(0, 2e-3)));
       }
     });
@@ -117,8 +114,12 @@ TEST_F(Recording, ThatGrowsWhileItIsReadGivesItsFirstPart) {
   ASSERT_EQ(run("synthesize i.csv --rate 22050 --max-mode 10000 --out long.wav --quiet").exit_code, 0);
   ASSERT_EQ(run("detect long.wav --out out/o.csv --quiet").exit_code, 0);
   const Files whole = files_in();
+  const std::string sound = cli_test::content_of(path("long.wav"));
   for (int k = 0; k < n_times(5); ++k) {
-    const Result result = detect_while_length_changes(fs::file_size(path("long.wav")) + 100000);
+    write("long.wav", sound);
+    std::vector<std::uintmax_t> lengths;
+    for (std::uintmax_t n = 1; n < 10000; ++n) lengths.push_back(sound.size() + 100 * n);
+    const Result result = detect_while_length_changes(lengths);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(files_in().at("o.csv"), whole.at("o.csv"));
   }
@@ -130,7 +131,7 @@ TEST_F(Recording, ThatShrinksWhileItIsReadIsReadWholeOrRefused) {
   for (int k = 0; k < n_times(10); ++k) {
     write("long.wav", sound);
     empty_out();
-    const Result result = detect_while_length_changes(100 + sound.size() / 10);
+    const Result result = detect_while_length_changes({100 + sound.size() / 10, sound.size()});
     // zeros come back where it was cut: they are sound, for all that can be known
     if (result.exit_code == 0) continue;
     cli_test::expect_one_line_error(result, 3, {"long.wav"});
