@@ -224,6 +224,26 @@ TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
   EXPECT_EQ(onsets[2].impact, 6);
 }
 
+TEST(Annotations, ANumberInALabelThatNoTableOfOnsetsHoldsIsNotKnown) {
+  const std::string labels =
+      "1\t1\t0.0 t_s=1 sigma_t_s=0 amplitude=-1 snr_db=30\n2\t2\t0.1 t_s=2 sigma_t_s=1e11 amplitude=1e40\n";
+  const Onsets onsets = onsets_of(parse_audacity_labels(labels, "a.txt"), false);
+  ASSERT_EQ(onsets.size(), 2U);
+  for (const Onset& onset : onsets) {
+    EXPECT_FALSE(onset.sigma_t_s);
+    EXPECT_FALSE(onset.amplitude);
+  }
+  EXPECT_EQ(onsets[0].snr_db, 30.0);
+  EXPECT_NO_THROW(onsets_from_table(to_table(onsets), "a.csv"));
+}
+
+TEST(Annotations, ALabelBeforeCarriageReturnsIsTheSameWhenWrittenAndReadAgain) {
+  const Annotations once = parse_audacity_labels("1\t1\ta\r\r\n", "a.txt");
+  const Annotations twice = parse_audacity_labels(audacity_labels(once), "a.txt");
+  EXPECT_EQ(once.points[0].label, "a");
+  EXPECT_EQ(twice.points[0].label, "a");
+}
+
 TEST(Annotations, ALayerWithAttributesWithoutNamesIsRefusedInLinearMemory) {
   std::string points;  // the quadratic reader took 3 GB for these 200 kB, and 300 GB for ten times as many
   for (int k = 0; k < 200000; ++k) points += "<point   =\"1\"";

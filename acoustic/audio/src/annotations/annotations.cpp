@@ -21,7 +21,15 @@ struct Labelled {
   std::optional<double> t_s;
 };
 
-bool read_number(std::string_view text, double& value) { return parse_number(text, value) && std::isfinite(value); }
+/// A finite number that the onsets' table may hold in this column; absent where the text or the column is another.
+std::optional<double> number_for(const std::string& column, std::string_view text) {
+  static const std::vector<ColumnSpec> columns = onset_columns();
+  const auto spec = std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.name == column; });
+  double value = 0.0;
+  if (spec == columns.end() || !parse_number(text, value) || !std::isfinite(value) || !spec->range.holds(value))
+    return std::nullopt;
+  return value;
+}
 
 // a number beyond this is not one of a drop or an impact, and counting on from it could overflow
 constexpr std::int64_t kHighestNumber = 1'000'000'000;
@@ -47,10 +55,10 @@ std::optional<Labelled> read_label(const std::string& label) {
       result.onset.flags = Flags::from_text(word);
       continue;
     }
-    double value = 0.0;
-    if (!read_number(std::string_view(word).substr(equals + 1), value)) continue;
-    if (key == "t_s" && std::abs(value) <= kLongest_s) result.t_s = value;
-    if (key == "sigma_t_s" && value >= 0.0) result.onset.sigma_t_s = value;
+    const auto value = number_for(key, std::string_view(word).substr(equals + 1));
+    if (!value) continue;
+    if (key == "t_s" && std::abs(*value) <= kLongest_s) result.t_s = value;
+    if (key == "sigma_t_s") result.onset.sigma_t_s = value;
     if (key == "amplitude") result.onset.amplitude = value;
     if (key == "snr_db") result.onset.snr_db = value;
   }

@@ -28,7 +28,7 @@ Annotations parse_audacity_labels(std::string_view text, const std::string& name
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     ++number;
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     // a line that begins with a backslash holds the frequencies of the label above
     if (line.empty() || line.front() == '\\') continue;
     const auto first_tab = line.find('\t'), second_tab = line.find('\t', first_tab + 1);
