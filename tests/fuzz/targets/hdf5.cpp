@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/hdf5_table.hpp"
 
+#include <hdf5.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -28,17 +30,32 @@ std::string written(const Table& table) {
   return content;
 }
 
+/// How many identifiers of each kind are open. The library itself leaks memory over damaged files, so that its leaks
+/// are suppressed (tests/sanitize/leaks.txt); that the reader closes what it opens is seen here.
+std::array<hsize_t, 6> open_identifiers() {
+  constexpr std::array kKinds{H5I_FILE, H5I_GROUP, H5I_DATATYPE, H5I_DATASPACE, H5I_DATASET, H5I_GENPROP_LST};
+  std::array<hsize_t, kKinds.size()> n{};
+  for (std::size_t k = 0; k < kKinds.size(); ++k) H5Inmembers(kKinds[k], &n[k]);
+  return n;
+}
+
+Table read(std::span<const std::byte> bytes, const std::vector<ColumnSpec>& wanted) {
+  const auto open_before = open_identifiers();
+  Table table = cli::read_hdf5(bytes, "input", wanted);
+  require(open_identifiers() == open_before, "the reader closes what it opens");
+  return table;
+}
+
 }  // namespace
 
 void run(Bytes input) {
-  const auto read = [&](const std::vector<ColumnSpec>& wanted) {
-    return cli::read_hdf5(std::as_bytes(input), "input", wanted);
-  };
+  static const bool library_is_open = H5open() >= 0;
+  require(library_is_open, "the library can be opened");
   const auto read_back = [](const Table& table, const std::vector<ColumnSpec>& wanted) {
     const std::string content = written(table);
-    return cli::read_hdf5(std::as_bytes(std::span(content)), "copy", wanted);
+    return read(std::as_bytes(std::span(content)), wanted);
   };
-  check_tables({read, read_back});
+  check_tables({[&](const std::vector<ColumnSpec>& wanted) { return read(std::as_bytes(input), wanted); }, read_back});
 }
 
 }  // namespace bouncelab::fuzz
