@@ -237,6 +237,14 @@ TEST(Annotations, ANumberInALabelThatNoTableOfOnsetsHoldsIsNotKnown) {
   EXPECT_NO_THROW(onsets_from_table(to_table(onsets), "a.csv"));
 }
 
+TEST(Annotations, OnsetsAreInTheOrderOfTheTimesInTheirLabels) {
+  // on one frame of 48 kHz; the second's own time is earlier
+  const Onsets onsets = onsets_of({"a.wav", 1.0 / 48000.0, {{0.002, "5.1"}, {0.002, "1.1 t_s=0.001999"}}}, false);
+  ASSERT_EQ(onsets.size(), 2U);
+  EXPECT_EQ(onsets[0].drop, 1);
+  EXPECT_EQ(onsets[1].drop, 5);
+}
+
 TEST(Annotations, ALabelBeforeCarriageReturnsIsTheSameWhenWrittenAndReadAgain) {
   const Annotations once = parse_audacity_labels("1\t1\ta\r\r\n", "a.txt");
   const Annotations twice = parse_audacity_labels(audacity_labels(once), "a.txt");

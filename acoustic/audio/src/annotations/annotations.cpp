@@ -137,6 +137,8 @@ Onsets onsets_of(const Annotations& annotations, bool renumber) {
     onsets.push_back(std::move(onset));
   }
   for (std::size_t k = 0; k < n_before_any_drop; ++k) onsets[k].drop = onsets[n_before_any_drop].drop;
+  // a label's own time may differ from that of its point by the file's resolution
+  std::stable_sort(onsets.begin(), onsets.end(), [](const Onset& a, const Onset& b) { return a.t_s < b.t_s; });
   number_upwards(onsets, renumber);
   return onsets;
 }
