@@ -35,7 +35,6 @@ constexpr std::array<double, 2> kLowBandRates_hz{4e3, 1e3};
 constexpr double kBandSelectionMargin = 1.5;  // log odds by which a lower band must win: the best of three is chosen
 constexpr double kMinRate_hz = 4e3;
 constexpr double kMaxRate_hz = 4e6;
-constexpr double kConclusiveLogOdds = 40.0;  // of a track; about a dozen impacts
 
 /// Candidates and tracks of one channel in one band.
 struct ChannelDetection {
@@ -53,41 +52,6 @@ struct ChannelDetection {
   }
 };
 
-/// Amplitudes of the candidates that belong to tracks.
-std::vector<double> track_amplitudes(const std::vector<Candidate>& candidates, const std::vector<Train>& tracks) {
-  std::vector<double> amplitudes;
-  for (const Train& track : tracks)
-    for (const TrainImpact& impact : track.impacts) amplitudes.push_back(candidates[impact.candidate].amplitude);
-  return amplitudes;
-}
-
-/// Whether there may be other tracks than these: one of them is not conclusive, there is none, or four candidates of a
-/// quarter of the median amplitude, not echoes, are left within five seconds.
-bool may_miss_tracks(const std::vector<Candidate>& candidates, const std::vector<Train>& tracks) {
-  constexpr double kAsLoud = 0.25;
-  constexpr std::size_t kMinImpacts = 4;
-  constexpr double kShortTrack_s = 5.0;
-  for (const Train& track : tracks)
-    if (track.log_odds < kConclusiveLogOdds) return true;
-  const std::vector<double> amplitudes = track_amplitudes(candidates, tracks);
-  if (amplitudes.empty()) return true;
-  const double loud = kAsLoud * upper_median(amplitudes);
-  std::vector<bool> is_assigned(candidates.size(), false);
-  for (const Train& track : tracks)
-    for (const TrainImpact& impact : track.impacts) is_assigned[impact.candidate] = true;
-  std::vector<double> left_s;
-  double last_s = -INFINITY;
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (is_assigned[k])
-      last_s = candidates[k].t_s;
-    else if (candidates[k].amplitude > loud && candidates[k].t_s - last_s > kEcho_s)
-      left_s.push_back(candidates[k].t_s);
-  }
-  for (std::size_t k = kMinImpacts; k <= left_s.size(); ++k)
-    if (left_s[k - 1] - left_s[k - kMinImpacts] < kShortTrack_s) return true;
-  return false;
-}
-
 ChannelDetection detect_channel(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
   const double timing_s = 2.0 / sound.rate_hz;
   ChannelDetection found;
@@ -95,20 +59,18 @@ ChannelDetection detect_channel(const audio::AudioSource& sound, int channel, co
   found.channel = channel;
   found.models = audio::learn_ar_models(sound, kArOrder);
   found.candidates = find_candidates(sound, found.models.signal, progress);
-  found.tracks = find_trains(found.candidates, timing_s);
-  if (may_miss_tracks(found.candidates, found.tracks))
-    found.tracks = find_trains(found.candidates, timing_s, measure_band_energies(sound, found.candidates));
+  found.tracks = find_trains(found.candidates, timing_s, measure_band_energies(sound, found.candidates));
   begin_at_first_arrivals(found.candidates, found.tracks);
   return found;
 }
 
-/// The full band and, unless its tracks are conclusive, the low bands of soft balls: the one of the highest log odds. A
-/// lower band gives less accurate times and must win by a margin.
+/// The full band or one of the low bands of soft balls: the one of the highest log odds. A lower band gives less
+/// accurate times and must win by a margin.
 ChannelDetection select_band(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
   ChannelDetection best = detect_channel(sound, channel, progress);
   for (const double rate_hz : kLowBandRates_hz) {
     const int factor = static_cast<int>(sound.rate_hz / rate_hz);
-    if (factor < 2 || best.log_odds() > kConclusiveLogOdds) continue;
+    if (factor < 2) continue;
     ChannelDetection low = detect_channel(audio::decimate(sound, factor), channel, progress);
     low.decimation = factor;
     if (low.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(low);

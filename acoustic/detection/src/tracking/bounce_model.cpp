@@ -12,30 +12,27 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kShortestFlight_s = 1e-3;
-constexpr double kShortestTrain_s = 0.4;  // a voice's pulses shrink for less
-constexpr double kLeastOfMean = 0.7;      // single losses of 20 % are real, of 30 % not
-constexpr double kMostOfMean = 1.4;
-constexpr double kMostUnheard = 0.15;      // of the impacts, and one more
-constexpr double kMostOutliers = 0.1;      // of the impacts, and one more
-constexpr double kScatter = 0.015;         // of log eps from impact to impact, before the train itself is heard
+constexpr double kScatter = 0.015;         // of log eps from impact to impact, before the train itself is seen
 constexpr double kScatterWeight = 3.0;     // impacts that this prior is worth: 0.003 and 0.06 are both plausible
 constexpr double kAmplitudeScatter = 0.4;  // of log amplitude from impact to impact: the place struck varies
-constexpr double kChanceAmplitude = 1.2;   // of log amplitude from one sound to any other
-constexpr double kOutlier = 0.05;          // share of single losses and gains
-constexpr double kHeard = 0.93;
+constexpr double kClutterAmplitude = 0.6;  // of the second impact to the first
+constexpr double kUsualLoss = 0.25;
+constexpr double kOutlier = 0.05;  // share of single losses and gains
+constexpr double kGains = 0.1;     // share of impacts after which eps may be above 1: a spinning ball
+constexpr double kDetected = 0.93;
+constexpr double kMostScatter = 1.0;       // of log eps, over the mean loss: one that scatters more is no ball
 constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
-constexpr std::int64_t kLeastImpacts = 4;  // two coefficients of restitution
-constexpr double kLargestMeanEps = 0.992;  // a clock is no ball; steel on glass has 0.989 at 2 cm/s
-constexpr double kLargestLosingEps = 0.997;
-constexpr double kLeastLogLoss = 0.045;  // nor is one that jumped once,
-constexpr double kLeastGain = 1.05;      // what spin gives back seldom is more,
-constexpr double kMostGains = 0.08;      // and not in every few impacts
-constexpr double kLeastLosing = 0.6;     // nor one that jumped twice: most impacts lose energy
-// a rhythm drifts by less than it scatters; a ball that scatters more than it loses has in the end lost much
-constexpr double kLossOverScatter = 1.0;
-constexpr double kMuchLogLoss = 0.7;
-constexpr double kLeastOverScatter = 0.2;
-constexpr double kStartCost = 2.0;  // prior log odds against a train within some seconds
+constexpr double kLeastLoss = 0.008;       // of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
+constexpr double kStartCost = 2.0;         // prior log odds against a train within some seconds
+const double kLogUsualFlight = log(0.4);   // the first: a ball dropped from some 30 cm
+constexpr double kFlightScatter = 0.8;     // of its logarithm
+constexpr double kRhythm = 1.0;            // prior log odds of a rhythm against a ball
+constexpr double kBeatScatter = 0.05;      // of log interval: drummers 2 %, hands and feet 3 to 8 %
+constexpr double kMachineScatter = 0.003;  // of log interval of a machine, half of all rhythms
+constexpr double kBeatWeight = 2.0;        // intervals that this prior is worth
+constexpr double kSwitch = 3.0;            // prior log odds against a rhythm that begins in the middle of a train
+constexpr double kTempo = 0.5;             // weight of the last interval in the tempo that follows
+constexpr double kRhythmAmplitude = 0.6;   // of log amplitude from beat to beat
 
 /// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
 double gap_of_eps(double eps, int n_missing) {
@@ -59,14 +56,8 @@ double eps_of_gap(double gap, int n_missing) {
 double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
 
 /// Whether a gap may be that of n_missing + 1 flights.
-bool is_plausible(const TrainState& train, double gap, int n_missing) {
-  double least = kLeastEps;
-  double largest = kLargestEps;
-  if (train.n_eps > 0) {
-    least = std::max(least, kLeastOfMean * train.mean_eps);
-    largest = std::min(largest, kMostOfMean * train.mean_eps);
-  }
-  return gap >= gap_of_eps(least, n_missing) && gap <= gap_of_eps(largest, n_missing);
+bool is_plausible(double gap, int n_missing) {
+  return gap >= gap_of_eps(kLeastEps, n_missing) && gap <= gap_of_eps(kLargestEps, n_missing);
 }
 
 /// What errors of the times add to log eps, variance.
@@ -77,91 +68,135 @@ double jitter2(const TrainState& train, const HeardSound& next) {
 }
 
 /// Standard deviation of the next log eps about the running mean of the train.
-double spread(const TrainState& train, int n_missing, double jitter2) {
+struct Spread {
+  double learned = 0.0;  ///< as the train itself shows it
+  double of_ball = 0.0;  ///< no more than a ball has that loses as much
+};
+
+Spread spread(const TrainState& train, int n_missing, double jitter2) {
   const double n = std::clamp(train.n_eps, 1, kMemory);
-  const double variance = (kScatterWeight * kScatter * kScatter + train.sum_squares) / (kScatterWeight + train.n_eps);
-  return std::sqrt(variance * (1.0 + 1.0 / n) * (1.0 + n_missing) + jitter2);
+  const double factor = (1.0 + 1.0 / n) * (1.0 + n_missing);
+  const double learned = (kScatterWeight * kScatter * kScatter + train.sum_squares) / (kScatterWeight + train.n_eps);
+  const double of_ball = std::min(learned, square(kMostScatter * std::max(kLeastLoss, -train.mean_log_eps)));
+  return {std::sqrt(learned * factor + jitter2), std::sqrt(of_ball * factor + jitter2)};
+}
+
+/// Density of eps where nothing is known of the ball.
+double prior_of_eps(double eps) {
+  return (1.0 - kGains) * (eps <= 1.0 ? 1.0 / (1.0 - kLeastEps) : 0.0) + kGains / (kLargestEps - kLeastEps);
 }
 
 /// Density of log eps given the train so far.
 double density(double eps, double log_eps, const TrainState& train, double width) {
-  constexpr double kFlat = kLargestEps - kLeastEps;
-  const double flat = eps / kFlat;  // eps uniform
-  if (train.n_eps == 0) return flat;
-  return (1.0 - kOutlier) * student3(log_eps - train.mean_log_eps, width) + kOutlier * flat;
+  const double prior = eps * prior_of_eps(eps);
+  if (train.n_eps == 0) return prior;
+  return (1.0 - kOutlier) * student3(log_eps - train.mean_log_eps, width) + kOutlier * prior;
 }
 
-/// Odds that the amplitude goes with the train rather than with any sound: the sound of an impact is about as its
-/// speed.
-double odds_of_amplitude(double log_ratio, double log_eps) {
-  const double deviation = log_ratio - log_eps;
-  return student3(deviation, kAmplitudeScatter) / student3(deviation, kChanceAmplitude);
+/// Density of the log amplitude: the sound of an impact is about as its speed.
+double density_of_amplitude(double log_ratio, double log_eps) {
+  return student3(log_ratio - log_eps, kAmplitudeScatter);
 }
 
 /// Odds that it sounds like the train against its own kind's: what chance offers is of its own kind.
 double odds_of_timbre(const HeardSound& s) { return same_source_weight(s.alike.value_or(1.0)); }
 
-/// n sounds of the train, as far as they are rivals of the next.
-double as_rivals(int n, const HeardSound& next) {
-  return next.own_are_rivals ? n * same_source_weight(next.alike.value_or(1.0)) : 0.0;
-}
-
 double probability_missing(int n_missing) {
-  constexpr std::array<double, kMostMissing + 1> kProbability{kHeard, kHeard * (1.0 - kHeard),
-                                                              kHeard * (1.0 - kHeard) * (1.0 - kHeard)};
+  constexpr std::array<double, kMostMissing + 1> kProbability{kDetected, kDetected * (1.0 - kDetected),
+                                                              kDetected * (1.0 - kDetected) * (1.0 - kDetected)};
   return kProbability[static_cast<std::size_t>(n_missing)];
 }
 
-TrainState::Heard to_heard(const HeardSound& s) { return {s.candidate.t_s, s.candidate.amplitude, s.sigma_s}; }
+TrainState::Heard to_heard(const HeardSound& s) { return {s.candidate.t_s, s.log_amplitude, s.sigma_s}; }
 
-/// Impacts of the train that are among the stronger rivals of the next one.
-int n_own_rivals(const TrainState& train, const Candidate& next, double flight_s) {
+/// What the train's own impacts add to the density of rivals of the next one.
+double own_density(const TrainState& train, const HeardSound& next, double flight_s) {
+  if (!next.own_are_rivals) return 0.0;
   const double window_s = rival_window_s(flight_s);
-  return static_cast<int>(std::count_if(train.last.begin(), train.last.end(), [&](const TrainState::Heard& h) {
-    return h.amplitude >= next.amplitude && next.t_s - h.t_s <= window_s;
-  }));
+  double sum = 0.0;
+  for (const TrainState::Heard& h : train.last)
+    if (next.candidate.t_s - h.t_s <= window_s) sum += amplitude_kernel(h.log_amplitude - next.log_amplitude);
+  return sum * same_source_weight(next.alike.value_or(1.0));
 }
 
 /// Takes the ratio of intervals into what is known of the train.
-void learn_eps(TrainState& s, double log_eps, double width, double jitter2) {
+void learn_eps(TrainState& s, double log_eps, double width) {
   const bool is_first = s.n_eps == 0;
   const double deviation = is_first ? 0.0 : log_eps - s.mean_log_eps;
   // one loss or gain must not carry the mean away
   const double step = is_first ? log_eps : std::clamp(deviation, -3.0 * width, 3.0 * width);
   s.n_eps += 1;
-  if (!is_first) {
-    s.sum_squares += step * step * (s.n_eps - 1) / s.n_eps;
-    s.sum_jitter_squares += jitter2;
-  }
-  s.n_outliers += std::abs(deviation) > 4.0 * width ? 1 : 0;
-  s.n_gains += log_eps > log(kLeastGain) ? 1 : 0;
-  s.n_losing += log_eps < log(kLargestLosingEps) ? 1 : 0;
-  s.log_loss -= s.mean_log_eps + std::clamp(step, -0.5 * kLeastLogLoss, 0.5 * kLeastLogLoss);
+  if (!is_first) s.sum_squares += step * step * (s.n_eps - 1) / s.n_eps;
+  // single losses must not make a ball of a rhythm, nor single gains hide that it is one
+  s.log_loss -= is_first ? log_eps : s.mean_log_eps + step;
   s.mean_log_eps += step / std::min(s.n_eps, kMemory);
   s.mean_eps = exp(s.mean_log_eps);
 }
 
+/// Intervals of a rhythm in beats.
+double beats(double ratio) {
+  if (ratio < std::numbers::sqrt2 / 2.0) return 0.5;
+  return std::clamp(std::round(ratio), 1.0, kMostMissing + 1.0);
+}
+
+/// Density of the next sound's time as that of a rhythm [1/s], which it then follows: a local level of the log
+/// interval, beats left out as impacts are, or one divided by two.
+double follow_rhythm(TrainState& s, const HeardSound& next, double gap_s) {
+  const double n_beats = beats(gap_s * exp(-s.log_beat));
+  const double deviation = log(gap_s / n_beats) - s.log_beat;
+  const double jitter2 = (square(next.sigma_s) + square(s.last[0].sigma_s)) / square(gap_s);
+  const double learned =
+      (kBeatWeight * kBeatScatter * kBeatScatter + s.sum_squares_beat) / (kBeatWeight + std::min(s.n_eps, kMemory));
+  const double width = std::sqrt(learned + jitter2);
+  const double step = std::clamp(deviation, -3.0 * width, 3.0 * width);
+  s.sum_squares_beat += step * step - (s.n_eps >= kMemory ? s.sum_squares_beat / kMemory : 0.0);
+  s.log_beat = n_beats < 1.0 ? log(gap_s) : s.log_beat + kTempo * step;
+  constexpr double kAnyInterval = 1.0 / 3.0;  // of log interval, within a factor of 4.5 either way
+  const double core =
+      0.5 * (student3(deviation, width) + student3(deviation, std::sqrt(square(kMachineScatter) + jitter2)));
+  return probability_missing(n_beats < 1.0 ? 1 : static_cast<int>(n_beats) - 1) *
+         ((1.0 - kOutlier) * core + kOutlier * kAnyInterval) / gap_s;
+}
+
 }  // namespace
 
+double TrainState::log_odds_of_ball() const {
+  if (n_eps == 0) return log_odds;
+  // that it loses energy on the whole: the mean of log eps against its standard error
+  const double variance = (kScatterWeight * kScatter * kScatter + sum_squares) / (kScatterWeight + n_eps);
+  const double loss = std::min(log_loss, log(first_flight_s / flight_s)) / n_eps;
+  const double z = (loss - kLeastLoss) / std::sqrt(variance / n_eps);
+  const double log_loses = z > -5.0 ? log(0.5 * erfc(-z / std::numbers::sqrt2)) : -0.5 * z * z - 2.5;
+  return log_odds + log_loses - log1p(exp(kRhythm + log_odds_rhythm + kStartCost));
+}
+
+double log_odds_of_first(const Rivals& rivals, double log_rise_odds) {
+  return log_rise_odds - kStartCost - log(chance_of_first(rivals));
+}
+
 TrainState begin_train(const HeardSound& first, const HeardSound& second) {
-  static const double kLogRange = log(kLongestFlight_s / kShortestFirstFlight_s);
   TrainState s;
   s.first_s = first.candidate.t_s;
   s.flight_s = second.candidate.t_s - s.first_s;
   s.first_flight_s = s.flight_s;
+  s.log_beat = log(s.flight_s);
   s.last = {to_heard(second), to_heard(first)};
-  s.log_amplitude = second.log_amplitude;
-  const int n_own = first.candidate.amplitude >= second.candidate.amplitude ? 1 : 0;
-  s.log_odds =
-      -kStartCost - log(chance_of_first(first.rivals) * kLogRange * s.flight_s *
-                        chance_rate(second.rivals, s.flight_s, as_rivals(n_own, second)) / odds_of_timbre(second));
+  const double log_ratio = second.log_amplitude - first.log_amplitude;
+  const double own =
+      second.own_are_rivals ? amplitude_kernel(log_ratio) * same_source_weight(second.alike.value_or(1.0)) : 0.0;
+  s.log_odds = first.log_odds_first + second.log_rise_odds -
+               log(s.flight_s / student3(s.log_beat - kLogUsualFlight, kFlightScatter) *
+                   clutter_intensity(second.rivals, s.flight_s, own) / odds_of_timbre(second) /
+                   student3(log_ratio + kUsualLoss, kClutterAmplitude));
+  s.log_odds_rhythm = s.log_odds;
   return s;
 }
 
 std::optional<TrainState> extend_train(const TrainState& from, int n_missing, const HeardSound& next,
                                        double least_log_odds) {
-  const double gap = (next.candidate.t_s - from.last[0].t_s) / from.flight_s;
-  if (!is_plausible(from, gap, n_missing)) return {};
+  const double gap_s = next.candidate.t_s - from.last[0].t_s;
+  const double gap = gap_s / from.flight_s;
+  if (!is_plausible(gap, n_missing)) return {};
   const double eps = eps_of_gap(gap, n_missing);
   double slope = 0.0;  // d(gap) / d(eps)
   double last_flight = 1.0;
@@ -172,53 +207,49 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   const double flight_s = from.flight_s * last_flight;
   if (flight_s < kShortestFlight_s) return {};
   const double log_eps = log(eps);
-  const double timing2 = jitter2(from, next);
-  const double width = spread(from, n_missing, timing2);
-  const double per_flight = density(eps, log_eps, from, width) / (eps * slope);
+  const Spread width = spread(from, n_missing, jitter2(from, next));
+  const double per_second = density(eps, log_eps, from, width.of_ball) / (eps * slope * from.flight_s);
   const double chance =
-      from.flight_s / odds_of_timbre(next) *
-      chance_rate(next.rivals, flight_s, as_rivals(n_own_rivals(from, next.candidate, flight_s), next));
-  const double odds = probability_missing(n_missing) * per_flight *
-                      odds_of_amplitude(next.log_amplitude - from.log_amplitude, (n_missing + 1) * log_eps);
-  if (from.log_odds + largest_log(odds / chance) < least_log_odds) return {};  // most are far from it
-  const double beats = n_missing + 1.0;
-  const double log_odds = from.log_odds + log(odds / (chance + rhythm_density(gap / beats) / beats));
+      clutter_intensity(next.rivals, flight_s, own_density(from, next, flight_s)) / odds_of_timbre(next);
+  const double log_ratio = next.log_amplitude - from.last[0].log_amplitude;
+  const double odds =
+      probability_missing(n_missing) * per_second * density_of_amplitude(log_ratio, (n_missing + 1) * log_eps);
+  const double base = from.log_odds + next.log_rise_odds;
+  if (base + largest_log(odds / chance) < least_log_odds) return {};  // most are far from it
+  const double log_odds = base + log(odds / chance);
   if (log_odds < least_log_odds) return {};
   TrainState s = from;
   s.flight_s = flight_s;
   s.log_odds = log_odds;
-  learn_eps(s, log_eps, width, timing2);
+  if (from.log_odds - kSwitch > from.log_odds_ball_then_rhythm) {
+    s.log_odds_ball_then_rhythm = from.log_odds - kSwitch;
+    s.n_of_ball = from.n_heard;
+  }
+  const double gain_of_rhythm =
+      next.log_rise_odds + log(follow_rhythm(s, next, gap_s) / chance * student3(log_ratio, kRhythmAmplitude));
+  s.log_odds_rhythm += gain_of_rhythm;
+  s.log_odds_ball_then_rhythm += gain_of_rhythm;
+  learn_eps(s, log_eps, width.learned);
   s.impact += n_missing + 1;
   s.n_heard += 1;
   s.last = {to_heard(next), from.last[0], from.last[1]};
-  s.log_amplitude = next.log_amplitude;
   return s;
 }
 
 double log_odds_before(const HeardSound& before, const HeardSound& first, double flight_s, double mean_log_eps,
                        double scatter) {
   const double interval_s = first.candidate.t_s - before.candidate.t_s;
-  const double log_eps = log(flight_s / interval_s);
+  const double eps = flight_s / interval_s;
+  const double log_eps = log(eps);
   const double jitter = hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
   const double core = student3(log_eps - mean_log_eps, hypot(std::max(scatter, kScatter), jitter));
-  const int n_own = first.candidate.amplitude >= before.candidate.amplitude ? 1 : 0;
-  const double chance = chance_rate(before.rivals, interval_s, as_rivals(n_own, before)) / odds_of_timbre(before) +
-                        rhythm_density(interval_s / flight_s) / flight_s;
-  return log(kHeard * (1.0 - kOutlier) * core / interval_s / chance *
-             odds_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
-}
-
-bool is_ball_like(const TrainState& s) {
-  if (s.n_heard < kLeastImpacts || s.last[0].t_s - s.first_s < kShortestTrain_s) return false;
-  const double n = s.n_eps;
-  // single losses must not make a ball of a rhythm, nor single gains hide that it is one
-  const double log_loss = std::min(s.log_loss, log(s.first_flight_s / s.flight_s));
-  const double scatter = std::sqrt(std::max(0.0, s.sum_squares - s.sum_jitter_squares) / n);
-  const double least_over_scatter =
-      std::min(n * kLossOverScatter * scatter, std::max(kMuchLogLoss, n * kLeastOverScatter * scatter));
-  return static_cast<double>(s.impact + 1 - s.n_heard) <= 1.0 + kMostUnheard * static_cast<double>(s.n_heard) &&
-         s.n_outliers <= 1 + kMostOutliers * n && s.n_gains <= kMostGains * n && s.n_losing >= kLeastLosing * n &&
-         log_loss > std::max({kLeastLogLoss, -n * log(kLargestMeanEps), least_over_scatter});
+  const double own = before.own_are_rivals ? amplitude_kernel(first.log_amplitude - before.log_amplitude) *
+                                                 same_source_weight(before.alike.value_or(1.0))
+                                           : 0.0;
+  const double chance = clutter_intensity(before.rivals, interval_s, own) / odds_of_timbre(before);
+  return before.log_rise_odds +
+         log(kDetected * ((1.0 - kOutlier) * core + kOutlier * eps * prior_of_eps(eps)) / interval_s / chance *
+             density_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
 }
 
 }  // namespace bouncelab::detection

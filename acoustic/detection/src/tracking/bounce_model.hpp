@@ -26,35 +26,43 @@ struct HeardSound {
   const Rivals& rivals;
   double sigma_s = 0.0;  ///< error of its time
   double log_amplitude = 0.0;
+  double log_rise_odds = 0.0;   ///< what its rise says for an event (clutter.hpp)
+  double log_odds_first = 0.0;  ///< of a train that begins with it
   std::optional<double> alike;  ///< probability that it and the train's last are of one kind; absent = not judged
   bool own_are_rivals = true;   ///< whether the train's own sounds were counted among its rivals
 };
 
 /// What a train is up to an impact.
 struct TrainState {
-  double log_odds = 0.0;  ///< against chance
-  double flight_s = 0.0;  ///< last interval, or what it would have been
+  double log_odds = 0.0;                    ///< ball against clutter
+  double log_odds_rhythm = 0.0;             ///< the same sounds as a rhythm against clutter
+  double log_odds_ball_then_rhythm = -1e9;  ///< as a ball that ends and a rhythm that begins there
+  std::int64_t n_of_ball = 0;               ///< of these, the sounds that are the ball's
+  double flight_s = 0.0;                    ///< last interval, or what it would have been
   double first_flight_s = 0.0;
   double mean_log_eps = 0.0;
   double mean_eps = 1.0;
-  double sum_squares = 0.0;         ///< of the deviations of log eps from its running mean, large ones cut
-  double sum_jitter_squares = 0.0;  ///< of these, what errors of the times explain
-  double log_loss = 0.0;            ///< -sum of log eps, large deviations cut
-  int n_outliers = 0;               ///< ratios that only the flat part explains
-  int n_losing = 0;                 ///< ratios below that of a clock
-  int n_gains = 0;                  ///< ratios well above 1
-  int n_eps = 0;                    ///< ratios of intervals seen
+  double sum_squares = 0.0;  ///< of the deviations of log eps from its running mean, large ones cut
+  double log_loss = 0.0;     ///< -sum of log eps, large deviations cut
+  int n_eps = 0;             ///< ratios of intervals seen
+  double log_beat = 0.0;     ///< of a rhythm: log of its interval
+  double sum_squares_beat = 0.0;
   std::int64_t impact = 1;
   std::int64_t n_heard = 2;
   double first_s = 0.0;
   struct Heard {
-    double t_s = 0.0;
-    double amplitude = 0.0;
+    double t_s = -1e9;
+    double log_amplitude = 0.0;
     double sigma_s = 0.0;
   };
-  std::array<Heard, 3> last{};  ///< the last first; amplitude 0 = there was none
-  double log_amplitude = 0.0;   ///< of the last
+  std::array<Heard, 3> last{};  ///< the last first; long ago = there was none
+
+  /// Ball against clutter, rhythm, and what loses no energy.
+  double log_odds_of_ball() const;
 };
+
+/// Prior log odds of a train that begins with a candidate, against clutter.
+double log_odds_of_first(const Rivals& rivals, double log_rise_odds);
 
 TrainState begin_train(const HeardSound& first, const HeardSound& second);
 
@@ -68,8 +76,5 @@ std::optional<TrainState> extend_train(const TrainState& train, int n_missing, c
 /// @param mean_log_eps  of the train's first impacts, and how much they scatter
 double log_odds_before(const HeardSound& before, const HeardSound& first, double flight_s, double mean_log_eps,
                        double scatter);
-
-/// Whether it does what balls do and rhythms, voices do not, whatever the odds.
-bool is_ball_like(const TrainState& train);
 
 }  // namespace bouncelab::detection

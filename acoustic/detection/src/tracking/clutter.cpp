@@ -13,11 +13,7 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kSmallestReach_s = 2e-3;
-constexpr double kRhythmShare = 0.5;
-// of log interval from one to the next: hands and feet 3 to 8 %, drummers 2 %
-constexpr double kRhythmScatter = 0.1;
-constexpr double kDrummerScatter = 0.02;
-
+constexpr double kKernelWidth = 0.5;  // of log amplitude
 /// The nearest octave: that below sqrt(2) times as much.
 int window_octave(double flight_s) {
   return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kChanceOctaves - 1);
@@ -55,15 +51,14 @@ float rivals_share(const std::vector<BandEnergies>& band_energies, std::size_t j
 }
 
 void count(const Candidate& one, const Candidate& other, int octave, float share, Rivals& rivals) {
-  rivals.all[octave] += share;
-  if (other.amplitude >= one.amplitude) rivals.stronger[octave] += share;
+  const double ratio = other.amplitude / one.amplitude;
+  rivals.density[octave] += share * static_cast<float>(amplitude_kernel(log(ratio)));
+  rivals.all += share;
+  if (ratio >= 1.0) rivals.stronger += share;
 }
 
 void accumulate(Rivals& rivals) {
-  for (int octave = 1; octave < kChanceOctaves; ++octave) {
-    rivals.all[octave] += rivals.all[octave - 1];
-    rivals.stronger[octave] += rivals.stronger[octave - 1];
-  }
+  for (int octave = 1; octave < kChanceOctaves; ++octave) rivals.density[octave] += rivals.density[octave - 1];
 }
 
 }  // namespace
@@ -105,17 +100,43 @@ Rivals count_rivals_of(std::size_t k, const std::vector<Candidate>& c, const std
 
 double rival_window_s(double flight_s) { return reach_s(window_octave(flight_s)); }
 
-double chance_rate(const Rivals& rivals, double flight_s, double n_own) {
+double clutter_intensity(const Rivals& rivals, double flight_s, double own) {
   const int octave = window_octave(flight_s);
-  const double rank = std::max(1.0, rivals.stronger[octave] - n_own);
-  return rank * harmonic(std::max(rank, rivals.all[octave] - n_own)) / (2.0 * reach_s(octave));
+  return std::max(amplitude_kernel(0.0), rivals.density[octave] - own) / (2.0 * reach_s(octave));
 }
 
-double chance_of_first(const Rivals& rivals) { return rivals.stronger.back() * harmonic(rivals.all.back()); }
+double amplitude_kernel(double log_ratio) { return student3(log_ratio, kKernelWidth); }
 
-double rhythm_density(double gap) {
-  const double log_gap = log(gap);
-  return 0.5 * kRhythmShare * (student3(log_gap, kRhythmScatter) + student3(log_gap, kDrummerScatter)) / gap;
+double chance_of_first(const Rivals& rivals) { return rivals.stronger * harmonic(rivals.all); }
+
+std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_window) {
+  constexpr std::size_t kAround = 24;  // candidates on either side
+  constexpr double kAround_s = 1.0;
+  constexpr double kThreshold = 8.0;
+  const double kExcess = 1.5 + 0.14 * n_in_window;  // mean LLR of fluctuations over the threshold; white noise has 1
+  constexpr double kPrior = 4.0;                    // candidates that the prior share of events, one half, is worth
+  constexpr double kEventsPerSample = 1.7;
+  const double z0 = kEventsPerSample * n_in_window;
+  std::vector<double> event, fluctuation, odds(c.size());
+  for (const Candidate& candidate : c) {
+    const double z = std::max(0.0, candidate.log_likelihood_ratio - kThreshold);
+    event.push_back(z0 / square(z0 + z));
+    fluctuation.push_back(exp(-z / kExcess) / kExcess);
+  }
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    std::size_t first = k, last = k;
+    while (first > 0 && k - first < kAround && c[k].t_s - c[first - 1].t_s < kAround_s) --first;
+    while (last + 1 < c.size() && last - k < kAround && c[last + 1].t_s - c[k].t_s < kAround_s) ++last;
+    double share = 0.5;
+    for (int round = 0; round < 3; ++round) {
+      double sum = 0.5 * kPrior;
+      for (std::size_t j = first; j <= last; ++j)
+        if (j != k) sum += share * event[j] / (share * event[j] + (1.0 - share) * fluctuation[j]);
+      share = sum / (kPrior + static_cast<double>(last - first));
+    }
+    odds[k] = log(event[k] / (share * event[k] + (1.0 - share) * fluctuation[k]));
+  }
+  return odds;
 }
 
 double student3(double x, double width) {

@@ -18,6 +18,8 @@ struct HeardSounds {
   double timing_s = 0.0;                           ///< error of times noticed by the shortest window
   std::vector<Rivals> rivals;
   std::vector<double> log_amplitude;
+  std::vector<double> log_rise_odds;
+  std::vector<double> log_odds_first;
 
   HeardSounds(const std::vector<Candidate>& candidates, double timing_s,
               const std::vector<BandEnergies>& band_energies);

@@ -140,16 +140,21 @@ double judged(const HeardSounds& sounds, const Train& train) {
     rivals.push_back(count_rivals_of(k, sounds.candidates, sounds.band_energies, explained));
   const auto sound = [&](std::size_t n) {
     const HeardSound s = sounds.heard(own[n]);
-    return HeardSound{
-        s.candidate, rivals[n], s.sigma_s, s.log_amplitude, n > 0 ? sounds.alike(own[n - 1], own[n]) : std::nullopt,
-        false};
+    return HeardSound{s.candidate,
+                      rivals[n],
+                      s.sigma_s,
+                      s.log_amplitude,
+                      s.log_rise_odds,
+                      log_odds_of_first(rivals[n], s.log_rise_odds),
+                      n > 0 ? sounds.alike(own[n - 1], own[n]) : std::nullopt,
+                      false};
   };
   std::optional<TrainState> state = begin_train(sound(0), sound(1));
   for (std::size_t n = 2; n < own.size() && state; ++n) {
     const auto n_missing = static_cast<int>(train.impacts[n].impact - train.impacts[n - 1].impact - 1);
     state = extend_train(*state, n_missing, sound(n), -INFINITY);
   }
-  return state ? state->log_odds - kStranger * n_strangers(sounds, own) : train.log_odds;
+  return state ? state->log_odds_of_ball() - kStranger * n_strangers(sounds, own) : train.log_odds;
 }
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
@@ -201,8 +206,7 @@ void review_trains(const HeardSounds& sounds, std::vector<Train>& trains) {
     if (train.log_odds < kSureLogOdds) begin_at_source(sounds, first_free, train);
     first_free = train.impacts.back().candidate + 1;
   }
-  for (Train& train : trains)
-    if (train.log_odds < kSureLogOdds) train.log_odds = judged(sounds, train);
+  for (Train& train : trains) train.log_odds = judged(sounds, train);
   const std::vector<Train> all = trains;
   for (std::size_t k = 0; k < trains.size(); ++k)
     if (trains[k].log_odds < kSureLogOdds) trains[k].log_odds += odds_of_same_ball(sounds.candidates, all, all[k]);

@@ -12,14 +12,16 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kBeam = 16;
-constexpr double kBeamDepth = 14.0;
+constexpr std::size_t kBeam = 8;
+constexpr double kBeamDepth = 10.0;
 constexpr std::size_t kStatesAtOnce =
     1 << 12;                        // 1 MB, which stays in the cache; then those no train needs are forgotten
-constexpr double kHopeless = -9.0;  // log odds below which a young train is not followed
+constexpr double kHopeless = -5.5;  // log odds below which a young train is not followed
 // log odds that a train may have lost because its own sounds, those to come above all, were counted as rivals
 constexpr double kOwnRivals = 5.0;
-constexpr double kMostGain = 9.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
+constexpr std::int64_t kLeastImpacts = 4;
+constexpr double kMostStart = 2.0;  // of the second impact
+constexpr double kMostGain = 11.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
 
 struct State : TrainState {
   double start_score = 0.0;    // of the recording before this train
@@ -81,6 +83,7 @@ class Search {
   struct Best {
     double score = 0.0;
     std::int64_t state = -1;  // the completed train that ends here or before
+    std::int64_t n_of_ball = 0;
   };
 
   void visit(std::size_t k) {
@@ -94,15 +97,25 @@ class Search {
       const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
       const auto first =
           std::partition_point(begin, end, [&](const State& s) { return s.flight_s * kLeastEps > gap_s; });
-      const bool may_start = gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
+      const bool may_start = gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s &&
+                             sounds_.log_odds_first[j] > kHopeless - kMostStart;
       if (may_start || (first != end && first->flight_s * kMostGap >= gap_s)) next.alike = sounds_.alike(j, k);
       for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, next, here);
       if (may_start) start(j, k, next, here);
     }
     best_[k + 1] = best_[k];
     for (const State& s : here.finish()) {
-      if (s.log_odds > kAcceptance - kOwnRivals && s.total() + kOwnRivals > best_[k + 1].score && is_ball_like(s))
-        best_[k + 1] = {s.total() + kOwnRivals, static_cast<std::int64_t>(states_.size())};
+      if (s.n_heard >= kLeastImpacts) {
+        const double ball = s.log_odds_of_ball() + kOwnRivals;
+        const double rhythm = s.log_odds_rhythm + kOwnRivals + 1.0;
+        const double both = s.log_odds_ball_then_rhythm + kOwnRivals;
+        const double most = std::max({ball, rhythm, both});
+        if (most > kAcceptance && s.start_score + most > best_[k + 1].score)
+          best_[k + 1] = {s.start_score + most, static_cast<std::int64_t>(states_.size()),
+                          most == ball     ? s.n_heard
+                          : most == rhythm ? 0
+                                           : s.n_of_ball};
+      }
       states_.push_back(s);
     }
     begin_[k + 1] = states_.size();
@@ -152,7 +165,8 @@ class Search {
   void extend(std::int64_t from_index, std::size_t k, const HeardSound& next, Beam& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
     if (from.total() + kMostGain < here.least_total()) return;
-    for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
+    const int most_missing = from.n_eps == 0 ? 0 : kMostMissing;  // two sounds alone predict nothing
+    for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
       const double least_log_odds = std::max(kHopeless, here.least_total() - from.start_score);
       const std::optional<TrainState> longer = extend_train(from, n_missing, next, least_log_odds);
       if (!longer) continue;
@@ -166,17 +180,22 @@ class Search {
 
   std::vector<Train> trace() const {
     std::vector<Train> trains;
-    for (std::int64_t at = best_[c_.size()].state; at >= 0;) {
+    Best end = best_[c_.size()];
+    for (std::int64_t at = end.state; at >= 0;) {
       Train train;
       const State* s = &states_[static_cast<std::size_t>(at)];
-      train.log_odds = s->log_odds;
+      train.log_odds = s->log_odds_of_ball();
       for (;; s = &states_[static_cast<std::size_t>(s->previous)]) {
         train.impacts.push_back({s->candidate, s->impact});
         if (s->previous < 0) break;
       }
       train.impacts.push_back({s->first_candidate, 0});
       std::reverse(train.impacts.begin(), train.impacts.end());
-      at = best_[s->first_candidate].state;
+      const std::int64_t n_of_ball = end.n_of_ball;
+      end = best_[s->first_candidate];
+      at = end.state;
+      if (n_of_ball < kLeastImpacts) continue;
+      train.impacts.resize(static_cast<std::size_t>(n_of_ball));
       trains.push_back(std::move(train));
     }
     std::reverse(trains.begin(), trains.end());
