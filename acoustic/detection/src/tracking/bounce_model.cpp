@@ -21,6 +21,7 @@ constexpr double kOutlier = 0.05;  // share of single losses and gains
 constexpr double kGains = 0.1;     // share of impacts after which eps may be above 1: a spinning ball
 constexpr double kDetected = 0.93;
 constexpr double kMostScatter = 1.0;       // of log eps, over the mean loss: one that scatters more is no ball
+constexpr double kFirstScatter = 0.08;     // of log eps of the first impacts against those that follow
 constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
 constexpr double kLeastLoss = 0.008;       // of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
 constexpr double kStartCost = 2.0;         // prior log odds against a train within some seconds
@@ -32,6 +33,7 @@ constexpr double kMachineScatter = 0.003;  // of log interval of a machine, half
 constexpr double kBeatWeight = 2.0;        // intervals that this prior is worth
 constexpr double kSwitch = 3.0;            // prior log odds against a rhythm that begins in the middle of a train
 constexpr double kTempo = 0.5;             // weight of the last interval in the tempo that follows
+constexpr double kTempoDrift = 0.15;       // and in its trend
 constexpr double kRhythmAmplitude = 0.6;   // of log amplitude from beat to beat
 
 /// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
@@ -93,11 +95,6 @@ double density(double eps, double log_eps, const TrainState& train, double width
   return (1.0 - kOutlier) * student3(log_eps - train.mean_log_eps, width) + kOutlier * prior;
 }
 
-/// Density of the log amplitude: the sound of an impact is about as its speed.
-double density_of_amplitude(double log_ratio, double log_eps) {
-  return student3(log_ratio - log_eps, kAmplitudeScatter);
-}
-
 /// Odds that it sounds like the train against its own kind's: what chance offers is of its own kind.
 double odds_of_timbre(const HeardSound& s) { return same_source_weight(s.alike.value_or(1.0)); }
 
@@ -139,23 +136,34 @@ double beats(double ratio) {
   return std::clamp(std::round(ratio), 1.0, kMostMissing + 1.0);
 }
 
-/// Density of the next sound's time as that of a rhythm [1/s], which it then follows: a local level of the log
-/// interval, beats left out as impacts are, or one divided by two.
+/// Density of the next sound's time as that of a rhythm [1/s], which it then follows: by hand, a local level and trend
+/// of the log interval; by a machine, the interval before. Beats are left out as impacts are, or one is divided by two.
 double follow_rhythm(TrainState& s, const HeardSound& next, double gap_s) {
-  const double n_beats = beats(gap_s * exp(-s.log_beat));
-  const double deviation = log(gap_s / n_beats) - s.log_beat;
+  const double expected = s.log_beat + s.log_beat_drift;
+  const double n_beats = beats(gap_s * exp(-expected));
+  const double log_interval = log(gap_s / n_beats);
+  const double deviation = log_interval - expected;
   const double jitter2 = (square(next.sigma_s) + square(s.last[0].sigma_s)) / square(gap_s);
   const double learned =
       (kBeatWeight * kBeatScatter * kBeatScatter + s.sum_squares_beat) / (kBeatWeight + std::min(s.n_eps, kMemory));
   const double width = std::sqrt(learned + jitter2);
+  const double core = 0.5 * (student3(deviation, width) +
+                             student3(log_interval - s.last_log_beat, std::sqrt(square(kMachineScatter) + jitter2)));
   const double step = std::clamp(deviation, -3.0 * width, 3.0 * width);
   s.sum_squares_beat += step * step - (s.n_eps >= kMemory ? s.sum_squares_beat / kMemory : 0.0);
-  s.log_beat = n_beats < 1.0 ? log(gap_s) : s.log_beat + kTempo * step;
+  s.log_beat = n_beats < 1.0 ? log(gap_s) : expected + kTempo * step;
+  s.log_beat_drift += kTempoDrift * step;
+  s.last_log_beat = n_beats < 1.0 ? log(gap_s) : log_interval;
   constexpr double kAnyInterval = 1.0 / 3.0;  // of log interval, within a factor of 4.5 either way
-  const double core =
-      0.5 * (student3(deviation, width) + student3(deviation, std::sqrt(square(kMachineScatter) + jitter2)));
   return probability_missing(n_beats < 1.0 ? 1 : static_cast<int>(n_beats) - 1) *
          ((1.0 - kOutlier) * core + kOutlier * kAnyInterval) / gap_s;
+}
+
+/// Takes the amplitude into what is known of the train.
+void learn_amplitude(TrainState& s, double log_amplitude, double log_flight) {
+  const double n = std::clamp<double>(static_cast<double>(s.n_heard), 1.0, kMemory);
+  s.mean_log_loudness += (log_amplitude - log_flight - s.mean_log_loudness) / n;
+  s.mean_log_amplitude += (log_amplitude - s.mean_log_amplitude) / n;
 }
 
 }  // namespace
@@ -180,7 +188,11 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
   s.flight_s = second.candidate.t_s - s.first_s;
   s.first_flight_s = s.flight_s;
   s.log_beat = log(s.flight_s);
+  s.last_log_beat = s.log_beat;
   s.last = {to_heard(second), to_heard(first)};
+  s.mean_log_amplitude = 0.5 * (first.log_amplitude + second.log_amplitude);
+  // the flight before the first impact is not known; it is taken for as long as that after it
+  s.mean_log_loudness = s.mean_log_amplitude - s.log_beat;
   const double log_ratio = second.log_amplitude - first.log_amplitude;
   const double own =
       second.own_are_rivals ? amplitude_kernel(log_ratio) * same_source_weight(second.alike.value_or(1.0)) : 0.0;
@@ -211,9 +223,9 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   const double per_second = density(eps, log_eps, from, width.of_ball) / (eps * slope * from.flight_s);
   const double chance =
       clutter_intensity(next.rivals, flight_s, own_density(from, next, flight_s)) / odds_of_timbre(next);
-  const double log_ratio = next.log_amplitude - from.last[0].log_amplitude;
-  const double odds =
-      probability_missing(n_missing) * per_second * density_of_amplitude(log_ratio, (n_missing + 1) * log_eps);
+  const double log_flight = log(flight_s);
+  const double of_amplitude = student3(next.log_amplitude - from.mean_log_loudness - log_flight, kAmplitudeScatter);
+  const double odds = probability_missing(n_missing) * per_second * of_amplitude;
   const double base = from.log_odds + next.log_rise_odds;
   if (base + largest_log(odds / chance) < least_log_odds) return {};  // most are far from it
   const double log_odds = base + log(odds / chance);
@@ -226,12 +238,14 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
     s.n_of_ball = from.n_heard;
   }
   const double gain_of_rhythm =
-      next.log_rise_odds + log(follow_rhythm(s, next, gap_s) / chance * student3(log_ratio, kRhythmAmplitude));
+      next.log_rise_odds + log(follow_rhythm(s, next, gap_s) / chance *
+                               student3(next.log_amplitude - from.mean_log_amplitude, kRhythmAmplitude));
   s.log_odds_rhythm += gain_of_rhythm;
   s.log_odds_ball_then_rhythm += gain_of_rhythm;
   learn_eps(s, log_eps, width.learned);
   s.impact += n_missing + 1;
   s.n_heard += 1;
+  learn_amplitude(s, next.log_amplitude, log_flight);
   s.last = {to_heard(next), from.last[0], from.last[1]};
   return s;
 }
@@ -242,14 +256,16 @@ double log_odds_before(const HeardSound& before, const HeardSound& first, double
   const double eps = flight_s / interval_s;
   const double log_eps = log(eps);
   const double jitter = hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
-  const double core = student3(log_eps - mean_log_eps, hypot(std::max(scatter, kScatter), jitter));
+  // at its first impacts a ball may lose more than later
+  const double core = 0.5 * (student3(log_eps - mean_log_eps, hypot(std::max(scatter, kScatter), jitter)) +
+                             student3(log_eps - mean_log_eps, hypot(scatter, kFirstScatter, jitter)));
   const double own = before.own_are_rivals ? amplitude_kernel(first.log_amplitude - before.log_amplitude) *
                                                  same_source_weight(before.alike.value_or(1.0))
                                            : 0.0;
   const double chance = clutter_intensity(before.rivals, interval_s, own) / odds_of_timbre(before);
   return before.log_rise_odds +
          log(kDetected * ((1.0 - kOutlier) * core + kOutlier * eps * prior_of_eps(eps)) / interval_s / chance *
-             density_of_amplitude(first.log_amplitude - before.log_amplitude, log_eps));
+             student3(first.log_amplitude - before.log_amplitude - log_eps, kAmplitudeScatter));
 }
 
 }  // namespace bouncelab::detection

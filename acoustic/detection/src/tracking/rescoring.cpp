@@ -49,6 +49,23 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
+constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
+
+/// The train's own sounds and their echoes: chance need not offer them.
+std::vector<std::size_t> explained_by(const HeardSounds& sounds, const std::vector<std::size_t>& own) {
+  const std::vector<Candidate>& c = sounds.candidates;
+  std::vector<std::size_t> explained;
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const bool is_last = n + 1 == own.size();
+    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
+    const double echo_s = std::min(kEcho_s, kEchoOfFlight * flight_s);
+    explained.push_back(own[n]);
+    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
+      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
+  }
+  return explained;
+}
+
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the train before
@@ -64,12 +81,23 @@ void begin_again(const HeardSounds& sounds, std::size_t first_free, Train& train
     train.impacts.erase(train.impacts.begin());
   }
   const std::optional<Expected> expected = expected_before(c, train);
+  std::vector<std::size_t> own;
+  for (const TrainImpact& impact : train.impacts) own.push_back(impact.candidate);
+  const std::vector<std::size_t> explained = explained_by(sounds, own);
   while (expected && train.impacts[1].impact == train.impacts[0].impact + 1) {
     const std::size_t first = train.impacts[0].candidate;
     const double flight_s = c[train.impacts[1].candidate].t_s - c[first].t_s;
     const auto odds_of = [&](std::size_t k) {
-      HeardSound earlier = sounds.heard(k);
-      earlier.alike = sounds.alike(k, first);
+      const Rivals rivals = count_rivals_of(k, c, sounds.band_energies, explained);
+      const HeardSound heard = sounds.heard(k);
+      const HeardSound earlier{c[k],
+                               rivals,
+                               heard.sigma_s,
+                               heard.log_amplitude,
+                               heard.log_rise_odds,
+                               heard.log_odds_first,
+                               sounds.alike(k, first),
+                               false};
       return log_odds_before(earlier, sounds.heard(first), flight_s, expected->log_eps, expected->scatter);
     };
     const double least = given ? odds_of(*given) : believed;
@@ -111,23 +139,6 @@ double n_strangers(const HeardSounds& sounds, const std::vector<std::size_t>& ow
       n += std::max(0.0, 2.0 * *sounds.alike(near, k) - 1.0);
   }
   return n;
-}
-
-constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
-
-/// The train's own sounds and their echoes: chance need not offer them.
-std::vector<std::size_t> explained_by(const HeardSounds& sounds, const std::vector<std::size_t>& own) {
-  const std::vector<Candidate>& c = sounds.candidates;
-  std::vector<std::size_t> explained;
-  for (std::size_t n = 0; n < own.size(); ++n) {
-    const bool is_last = n + 1 == own.size();
-    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
-    const double echo_s = std::min(kEcho_s, kEchoOfFlight * flight_s);
-    explained.push_back(own[n]);
-    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
-      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
-  }
-  return explained;
 }
 
 /// Log odds of a train where what it explains is no rival of its sounds.

@@ -19,7 +19,7 @@ constexpr std::size_t kStatesAtOnce =
 constexpr double kHopeless = -5.5;  // log odds below which a young train is not followed
 // log odds that a train may have lost because its own sounds, those to come above all, were counted as rivals
 constexpr double kOwnRivals = 5.0;
-constexpr std::int64_t kLeastImpacts = 4;
+constexpr std::int64_t kLeastImpacts = 3;
 constexpr double kMostStart = 2.0;  // of the second impact
 constexpr double kMostGain = 11.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
 
