@@ -102,9 +102,23 @@ TEST(Restitution, KeepsDropsApart) {
   EXPECT_EQ(r.samples.size(), 2u);
 }
 
-TEST(Restitution, BreaksTheChainAtADoubtfulOnsetAndNowhereElse) {
+TEST(Restitution, UsesADoubtfulOnsetWithItsOwnStandardError) {
   auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
   onsets[5].flags = {Flag::clipped, Flag::doubtful};
+  onsets[5].sigma_t_s = 1e-3;
+  const auto r = restitution_samples(onsets, {});
+  ASSERT_EQ(n_clean(r.samples), 10u);
+  EXPECT_TRUE(r.counts.breaks.empty());
+  for (std::size_t k = 0; k < 10; ++k) {
+    const bool uses_it = k >= 3 && k <= 5;
+    EXPECT_EQ(*r.samples[k].sigma_eps > 1e-3, uses_it) << k;
+  }
+}
+
+TEST(Restitution, BreaksTheChainAtADoubtfulOnsetOfUnknownErrorAndNowhereElse) {
+  auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
+  onsets[5].flags = {Flag::clipped, Flag::doubtful};
+  onsets[5].sigma_t_s.reset();
   const auto r = restitution_samples(onsets, {});
   // of 10 samples the three that use onset 5 are gone; a flag that does not touch the time breaks nothing
   ASSERT_EQ(r.samples.size(), 7u);

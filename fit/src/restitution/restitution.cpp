@@ -13,9 +13,11 @@
 namespace bouncelab::fit {
 namespace {
 
-/// The flag for which an onset's time cannot be used.
+/// The flag for which an onset's time cannot be used. A doubtful one with a standard error states how far it may be
+/// off.
 std::optional<Flag> breaking_flag(const Onset& onset) {
-  for (const Flag flag : {Flag::doubtful, Flag::inferred, Flag::no_position})
+  if (onset.flags.has(Flag::doubtful) && !onset.sigma_t_s) return Flag::doubtful;
+  for (const Flag flag : {Flag::inferred, Flag::no_position})
     if (onset.flags.has(flag)) return flag;
   return std::nullopt;
 }

@@ -57,6 +57,19 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   EXPECT_TRUE(far.alternatives.empty());
 }
 
+TEST(ImpactTimer, ForgetsAnImpactThatIsNone) {
+  const std::vector<float> samples = recording();
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  ImpactTimer timer(sound, *learned);
+  const ImpactFit before = timer.time(time_of(10), 1e-3, time_of(11));
+  timer.subtract_from_later(before);
+  EXPECT_LT(timer.time(time_of(10), 1e-3, time_of(11)).log_likelihood_ratio, 0.1 * before.log_likelihood_ratio);
+  timer.forget_last();
+  EXPECT_EQ(timer.time(time_of(10), 1e-3, time_of(11)).log_likelihood_ratio, before.log_likelihood_ratio);
+}
+
 TEST(ImpactTimer, SubtractsKnownImpactsInAnyOrder) {
   // a third impact in the ringing of two others, 4 and 8 ms before it
   const double first_s = time_of(10), second_s = first_s + 4e-3, third_s = first_s + 8e-3;

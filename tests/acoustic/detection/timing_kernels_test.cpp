@@ -17,7 +17,6 @@
 #include "support/modal_sound.hpp"
 #include "timing/coherence_weight.hpp"
 #include "timing/correlation_peaks.hpp"
-#include "timing/cycle_ambiguity.hpp"
 #include "timing/subband_delay.hpp"
 #include "timing/subband_jitter.hpp"
 
@@ -223,43 +222,6 @@ TEST(SubbandDelay, HasNoJitterWhereThereIsOnlyNoise) {
   // 32 impacts give eight jitters of 0 to a fifth of the noise each, none below 0; the correlation that they give by
   // chance, 0.1, must not add to it
   EXPECT_NEAR(mean, 1.0, 0.05);
-}
-
-/// A smooth track, each impact with alternatives a cycle before and after it.
-std::vector<TimedImpact> track_with_alternatives(double log_odds_margin) {
-  std::vector<TimedImpact> impacts;
-  double t_s = 0.0;
-  double flight_s = 0.15;
-  for (int k = 0; k < 30; ++k) {
-    TimedImpact impact;
-    impact.impact = k;
-    impact.fit.t_s = t_s;
-    impact.fit.alternatives = {{t_s + 0.4e-3, log_odds_margin}, {t_s - 0.4e-3, log_odds_margin}};
-    impacts.push_back(impact);
-    t_s += flight_s;
-    flight_s *= 0.95 + 2e-4 * std::sin(7.0 * k);
-  }
-  return impacts;
-}
-
-TEST(CycleAmbiguity, PutsASlippedImpactBackWhereTheTrackIsSmooth) {
-  // of three times the least likely by sound
-  std::vector<TimedImpact> impacts = track_with_alternatives(20.0);
-  ImpactFit& slipped = impacts[12].fit;
-  std::swap(slipped.t_s, slipped.alternatives[1].t_s);
-  slipped.alternatives[0].log_odds_margin = 0.5;
-  slipped.alternatives[1].log_odds_margin = 1.0;
-  const std::vector<CycleChoice> choices = resolve_cycle_slips(impacts);
-  for (std::size_t k = 0; k < impacts.size(); ++k) EXPECT_EQ(choices[k].hypothesis, k == 12 ? 2U : 0U) << k;
-  EXPECT_GT(choices[12].log_odds_margin[0], 5.0);
-  EXPECT_GT(choices[12].log_odds_margin[1], 5.0);
-  EXPECT_EQ(choices[12].log_odds_margin[2], 0.0);
-}
-
-TEST(CycleAmbiguity, KeepsTimesThatAreUnambiguousByTheSound) {
-  std::vector<TimedImpact> impacts = track_with_alternatives(20.0);
-  for (std::size_t k = 12; k < impacts.size(); ++k) impacts[k].fit.t_s -= 10e-3;  // a single loss
-  for (const CycleChoice& choice : resolve_cycle_slips(impacts)) EXPECT_EQ(choice.hypothesis, 0U);
 }
 
 TEST(CorrelationPeaks, HoldEveryCycleOfAPacketTheHighestFirst) {

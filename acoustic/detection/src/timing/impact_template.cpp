@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "timing/correlation_peaks.hpp"
+#include "timing/impact_whitener.hpp"
 #include "timing/subband_jitter.hpp"
 #include "timing/subband_noise.hpp"
 #include "timing/template_training.hpp"
@@ -27,24 +29,37 @@ struct Estimation {
   const audio::AudioSource& sound;
   TemplateWindow window;
   audio::RealFft fourier;
+  std::vector<std::int64_t> begins;  // of the training impacts' windows, by their candidates
   std::vector<TrainingImpact> training;
   ImpactTemplate learned;
   std::vector<float> mean;  // of the last average, as a function of time
+  bool only_lower_half = false;
+  std::size_t n_bins = 0;  // that the template may fill
 };
 
-std::vector<float> whitening_filter(const audio::ArModel& noise) {
-  std::vector<float> filter = noise.filter;
-  const auto scale = static_cast<float>(1.0 / std::sqrt(noise.quiet_variance));
-  for (float& c : filter) c *= scale;
-  return filter;
+double power_at(const audio::Spectrum& spectrum, std::size_t k) {
+  return square(static_cast<double>(spectrum.re[k])) + square(static_cast<double>(spectrum.im[k]));
 }
 
 void cut(Estimation& e, std::int64_t first, TrainingImpact& impact) {
   cut_window(e.sound, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
 }
 
+/// Leaves the lower frequencies, which hold half of the energy.
+/// @return the first bin left out
+std::size_t keep_lower_half(audio::Spectrum& spectrum) {
+  const double half = 0.5 * audio::energy(spectrum);
+  double sum = 0.0;
+  std::size_t n_kept = 0;
+  while (n_kept < spectrum.size() && sum <= half) sum += power_at(spectrum, n_kept++);
+  std::fill(spectrum.re.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.re.end(), 0.0F);
+  std::fill(spectrum.im.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.im.end(), 0.0F);
+  return n_kept;
+}
+
 void set_template(Estimation& e, TemplateAverage average) {
   e.mean = std::move(average.mean);
+  e.n_bins = e.only_lower_half ? keep_lower_half(average.spectrum) : average.spectrum.size();
   e.learned.filter = MatchedFilter(std::move(average.spectrum), e.window.n_window);
   if (e.learned.subbands.n() == 0) e.learned.subbands = split_into_subbands(e.learned.filter);
 }
@@ -56,6 +71,10 @@ void average(Estimation& e) { set_template(e, average_of(e.training, e.window, e
 void align(Estimation& e, bool search) {
   const double reach = kRoughTimeError_s * e.sound.rate_hz;
   for (TrainingImpact& impact : e.training) {
+    if (!(e.learned.filter.energy() > 0.0)) {
+      impact.correlation = 0.0;
+      continue;
+    }
     if (search)
       impact.position = find_correlation_peaks(e.learned.filter, impact.spectrum, -reach, reach).front().shift;
     if (std::abs(impact.position) > kRecutDistance_samples) {
@@ -66,38 +85,140 @@ void align(Estimation& e, bool search) {
     impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
     impact.position = impact.estimate.shift;
     impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
-    impact.correlation = correlation(impact.estimate, impact.total);
+    double total = 0.0;
+    for (std::size_t k = 0; k < e.n_bins; ++k) total += power_at(impact.spectrum, k);
+    impact.correlation = correlation(impact.estimate, total);
   }
 }
 
 /// @param n_searched  rounds in which positions are searched for; in the others they are refined
-void align_and_average(Estimation& e, int n_searched) {
-  for (int round = 0; round < kAlignmentRounds; ++round) {
+void align_and_average(Estimation& e, int n_searched, int n_rounds = kAlignmentRounds) {
+  for (int round = 0; round < n_rounds; ++round) {
     align(e, round < n_searched);
     average(e);
   }
 }
 
-void start_from(Estimation& e, const TrainingImpact& impact) {
-  e.learned.subbands = {};
-  set_template(e, first_template(impact, e.window, e.fourier));
-  align_and_average(e, kAlignmentRounds);
+/// How a template is searched for.
+struct TemplateSearch {
+  bool at_attacks = false;       // windows begin at attacks, not at candidates
+  bool lower_half_first = true;  // the first alignment is by the lower half of the spectrum alone
+};
+
+/// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
+/// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
+std::int64_t samples_to_attack(const Estimation& e, std::int64_t first) {
+  constexpr double kShareOfEnergy = 0.2;
+  const std::vector<float> x = audio::read_white(e.sound, e.learned.whitener, first, e.window.n_window).sound;
+  const double enough = kShareOfEnergy * audio::dot(x, x);
+  double sum = 0.0;
+  std::size_t n = 0;
+  while (n + 1 < x.size() && sum < enough) sum += square(static_cast<double>(x[n++]));
+  const std::int64_t late = static_cast<std::int64_t>(n) - e.window.samples(kTemplateLead_s);
+  return late > e.window.samples(kRoughTimeError_s) ? late : 0;
 }
 
-/// The template that starts from one impact: the strongest that at least half of the others correlate with. The very
-/// strongest may hold a knock, or be of another source altogether.
-void find_template(Estimation& e) {
-  constexpr std::size_t kMaxStarts = 5;
-  std::size_t best_start = 0;
-  std::ptrdiff_t most_alike = -1;
-  for (std::size_t start = 0; start < std::min(kMaxStarts, e.training.size()); ++start) {
-    start_from(e, e.training[start]);
-    const std::ptrdiff_t n_alike = std::count_if(e.training.begin(), e.training.end(),
-                                                 [](const TrainingImpact& impact) { return impact.is_averaged(); });
-    if (2 * n_alike >= std::ssize(e.training)) return;
-    if (n_alike > most_alike) most_alike = n_alike, best_start = start;
+void cut_training(Estimation& e, const TemplateSearch& search) {
+  e.training.clear();
+  for (const std::int64_t first : e.begins) {
+    TrainingImpact impact;
+    cut(e, first + (search.at_attacks ? samples_to_attack(e, first) : 0), impact);
+    e.training.push_back(std::move(impact));
   }
-  start_from(e, e.training[best_start]);
+}
+
+/// The template that starts from one impact. Low frequencies are aligned by first: they have one maximum where high
+/// ones have many, and a codec keeps their phases, but gives high ones phases of its own.
+void start_from(Estimation& e, std::size_t start, const TemplateSearch& search) {
+  e.learned.subbands = {};
+  e.only_lower_half = search.lower_half_first;
+  set_template(e, first_template(e.training[start], e.window, e.fourier));
+  align_and_average(e, kAlignmentRounds);
+  if (!e.only_lower_half) return;
+  e.only_lower_half = false;
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+}
+
+/// A template and the impacts that it is the mean of.
+struct Found {
+  ImpactTemplate learned;
+  std::vector<TrainingImpact> training;
+  std::vector<float> mean;
+  bool at_attacks = false;
+
+  std::ptrdiff_t n_alike() const {
+    return std::count_if(training.begin(), training.end(),
+                         [](const TrainingImpact& impact) { return impact.is_averaged(); });
+  }
+  bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
+};
+
+Found state_of(const Estimation& e) { return {e.learned, e.training, e.mean, false}; }
+
+void restore(Estimation& e, Found found) {
+  e.learned = std::move(found.learned);
+  e.training = std::move(found.training);
+  e.mean = std::move(found.mean);
+}
+
+/// The template of the strongest impact that three quarters of the others correlate with. The very strongest may hold a
+/// knock, or be of another source altogether.
+/// @return where there is none, that which most correlate with
+Found find_template(Estimation& e, const TemplateSearch& search) {
+  constexpr std::size_t kMaxStarts = 5;
+  Found best;
+  for (std::size_t start = 0; start < std::min(kMaxStarts, e.begins.size()); ++start) {
+    cut_training(e, search);
+    start_from(e, start, search);
+    Found found = state_of(e);
+    found.at_attacks = search.at_attacks;
+    if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
+    if (best.is_enough()) break;
+  }
+  return best;
+}
+
+/// Windows that begin at attacks may lack what the impacts have in common before them, the plate's own sound before a
+/// wall's louder answer: moves all of them back by the median of what they were moved, and averages anew.
+void include_what_comes_before(Estimation& e) {
+  std::vector<double> late;
+  for (const std::int64_t first : e.begins) late.push_back(static_cast<double>(samples_to_attack(e, first)));
+  const auto most = static_cast<std::int64_t>(e.window.n_template / 3);  // the rest must hold the attack
+  const std::int64_t back = std::min(std::llround(upper_median(std::move(late))), static_cast<long long>(most));
+  if (back == 0) return;
+  for (TrainingImpact& impact : e.training) cut(e, impact.window.first - back, impact);
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+}
+
+/// The same, one way after the other until three quarters of the impacts are alike.
+void find_template(Estimation& e) {
+  Found best = find_template(e, {});
+  for (const TemplateSearch& search : {TemplateSearch{.at_attacks = true}, TemplateSearch{.lower_half_first = false}}) {
+    if (best.is_enough()) break;
+    Found found = find_template(e, search);
+    if (found.n_alike() > best.n_alike()) best = std::move(found);
+  }
+  const bool at_attacks = best.at_attacks;
+  restore(e, std::move(best));
+  if (at_attacks) include_what_comes_before(e);
+}
+
+/// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood
+/// for is known from the residuals from here on. Leaves the whitener where fewer impacts are alike by the noise's: it
+/// is that of digital silence, or of a codec's gaps in the spectrum, which the impacts fill each in its own way.
+void whiten_by_noise(Estimation& e, const audio::ArModel& noise) {
+  if (!(noise.quiet_variance > 0.0)) return;
+  Found before = state_of(e);
+  e.learned.whitener = noise_whitener(noise);
+  for (TrainingImpact& impact : e.training) cut(e, impact.window.first, impact);
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+  if (state_of(e).n_alike() < before.n_alike()) restore(e, std::move(before));
 }
 
 /// Extends the whitener by a filter that also whitens what the template does not explain: noise where that is all, the
@@ -172,12 +293,23 @@ double onset_index(const std::vector<float>& mean) {
   return static_cast<double>(first - mean.begin());
 }
 
+double effective_samples(const std::vector<float>& wave) {
+  double squares = 1e-30, fourth_powers = 1e-30;
+  for (const float x : wave) {
+    const double x2 = square(static_cast<double>(x));
+    squares += x2;
+    fourth_powers += x2 * x2;
+  }
+  return std::min(3.0 * squares * squares / fourth_powers, static_cast<double>(wave.size()));
+}
+
 void describe_training(Estimation& e) {
   ImpactTemplate& learned = e.learned;
   std::vector<double> correlations;
   for (const TrainingImpact& impact : e.training) correlations.push_back(impact.correlation);
   learned.correlation = upper_median(std::move(correlations));
   learned.contact_index = onset_index(e.mean);
+  learned.n_effective = effective_samples(e.mean);
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
     ++learned.n_impacts;
@@ -219,14 +351,11 @@ void describe_waveform(Estimation& e) {
 Estimation begin_estimation(const audio::AudioSource& sound, const audio::ArModel& noise,
                             const std::vector<Candidate>& impacts, const std::vector<bool>& clipped) {
   const TemplateWindow window = template_window(sound, impacts);
-  Estimation e{sound, window, audio::RealFft(window.n_window), {}, {}, {}};
-  e.learned.whitener = whitening_filter(noise);
+  Estimation e{sound, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
   e.learned.n_template = window.n_template;
-  for (const std::size_t k : choose_training_impacts(impacts, clipped)) {
-    TrainingImpact impact;
-    cut(e, window.samples(impacts[k].t_s - kTemplateLead_s), impact);
-    e.training.push_back(std::move(impact));
-  }
+  for (const std::size_t k : choose_training_impacts(impacts, clipped))
+    e.begins.push_back(window.samples(impacts[k].t_s - kTemplateLead_s));
+  e.learned.whitener = impact_whitener(sound, noise, e.begins, window.n_window);
   return e;
 }
 
@@ -235,9 +364,10 @@ Estimation begin_estimation(const audio::AudioSource& sound, const audio::ArMode
 std::optional<ImpactTemplate> estimate_template(const audio::AudioSource& sound, const audio::ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
                                                 float clip_level) {
-  if (impacts.size() < 3 || !(noise.quiet_variance > 0.0)) return std::nullopt;
+  if (impacts.size() < 3) return std::nullopt;
   Estimation e = begin_estimation(sound, noise, impacts, clipped);
   find_template(e);
+  whiten_by_noise(e, noise);
   whiten_residuals(e);
   refine_template(e);
   estimate_subbands(e);

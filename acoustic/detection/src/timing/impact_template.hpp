@@ -25,6 +25,7 @@ struct ImpactTemplate {
   Subbands subbands;
   std::size_t n_template = 0;        ///< samples from the window's first after which the template is 0
   double contact_index = 0.0;        ///< start of contact, in samples from the window's first
+  double n_effective = 0.0;          ///< samples that hold its energy, 3 (sum w^2)^2 / sum w^4: all of them in noise
   double correlation = 0.0;          ///< median of the training impacts with the template
   std::int64_t n_impacts = 0;        ///< that it is the mean of
   std::vector<double> training_t_s;  ///< their times

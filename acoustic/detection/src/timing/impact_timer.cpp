@@ -38,13 +38,9 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
   for (std::size_t k = 0; k < mask.size(); ++k) x[k] *= mask[k];
 }
 
-/// Log odds of the highest peak against another.
-double log_odds_margin(const CorrelationPeak& best, const CorrelationPeak& other, double residual_variance) {
-  // half: the residual is not quite white
-  return 0.5 * (best.log_likelihood_ratio - other.log_likelihood_ratio) / std::max(1.0, residual_variance);
-}
-
 }  // namespace
+
+double log_odds_margin(double best, double other, double variance) { return (best - other) / variance; }
 
 ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& learned)
     : sound_(sound), learned_(learned), fourier_(learned.filter.n_window()), noise_(noise_in_product(learned)) {}
@@ -193,20 +189,25 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   fit.amplitude = r.amplitude;
   fit.log_likelihood_ratio = r.log_likelihood_ratio;
   fit.residual_variance = residual_variance(window, r.log_likelihood_ratio);
+  // what an impact has of its own rings when the template does: it is all in the few samples that hold the energy
+  const double n_residual = static_cast<double>(window.mask.empty() ? window.sound.size() : window.n_fit);
+  fit.disturbance = 1.0 + std::max(0.0, fit.residual_variance - 1.0) * std::max(1.0, n_residual / learned_.n_effective);
   // the sub-bands' noise was estimated where louder impacts still rang: the residual here may show that it is less
   fit.noise = std::max(1.0, std::min(noise_, fit.residual_variance));
   fit.correlation = correlation(r, window.total);
   for (std::size_t k = 1; k < window.peaks.size(); ++k) {
-    const double margin = log_odds_margin(window.peaks[0], window.peaks[k], fit.residual_variance);
+    const double margin =
+        log_odds_margin(window.peaks[0].log_likelihood_ratio, window.peaks[k].log_likelihood_ratio, fit.disturbance);
     if (margin < kUnambiguousLogOdds) fit.alternatives.push_back({time_of(window.peaks[k].shift), margin});
   }
   return fit;
 }
 
 void ImpactTimer::subtract_from_later(const ImpactFit& impact) {
-  if (!(impact.amplitude > 0.0)) return;
   const std::int64_t first = samples(impact.t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
-  known_.push_back({impact.t_s, impact.amplitude, first, {}});
+  known_.push_back({impact.t_s, std::max(0.0, impact.amplitude), first, {}});
 }
+
+void ImpactTimer::forget_last() { known_.pop_back(); }
 
 }  // namespace bouncelab::detection

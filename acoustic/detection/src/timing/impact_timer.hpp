@@ -11,6 +11,10 @@
 
 namespace bouncelab::detection {
 
+/// Log odds of one place of an impact against another, by their log likelihood ratios.
+/// @param variance  of what disturbs the product with the template there, that of the noise being 1
+double log_odds_margin(double best, double other, double variance);
+
 /// Times single impacts by maximum likelihood, the ringing of known ones subtracted.
 ///
 /// Model of a window of whitened sound: y(t) = sum_i A_i w(t - t_i) + A w(t - t_0) + white noise, with the template w,
@@ -27,6 +31,10 @@ class ImpactTimer {
   ImpactFit time(double t_s, double reach_s, double until_s);
   /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
   void subtract_from_later(const ImpactFit& impact);
+  /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.
+  double noise() const { return noise_; }
+  /// Undoes the last subtract_from_later().
+  void forget_last();
 
  private:
   struct KnownImpact {

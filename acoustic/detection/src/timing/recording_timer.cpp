@@ -127,7 +127,7 @@ Onset to_onset(const TimedImpact& from, const ContactCorrection& contact, std::o
   onset.sigma_t_s = hypot(hypot(from.fit.sigma_s, from.doubt_s), contact.sigma_s);
   if (peak) {
     onset.amplitude = from.fit.amplitude * *peak;
-    onset.snr_db = 20.0 * log10(*onset.amplitude / std::sqrt(noise_variance));
+    if (noise_variance > 0.0) onset.snr_db = 20.0 * log10(*onset.amplitude / std::sqrt(noise_variance));
   }
   if (from.clipped) onset.flags.add(Flag::clipped);
   if (from.overlap) onset.flags.add(Flag::overlap);

@@ -7,8 +7,9 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "timing/cycle_ambiguity.hpp"
+#include "timing/delay_posterior.hpp"
 #include "timing/impact_timer.hpp"
+#include "timing/merged_fit.hpp"
 #include "timing/track_prediction.hpp"
 
 namespace bouncelab::detection {
@@ -22,9 +23,12 @@ constexpr double kMinInterval_s = 1.2e-3;
 constexpr double kMinCycles = 3.0;      // of the template; nearer impacts cannot be separated from its ringing
 constexpr double kClearRise = 20.0;     // log likelihood ratio of a candidate that noise does not reach in hours
 constexpr double kReliable = 0.7;       // correlation: the template explains half of an impact's energy
-constexpr double kMinDoubt = 1e-3;      // odds of other times from which an impact is flagged doubtful
+constexpr double kMuchLeft = 1.25;      // of the expected residual: then the impact may be at another place
+constexpr double kLate_s = 6e-3;        // of a candidate behind its impact: the longest window of candidates.cpp
+constexpr double kPreEcho_s = 21.4e-3;  // of a candidate before its impact: a block of 1024 samples at 48 kHz
+constexpr double kMinDoubt = 1e-2;      // probability of other times from which an impact is flagged doubtful
 constexpr int kMaxFailures = 3;         // impacts in a row that are not found, then the track has ended
-constexpr double kTailLags = 100.0;     // of the search for the last impact about its candidate
+
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
 
 // Least log likelihood ratio over the residual variance. Inside another impact's ringing the residual is not white, so
@@ -83,13 +87,44 @@ ImpactFit find_impact(Search& search, double t_s, double reach_s, double until_s
   return best;
 }
 
+/// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
+/// and as far behind as a codec's noise goes before an attack.
+ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double most_before_s,
+                          double most_after_s, double until_s) {
+  const double step_s = kStepOfTemplate * search.template_s;
+  const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
+  const double same_s = 1.0 / search.sound.rate_hz;
+  ImpactFit far = near;
+  for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
+    ImpactFit here = search.timer.time(t_s, std::min(step_s, to_s - t_s), until_s);
+    std::erase_if(here.alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
+    if (here.t_s >= from_s) far = merged(far, here, same_s);
+  }
+  // of many far places none may push out those where the sound rises
+  return merged(with_fewer_places(near), with_fewer_places(far), same_s);
+}
+
+/// Residual variance that a fit at the right place leaves: noise, and of the impact the share that the training impacts
+/// have of their own.
+double expected_residual(const Search& search, const ImpactFit& fit) {
+  const double explained = square(search.learned.correlation);
+  return std::min(1.0, search.timer.noise()) + (1.0 - explained) / explained * 2.0 * fit.log_likelihood_ratio /
+                                                   static_cast<double>(search.learned.n_template);
+}
+
 void add_candidate(TimedTrack& track, const Candidate& c, std::int64_t impact, double next_s) {
   constexpr double kShare = 0.25;  // of the intervals on either side, over which an impact may be searched for
   const double last_s = track.impacts.empty() ? -1.0 : track.impacts.back().fit.t_s;
-  const double reach_s = std::min({c.reach_s, kShare * (next_s - c.t_s), kShare * (c.t_s - last_s)});
+  const double before_s = kShare * (c.t_s - last_s), after_s = kShare * (next_s - c.t_s);
   TimedImpact timed;
   timed.impact = impact;
-  timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
+  timed.rise_s = c.t_s;
+  timed.rise_reach_s = c.reach_s;
+  timed.fit = find_impact(track.search, c.t_s, std::min({c.reach_s, before_s, after_s}), next_s);
+  // another impact's sound in the window is reason enough for a low correlation
+  const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
+  if (is_alone && timed.fit.residual_variance > kMuchLeft * expected_residual(track.search, timed.fit))
+    timed.fit = find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
   timed.until_s = next_s;
   timed.overlap = next_s - c.t_s < track.search.template_s;
   append(track, timed);
@@ -210,7 +245,8 @@ bool keeps_last(const TimedTrack& track, const Candidate& c) {
   if (!is_reliable && (is_clear || interval_s > template_s)) return true;
   const bool rises_out_of_quiet = is_clear && interval_s > template_s;
   return (rises_out_of_quiet || has_amplitude_of(last, before)) &&
-         is_supported(track.search, last, before, kTailLags, kMinOfCandidate);
+         is_supported(track.search, last, before, kLagsPerSample * c.reach_s * track.search.sound.rate_hz,
+                      kMinOfCandidate);
 }
 
 /// Removes impacts at the end that the template does not support.
@@ -218,38 +254,42 @@ void trim_tail(TimedTrack& track, const Train& train, const std::vector<Candidat
   for (std::size_t k = train.impacts.size(); k-- > 0 && track.impacts.size() > 3;) {
     if (keeps_last(track, candidates[train.impacts[k].candidate])) return;
     track.impacts.pop_back();
+    track.search.timer.forget_last();  // extend() searches where it was
   }
 }
 
-/// Adds to the variance what the other times, with odds exp(-margin), have about the chosen one.
-void set_doubt(const TimedImpact& hypotheses, const CycleChoice& choice, TimedImpact& impact) {
-  double odds_of_others = 0.0, squares = 0.0;
-  for (std::size_t h = 0; h < choice.log_odds_margin.size(); ++h) {
-    if (h == choice.hypothesis) continue;
-    const double odds = exp(-choice.log_odds_margin[h]);
-    odds_of_others += odds;
-    squares += odds * square(hypothesis_time(hypotheses, h) - impact.fit.t_s);
+/// Adds to the variance what the other times, with their probabilities, have about the chosen one.
+void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
+               TimedImpact& impact) {
+  double p_others = 0.0, squares = 0.0;
+  for (std::size_t h = 0; h < p.size(); ++h) {
+    if (h == chosen) continue;
+    p_others += p[h];
+    squares += p[h] * square(hypothesis_time(hypotheses, h) - impact.fit.t_s);
   }
-  impact.doubtful = odds_of_others > kMinDoubt;
-  impact.doubt_s = std::sqrt(squares / (1.0 + odds_of_others));
+  impact.doubtful = p_others > kMinDoubt;
+  impact.doubt_s = std::sqrt(squares);
 }
 
-/// Puts each impact on its cycle, and times anew those that moved or whose window reached an impact found later.
-std::vector<TimedImpact> resolve_cycles(const Search& search, const std::vector<TimedImpact>& track) {
-  const std::vector<CycleChoice> choices = resolve_cycle_slips(track);
+/// Puts each impact on its most probable time, and times anew those that moved or whose window reached an impact found
+/// later.
+std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<TimedImpact>& track) {
+  const std::vector<HypothesisProbabilities> posterior = delay_posterior(track);
   ImpactTimer timer(search.sound, search.learned);
   std::vector<TimedImpact> resolved = track;
   for (std::size_t k = 0; k < track.size(); ++k) {
     TimedImpact& impact = resolved[k];
+    const auto chosen =
+        static_cast<std::size_t>(std::max_element(posterior[k].begin(), posterior[k].end()) - posterior[k].begin());
     const double next_s = k + 1 < track.size() ? track[k + 1].fit.t_s : INFINITY;
     const bool next_was_unknown =
         next_s - impact.fit.t_s < search.template_s && impact.until_s > next_s + kMinInterval_s;
-    if (choices[k].hypothesis > 0 || next_was_unknown) {
+    if (chosen > 0 || next_was_unknown) {
       impact.until_s = std::min(impact.until_s, next_s);
-      impact.fit = timer.time(hypothesis_time(track[k], choices[k].hypothesis), 0.0, impact.until_s);
+      impact.fit = timer.time(hypothesis_time(track[k], chosen), 0.0, impact.until_s);
       impact.overlap = impact.overlap || next_was_unknown;
     }
-    set_doubt(track[k], choices[k], impact);
+    set_doubt(track[k], posterior[k], chosen, impact);
     timer.subtract_from_later(impact.fit);
   }
   return resolved;
@@ -277,7 +317,7 @@ std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const Impac
   }
   trim_tail(track, train, candidates);
   extend(track, end_s);
-  return resolve_cycles(track.search, track.impacts);
+  return resolve_delays(track.search, track.impacts);
 }
 
 }  // namespace bouncelab::detection
