@@ -24,7 +24,7 @@ constexpr double kMostScatter = 1.0;       // of log eps, over the mean loss: on
 constexpr double kFirstScatter = 0.08;     // of log eps of the first impacts against those that follow
 constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
 constexpr double kLeastLoss = 0.008;       // of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
-constexpr double kStartCost = 2.0;         // prior log odds against a train within some seconds
+constexpr double kStartCost = 1.0;         // prior log odds against a train within some seconds
 const double kLogUsualFlight = log(0.4);   // the first: a ball dropped from some 30 cm
 constexpr double kFlightScatter = 0.8;     // of its logarithm
 constexpr double kRhythm = 1.0;            // prior log odds of a rhythm against a ball
@@ -136,9 +136,10 @@ double beats(double ratio) {
   return std::clamp(std::round(ratio), 1.0, kMostMissing + 1.0);
 }
 
-/// Density of the next sound's time as that of a rhythm [1/s], which it then follows: by hand, a local level and trend
-/// of the log interval; by a machine, the interval before. Beats are left out as impacts are, or one is divided by two.
-double follow_rhythm(TrainState& s, const HeardSound& next, double gap_s) {
+/// Densities of the next sound's time as that of a rhythm [1/s], which it then follows: by hand, a local level and
+/// trend of the log interval; by a machine, the interval before. Beats are left out as impacts are, or one is divided
+/// by two.
+std::array<double, 2> follow_rhythm(TrainState& s, const HeardSound& next, double gap_s) {
   const double expected = s.log_beat + s.log_beat_drift;
   const double n_beats = beats(gap_s * exp(-expected));
   const double log_interval = log(gap_s / n_beats);
@@ -147,16 +148,16 @@ double follow_rhythm(TrainState& s, const HeardSound& next, double gap_s) {
   const double learned =
       (kBeatWeight * kBeatScatter * kBeatScatter + s.sum_squares_beat) / (kBeatWeight + std::min(s.n_eps, kMemory));
   const double width = std::sqrt(learned + jitter2);
-  const double core = 0.5 * (student3(deviation, width) +
-                             student3(log_interval - s.last_log_beat, std::sqrt(square(kMachineScatter) + jitter2)));
   const double step = std::clamp(deviation, -3.0 * width, 3.0 * width);
   s.sum_squares_beat += step * step - (s.n_eps >= kMemory ? s.sum_squares_beat / kMemory : 0.0);
   s.log_beat = n_beats < 1.0 ? log(gap_s) : expected + kTempo * step;
   s.log_beat_drift += kTempoDrift * step;
+  const double by_machine = student3(log_interval - s.last_log_beat, std::sqrt(square(kMachineScatter) + jitter2));
   s.last_log_beat = n_beats < 1.0 ? log(gap_s) : log_interval;
   constexpr double kAnyInterval = 1.0 / 3.0;  // of log interval, within a factor of 4.5 either way
-  return probability_missing(n_beats < 1.0 ? 1 : static_cast<int>(n_beats) - 1) *
-         ((1.0 - kOutlier) * core + kOutlier * kAnyInterval) / gap_s;
+  const double of_beats = probability_missing(n_beats < 1.0 ? 1 : static_cast<int>(n_beats) - 1) / gap_s;
+  const auto density = [&](double core) { return of_beats * ((1.0 - kOutlier) * core + kOutlier * kAnyInterval); };
+  return {density(student3(deviation, width)), density(by_machine)};
 }
 
 /// Takes the amplitude into what is known of the train.
@@ -175,7 +176,8 @@ double TrainState::log_odds_of_ball() const {
   const double loss = std::min(log_loss, log(first_flight_s / flight_s)) / n_eps;
   const double z = (loss - kLeastLoss) / std::sqrt(variance / n_eps);
   const double log_loses = z > -5.0 ? log(0.5 * erfc(-z / std::numbers::sqrt2)) : -0.5 * z * z - 2.5;
-  return log_odds + log_loses - log1p(exp(kRhythm + log_odds_rhythm + kStartCost));
+  return log_odds + log_loses -
+         log1p(exp(kRhythm + kStartCost + log_odds_rhythm[0]) + exp(kRhythm + kStartCost + log_odds_rhythm[1]));
 }
 
 double log_odds_of_first(const Rivals& rivals, double log_rise_odds) {
@@ -200,7 +202,7 @@ TrainState begin_train(const HeardSound& first, const HeardSound& second) {
                log(s.flight_s / student3(s.log_beat - kLogUsualFlight, kFlightScatter) *
                    clutter_intensity(second.rivals, s.flight_s, own) / odds_of_timbre(second) /
                    student3(log_ratio + kUsualLoss, kClutterAmplitude));
-  s.log_odds_rhythm = s.log_odds;
+  s.log_odds_rhythm.fill(s.log_odds);
   return s;
 }
 
@@ -233,15 +235,17 @@ std::optional<TrainState> extend_train(const TrainState& from, int n_missing, co
   TrainState s = from;
   s.flight_s = flight_s;
   s.log_odds = log_odds;
-  if (from.log_odds - kSwitch > from.log_odds_ball_then_rhythm) {
-    s.log_odds_ball_then_rhythm = from.log_odds - kSwitch;
-    s.n_of_ball = from.n_heard;
+  const std::array<double, 2> of_rhythm = follow_rhythm(s, next, gap_s);
+  const double of_beat = student3(next.log_amplitude - from.mean_log_amplitude, kRhythmAmplitude) / chance;
+  for (std::size_t r = 0; r < of_rhythm.size(); ++r) {
+    if (from.log_odds - kSwitch > from.log_odds_ball_then_rhythm[r]) {
+      s.log_odds_ball_then_rhythm[r] = from.log_odds - kSwitch;
+      s.n_of_ball[r] = from.n_heard;
+    }
+    const double gain = next.log_rise_odds + log(of_rhythm[r] * of_beat);
+    s.log_odds_rhythm[r] += gain;
+    s.log_odds_ball_then_rhythm[r] += gain;
   }
-  const double gain_of_rhythm =
-      next.log_rise_odds + log(follow_rhythm(s, next, gap_s) / chance *
-                               student3(next.log_amplitude - from.mean_log_amplitude, kRhythmAmplitude));
-  s.log_odds_rhythm += gain_of_rhythm;
-  s.log_odds_ball_then_rhythm += gain_of_rhythm;
   learn_eps(s, log_eps, width.learned);
   s.impact += n_missing + 1;
   s.n_heard += 1;

@@ -34,11 +34,12 @@ struct HeardSound {
 
 /// What a train is up to an impact.
 struct TrainState {
-  double log_odds = 0.0;                    ///< ball against clutter
-  double log_odds_rhythm = 0.0;             ///< the same sounds as a rhythm against clutter
-  double log_odds_ball_then_rhythm = -1e9;  ///< as a ball that ends and a rhythm that begins there
-  std::int64_t n_of_ball = 0;               ///< of these, the sounds that are the ball's
-  double flight_s = 0.0;                    ///< last interval, or what it would have been
+  double log_odds = 0.0;  ///< ball against clutter
+  /// The same sounds as a rhythm against clutter: by hand, of a machine.
+  std::array<double, 2> log_odds_rhythm{};
+  std::array<double, 2> log_odds_ball_then_rhythm{-1e9, -1e9};  ///< as a ball that ends and a rhythm that begins there
+  std::array<std::int64_t, 2> n_of_ball{};                      ///< of these, the sounds that are the ball's
+  double flight_s = 0.0;                                        ///< last interval, or what it would have been
   double first_flight_s = 0.0;
   double mean_log_eps = 0.0;
   double mean_eps = 1.0;

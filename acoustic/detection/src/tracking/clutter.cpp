@@ -13,6 +13,7 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kSmallestReach_s = 2e-3;
+constexpr double kPseudoCount = 1.0;  // clutter expected in a window where none is seen, in counts
 constexpr double kKernelWidth = 0.5;  // of log amplitude
 /// The nearest octave: that below sqrt(2) times as much.
 int window_octave(double flight_s) {
@@ -102,7 +103,9 @@ double rival_window_s(double flight_s) { return reach_s(window_octave(flight_s))
 
 double clutter_intensity(const Rivals& rivals, double flight_s, double own) {
   const int octave = window_octave(flight_s);
-  return std::max(amplitude_kernel(0.0), rivals.density[octave] - own) / (2.0 * reach_s(octave));
+  const double itself = amplitude_kernel(0.0);
+  const double others = std::max(0.0, rivals.density[octave] - itself - own);
+  return (kPseudoCount * itself + others) / (2.0 * reach_s(octave));
 }
 
 double amplitude_kernel(double log_ratio) { return student3(log_ratio, kKernelWidth); }

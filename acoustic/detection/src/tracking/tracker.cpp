@@ -107,14 +107,16 @@ class Search {
     for (const State& s : here.finish()) {
       if (s.n_heard >= kLeastImpacts) {
         const double ball = s.log_odds_of_ball() + kOwnRivals;
-        const double rhythm = s.log_odds_rhythm + kOwnRivals + 1.0;
-        const double both = s.log_odds_ball_then_rhythm + kOwnRivals;
+        const std::size_t r = s.log_odds_rhythm[1] > s.log_odds_rhythm[0] ? 1 : 0;
+        const double rhythm = s.log_odds_rhythm[r] + kOwnRivals + 1.0;
+        const std::size_t q = s.log_odds_ball_then_rhythm[1] > s.log_odds_ball_then_rhythm[0] ? 1 : 0;
+        const double both = s.log_odds_ball_then_rhythm[q] + kOwnRivals;
         const double most = std::max({ball, rhythm, both});
         if (most > kAcceptance && s.start_score + most > best_[k + 1].score)
           best_[k + 1] = {s.start_score + most, static_cast<std::int64_t>(states_.size()),
                           most == ball     ? s.n_heard
                           : most == rhythm ? 0
-                                           : s.n_of_ball};
+                                           : s.n_of_ball[q]};
       }
       states_.push_back(s);
     }
