@@ -24,7 +24,7 @@ constexpr double kMostScatter = 1.0;       // of log eps, over the mean loss: on
 constexpr double kFirstScatter = 0.08;     // of log eps of the first impacts against those that follow
 constexpr int kMemory = 8;                 // impacts over which eps is taken as constant
 constexpr double kLeastLoss = 0.008;       // of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
-constexpr double kStartCost = 1.0;         // prior log odds against a train within some seconds
+constexpr double kStartCost = 0.5;         // prior log odds against a train within some seconds
 const double kLogUsualFlight = log(0.4);   // the first: a ball dropped from some 30 cm
 constexpr double kFlightScatter = 0.8;     // of its logarithm
 constexpr double kRhythm = 1.0;            // prior log odds of a rhythm against a ball
@@ -85,6 +85,7 @@ Spread spread(const TrainState& train, int n_missing, double jitter2) {
 
 /// Density of eps where nothing is known of the ball.
 double prior_of_eps(double eps) {
+  if (eps < kLeastEps || eps > kLargestEps) return 0.0;
   return (1.0 - kGains) * (eps <= 1.0 ? 1.0 / (1.0 - kLeastEps) : 0.0) + kGains / (kLargestEps - kLeastEps);
 }
 
