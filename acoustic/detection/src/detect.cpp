@@ -21,7 +21,6 @@
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "timing/recording_timer.hpp"
-#include "tracking/bounce_model.hpp"
 #include "tracking/first_arrivals.hpp"
 #include "tracking/tracker.hpp"
 
@@ -43,11 +42,11 @@ struct ChannelDetection {
   int channel = 0;
   audio::ArModels models;
   std::vector<Candidate> candidates;
-  std::vector<Train> tracks;
+  std::vector<Track> tracks;
 
   double log_odds() const {
     double sum = 0.0;
-    for (const Train& track : tracks) sum += track.log_odds;
+    for (const Track& track : tracks) sum += track.log_odds;
     return sum;
   }
 };
@@ -59,7 +58,7 @@ ChannelDetection detect_channel(const audio::AudioSource& sound, int channel, co
   found.channel = channel;
   found.models = audio::learn_ar_models(sound, kArOrder);
   found.candidates = find_candidates(sound, found.models.signal, progress);
-  found.tracks = find_trains(found.candidates, timing_s, measure_band_energies(sound, found.candidates));
+  found.tracks = find_tracks(found.candidates, timing_s, measure_band_energies(sound, found.candidates));
   begin_at_first_arrivals(found.candidates, found.tracks);
   return found;
 }
@@ -92,7 +91,7 @@ void summarize_tracks(const ChannelDetection& found, RecordingSummary& summary) 
   summary.n_candidates = static_cast<std::int64_t>(found.candidates.size());
   summary.n_drops = static_cast<std::int64_t>(found.tracks.size());
   std::vector<double> eps;
-  for (const Train& track : found.tracks)
+  for (const Track& track : found.tracks)
     for (std::size_t k = 2; k < track.impacts.size(); ++k) {
       if (track.impacts[k].impact - track.impacts[k - 2].impact != 2) continue;
       const double t0 = found.candidates[track.impacts[k - 2].candidate].t_s;

@@ -16,8 +16,6 @@ constexpr double kHop_s = 0.125e-3;
 constexpr std::array<std::int64_t, 3> kAfterHops{3, 12, 48};
 constexpr std::int64_t kBeforeFactor = 3;  // three times as long before, for a more accurate background
 constexpr std::int64_t kApartHops = 4;
-// P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one in 3 s
-constexpr double kThreshold = 8.0;
 constexpr std::int64_t kBlockHops = 1 << 13;
 // candidates are searched so far beyond a block's ends that the result does not depend on the blocks
 constexpr std::int64_t kOverlapHops = 128;
@@ -40,7 +38,7 @@ double threshold_rise(double n_after) {
   double hi = 1e12;
   for (int k = 0; k < 200 && hi - lo > 1e-9 * lo; ++k) {
     const double middle = std::sqrt(lo * hi);
-    (rise_ratio(n_before, n_before, middle * n_after, n_after) < kThreshold ? lo : hi) = middle;
+    (rise_ratio(n_before, n_before, middle * n_after, n_after) < kCandidateThreshold ? lo : hi) = middle;
   }
   return hi;
 }

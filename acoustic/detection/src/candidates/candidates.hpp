@@ -17,6 +17,10 @@ struct Candidate {
   double log_likelihood_ratio = 0.0;  ///< rise against no rise
 };
 
+/// Least LLR of a candidate: P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one
+/// in 3 s.
+constexpr double kCandidateThreshold = 8.0;
+
 /// Candidates in time order.
 ///
 /// Statistic: the generalised likelihood ratio of "variance s2 from sample n on, s1 before" against one variance, for

@@ -23,9 +23,9 @@ bool is_unflagged(const TimedImpact& impact) {
 }
 
 /// Times of the candidates, where there is no template.
-std::vector<TimedImpact> times_of_candidates(const TimingInput& input, const Train& track) {
+std::vector<TimedImpact> times_of_candidates(const TimingInput& input, const Track& track) {
   std::vector<TimedImpact> impacts;
-  for (const TrainImpact& of_track : track.impacts) {
+  for (const TrackImpact& of_track : track.impacts) {
     const Candidate& c = input.candidates[of_track.candidate];
     TimedImpact impact;
     impact.impact = of_track.impact;
@@ -68,13 +68,13 @@ double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
 
 }  // namespace
 
-std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Train>& tracks) {
+std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks) {
   constexpr float kBelowLimit = 0.999F;
   std::vector<Candidate> impacts;
   std::vector<bool> clipped;
   float limit = INFINITY;
-  for (const Train& track : tracks)
-    for (const TrainImpact& impact : track.impacts) {
+  for (const Track& track : tracks)
+    for (const TrackImpact& impact : track.impacts) {
       impacts.push_back(input.candidates[impact.candidate]);
       const float level = clip_level(input.whole, impacts.back().t_s);
       clipped.push_back(!std::isinf(level));
@@ -85,7 +85,7 @@ std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::v
                            input.is_full_band ? kBelowLimit * limit : INFINITY);
 }
 
-TimedDrop time_drop(const TimingInput& input, const Train& track, const ImpactTemplate* learned, double end_s) {
+TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s) {
   TimedDrop drop;
   drop.impacts = learned != nullptr ? time_track(input.band, *learned, track, input.candidates, end_s)
                                     : times_of_candidates(input, track);

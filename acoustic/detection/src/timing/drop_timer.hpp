@@ -21,7 +21,7 @@ struct TimingInput {
   bool is_full_band = true;         ///< whether the two are one
   const audio::ArModel& noise;      ///< of the band
   const std::vector<Candidate>& candidates;
-  const std::vector<Train>& tracks;
+  const std::vector<Track>& tracks;
   double gravity_mps2 = 0.0;
 };
 
@@ -34,13 +34,13 @@ struct TimedDrop {
 };
 
 /// Template of the impacts of some tracks of a recording.
-std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Train>& tracks);
+std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks);
 
 /// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
 /// and then the impacts that overlap, jointly.
 /// @param learned  null = none: then the times are those of the candidates
 /// @param end_s    the next track, or the end of the recording [s]
-TimedDrop time_drop(const TimingInput& input, const Train& track, const ImpactTemplate* learned, double end_s);
+TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s);
 
 /// The template that the times of all drops refer to.
 struct ReferenceTemplate {

@@ -60,11 +60,11 @@ struct TimedDrops {
 TimedDrops time_drops(const TimingInput& input) {
   TimedDrops timed;
   const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
-                                     [](const Train& track) { return track.impacts.size() < kOwnTemplate; });
+                                     [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
   const std::optional<ImpactTemplate> shared = is_shared ? template_of(input, input.tracks) : std::nullopt;
   std::size_t longest = 0;
   for (std::size_t k = 0; k < input.tracks.size(); ++k) {
-    const Train& track = input.tracks[k];
+    const Track& track = input.tracks[k];
     const double begin_s = input.candidates[track.impacts.front().candidate].t_s;
     const double last_s = input.candidates[track.impacts.back().candidate].t_s;
     const audio::AudioSource band = resident_around(input.band, begin_s, last_s);

@@ -21,12 +21,12 @@ struct Surroundings {
   std::vector<std::size_t> candidate;
 };
 
-Surroundings surroundings(const std::vector<Candidate>& c, const Train& train, std::size_t k) {
-  const std::size_t here = train.impacts[k].candidate;
+Surroundings surroundings(const std::vector<Candidate>& c, const Track& track, std::size_t k) {
+  const std::size_t here = track.impacts[k].candidate;
   double reach_s = kSteps_s;
-  if (k > 0) reach_s = std::min(reach_s, kShareOfFlight * (c[here].t_s - c[train.impacts[k - 1].candidate].t_s));
-  if (k + 1 < train.impacts.size())
-    reach_s = std::min(reach_s, kShareOfFlight * (c[train.impacts[k + 1].candidate].t_s - c[here].t_s));
+  if (k > 0) reach_s = std::min(reach_s, kShareOfFlight * (c[here].t_s - c[track.impacts[k - 1].candidate].t_s));
+  if (k + 1 < track.impacts.size())
+    reach_s = std::min(reach_s, kShareOfFlight * (c[track.impacts[k + 1].candidate].t_s - c[here].t_s));
   Surroundings around;
   const auto add = [&](std::size_t j) {
     if (c[j].amplitude < kFaint * c[here].amplitude) return;
@@ -50,7 +50,7 @@ std::optional<std::size_t> at_offset(const std::vector<Candidate>& c, const Surr
   return found;
 }
 
-/// The step that most impacts of a train have, if it is at least half of them.
+/// The step that most impacts of a track have, if it is at least half of them.
 std::optional<double> common_step(const std::vector<Candidate>& c, const std::vector<Surroundings>& all) {
   std::optional<double> step_s;
   std::ptrdiff_t most = std::max(kFewest, (std::ssize(all) + 1) / 2) - 1;
@@ -66,22 +66,22 @@ std::optional<double> common_step(const std::vector<Candidate>& c, const std::ve
 }
 
 /// Whether any impact begins earlier now.
-bool begin_earlier(const std::vector<Candidate>& c, Train& train) {
+bool begin_earlier(const std::vector<Candidate>& c, Track& track) {
   std::vector<Surroundings> all;
-  for (std::size_t k = 0; k < train.impacts.size(); ++k) all.push_back(surroundings(c, train, k));
+  for (std::size_t k = 0; k < track.impacts.size(); ++k) all.push_back(surroundings(c, track, k));
   const std::optional<double> step_s = common_step(c, all);
   if (!step_s) return false;
   for (std::size_t k = 0; k < all.size(); ++k)
-    if (const auto first = at_offset(c, all[k], -*step_s)) train.impacts[k].candidate = *first;
+    if (const auto first = at_offset(c, all[k], -*step_s)) track.impacts[k].candidate = *first;
   return true;
 }
 
 }  // namespace
 
-void begin_at_first_arrivals(const std::vector<Candidate>& candidates, std::vector<Train>& trains) {
+void begin_at_first_arrivals(const std::vector<Candidate>& candidates, std::vector<Track>& tracks) {
   constexpr int kMostSteps = 4;
-  for (Train& train : trains)
-    for (int step = 0; step < kMostSteps && begin_earlier(candidates, train); ++step) {
+  for (Track& track : tracks)
+    for (int step = 0; step < kMostSteps && begin_earlier(candidates, track); ++step) {
     }
 }
 

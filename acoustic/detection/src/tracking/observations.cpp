@@ -2,36 +2,45 @@
 #include "tracking/observations.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/rise_odds.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kSharp_s = 1.8e-3;  // reach of the shortest window at 4 kHz and more; at 1 kHz all are longer
-constexpr double kWindow_s = 0.8e-3;
-constexpr double kTimingOfReach = 0.15;
+constexpr double kSharp_s = 1.8e-3;       // reach of the shortest window at 4 kHz and more; at 1 kHz all are longer
+constexpr double kTimingOfReach = 0.15;   // what a longer window has noticed is timed by a part of it
+constexpr double kSamplesOfTiming = 2.0;  // error of the times in samples
+constexpr double kShortestWindow_s = 0.4e-3;
 
 }  // namespace
 
-HeardSounds::HeardSounds(const std::vector<Candidate>& c, double timing, const std::vector<BandEnergies>& t)
-    : candidates(c), band_energies(t), timing_s(timing), rivals(count_rivals(c, t)) {
-  for (const Candidate& candidate : c) log_amplitude.push_back(log(candidate.amplitude));
-  log_rise_odds = detection::log_rise_odds(c, kWindow_s / timing);
-  for (std::size_t k = 0; k < c.size(); ++k) log_odds_first.push_back(log_odds_of_first(rivals[k], log_rise_odds[k]));
+Observations::Observations(const std::vector<Candidate>& candidates, double timing_s,
+                           const std::vector<BandEnergies>& band_energies, const TrackingModel& model)
+    : candidates_(candidates), band_energies_(band_energies), model_(model) {
+  const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kSamplesOfTiming / timing_s, model);
+  const std::vector<Neighbours> neighbours = count_neighbours(candidates, band_energies, model);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const Candidate& c = candidates[k];
+    const double sigma_s = c.reach_s < kSharp_s ? timing_s : std::max(timing_s, kTimingOfReach * c.reach_s);
+    observations_.push_back({c.t_s, sigma_s, log(c.amplitude), rise[k], neighbours[k]});
+  }
 }
 
-HeardSound HeardSounds::heard(std::size_t k) const {
-  // what the shortest window has noticed is timed by a sample, what the longer ones have, by a part of themselves
-  const double reach_s = candidates[k].reach_s;
-  const double sigma_s = reach_s < kSharp_s ? timing_s : std::max(timing_s, kTimingOfReach * reach_s);
-  return {candidates[k], rivals[k], sigma_s, log_amplitude[k], log_rise_odds[k], log_odds_first[k], {}, true};
+Observation Observations::without(std::size_t k, const std::vector<std::size_t>& explained) const {
+  Observation observation = observations_[k];
+  observation.neighbours = count_neighbours_of(k, candidates_, band_energies_, explained, model_);
+  return observation;
 }
 
-std::optional<double> HeardSounds::alike(std::size_t j, std::size_t k) const {
-  if (band_energies.empty()) return {};
-  return same_source_probability(band_energies[j], band_energies[k]);
+double Observations::same_source(std::size_t j, std::size_t k) const {
+  return same_source_weight(same_source_probability_of(j, k).value_or(1.0));
+}
+
+std::optional<double> Observations::same_source_probability_of(std::size_t j, std::size_t k) const {
+  if (band_energies_.empty()) return {};
+  return same_source_probability(band_energies_[j], band_energies_[k]);
 }
 
 }  // namespace bouncelab::detection

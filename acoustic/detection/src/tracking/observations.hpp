@@ -6,26 +6,46 @@
 
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
-#include "tracking/bounce_model.hpp"
-#include "tracking/clutter.hpp"
+#include "tracking/neighbours.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 
-/// The candidates of a recording as the model of trains sees them. Refers to what it is made from.
-struct HeardSounds {
-  const std::vector<Candidate>& candidates;
-  const std::vector<BandEnergies>& band_energies;  ///< or none
-  double timing_s = 0.0;                           ///< error of times noticed by the shortest window
-  std::vector<Rivals> rivals;
-  std::vector<double> log_amplitude;
-  std::vector<double> log_rise_odds;
-  std::vector<double> log_odds_first;
+/// A candidate as the model of tracks sees it.
+struct Observation {
+  double t_s = 0.0;
+  double sigma_s = 0.0;  ///< error of the time
+  double log_amplitude = 0.0;
+  double log_rise_odds = 0.0;  ///< that it is an event at all (rise_odds.hpp)
+  Neighbours neighbours;
+};
 
-  HeardSounds(const std::vector<Candidate>& candidates, double timing_s,
-              const std::vector<BandEnergies>& band_energies);
-  HeardSound heard(std::size_t k) const;
-  /// Probability that two are of one kind; absent where there are no band_energies.
-  std::optional<double> alike(std::size_t j, std::size_t k) const;
+/// Those of a recording. Refers to what it is made from.
+class Observations {
+ public:
+  /// @param timing_s       error of the times that the shortest window gives [s]
+  /// @param band_energies  of the candidates, or none
+  Observations(const std::vector<Candidate>& candidates, double timing_s,
+               const std::vector<BandEnergies>& band_energies, const TrackingModel& model);
+
+  std::size_t size() const { return observations_.size(); }
+  const Observation& operator[](std::size_t k) const { return observations_[k]; }
+  /// The same with what a track explains not counted among its neighbours.
+  /// @param explained  indices, rising
+  Observation without(std::size_t k, const std::vector<std::size_t>& explained) const;
+  /// Weight of one as clutter for the other, or as an impact of the same ball: 1 where they cannot be told apart.
+  double same_source(std::size_t j, std::size_t k) const;
+  /// Probability that they have the same source; absent where there are no band energies.
+  std::optional<double> same_source_probability_of(std::size_t j, std::size_t k) const;
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  const TrackingModel& model() const { return model_; }
+
+ private:
+  const std::vector<Candidate>& candidates_;
+  const std::vector<BandEnergies>& band_energies_;
+  const TrackingModel& model_;
+  std::vector<Observation> observations_;
 };
 
 }  // namespace bouncelab::detection

@@ -8,10 +8,9 @@
 
 namespace bouncelab::detection {
 
-/// Looks at each train once more, now that the ball is known: which sound it begins with, and whether its odds hold
-/// when its own sounds are no longer each other's rivals and sounds like its own that are not of it speak against it.
-/// Those that do not hold are taken out.
-/// @param trains  one after the other in time
-void review_trains(const HeardSounds& sounds, std::vector<Train>& trains);
+/// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
+/// own sounds and their echoes not counted as clutter. Those below even odds are left out.
+/// @param tracks  one after the other in time
+std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
 
 }  // namespace bouncelab::detection

@@ -5,31 +5,31 @@
 #include <cmath>
 #include <optional>
 
-#include "tracking/bounce_model.hpp"
+#include "tracking/hypothesis.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kBeam = 8;
-constexpr double kBeamDepth = 10.0;
-constexpr std::size_t kStatesAtOnce =
-    1 << 12;                        // 1 MB, which stays in the cache; then those no train needs are forgotten
-constexpr double kHopeless = -5.5;  // log odds below which a young train is not followed
-// log odds that a train may have lost because its own sounds, those to come above all, were counted as rivals
-constexpr double kOwnRivals = 5.0;
-constexpr std::int64_t kLeastImpacts = 3;
-constexpr double kMostStart = 2.0;  // of the second impact
-constexpr double kMostGain = 11.0;  // of one impact: density 20 to 200 at the best place, amplitude in favour
+// limits of the search: what they leave out is no more probable than what is kept but by so much
+constexpr std::size_t kBeam = 8;       // hypotheses that end at one candidate
+constexpr double kBeamDepth = 10.0;    // log odds below the best of them
+constexpr double kHopeless = -4.0;     // log odds below which a hypothesis is not followed
+constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds at most
+constexpr double kMostGain = 11.0;     // that any impact adds
+// log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
+constexpr double kOwnClutter = 5.0;
+constexpr std::size_t kStatesAtOnce = 1 << 12;  // 1 MB, which stays in the cache; then those no track needs are dropped
 
-struct State : TrainState {
-  double start_score = 0.0;    // of the recording before this train
-  std::int64_t previous = -1;  // state; -1 at the second impact of a train
+struct State {
+  Hypothesis track;
+  double start_score = 0.0;    // of the recording before this track
+  std::int64_t previous = -1;  // state; -1 at the second impact of a track
   std::size_t candidate = 0;   // the last
   std::size_t first_candidate = 0;
 
-  double total() const { return start_score + log_odds; }
+  double total() const { return start_score + track.log_odds; }
 };
 
 /// The most probable of the states that end at one candidate.
@@ -42,7 +42,7 @@ class Beam {
   double least_total() const { return least_total_; }
 
   void keep(const State& s) {
-    if (s.log_odds < kHopeless || s.total() < least_total_) return;
+    if (s.track.log_odds < kHopeless || s.total() < least_total_) return;
     least_total_ = std::max(least_total_, s.total() - kBeamDepth);
     states_.push_back(s);
     if (states_.size() >= 2 * kBeam) narrow();
@@ -52,7 +52,8 @@ class Beam {
   const std::vector<State>& finish() {
     if (states_.size() > kBeam) narrow();
     std::erase_if(states_, [&](const State& s) { return s.total() < least_total_; });
-    std::sort(states_.begin(), states_.end(), [](const State& a, const State& b) { return a.flight_s > b.flight_s; });
+    std::sort(states_.begin(), states_.end(),
+              [](const State& a, const State& b) { return a.track.flight_s > b.track.flight_s; });
     return states_;
   }
 
@@ -71,52 +72,53 @@ class Beam {
 
 class Search {
  public:
-  Search(const std::vector<Candidate>& candidates, double timing_s, const std::vector<BandEnergies>& band_energies)
-      : c_(candidates), sounds_(candidates, timing_s, band_energies), begin_(c_.size() + 1, 0), best_(c_.size() + 1) {}
+  explicit Search(const Observations& observations) : o_(observations), begin_(o_.size() + 1, 0), best_(o_.size() + 1) {
+    for (std::size_t k = 0; k < o_.size(); ++k) may_begin_.push_back(may_begin(k));
+  }
 
-  std::vector<Train> run() {
-    for (std::size_t k = 0; k < c_.size(); ++k) visit(k);
+  std::vector<Track> run() {
+    for (std::size_t k = 0; k < o_.size(); ++k) visit(k);
     return trace();
   }
 
  private:
   struct Best {
     double score = 0.0;
-    std::int64_t state = -1;  // the completed train that ends here or before
+    std::int64_t state = -1;  // the completed track that ends here or before
     std::int64_t n_of_ball = 0;
   };
 
+  bool may_begin(std::size_t k) const { return log_odds_of_first(o_[k], o_.model()) + kMostOfSecond > kHopeless; }
+
   void visit(std::size_t k) {
     Beam here(best_[k].score);
-    HeardSound next = sounds_.heard(k);
     for (std::size_t j = k; j-- > 0;) {
-      const double gap_s = c_[k].t_s - c_[j].t_s;
+      const double gap_s = o_[k].t_s - o_[j].t_s;
       if (gap_s > kMostGap * kLongestFlight_s) break;
       // states are ordered by falling flight: those that reach from j to k lie side by side
       const auto begin = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j]);
       const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
       const auto first =
-          std::partition_point(begin, end, [&](const State& s) { return s.flight_s * kLeastEps > gap_s; });
-      const bool may_start = gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s &&
-                             sounds_.log_odds_first[j] > kHopeless - kMostStart;
-      if (may_start || (first != end && first->flight_s * kMostGap >= gap_s)) next.alike = sounds_.alike(j, k);
-      for (auto s = first; s != end && s->flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k, next, here);
-      if (may_start) start(j, k, next, here);
+          std::partition_point(begin, end, [&](const State& s) { return s.track.flight_s * kLeastEps > gap_s; });
+      const bool is_first_flight = may_begin_[j] && gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
+      const bool is_reached = first != end && first->track.flight_s * kMostGap >= gap_s;
+      if (!is_first_flight && !is_reached) continue;
+      const double same_source = o_.same_source(j, k);
+      for (auto s = first; s != end && s->track.flight_s * kMostGap >= gap_s; ++s)
+        extend(s - states_.begin(), k, same_source, here);
+      if (is_first_flight) start(j, k, same_source, here);
     }
+    finish(k, here);
+  }
+
+  void finish(std::size_t k, Beam& here) {
     best_[k + 1] = best_[k];
     for (const State& s : here.finish()) {
-      if (s.n_heard >= kLeastImpacts) {
-        const double ball = s.log_odds_of_ball() + kOwnRivals;
-        const std::size_t r = s.log_odds_rhythm[1] > s.log_odds_rhythm[0] ? 1 : 0;
-        const double rhythm = s.log_odds_rhythm[r] + kOwnRivals + 1.0;
-        const std::size_t q = s.log_odds_ball_then_rhythm[1] > s.log_odds_ball_then_rhythm[0] ? 1 : 0;
-        const double both = s.log_odds_ball_then_rhythm[q] + kOwnRivals;
-        const double most = std::max({ball, rhythm, both});
-        if (most > kAcceptance && s.start_score + most > best_[k + 1].score)
-          best_[k + 1] = {s.start_score + most, static_cast<std::int64_t>(states_.size()),
-                          most == ball     ? s.n_heard
-                          : most == rhythm ? 0
-                                           : s.n_of_ball[q]};
+      if (s.track.n_impacts >= kFewestImpacts) {
+        const Hypothesis::Verdict most = s.track.most_probable(o_.model());
+        const double score = s.start_score + most.log_odds + kOwnClutter;
+        if (most.log_odds + kOwnClutter > 0.0 && score > best_[k + 1].score)
+          best_[k + 1] = {score, static_cast<std::int64_t>(states_.size()), most.n_of_ball};
       }
       states_.push_back(s);
     }
@@ -124,10 +126,10 @@ class Search {
     if (states_.size() > most_states_) forget(k + 1);
   }
 
-  /// Keeps the states from which trains may yet be followed, and those on the way to them.
+  /// Keeps the states from which tracks may yet be followed, and those on the way to them.
   void forget(std::size_t n_visited) {
     std::size_t live = n_visited;
-    while (live > 0 && c_[n_visited - 1].t_s - c_[live - 1].t_s <= kMostGap * kLongestFlight_s) --live;
+    while (live > 0 && o_[n_visited - 1].t_s - o_[live - 1].t_s <= kMostGap * kLongestFlight_s) --live;
     std::vector<std::int64_t> index(states_.size(), -1);  // from here on: 0 where needed, then the new place
     const auto need = [&](std::int64_t s) {
       if (s >= 0) index[static_cast<std::size_t>(s)] = 0;
@@ -155,58 +157,43 @@ class Search {
     most_states_ = 2 * n_kept + kStatesAtOnce;
   }
 
-  void start(std::size_t j, std::size_t k, const HeardSound& second, Beam& here) const {
-    State s;
-    static_cast<TrainState&>(s) = begin_train(sounds_.heard(j), second);
-    s.start_score = best_[j].score;
-    s.candidate = k;
-    s.first_candidate = j;
-    here.keep(s);
+  void start(std::size_t j, std::size_t k, double same_source, Beam& here) const {
+    here.keep({Hypothesis::begin(o_[j], o_[k], same_source, true, o_.model()), best_[j].score, -1, k, j});
   }
 
-  void extend(std::int64_t from_index, std::size_t k, const HeardSound& next, Beam& here) const {
+  void extend(std::int64_t from_index, std::size_t k, double same_source, Beam& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
     if (from.total() + kMostGain < here.least_total()) return;
-    const int most_missing = from.n_eps == 0 ? 0 : kMostMissing;  // two sounds alone predict nothing
+    const int most_missing = from.track.n_eps() == 0 ? 0 : kMostMissing;  // two sounds alone predict nothing
     for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
       const double least_log_odds = std::max(kHopeless, here.least_total() - from.start_score);
-      const std::optional<TrainState> longer = extend_train(from, n_missing, next, least_log_odds);
-      if (!longer) continue;
-      State s = from;
-      static_cast<TrainState&>(s) = *longer;
-      s.candidate = k;
-      s.previous = from_index;
-      here.keep(s);
+      const std::optional<Hypothesis> longer =
+          from.track.extended(o_[k], n_missing, same_source, true, least_log_odds, o_.model());
+      if (longer) here.keep({*longer, from.start_score, from_index, k, from.first_candidate});
     }
   }
 
-  std::vector<Train> trace() const {
-    std::vector<Train> trains;
-    Best end = best_[c_.size()];
-    for (std::int64_t at = end.state; at >= 0;) {
-      Train train;
-      const State* s = &states_[static_cast<std::size_t>(at)];
-      train.log_odds = s->log_odds_of_ball();
+  std::vector<Track> trace() const {
+    std::vector<Track> tracks;
+    for (Best end = best_[o_.size()]; end.state >= 0;) {
+      Track track;
+      const State* s = &states_[static_cast<std::size_t>(end.state)];
       for (;; s = &states_[static_cast<std::size_t>(s->previous)]) {
-        train.impacts.push_back({s->candidate, s->impact});
+        track.impacts.push_back({s->candidate, s->track.impact});
         if (s->previous < 0) break;
       }
-      train.impacts.push_back({s->first_candidate, 0});
-      std::reverse(train.impacts.begin(), train.impacts.end());
-      const std::int64_t n_of_ball = end.n_of_ball;
+      track.impacts.push_back({s->first_candidate, 0});
+      std::reverse(track.impacts.begin(), track.impacts.end());
+      track.impacts.resize(static_cast<std::size_t>(end.n_of_ball));  // the others are a rhythm's
       end = best_[s->first_candidate];
-      at = end.state;
-      if (n_of_ball < kLeastImpacts) continue;
-      train.impacts.resize(static_cast<std::size_t>(n_of_ball));
-      trains.push_back(std::move(train));
+      if (std::ssize(track.impacts) >= kFewestImpacts) tracks.push_back(std::move(track));
     }
-    std::reverse(trains.begin(), trains.end());
-    review_trains(sounds_, trains);
-    return trains;
+    std::reverse(tracks.begin(), tracks.end());
+    return tracks;
   }
 
-  const std::vector<Candidate>& c_;
-  HeardSounds sounds_;
+  const Observations& o_;
+  std::vector<bool> may_begin_;
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
@@ -215,9 +202,10 @@ class Search {
 
 }  // namespace
 
-std::vector<Train> find_trains(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies) {
-  return Search(candidates, timing_s, band_energies).run();
+std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
+                               const std::vector<BandEnergies>& band_energies, const TrackingModel& model) {
+  const Observations observations(candidates, timing_s, band_energies, model);
+  return rescored(observations, Search(observations).run());
 }
 
 }  // namespace bouncelab::detection

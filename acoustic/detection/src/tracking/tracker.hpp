@@ -6,35 +6,33 @@
 
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 
-/// One impact of a train.
-struct TrainImpact {
+/// One impact of a track.
+struct TrackImpact {
   std::size_t candidate = 0;  ///< index into the candidates
-  std::int64_t impact = 0;    ///< number within the train; jumps where an impact was not heard
+  std::int64_t impact = 0;    ///< number within the track; jumps where an impact was not detected
 };
 
-/// One drop: a chain of candidates whose intervals shrink as those of a bouncing ball.
-struct Train {
-  std::vector<TrainImpact> impacts;
-  double log_odds = 0.0;  ///< against chance
+/// One drop: the candidates that are the impacts of one ball.
+struct Track {
+  std::vector<TrackImpact> impacts;
+  double log_odds = 0.0;  ///< of the ball against clutter and rhythms
 };
 
-/// The set of trains, one after the other in time, that is most probable against chance.
-///
-/// Dynamic programming over (last impact, last flight time T, running mean of log eps). An impact at t after a flight T
-/// scores log[ p_heard p(log eps) |d log eps / dt| / c ], eps = (t - t_last)/T, where p is a Student core about the
-/// running mean of the train (so that eps(v) may drift, whatever the material) plus a flat part for single losses and
-/// gains, and c what chance or a rhythm would offer (clutter.hpp); and the odds that its loudness goes with its speed.
-/// Chance is offered less where the sound is of the train's kind and few others around are.
-/// Once the ball is known, impacts before a train's first are looked for.
-/// A train may miss up to two successive impacts. A train has at least four impacts, loses energy on the whole, and
-/// more than it scatters (bounce_model.hpp).
-/// @param timing_s  error of the candidates' times, standard deviation [s]; where only a longer window noticed, 0.15 of
-/// it
-/// @param band_energies   of the candidates, or none: then they are not judged by them
-std::vector<Train> find_trains(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies = {});
+constexpr std::int64_t kFewestImpacts = 3;  // one coefficient of restitution
+
+/// The most probable tracks of a recording, one after the other in time: multiple hypothesis tracking (Reid 1979,
+/// doi:10.1109/TAC.1979.1102177; Blackman & Popoli 1999) of a bouncing ball in clutter, by a beam search over
+/// hypotheses (hypothesis.hpp), each impact of which may be followed by up to kMostMissing that were not detected. Each
+/// track is then scored anew without its own sounds among the clutter, and searched for earlier first impacts.
+/// @param timing_s        error of the candidates' times, standard deviation [s]; where only a longer window noticed,
+/// 0.15
+///                        of it
+/// @param band_energies   of the candidates, or none: then all are of one kind
+std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
+                               const std::vector<BandEnergies>& band_energies = {}, const TrackingModel& model = {});
 
 }  // namespace bouncelab::detection

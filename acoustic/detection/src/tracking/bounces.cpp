@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/bounces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "bouncelab/core/elementary.hpp"
+#include "tracking/student.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kCut = 3.0;  // standard deviations by which one loss or gain moves what is known at most
+
+/// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
+double gap_of_eps(double eps, int n_missing) {
+  double gap = eps;
+  for (int k = 0; k < n_missing; ++k) gap = eps * (1.0 + gap);
+  return gap;
+}
+
+/// The other way.
+double eps_of_gap(double gap, int n_missing) {
+  if (n_missing == 0) return gap;
+  if (n_missing == 1) return std::sqrt(0.25 + gap) - 0.5;
+  static_assert(kMostMissing == 2);
+  double eps = gap / 3.0;
+  for (int iteration = 0; iteration < 4; ++iteration)  // Newton's, from within 0.3: to 1e-13
+    eps -= (eps * (1.0 + eps * (1.0 + eps)) - gap) / (1.0 + eps * (2.0 + 3.0 * eps));
+  return eps;
+}
+
+}  // namespace
+
+std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing) {
+  const double gap = interval_s / flight_s;
+  if (gap < gap_of_eps(kLeastEps, n_missing) || gap > gap_of_eps(kLargestEps, n_missing)) return {};
+  Flight flight{eps_of_gap(gap, n_missing), flight_s, 0.0};
+  for (int m = 0; m <= n_missing; ++m) {
+    flight.slope_s += (m + 1) * flight.flight_s;
+    flight.flight_s *= flight.eps;
+  }
+  if (flight.flight_s < kShortestFlight_s) return {};
+  return flight;
+}
+
+double prior_of_eps(double eps, const TrackingModel& model) {
+  if (eps < kLeastEps || eps > kLargestEps) return 0.0;
+  const double losses = eps <= 1.0 ? 1.0 / (1.0 - kLeastEps) : 0.0;
+  return (1.0 - model.gains) * losses + model.gains / (kLargestEps - kLeastEps);
+}
+
+double probability_of_missing(int n_missing, const TrackingModel& model) {
+  return model.detection_probability * power(1.0 - model.detection_probability, n_missing);
+}
+
+Bounces::Bounces(double log_flight, double log_amplitude)
+    : first_log_flight_(log_flight),
+      // the flight before the first impact is not known; it is taken for as long as that after it
+      mean_log_loudness_(log_amplitude - log_flight) {}
+
+double Bounces::learned_variance(const TrackingModel& model) const {
+  return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_eps_);
+}
+
+double Bounces::density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
+                        double jitter2, const TrackingModel& model) const {
+  const double prior = prior_of_eps(flight.eps, model);
+  double of_eps = prior;
+  if (n_eps_ > 0) {
+    const double most = square(model.most_scatter * std::max(model.least_loss, -mean_log_eps_));
+    const double of_mean = (1.0 + 1.0 / std::min(n_eps_, model.memory)) * (1.0 + n_missing);
+    const double width = std::sqrt(std::min(learned_variance(model), most) * of_mean + jitter2);
+    of_eps = (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps + model.outliers * prior;
+  }
+  return probability_of_missing(n_missing, model) * of_eps / flight.slope_s *
+         student3(log_amplitude - mean_log_loudness_ - log_flight, model.loudness_scatter);
+}
+
+void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
+                    const TrackingModel& model) {
+  const double n_before = std::clamp(n_eps_, 1, model.memory);
+  const double width = std::sqrt(learned_variance(model) * (1.0 + 1.0 / n_before) * (1.0 + n_missing) + jitter2);
+  const bool is_first = n_eps_ == 0;
+  // one loss or gain must not carry the mean away
+  const double step = is_first ? log_eps : std::clamp(log_eps - mean_log_eps_, -kCut * width, kCut * width);
+  n_eps_ += 1;
+  if (!is_first) sum_squares_ += square(step) * (n_eps_ - 1) / n_eps_;
+  // single losses must not make a ball of a rhythm, nor single gains hide that it is one
+  loss_ -= mean_log_eps_ + step;
+  mean_log_eps_ += step / std::min(n_eps_, model.memory);
+  const int n_impacts = n_eps_ + 2;
+  mean_log_loudness_ += (log_amplitude - log_flight - mean_log_loudness_) / std::min(n_impacts, model.memory);
+}
+
+double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {
+  if (n_eps_ == 0) return 0.0;
+  const double loss = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
+  const double z = (loss - model.least_loss) / std::sqrt(learned_variance(model) / n_eps_);
+  // beyond 5 standard deviations by the first term of the asymptotic series
+  if (z < -5.0) return -0.5 * square(z) - log(-z * std::sqrt(2.0 * kPi));
+  return log(0.5 * erfc(-z / std::numbers::sqrt2));
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "tracking/tracking_model.hpp"
+
+namespace bouncelab::detection {
+
+/// The flight that an interval is, if it is that of a ball after a flight of which the length is known.
+struct Flight {
+  double eps = 0.0;       ///< the same at each impact of the interval
+  double flight_s = 0.0;  ///< the last flight in the interval
+  double slope_s = 0.0;   ///< d interval / d eps [s]
+};
+
+/// @param interval_s  > 0
+/// @param flight_s    of the flight before
+/// @param n_missing   impacts within the interval that were not detected, 0 ... kMostMissing
+/// @return absent where eps is outside kLeastEps ... kLargestEps, or the flight shorter than kShortestFlight_s
+std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing);
+
+/// What is known of a ball's log eps and loudness up to an impact: running means, and the scatter of log eps with a
+/// conjugate prior, so that a few impacts already tell a smooth ball from a rough one.
+class Bounces {
+ public:
+  /// @param log_flight     of the first flight [ln s]
+  /// @param log_amplitude  of the first two impacts, their mean
+  Bounces(double log_flight, double log_amplitude);
+  Bounces() = default;
+
+  /// Density of the next impact [1/s, per unit of log amplitude].
+  /// @param jitter2  variance that errors of the times add to log eps
+  double density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
+                 double jitter2, const TrackingModel& model) const;
+  void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
+             const TrackingModel& model);
+
+  /// log of the probability that it loses energy on the whole, as no rhythm does.
+  /// @param log_flight  of the last flight [ln s]
+  double log_probability_of_loss(double log_flight, const TrackingModel& model) const;
+
+  int n_eps() const { return n_eps_; }
+
+ private:
+  double learned_variance(const TrackingModel& model) const;
+
+  int n_eps_ = 0;  ///< ratios of intervals
+  double mean_log_eps_ = 0.0;
+  double sum_squares_ = 0.0;  ///< of the deviations of log eps from its running mean, large ones cut
+  double loss_ = 0.0;         ///< -sum of log eps, large deviations cut
+  double first_log_flight_ = 0.0;
+  double mean_log_loudness_ = 0.0;  ///< of amplitude over the flight before
+};
+
+/// Density of eps where nothing is known of the ball.
+double prior_of_eps(double eps, const TrackingModel& model);
+
+/// Probability that n_missing impacts are not detected, and the next one is.
+double probability_of_missing(int n_missing, const TrackingModel& model);
+
+}  // namespace bouncelab::detection

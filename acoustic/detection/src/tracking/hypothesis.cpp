@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/hypothesis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "bouncelab/core/elementary.hpp"
+#include "tracking/student.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+/// No less than log(x), without taking it.
+double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
+
+/// log(exp(a) + exp(b))
+double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
+
+}  // namespace
+
+double log_odds_of_first(const Observation& first, const TrackingModel& model) {
+  return model.start_log_odds + first.log_rise_odds - log_odds_against_first(first.neighbours);
+}
+
+Hypothesis Hypothesis::begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
+                             const TrackingModel& model) {
+  Hypothesis h;
+  h.first_s = first.t_s;
+  h.flight_s = second.t_s - first.t_s;
+  const double log_flight = log(h.flight_s);
+  const double mean_log_amplitude = 0.5 * (first.log_amplitude + second.log_amplitude);
+  h.last_ = {Impact{second.t_s, second.log_amplitude, second.sigma_s}, {first.t_s, first.log_amplitude, first.sigma_s}};
+  h.bounces_ = Bounces(log_flight, mean_log_amplitude);
+  h.rhythm_ = Rhythm(log_flight, mean_log_amplitude);
+  const double change = second.log_amplitude - first.log_amplitude;
+  const double own = is_counted ? amplitude_kernel(change, model) * same_source : 0.0;
+  const double per_second =
+      student3(log_flight - log(model.usual_first_flight_s), model.first_flight_scatter) / h.flight_s;
+  const double of_amplitude = student3(change - model.usual_first_change, model.first_change_scatter);
+  h.log_odds =
+      log_odds_of_first(first, model) + second.log_rise_odds +
+      log(per_second * of_amplitude * same_source / clutter_intensity(second.neighbours, h.flight_s, own, model));
+  h.log_odds_rhythm_.fill(h.log_odds);
+  return h;
+}
+
+double Hypothesis::own_density(const Observation& next, double flight, double same_source,
+                               const TrackingModel& model) const {
+  const double window_s = clutter_window_s(flight);
+  double sum = 0.0;
+  for (const Impact& impact : last_)
+    if (next.t_s - impact.t_s <= window_s) sum += amplitude_kernel(impact.log_amplitude - next.log_amplitude, model);
+  return sum * same_source;
+}
+
+double Hypothesis::jitter2(const Observation& next) const {
+  return (square(next.sigma_s) + square(2.0 * last_[0].sigma_s) + square(last_[1].sigma_s)) / square(flight_s);
+}
+
+std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_missing, double same_source,
+                                               bool is_counted, double least_log_odds,
+                                               const TrackingModel& model) const {
+  const std::optional<Flight> flight = flight_of(next.t_s - last_[0].t_s, flight_s, n_missing);
+  if (!flight) return {};
+  const double log_eps = log(flight->eps);
+  const double log_flight = log(flight->flight_s);
+  const double timing2 = jitter2(next);
+  const double density = bounces_.density(*flight, log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
+  const double own = is_counted ? own_density(next, flight->flight_s, same_source, model) : 0.0;
+  const double of_clutter = clutter_intensity(next.neighbours, flight->flight_s, own, model) / same_source;
+  const double before = log_odds + next.log_rise_odds;
+  if (before + largest_log(density / of_clutter) < least_log_odds) return {};  // most are far from it
+  const double odds = before + log(density / of_clutter);
+  if (odds < least_log_odds) return {};
+  Hypothesis h = *this;
+  h.follow_rhythm(next, next.log_rise_odds - log(of_clutter), log_odds, model);
+  h.log_odds = odds;
+  h.flight_s = flight->flight_s;
+  h.bounces_.learn(log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
+  h.impact += n_missing + 1;
+  h.n_impacts += 1;
+  h.last_ = {Impact{next.t_s, next.log_amplitude, next.sigma_s}, last_[0], last_[1]};
+  return h;
+}
+
+void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutter, double log_odds_before,
+                               const TrackingModel& model) {
+  const double sigma_s = hypot(next.sigma_s, last_[0].sigma_s);
+  const auto densities = rhythm_.follow(next.t_s - last_[0].t_s, next.log_amplitude, sigma_s, model);
+  for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
+    if (log_odds_before + model.switch_log_odds > log_odds_ball_then_rhythm_[kind]) {
+      log_odds_ball_then_rhythm_[kind] = log_odds_before + model.switch_log_odds;
+      n_of_ball_[kind] = n_impacts;
+    }
+    const double gain = log_gain_of_clutter + log(densities[kind]);
+    log_odds_rhythm_[kind] += gain;
+    log_odds_ball_then_rhythm_[kind] += gain;
+  }
+}
+
+double Hypothesis::log_odds_of_ball(const TrackingModel& model) const {
+  double others = 0.0;  // log odds of clutter and of rhythms, whose prior is that of any sound
+  for (const double odds : log_odds_rhythm_)
+    others = log_of_sum(others, model.rhythm_log_odds - model.start_log_odds + odds);
+  return log_odds + bounces_.log_probability_of_loss(log(flight_s), model) - others;
+}
+
+Hypothesis::Verdict Hypothesis::most_probable(const TrackingModel& model) const {
+  Verdict most{Explanation::ball, log_odds_of_ball(model), n_impacts};
+  for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
+    const double rhythm = model.rhythm_log_odds + log_odds_rhythm_[kind];
+    if (rhythm > most.log_odds) most = {Explanation::rhythm, rhythm, 0};
+    if (log_odds_ball_then_rhythm_[kind] > most.log_odds)
+      most = {Explanation::ball_then_rhythm, log_odds_ball_then_rhythm_[kind], n_of_ball_[kind]};
+  }
+  return most;
+}
+
+double log_odds_before(const Observation& before, const Observation& first, double same_source, double flight_s,
+                       double mean_log_eps, double scatter, const TrackingModel& model) {
+  const double interval_s = first.t_s - before.t_s;
+  const double eps = flight_s / interval_s;
+  const double log_eps = log(eps);
+  const double deviation = log_eps - mean_log_eps;
+  const double jitter = hypot(before.sigma_s, 2.0 * first.sigma_s) / interval_s;
+  // at its first impacts a ball may lose more than later
+  const double core = 0.5 * (student3(deviation, hypot(std::max(scatter, model.scatter), jitter)) +
+                             student3(deviation, hypot(scatter, model.first_scatter, jitter)));
+  const double of_eps = (1.0 - model.outliers) * core + model.outliers * eps * prior_of_eps(eps, model);
+  const double density = model.detection_probability * of_eps / interval_s *
+                         student3(first.log_amplitude - before.log_amplitude - log_eps, model.loudness_scatter);
+  return before.log_rise_odds +
+         log(density * same_source / clutter_intensity(before.neighbours, interval_s, 0.0, model));
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/neighbours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "bouncelab/core/elementary.hpp"
+#include "tracking/student.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kSmallestReach_s = 2e-3;
+
+/// The nearest octave: that below sqrt(2) times as much.
+int window_octave(double flight_s) {
+  return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kWindowOctaves - 1);
+}
+
+double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
+
+/// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
+double harmonic(double n) { return log(n) + 0.5772 + 0.5 / n; }
+
+/// The least that reaches so far.
+int octave_of(double distance_s) {
+  const double distance = distance_s / kSmallestReach_s;
+  if (distance <= 1.0) return 0;
+  int exponent = 0;  // 2^(exponent - 1) <= distance < 2^exponent
+  return std::frexp(distance, &exponent) == 0.5 ? exponent - 1 : exponent;
+}
+
+/// How much one counts as the other's neighbour.
+float share_of(std::size_t j, std::size_t k, const std::vector<BandEnergies>& band_energies) {
+  if (j == k || band_energies.empty()) return 1.0F;
+  return static_cast<float>(same_source_weight(same_source_probability(band_energies[j], band_energies[k])));
+}
+
+/// Counts one neighbour.
+/// @param log_ratio  of its amplitude over that of the candidate
+void count(double log_ratio, int octave, float share, const TrackingModel& model, Neighbours& neighbours) {
+  neighbours.density[octave] += share * static_cast<float>(amplitude_kernel(log_ratio, model));
+  neighbours.all += share;
+  if (log_ratio >= 0.0) neighbours.stronger += share;
+}
+
+void accumulate(Neighbours& n) {
+  for (int octave = 1; octave < kWindowOctaves; ++octave) n.density[octave] += n.density[octave - 1];
+}
+
+}  // namespace
+
+std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c,
+                                         const std::vector<BandEnergies>& band_energies, const TrackingModel& model) {
+  std::vector<double> log_amplitude;
+  for (const Candidate& candidate : c) log_amplitude.push_back(log(candidate.amplitude));
+  std::vector<Neighbours> neighbours(c.size());
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    count(0.0, 0, 1.0F, model, neighbours[k]);
+    for (std::size_t j = k + 1; j < c.size(); ++j) {
+      const int octave = octave_of(c[j].t_s - c[k].t_s);
+      if (octave >= kWindowOctaves) break;
+      const float share = share_of(j, k, band_energies);
+      const double log_ratio = log_amplitude[j] - log_amplitude[k];
+      count(log_ratio, octave, share, model, neighbours[k]);
+      count(-log_ratio, octave, share, model, neighbours[j]);
+    }
+  }
+  for (Neighbours& n : neighbours) accumulate(n);
+  return neighbours;
+}
+
+Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c,
+                               const std::vector<BandEnergies>& band_energies,
+                               const std::vector<std::size_t>& not_counted, const TrackingModel& model) {
+  std::size_t first = k, last = k;
+  while (first > 0 && octave_of(c[k].t_s - c[first - 1].t_s) < kWindowOctaves) --first;
+  while (last + 1 < c.size() && octave_of(c[last + 1].t_s - c[k].t_s) < kWindowOctaves) ++last;
+  Neighbours neighbours;
+  for (std::size_t j = first; j <= last; ++j)
+    if (j == k || !std::binary_search(not_counted.begin(), not_counted.end(), j))
+      count(log(c[j].amplitude / c[k].amplitude), octave_of(std::abs(c[j].t_s - c[k].t_s)),
+            share_of(j, k, band_energies), model, neighbours);
+  accumulate(neighbours);
+  return neighbours;
+}
+
+double clutter_window_s(double flight_s) { return reach_s(window_octave(flight_s)); }
+
+double clutter_intensity(const Neighbours& neighbours, double flight_s, double own, const TrackingModel& model) {
+  const int octave = window_octave(flight_s);
+  // itself is left where all others are the track's own
+  const double density = std::max(amplitude_kernel(0.0, model), neighbours.density[octave] - own);
+  return density / (2.0 * reach_s(octave));
+}
+
+double amplitude_kernel(double log_ratio, const TrackingModel& model) {
+  return student3(log_ratio, model.kernel_width);
+}
+
+double log_odds_against_first(const Neighbours& neighbours) {
+  return log(neighbours.stronger * harmonic(std::max(1.0F, neighbours.all)));
+}
+
+}  // namespace bouncelab::detection
