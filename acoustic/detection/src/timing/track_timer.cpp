@@ -250,9 +250,9 @@ bool keeps_last(const TimedTrack& track, const Candidate& c) {
 }
 
 /// Removes impacts at the end that the template does not support.
-void trim_tail(TimedTrack& track, const Track& track, const std::vector<Candidate>& candidates) {
-  for (std::size_t k = track.impacts.size(); k-- > 0 && track.impacts.size() > 3;) {
-    if (keeps_last(track, candidates[track.impacts[k].candidate])) return;
+void trim_tail(TimedTrack& track, const Track& tracked, const std::vector<Candidate>& candidates) {
+  for (std::size_t k = tracked.impacts.size(); k-- > 0 && track.impacts.size() > 3;) {
+    if (keeps_last(track, candidates[tracked.impacts[k].candidate])) return;
     track.impacts.pop_back();
     track.search.timer.forget_last();  // extend() searches where it was
   }
@@ -296,26 +296,26 @@ std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<
 }
 
 /// Time of the next impact, whether or not it has a candidate; a second later where there is none.
-double next_time(const Track& track, const std::vector<Candidate>& candidates, std::size_t k) {
-  const double t_s = candidates[track.impacts[k].candidate].t_s;
-  if (k + 1 == track.impacts.size()) return t_s + 1.0;
-  const TrackImpact& next = track.impacts[k + 1];
-  return t_s + (candidates[next.candidate].t_s - t_s) / static_cast<double>(next.impact - track.impacts[k].impact);
+double next_time(const Track& tracked, const std::vector<Candidate>& candidates, std::size_t k) {
+  const double t_s = candidates[tracked.impacts[k].candidate].t_s;
+  if (k + 1 == tracked.impacts.size()) return t_s + 1.0;
+  const TrackImpact& next = tracked.impacts[k + 1];
+  return t_s + (candidates[next.candidate].t_s - t_s) / static_cast<double>(next.impact - tracked.impacts[k].impact);
 }
 
 }  // namespace
 
-std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned, const Track& track,
+std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned, const Track& tracked,
                                     const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
       {sound, learned, ImpactTimer(sound, learned), static_cast<double>(learned.n_template) / sound.rate_hz}, {}};
-  for (std::size_t k = 0; k < track.impacts.size(); ++k) {
-    const TrackImpact& here = track.impacts[k];
+  for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
+    const TrackImpact& here = tracked.impacts[k];
     const Candidate& c = candidates[here.candidate];
-    if (k > 0 && here.impact > track.impacts[k - 1].impact + 1) fill_gap(track, here.impact, c.t_s);
-    add_candidate(track, c, here.impact, next_time(train, candidates, k));
+    if (k > 0 && here.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, here.impact, c.t_s);
+    add_candidate(track, c, here.impact, next_time(tracked, candidates, k));
   }
-  trim_tail(track, train, candidates);
+  trim_tail(track, tracked, candidates);
   extend(track, end_s);
   return resolve_delays(track.search, track.impacts);
 }

@@ -49,8 +49,8 @@ double Hypothesis::own_density(const Observation& next, double flight, double sa
                                const TrackingModel& model) const {
   const double window_s = clutter_window_s(flight);
   double sum = 0.0;
-  for (const Impact& impact : last_)
-    if (next.t_s - impact.t_s <= window_s) sum += amplitude_kernel(impact.log_amplitude - next.log_amplitude, model);
+  for (const Impact& other : last_)
+    if (next.t_s - other.t_s <= window_s) sum += amplitude_kernel(other.log_amplitude - next.log_amplitude, model);
   return sum * same_source;
 }
 
