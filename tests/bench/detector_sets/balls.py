@@ -66,7 +66,7 @@ def noisy(rng, sound, rate_hz, level):
 def few_bounces(rng, n_impacts, snr_db, soft=False):
     """A drop of a few impacts; snr_db = peak of the last over the rms of the noise."""
     rate_hz = int(rng.choice([8000, 16000, 22050, 44100, 48000]))
-    t_s, v, voice = drop(rng, rate_hz, rng.uniform(0.55, 0.9), n_impacts, soft)
+    t_s, v, voice = drop(rng, rate_hz, rng.uniform(0.55, 0.9), n_impacts, soft, shortest_s=0.05 if soft else 0.02)
     duration_s = t_s[-1] + rng.uniform(0.5, 1.2)
     sound, last_peak = sounding(rng, t_s, v, voice, duration_s)
     sound = noisy(rng, sound, rate_hz, last_peak * 10**(-snr_db / 20))

@@ -87,4 +87,7 @@ def remarks(records):
         if r["n_drops"]:
             yield "%s/%s: drops of %s impacts, at %s s" % (r["cell"], r["file"], [d["n"] for d in r["drops"]], r["drops"][0]["t_s"])
         elif r["failure"]:
-            yield "%s/%s: %s" % (r["cell"], r["file"], r["failure"])
+            yield "%s/%s: %s" % (r["cell"], r["file"], r["failure"][-100:])
+    speed = sorted((r["duration_s"] / r["cpu_s"], r["path"]) for r in records if r["duration_s"] >= 10)
+    for times, path in speed[:5]:
+        yield "%s: %.1f x real time" % (path, times)

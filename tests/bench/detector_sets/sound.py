@@ -8,7 +8,7 @@ import wave
 
 import numpy as np
 
-EXTENSIONS = ("wav", "ogg", "oga", "flac", "mp3", "aiff", "aif", "opus", "m4a")
+EXTENSIONS = ("wav", "ogg", "oga", "flac", "mp3", "aiff", "aif", "opus")  # what the program reads
 
 
 def part_of(name):
