@@ -72,6 +72,7 @@ TEST(Table, WhatNoBallDoesIsRefusedByItsRow) {
               HasSubstr("line 3, column eps: 1e+308 is outside [-1000, 1000]"));
   EXPECT_THAT(of_samples("v_mps,eps\n1,0.9\n1,-1e9\n"), HasSubstr("line 3, column eps: -1e+09"));
   EXPECT_THAT(of_samples("v_mps,eps\n1e308,0.9\n"), HasSubstr("line 2, column v_mps: 1e+308"));
+  EXPECT_THAT(of_impacts("0,0,0.1,1e-151,1000"), HasSubstr("line 2: v_after_mps is more than a million times v_mps"));
   EXPECT_EQ(of_samples("v_mps,eps,flags\n1,1e308,extra_impact\n"), "no error") << "a flagged row is left out anyway";
   EXPECT_EQ(of_samples("v_mps,eps\n1,\n,0.9\n1,inf\n"), "no error") << "flagged not_finite";
   EXPECT_THAT(of_samples("v_mps,eps,gravity_mps2\n1,0.9,-9.81\n"), HasSubstr("line 2, column gravity_mps2"));

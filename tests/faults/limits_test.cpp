@@ -46,6 +46,8 @@ TEST_F(Limits, OfMemoryEndInTheWholeResultOrInOneLine) {
 }
 
 TEST_F(Limits, OfDescriptorsEndInTheWholeResultOrInOneLine) {
+  // it looks at memory through a pipe, and takes an object for none where there is no descriptor left for it
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kSanitizer << " needs descriptors of its own";
   std::vector<std::string> limits;
   for (int n = 3; n < 14; ++n) {
     const std::string before = "prlimit --nofile=" + std::to_string(n) + " ";

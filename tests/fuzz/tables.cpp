@@ -29,8 +29,10 @@ bool is_of_type(const Column& column, ColumnType type) {
   return std::holds_alternative<std::vector<std::string>>(column.values);
 }
 
-/// A standard error is not known, or a positive number.
-bool is_error(const std::optional<double>& sigma) { return !sigma || (std::isfinite(*sigma) && *sigma > 0.0); }
+/// A standard error is not known, or a positive number; of a sample it may be 0, which the fit takes for not known.
+bool is_error(const std::optional<double>& sigma, bool may_be_0 = false) {
+  return !sigma || (std::isfinite(*sigma) && (*sigma > 0.0 || (may_be_0 && *sigma == 0.0)));
+}
 
 void check(const Impacts& impacts) {
   require(impacts.states.empty() || impacts.states.size() == impacts.rows.size(), "there is a state for each impact");
@@ -59,7 +61,7 @@ void check(const RestitutionSamples& samples) {
   for (const RestitutionSample& sample : samples) {
     const bool finite = std::isfinite(sample.v_mps) && std::isfinite(sample.eps);
     require(finite || sample.flags.has(Flag::not_finite), "speed and coefficient are finite, or flagged");
-    require(is_error(sample.sigma_eps) && is_error(sample.sigma_v_mps), "standard errors are positive numbers");
+    require(is_error(sample.sigma_eps, true) && is_error(sample.sigma_v_mps, true), "standard errors are not negative");
   }
 }
 

@@ -14,6 +14,7 @@
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/audio/dsp/decimate.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -229,7 +230,7 @@ void detect_each(const std::vector<std::filesystem::path>& recordings, const Det
   std::mutex mutex;
   double n_done = 0.0;
   const std::vector<std::size_t> order = largest_first(recordings);
-  parallel_for(recordings.size(), n_threads, [&](std::size_t i) {
+  parallel_for(recordings.size(), kMayStartChildBesideThreads ? n_threads : 1, [&](std::size_t i) {
     const std::size_t k = order[i];
     Detection found;
     try {

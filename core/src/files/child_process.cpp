@@ -27,18 +27,6 @@
 namespace bouncelab {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kIsSanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
-#else
-constexpr bool kIsSanitized = false;
-#endif
-
 struct RequestHead {
   std::uint64_t n_bytes = 0;
   ChildLimits limits{};
@@ -135,7 +123,7 @@ void detach(int socket) {
     for (int descriptor = kSocket + 1; descriptor < 4096; ++descriptor) close(descriptor);
   const int nothing = open("/dev/null", O_RDWR);
   // a reader that is ended says so on standard error, beside our own message; a sanitizer's report is wanted
-  for (int descriptor = 0; descriptor < (kIsSanitized ? 2 : 3); ++descriptor) dup2(nothing, descriptor);
+  for (int descriptor = 0; descriptor < (kHasAddressSanitizer ? 2 : 3); ++descriptor) dup2(nothing, descriptor);
   if (nothing > kSocket) close(nothing);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
@@ -156,7 +144,7 @@ std::uint64_t data_bytes() {
 void limit_memory(std::int64_t more_bytes) {
   const std::uint64_t now = data_bytes();
   rlimit limit{};
-  if (kIsSanitized || now == 0 || getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  if (kHasAddressSanitizer || now == 0 || getrlimit(RLIMIT_DATA, &limit) != 0) return;
   const std::uint64_t wanted = now + static_cast<std::uint64_t>(more_bytes);
   if (limit.rlim_max != RLIM_INFINITY && wanted > limit.rlim_max) return;  // the user's limit is lower
   limit.rlim_cur = wanted;

@@ -11,6 +11,8 @@
 namespace bouncelab {
 namespace {
 
+constexpr double kLargestEps = 1e6;  // more is no coefficient of restitution
+
 /// Names of the state columns and where each number lives.
 struct StateColumn {
   const char* name;
@@ -116,7 +118,7 @@ std::vector<ColumnSpec> impact_columns() {
                                   {"v_mps", ColumnType::real, true, known(positive_up_to(kFastest_mps))},
                                   {"v_after_mps", ColumnType::real, true, known(kSpeeds_mps)},
                                   {"v_contact_mps", ColumnType::real, false, kSpeeds_mps},
-                                  {"eps_contact", ColumnType::real, false, {-1e6, 1e6}},
+                                  {"eps_contact", ColumnType::real, false, {-kLargestEps, kLargestEps}},
                                   {"asperity", ColumnType::integer, false, {-1.0, kIndexRange.greatest}}};
   for (const StateColumn& column : kStateColumns) columns.push_back({column.name, ColumnType::real, false, kState});
   for (const StateColumn& column : kEnergyColumns) columns.push_back({column.name, ColumnType::real, false, kState});
@@ -142,6 +144,8 @@ Impacts impacts_from_table(const Table& table, const std::string& name, const Im
     if (before && drop[k] == before->drop && t[k] <= before->t_s)
       throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop; sort the file");
     const double eps = v_after[k] / v[k];
+    if (!(std::abs(eps) <= kLargestEps))
+      throw FileError(name, table.place_of(k) + ": v_after_mps is more than a million times v_mps; correct the speeds");
     impacts.rows.push_back({drop[k], impact[k], t[k], v[k], v_after[k], eps, optional_cell(v_contact, k).value_or(v[k]),
                             optional_cell(eps_contact, k).value_or(eps), asperity ? (*asperity)[k] : -1});
     before = &impacts.rows.back();

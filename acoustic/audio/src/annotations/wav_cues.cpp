@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::uint64_t kIn32Bits = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kHighestHeaderRate_hz = 1'000'000'000;
+constexpr std::uint64_t kShortestDs64 = 28;  // bytes: three sizes and the length of a table
 
 template <class T>
 void put(std::string& bytes, T value) {
@@ -55,7 +56,10 @@ class RiffFile {
       const std::string header = read(at, 8);
       Chunk chunk{{}, at + 8, get<std::uint32_t>(header, 4)};
       header.copy(chunk.id.data(), chunk.id.size());
-      if (chunk.is("ds64")) data_size = get<std::uint64_t>(read(chunk.begin, 16), 8);
+      if (chunk.is("ds64")) {
+        if (chunk.size < kShortestDs64) throw FileError(name_, "the chunk 'ds64' is too short for the sizes it holds");
+        data_size = get<std::uint64_t>(read(chunk.begin, 16), 8);
+      }
       if (chunk.is("data") && chunk.size == kIn32Bits) chunk.size = data_size;
       if (chunk.size > length - chunk.begin)
         throw FileError(name_,

@@ -12,6 +12,22 @@
 
 namespace bouncelab {
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kHasAddressSanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+constexpr bool kHasAddressSanitizer = true;
+#else
+constexpr bool kHasAddressSanitizer = false;
+#endif
+#else
+constexpr bool kHasAddressSanitizer = false;
+#endif
+
+/// Whether a process that has other threads may start a child: not with the address sanitizer, whose allocator keeps
+/// its locks over the fork, so that the child may wait for ever.
+constexpr bool kMayStartChildBesideThreads = !kHasAddressSanitizer;
+
 /// What a child process may use for one request.
 struct ChildLimits {
   double cpu_s = 0.0;  ///< processor time
