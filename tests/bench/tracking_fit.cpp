@@ -34,6 +34,7 @@ using namespace bouncelab::detection;
 
 constexpr double kTolerance_s = 4e-3;      // of candidates, which are not yet timed by a template
 constexpr double kFurthestOffset_s = 6e-3;  // of a recording's annotations as a whole: sound travels, hands are late
+constexpr double kLeastScore = -25.0;  // of one recording: none outweighs the others
 constexpr double kLeastGain = 2.0;  // of the score, nats: what a number must gain to be changed
 constexpr double kLeastProbability = 1e-2;  // that the score counts for what was not found, or wrongly
 
@@ -218,6 +219,7 @@ Score score(const Recording& r, const Found& found) {
     if (is_right[k]) ++s.n_found;
   }
   s.log_score += (s.n_true - s.n_found) * std::log(kLeastProbability);
+  s.log_score = std::max(s.log_score, kLeastScore);
   return s;
 }
 

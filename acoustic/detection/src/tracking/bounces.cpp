@@ -61,7 +61,7 @@ Bounces::Bounces(double log_flight, double log_amplitude)
       loudness_(log_amplitude - log_flight) {}
 
 double Bounces::learned_variance(const TrackingModel& model) const {
-  return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_eps_);
+  return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_of_mean_);
 }
 
 double Bounces::density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
@@ -70,9 +70,15 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
   double of_eps = prior;
   if (n_eps_ > 0) {
     const double most = square(model.most_scatter * std::max(model.least_loss, -mean_log_eps_));
-    const double of_mean = (1.0 + 1.0 / std::min(n_eps_, model.memory)) * (1.0 + n_missing);
+    const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
     const double width = std::sqrt(std::min(learned_variance(model), most) * of_mean + jitter2);
-    of_eps = (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps + model.outliers * prior;
+    double of_outlier = prior;
+    if (changed_log_eps_) {
+      const double of_change = std::sqrt(2.0 * square(model.scatter) * (1.0 + n_missing) + jitter2);
+      of_outlier = 0.5 * (prior + student3(log_eps - *changed_log_eps_, of_change) / flight.eps);
+    }
+    of_eps = (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps +
+             model.outliers * of_outlier;
   }
   return probability_of_missing(n_missing, model) * of_eps / flight.slope_s *
          loudness_.density(log_amplitude - log_flight, model);
@@ -80,17 +86,34 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
 
 void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
                     const TrackingModel& model) {
-  const double n_before = std::clamp(n_eps_, 1, model.memory);
-  const double width = std::sqrt(learned_variance(model) * (1.0 + 1.0 / n_before) * (1.0 + n_missing) + jitter2);
-  const bool is_first = n_eps_ == 0;
-  // one loss or gain must not carry the mean away
-  const double step = is_first ? log_eps : std::clamp(log_eps - mean_log_eps_, -kCut * width, kCut * width);
+  learn_eps(log_eps, n_missing, jitter2, model);
+  loudness_.learn(log_amplitude - log_flight, model);
+}
+
+void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model) {
   n_eps_ += 1;
-  if (!is_first) sum_squares_ += square(step) * (n_eps_ - 1) / n_eps_;
+  const double deviation = log_eps - mean_log_eps_;
+  const bool has_changed = changed_log_eps_ && std::abs(log_eps - *changed_log_eps_) < std::abs(deviation);
+  if (n_of_mean_ == 0 || has_changed) {
+    const double other = has_changed ? *changed_log_eps_ : log_eps;
+    mean_log_eps_ = 0.5 * (other + log_eps);
+    sum_squares_ = 0.5 * square(log_eps - other);
+    n_of_mean_ = has_changed ? 2 : 1;
+    loss_ -= log_eps;
+    changed_log_eps_.reset();
+    return;
+  }
+  const double n_before = std::min(n_of_mean_, model.memory);
+  const double width = std::sqrt(learned_variance(model) * (1.0 + 1.0 / n_before) * (1.0 + n_missing) + jitter2);
+  // one loss or gain must not carry the mean away
+  const double step = std::clamp(deviation, -kCut * width, kCut * width);
+  changed_log_eps_.reset();
+  if (step != deviation) changed_log_eps_ = log_eps;
+  n_of_mean_ += 1;
+  sum_squares_ += square(step) * (n_of_mean_ - 1) / n_of_mean_;
   // single losses must not make a ball of a rhythm, nor single gains hide that it is one
   loss_ -= mean_log_eps_ + step;
-  mean_log_eps_ += step / std::min(n_eps_, model.memory);
-  loudness_.learn(log_amplitude - log_flight, model);
+  mean_log_eps_ += step / std::min(n_of_mean_, model.memory);
 }
 
 double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {

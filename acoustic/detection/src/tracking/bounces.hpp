@@ -23,7 +23,8 @@ struct Flight {
 std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing);
 
 /// What is known of a ball's log eps and loudness up to an impact: running means, and the scatter of log eps with a
-/// conjugate prior, so that a few impacts already tell a smooth ball from a rough one.
+/// conjugate prior, so that a few impacts already tell a smooth ball from a rough one. A single loss or gain leaves the
+/// mean; if the next coefficient is like it, the mean begins anew.
 class Bounces {
  public:
   /// @param log_flight     of the first flight [ln s]
@@ -46,10 +47,13 @@ class Bounces {
 
  private:
   double learned_variance(const TrackingModel& model) const;
+  void learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model);
 
   int n_eps_ = 0;  ///< ratios of intervals
+  int n_of_mean_ = 0;
   double mean_log_eps_ = 0.0;
   double sum_squares_ = 0.0;  ///< of the deviations of log eps from its running mean, large ones cut
+  std::optional<double> changed_log_eps_;  ///< the last one, where it was far from the mean: it may stay
   double loss_ = 0.0;         ///< -sum of log eps, large deviations cut
   double first_log_flight_ = 0.0;
   Loudness loudness_;  ///< amplitude over the flight before

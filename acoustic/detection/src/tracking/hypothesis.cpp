@@ -162,7 +162,7 @@ double log_odds_before(const Observation& before, const Observation& first, doub
                              student3(deviation, hypot(scatter, model.first_scatter, jitter)));
   const double of_eps = (1.0 - model.outliers) * core + model.outliers * eps * prior_of_eps(eps, model);
   const double density = model.detection_probability * of_eps / interval_s *
-                         student3(first.log_amplitude - before.log_amplitude - log_eps, model.loudness_scatter);
+                         student3(first.log_amplitude - before.log_amplitude - log_eps, model.first_change_scatter);
   return before.log_rise_odds +
          log(density * same_source / clutter_intensity(before.neighbours, interval_s, 0.0, model));
 }

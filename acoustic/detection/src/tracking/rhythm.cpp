@@ -12,7 +12,6 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kAnyInterval = 1.0 / 3.0;  // density of an irregular log interval, within a factor of 4.5 either way
-constexpr double kNever = 1e-9;  // 1/s
 constexpr double kCut = 3.0;  // standard deviations by which one beat moves what is known at most
 
 /// An interval in beats.
@@ -61,7 +60,7 @@ double Rhythm::follow_by_hand(double interval_s, double sigma_s, const TrackingM
   sum_squares_ += square(step) - (n_sounds_ - 2 >= model.memory ? sum_squares_ / model.memory : 0.0);
   level_ = n_beats < 1.0 ? log(interval_s) : expected + model.tempo_gain * step;
   trend_ += model.trend_gain * step;
-  return interval_s < kShortestBeat_s ? kNever : density_of(student3(deviation, width), n_beats, interval_s, model);
+  return density_of(student3(deviation, width), n_beats, interval_s, model);
 }
 
 double Rhythm::follow_by_machine(double interval_s, double sigma_s, const TrackingModel& model) {
@@ -79,7 +78,7 @@ double Rhythm::follow_by_machine(double interval_s, double sigma_s, const Tracki
   sum_squares_of_lateness_ += (1.0 - position_gain) * square(step_s / period_s_) -
                               (n_sounds_ >= model.memory ? sum_squares_of_lateness_ / model.memory : 0.0);
   late_s_ = deviation_s - position_gain * step_s;
-  period_s_ += period_gain * step_s / n_beats;
+  period_s_ = std::max(0.5 * period_s_, period_s_ + period_gain * step_s / n_beats);  // intervals are positive
   const double core = student3(deviation_s / interval_s, width_s / interval_s);
   return density_of(core, n_beats, interval_s, model);
 }

@@ -11,15 +11,12 @@ namespace bouncelab::detection {
 enum class RhythmKind { by_hand, by_machine };
 constexpr std::size_t kRhythmKinds = 2;
 
-constexpr double kShortestBeat_s = 40e-3;  // drum rolls have up to 25 strokes a second
-
 /// What the same sounds are as a rhythm: steps, claps, syllables, strokes, a metronome.
 ///
 /// By hand, the log interval follows a local level with a trend (Harvey 1989, doi:10.1017/CBO9781107049994). By a
 /// machine, beats stand in an even row and the sounds scatter about them: an alpha-beta filter of beat and interval,
 /// with the gains of a growing, then exponentially forgotten line (Kalata 1984, doi:10.1109/TAES.1984.310438). A beat
 /// may be left out, as impacts are, or divided by two. Loudness scatters about its running mean, whatever the interval.
-/// No hand beats faster than kShortestBeat_s.
 class Rhythm {
  public:
   /// @param log_interval   of the first two sounds [ln s]
