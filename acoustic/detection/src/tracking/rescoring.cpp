@@ -8,6 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/hypothesis.hpp"
+#include "tracking/impact_odds.hpp"
 #include "tracking/student.hpp"
 
 namespace bouncelab::detection {
@@ -187,6 +188,12 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   return log((1.0 - kAnother) * student3(*here - *there, kScatterOfDrops) / open + kAnother);
 }
 
+std::vector<std::size_t> own_of(const Track& track) {
+  std::vector<std::size_t> own;
+  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
+  return own;
+}
+
 }  // namespace
 
 std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
@@ -200,6 +207,7 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
   const std::vector<Track> all = tracks;
   for (std::size_t k = 0; k < tracks.size(); ++k) tracks[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k]);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
+  for (Track& track : tracks) set_impact_probabilities(o, explained_by(o, own_of(track)), track);
   return tracks;
 }
 
