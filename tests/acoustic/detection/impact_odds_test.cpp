@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "support/bouncing_sound.hpp"
@@ -60,7 +62,6 @@ Scene scene(std::uint64_t seed) {
 struct Mark {
   double probability = 0.0;
   bool is_right = false;
-  bool is_inferred = false;
 };
 
 /// Marks of one recording; right is one within 3 ms of an impact, since there may be no template.
@@ -69,22 +70,171 @@ void add_marks(std::uint64_t seed, std::vector<Mark>& marks) {
   for (const Onset& onset : detect(s.sound, Scene::kRate_hz, "scene").onsets) {
     const bool is_right = std::any_of(s.impacts_s.begin(), s.impacts_s.end(),
                                       [&](double t_s) { return std::abs(t_s - onset.t_s) < 3e-3; });
-    if (onset.flags.has(Flag::inferred)) std::fprintf(stderr,"MARK %d %.4f right %d p %.5f\n",(int)seed,onset.t_s,is_right,*onset.probability);
-    marks.push_back({onset.probability.value(), is_right, onset.flags.has(Flag::inferred)});
+    marks.push_back({onset.probability.value(), is_right});
   }
+}
+
+/// Marks whose stated probability is in a range.
+struct Stated {
+  double n = 0.0, mean = 0.0, share_right = 0.0;
+};
+
+Stated stated_in(const std::vector<Mark>& marks, double from, double to) {
+  Stated stated;
+  for (const Mark& mark : marks) {
+    if (mark.probability < from || mark.probability >= to) continue;
+    stated.n += 1.0;
+    stated.mean += mark.probability;
+    stated.share_right += mark.is_right ? 1.0 : 0.0;
+  }
+  stated.mean /= std::max(1.0, stated.n);
+  stated.share_right /= std::max(1.0, stated.n);
+  return stated;
 }
 
 TEST(ImpactOdds, StatedProbabilitiesAreTheSharesThatAreRight) {
   std::vector<Mark> marks;
-  for (std::uint64_t seed = 1; seed <= 900; ++seed) add_marks(seed, marks);
-  const double edges[] = {0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.97, 0.99, 0.999, 1.0001};
-  for (const int inferred : {0, 1})
-  for (std::size_t b = 0; b + 1 < std::size(edges); ++b) {
-    double n = 0, sum = 0, right = 0;
-    for (const Mark& m : marks)
-      if (m.is_inferred == (inferred == 1) && m.probability >= edges[b] && m.probability < edges[b + 1]) n += 1, sum += m.probability, right += m.is_right;
-    if (n > 0) std::printf("%d %6.3f..%6.3f n %5.0f stated %.4f right %.4f\n", inferred, edges[b], edges[b + 1], n, sum / n, right / n);
+  for (std::uint64_t seed = 1; seed <= 240; ++seed) add_marks(seed, marks);
+  constexpr std::array<double, 6> kEdges{0.0, 0.6, 0.9, 0.97, 0.99, 1.0};
+  for (std::size_t bin = 0; bin + 1 < kEdges.size(); ++bin) {
+    const Stated s = stated_in(marks, kEdges[bin], kEdges[bin + 1]);
+    ASSERT_GE(s.n, 20.0) << bin;
+    // three standard errors of the share, and what prior odds that are not the scenes' move it by: a factor of three
+    const double error = 3.0 * std::sqrt(s.mean * (1.0 - s.mean) / s.n);
+    const double odds = s.mean / (1.0 - s.mean);
+    EXPECT_GT(s.share_right, odds / (3.0 + odds) - error) << "stated " << s.mean << " of " << s.n;
+    EXPECT_LT(s.share_right, 3.0 * odds / (1.0 + 3.0 * odds) + error) << "stated " << s.mean << " of " << s.n;
   }
+  // and not one share for all of them
+  EXPECT_LT(stated_in(marks, 0.0, 0.6).share_right, 0.85);
+  EXPECT_GT(stated_in(marks, 0.99, 1.1).share_right, 0.98);
+}
+
+/// A drop of ten impacts, of which one is off its time by so much of the flight before it.
+std::vector<Candidate> drop_with_one_off(double off) {
+  std::vector<Candidate> candidates;
+  double t_s = 1.0, flight_s = 0.4;
+  for (int k = 0; k < 10; ++k) {
+    candidates.push_back({k == 6 ? t_s + off * flight_s : t_s, 500.0 * flight_s, 0.4e-3, 50.0});
+    t_s += flight_s;
+    flight_s *= 0.85;
+  }
+  return candidates;
+}
+
+Track whole(const std::vector<Candidate>& candidates) {
+  Track track;
+  for (std::size_t k = 0; k < candidates.size(); ++k) track.impacts.push_back({k, static_cast<std::int64_t>(k)});
+  return track;
+}
+
+std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, Track track) {
+  const TrackingModel model;
+  const std::vector<BandEnergies> none;
+  const Observations o(candidates, 5e-5, none, model);
+  std::vector<std::size_t> own;
+  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
+  std::vector<Observation> seen;
+  for (const std::size_t k : own) seen.push_back(o.without(k, own));
+  set_impact_probabilities(o, seen, own, track);
+  std::vector<double> p;
+  for (const TrackImpact& impact : track.impacts) p.push_back(impact.probability);
+  return p;
+}
+
+TEST(ImpactOdds, AnImpactOffItsTimeIsLessProbableThanItsNeighbours) {
+  double last = 1.0;
+  for (const double off : {0.0, 0.05, 0.1}) {
+    const std::vector<Candidate> candidates = drop_with_one_off(off);
+    const std::vector<double> p = probabilities_of(candidates, whole(candidates));
+    EXPECT_LT(p[6], last) << off;
+    if (off > 0.0) {
+      EXPECT_LT(p[6], p[3]) << off;
+    }
+    for (const double each : p) EXPECT_TRUE(each > 0.0 && each <= 1.0) << each;
+    last = p[6];
+  }
+  EXPECT_LT(last, 0.5);  // at a tenth of the flight the ball's own is rather the one that was not detected
+}
+
+TEST(ImpactOdds, AnotherSoundThatFitsAsWellHalvesTheProbability) {
+  std::vector<Candidate> candidates = drop_with_one_off(0.0);
+  const double alone = probabilities_of(candidates, whole(candidates))[5];
+  Candidate other = candidates[5];
+  other.t_s += 1e-3;  // one of two sounds, 1 % of the flight apart and as loud
+  candidates.insert(candidates.begin() + 6, other);
+  Track track = whole(candidates);
+  track.impacts.erase(track.impacts.begin() + 6);
+  for (std::size_t k = 6; k < track.impacts.size(); ++k) track.impacts[k].impact = static_cast<std::int64_t>(k);
+  const double beside = probabilities_of(candidates, track)[5];
+  EXPECT_GT(alone, 0.99);
+  EXPECT_NEAR(beside, 0.5, 0.25);  // eps of the two differ by less than the ball's scatter
+}
+
+TEST(ImpactOdds, NeitherTheTimeNorTheGainOfARecordingMatters) {
+  const std::vector<Candidate> candidates = drop_with_one_off(0.05);
+  std::vector<Candidate> moved = candidates;
+  for (Candidate& c : moved) c.t_s += 1000.0, c.amplitude *= 1e-3;
+  const std::vector<double> p = probabilities_of(candidates, whole(candidates));
+  const std::vector<double> q = probabilities_of(moved, whole(moved));
+  for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(p[k], q[k], 1e-6) << k;  // times are rounded to 1e-13 s
+}
+
+TEST(ImpactOdds, AnInferredImpactIsWorthItsSignificanceAmongThePlacesSearched) {
+  EXPECT_LT(probability_of_inferred(0.0, 100.0), 0.01);
+  EXPECT_NEAR(probability_of_inferred(std::log(100.0), 100.0), 1.0 / (2.0 + kOtherSound), 1e-12);
+  EXPECT_NEAR(probability_of_inferred(1e6, 100.0), 1.0 / (1.0 + kOtherSound), 1e-12);
+}
+
+TEST(ImpactOdds, AMarkIsAtMostAsProbableAsItsTrack) {
+  EXPECT_NEAR(probability_of_mark(std::log(4.0), 0.5), 0.4, 1e-6);
+  EXPECT_EQ(probability_of_mark(1000.0, 1.0), 1.0);
+  EXPECT_EQ(probability_of_mark(-1000.0, 1.0), 0.0);
+}
+
+TEST(ImpactOdds, ThreeImpactsAreADropOfLowOddsAndManyOneOfHigh) {
+  test::BouncingSound ball;
+  ball.rate_hz = 44100.0;
+  ball.eps = 0.75;
+  ball.first_flight_s = 0.5;
+  ball.n_impacts = 3;
+  const Detection three = detect(render(ball), ball.rate_hz, "three");
+  ASSERT_EQ(three.drops.size(), 1u) << three.message;
+  EXPECT_EQ(three.drops[0].n_impacts, 3);
+  EXPECT_GE(three.drops[0].odds, 1.0);
+  ball.n_impacts = 9;
+  const Detection nine = detect(render(ball), ball.rate_hz, "nine");
+  ASSERT_EQ(nine.drops.size(), 1u);
+  EXPECT_NEAR(nine.drops[0].begin_s, ball.first_s, 1e-3);
+  EXPECT_FALSE(nine.drops[0].is_doubtful());
+  EXPECT_GT(nine.drops[0].odds, 10.0 * three.drops[0].odds);
+  EXPECT_GT(nine.onsets[4].probability.value(), 0.99);
+}
+
+TEST(ImpactOdds, DropsOfFewerImpactsThanAskedForAreLeftOutAndTheOthersNumberedAnew) {
+  test::BouncingSound ball;
+  ball.rate_hz = 44100.0;
+  ball.eps = 0.75;
+  ball.first_flight_s = 0.5;
+  ball.n_impacts = 4;
+  std::vector<float> sound = render(ball);
+  ball.n_impacts = 9;
+  const std::vector<float> longer = render(ball);
+  sound.insert(sound.end(), longer.begin(), longer.end());
+  EXPECT_EQ(detect(sound, ball.rate_hz, "two").drops.size(), 2u);
+  DetectionConfig config;
+  config.min_impacts = 6;
+  const Detection d = detect(sound, ball.rate_hz, "one", config);
+  ASSERT_EQ(d.drops.size(), 1u);
+  EXPECT_EQ(d.summary.n_drops, 1);
+  EXPECT_EQ(d.drops[0].n_impacts, std::ssize(d.onsets));
+  for (const Onset& onset : d.onsets) EXPECT_EQ(onset.drop, 0);
+  config.min_impacts = 100;
+  const Detection none = detect(sound, ball.rate_hz, "none", config);
+  EXPECT_EQ(none.status, DetectionStatus::too_few_impacts);
+  EXPECT_FALSE(none.summary.contact_time_sigma_s.has_value());
+  config.min_impacts = 2;
+  EXPECT_THROW(detect(sound, ball.rate_hz, "bad", config), InvalidArgument);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ constexpr double kMostLogWeight = 30.0;  // against the track itself; exp(more) 
 struct Impacts {
   std::vector<std::size_t> candidate;
   std::vector<std::int64_t> number;
-  std::vector<Observation> seen;
+  const std::vector<Observation>& seen;
 
   std::size_t size() const { return candidate.size(); }
   /// Not detected between two of them.
@@ -35,12 +35,12 @@ double weight(double log_weight) { return log_weight < kNegligible ? 0.0 : exp(s
 /// The hypotheses about one track. Log weights are those against the track.
 class Alternatives {
  public:
-  Alternatives(const Observations& o, const std::vector<std::size_t>& explained, const Track& track)
-      : o_(o), explained_(explained) {
+  Alternatives(const Observations& o, const std::vector<Observation>& seen, const std::vector<std::size_t>& explained,
+               const Track& track)
+      : o_(o), explained_(explained), impacts_{{}, {}, seen} {
     for (const TrackImpact& impact : track.impacts) {
       impacts_.candidate.push_back(impact.candidate);
       impacts_.number.push_back(impact.impact);
-      impacts_.seen.push_back(o.without(impact.candidate, explained));
     }
     std::optional<Hypothesis> h = begun(0, 1);
     for (std::size_t n = 1; n < impacts_.size() && h; ++n) {
@@ -143,8 +143,9 @@ class Alternatives {
 
 }  // namespace
 
-void set_impact_probabilities(const Observations& o, const std::vector<std::size_t>& explained, Track& track) {
-  const Alternatives alternatives(o, explained, track);
+void set_impact_probabilities(const Observations& o, const std::vector<Observation>& seen,
+                              const std::vector<std::size_t>& explained, Track& track) {
+  const Alternatives alternatives(o, seen, explained, track);
   const std::size_t size = track.impacts.size();
   if (!alternatives.is_whole()) return;
   std::vector<double> ended(size, 0.0), begun(size, 0.0);  // weights of the track that ends before, or begins at, each

@@ -20,9 +20,10 @@ namespace bouncelab::detection {
 ///
 ///   p = sum of the weights of those with the impact / sum of all weights
 ///
+/// @param seen       the track's impacts, without the explained among their neighbours
 /// @param explained  the track's own sounds and their echoes, rising: they are not counted as clutter
-void set_impact_probabilities(const Observations& observations, const std::vector<std::size_t>& explained,
-                              Track& track);
+void set_impact_probabilities(const Observations& observations, const std::vector<Observation>& seen,
+                              const std::vector<std::size_t>& explained, Track& track);
 
 /// Probability of an impact found where its track predicts one, from its significance. There either is an impact, whose
 /// log likelihood ratio may be any, or the largest of n_places squared normals is taken for one, odds of exp(LLR) /
@@ -32,7 +33,8 @@ void set_impact_probabilities(const Observations& observations, const std::vecto
 constexpr double kOtherSound = 0.1;  // counted among knocks: tests/acoustic/detection/impact_odds_test.cpp
 double probability_of_inferred(double llr, double n_places);
 
-/// Probability of an inferred impact that is at a candidate: that one was weighed in the search for tracks, and left out.
+/// Probability of an inferred impact that is at a candidate: that one was weighed in the search for tracks, and left
+/// out.
 constexpr double kProbabilityOfRefused = 0.5;
 /// Whether there is a candidate within its reach of a time.
 bool is_at_candidate(const std::vector<Candidate>& candidates, double t_s);

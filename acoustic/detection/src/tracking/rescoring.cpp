@@ -133,20 +133,33 @@ double n_strangers(const Observations& o, const std::vector<std::size_t>& own) {
   return n;
 }
 
-/// Log odds of a track where what it explains is no rival of its sounds.
-double judged(const Observations& o, const Track& track) {
-  std::vector<std::size_t> own;
-  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
-  const std::vector<std::size_t> explained = explained_by(o, own);
-  const auto observation = [&](std::size_t n) { return o.without(own[n], explained); };
-  std::optional<Hypothesis> h =
-      Hypothesis::begin(observation(0), observation(1), o.same_source(own[0], own[1]), false, o.model());
-  for (std::size_t n = 2; n < own.size() && h; ++n) {
-    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    h = h->extended(observation(n), n_missing, o.same_source(own[n - 1], own[n]), false, -INFINITY, o.model());
-  }
-  return h ? h->log_odds_of_ball(o.model()) - kStranger * n_strangers(o, own) : -INFINITY;
+/// A track's own sounds, with what it explains not counted among their neighbours.
+struct OwnSounds {
+  std::vector<std::size_t> candidates;
+  std::vector<std::size_t> explained;
+  std::vector<Observation> seen;
+};
+
+OwnSounds own_sounds(const Observations& o, const Track& track) {
+  OwnSounds own;
+  for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
+  own.explained = explained_by(o, own.candidates);
+  for (const std::size_t k : own.candidates) own.seen.push_back(o.without(k, own.explained));
+  return own;
 }
+
+/// Log odds of a track where what it explains is no rival of its sounds.
+double judged(const Observations& o, const Track& track, const OwnSounds& own) {
+  const std::vector<std::size_t>& c = own.candidates;
+  std::optional<Hypothesis> h =
+      Hypothesis::begin(own.seen[0], own.seen[1], o.same_source(c[0], c[1]), false, o.model());
+  for (std::size_t n = 2; n < c.size() && h; ++n) {
+    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
+    h = h->extended(own.seen[n], n_missing, o.same_source(c[n - 1], c[n]), false, -INFINITY, o.model());
+  }
+  return h ? h->log_odds_of_ball(o.model()) - kStranger * n_strangers(o, c) : -INFINITY;
+}
+double judged(const Observations& o, const Track& track) { return judged(o, track, own_sounds(o, track)); }
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
 /// about as well, the track begins there.
@@ -188,12 +201,6 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   return log((1.0 - kAnother) * student3(*here - *there, kScatterOfDrops) / open + kAnother);
 }
 
-std::vector<std::size_t> own_of(const Track& track) {
-  std::vector<std::size_t> own;
-  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
-  return own;
-}
-
 }  // namespace
 
 std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
@@ -203,11 +210,14 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
     begin_at_source(o, first_free, track);
     first_free = track.impacts.back().candidate + 1;
   }
-  for (Track& track : tracks) track.log_odds = judged(o, track);
+  for (Track& track : tracks) {
+    const OwnSounds own = own_sounds(o, track);
+    track.log_odds = judged(o, track, own);
+    set_impact_probabilities(o, own.seen, own.explained, track);
+  }
   const std::vector<Track> all = tracks;
   for (std::size_t k = 0; k < tracks.size(); ++k) tracks[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k]);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
-  for (Track& track : tracks) set_impact_probabilities(o, explained_by(o, own_of(track)), track);
   return tracks;
 }
 
