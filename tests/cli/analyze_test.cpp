@@ -100,7 +100,7 @@ TEST_F(Analyze, ThreeImpactsAreADropThatIsKeptWithAWarning) {
   const Result result = run("analyze three.wav drop.wav --out out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("warning: 1 of 2 drops is doubtful, odds below 10 to 1 for a bouncing "
-                                             "ball: three.wav at 0.2 s ("));
+                                             "ball: three.wav at 0.3 s ("));
   const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
   EXPECT_EQ(summary["n_drops"], 2);
   EXPECT_EQ(summary["n_onsets"], 23);

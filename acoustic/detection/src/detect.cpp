@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/dsp/decimate.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/elementary.hpp"
@@ -20,66 +19,26 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/statistics.hpp"
-#include "candidates/band_energies.hpp"
-#include "candidates/candidates.hpp"
+#include "channel_tracks.hpp"
 #include "timing/recording_timer.hpp"
-#include "tracking/first_arrivals.hpp"
-#include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-// enough poles for the strongest twenty-odd modes of a plate; more gain nothing in noise
-constexpr int kArOrder = 48;
-// sampling rates of the low bands: the sound of rubber balls ends at 1.5 kHz, that of a basketball is about 200 Hz
-constexpr std::array<double, 2> kLowBandRates_hz{4e3, 1e3};
-constexpr double kBandSelectionMargin = 1.5;  // log odds by which a lower band must win: the best of three is chosen
+constexpr double kBelow500_hz = 2e3;  // sampling rate of a band below which that is all there is
 constexpr double kMinRate_hz = 4e3;
 constexpr double kMaxRate_hz = 4e6;
 
-/// Candidates and tracks of one channel in one band.
+/// The channel that detection is from, with all of its bands.
 struct ChannelDetection {
-  audio::AudioSource sound;  // in the band
-  int decimation = 1;        // of the recording's rate; 1 = full band
   int channel = 0;
-  audio::ArModels models;
-  std::vector<Candidate> candidates;
-  std::vector<Track> tracks;
+  std::vector<BandOfChannel> bands;
+  ChannelTracks found;
 
-  double log_odds() const {
-    double sum = 0.0;
-    for (const Track& track : tracks) sum += track.log_odds;
-    return sum;
-  }
+  const BandOfChannel& band() const { return bands[found.band]; }
 };
 
-ChannelDetection detect_channel(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
-  const double timing_s = 2.0 / sound.rate_hz;
-  ChannelDetection found;
-  found.sound = sound;
-  found.channel = channel;
-  found.models = audio::learn_ar_models(sound, kArOrder);
-  found.candidates = find_candidates(sound, found.models.signal, progress);
-  found.tracks = find_tracks(found.candidates, timing_s, measure_band_energies(sound, found.candidates));
-  begin_at_first_arrivals(found.candidates, found.tracks);
-  return found;
-}
-
-/// The full band or one of the low bands of soft balls: the one of the highest log odds. A lower band gives less
-/// accurate times and must win by a margin.
-ChannelDetection select_band(const audio::AudioSource& sound, int channel, const ProgressCallback& progress) {
-  ChannelDetection best = detect_channel(sound, channel, progress);
-  for (const double rate_hz : kLowBandRates_hz) {
-    const int factor = static_cast<int>(sound.rate_hz / rate_hz);
-    if (factor < 2) continue;
-    ChannelDetection low = detect_channel(audio::decimate(sound, factor), channel, progress);
-    low.decimation = factor;
-    if (low.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(low);
-  }
-  return best;
-}
-
-NoiseSpectrum noise_spectrum(const ChannelDetection& found) {
+NoiseSpectrum noise_spectrum(const BandOfChannel& found) {
   constexpr int kPoints = 256;
   NoiseSpectrum spectrum;
   for (int k = 1; k <= kPoints; ++k) {  // without 0 Hz: the model is one of the differenced signal
@@ -89,16 +48,16 @@ NoiseSpectrum noise_spectrum(const ChannelDetection& found) {
   return spectrum;
 }
 
-void summarize_tracks(const ChannelDetection& found, RecordingSummary& summary) {
-  summary.n_candidates = static_cast<std::int64_t>(found.candidates.size());
-  summary.n_drops = static_cast<std::int64_t>(found.tracks.size());
+void summarize_tracks(const BandOfChannel& band, const std::vector<Track>& tracks, RecordingSummary& summary) {
+  summary.n_candidates = static_cast<std::int64_t>(band.candidates.size());
+  summary.n_drops = static_cast<std::int64_t>(tracks.size());
   std::vector<double> eps;
-  for (const Track& track : found.tracks)
+  for (const Track& track : tracks)
     for (std::size_t k = 2; k < track.impacts.size(); ++k) {
       if (track.impacts[k].impact - track.impacts[k - 2].impact != 2) continue;
-      const double t0 = found.candidates[track.impacts[k - 2].candidate].t_s;
-      const double t1 = found.candidates[track.impacts[k - 1].candidate].t_s;
-      const double t2 = found.candidates[track.impacts[k].candidate].t_s;
+      const double t0 = band.candidates[track.impacts[k - 2].candidate].t_s;
+      const double t1 = band.candidates[track.impacts[k - 1].candidate].t_s;
+      const double t2 = band.candidates[track.impacts[k].candidate].t_s;
       eps.push_back((t2 - t1) / (t1 - t0));
     }
   if (eps.empty()) return;
@@ -152,7 +111,7 @@ std::int64_t count_flag(const Onsets& onsets, Flag flag) {
 }
 
 /// Limits of the onsets' accuracy, one line each.
-std::vector<std::string> warnings_for(const Detection& d, const ChannelDetection& found) {
+std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& found) {
   std::vector<std::string> warnings;
   if (d.onsets.empty()) return warnings;
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
@@ -162,7 +121,7 @@ std::vector<std::string> warnings_for(const Detection& d, const ChannelDetection
   if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "may be a cycle of their sound off (flag doubtful; sigma_t_s includes it)");
-  if (found.sound.rate_hz < 0.5 * kLowBandRates_hz.front())
+  if (found.sound.rate_hz < kBelow500_hz)
     warnings.push_back("the impacts were found below 500 Hz only: times to a millisecond or two at best");
   else if (found.decimation > 1)
     warnings.push_back("the impacts were found below 2 kHz only: times to a fraction of a millisecond at best");
@@ -184,8 +143,9 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   const int first = channel.value_or(0);
   const int last = channel ? first + 1 : n_channels;
   for (int c = first; c < last; ++c) {
-    ChannelDetection found = select_band(source_of(c), c, progress);
-    if (c == first || found.log_odds() > best.log_odds()) best = std::move(found);
+    ChannelDetection here{c, bands_of(source_of(c), progress), {}};
+    here.found = find_tracks_in(here.bands);
+    if (c == first || here.found.log_odds() > best.found.log_odds()) best = std::move(here);
   }
   return best;
 }
@@ -200,6 +160,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                           ": at least 3 impacts give a coefficient of restitution");
   ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, progress);
   const audio::AudioSource sound = source_of(best.channel);
+  const BandOfChannel& band = best.band();
   Detection d;
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;
@@ -208,22 +169,22 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                              : n_channels == 1 ? "the only one"
                                                : "its tracks of impacts are the most probable";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
-  d.summary.noise_rms = std::sqrt(best.models.noise.quiet_variance);
+  d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
   TimedRecording timed = time_recording(
-      {best.sound, sound, best.decimation == 1, best.models.noise, best.candidates, best.tracks, config.gravity_mps2},
+      {band.sound, sound, band.decimation == 1, band.models.noise, band.candidates, best.found.tracks, config.gravity_mps2},
       name);
   d.onsets = std::move(timed.onsets);
-  leave_out_short(config.min_impacts, d.onsets, best.tracks);
-  d.drops = summarize_drops(d.onsets, best.tracks);
-  summarize_tracks(best, d.summary);
+  leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
+  d.drops = summarize_drops(d.onsets, best.found.tracks);
+  summarize_tracks(band, best.found.tracks, d.summary);
   if (!d.onsets.empty()) {
     d.wave = std::move(timed.wave);
     d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
     d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   }
-  if (best.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(best);
+  if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
   set_status(config.min_impacts, d);
-  d.warnings = warnings_for(d, best);
+  d.warnings = warnings_for(d, band);
   return d;
 }
 

@@ -34,6 +34,9 @@ def heard(program, name, rate_hz, samples, options):
 
 def ball_record(program, name, cell, scene, options):
     found = heard(program, name, scene.rate_hz, scene.sound, options)
+    if options.keep:
+        with open(os.path.join(options.work, name.replace(" ", "_") + ".truth.csv"), "w") as file:
+            file.write("t_s\n" + "".join("%.6f\n" % t for t in scene.t_s))
     i, j, offset = match.matched(scene.t_s, found.t_s, TOLERANCE_S)
     clear = match.interval_pulls(scene.t_s, found.t_s, found.sigma_t_s, ~found.doubtful, i, j)
     missed = [k for k in range(len(scene.t_s)) if k not in set(i)]

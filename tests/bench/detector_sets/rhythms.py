@@ -103,5 +103,27 @@ def creak(rng):
     return finished(rng, voiced(rng, 0.2, length_s, rng.uniform(50, 90), rng.uniform(0.5, 0.75), duration_s))
 
 
+def typing(rng):
+    """Keys go down and come up 50 to 110 ms later, each with a sound of its own."""
+    sound, t = np.zeros(int(12.0 * RATE_HZ)), 0.3
+    keys = [waves.body(rng, RATE_HZ, 300, 7000, 16, (2, 8), 3e-4) for _ in range(6)]
+    while t < 11.5:
+        for at, size in ((t, 1.0), (t + rng.uniform(0.05, 0.11), 0.4)):
+            sound += beaten(rng, [at], [size * rng.lognormal(0, 0.4)], keys[rng.integers(6)], 12.0, 0.2)
+        t += 0.15 * rng.lognormal(0, 0.4) + (1.0 if rng.random() < 0.1 else 0.0)
+    return finished(rng, sound)
+
+
+def handling(rng):
+    """Things are put down: bunches of four to eight sounds at random within three seconds, then quiet."""
+    sound = np.zeros(int(20.0 * RATE_HZ))
+    for begin_s in np.arange(0.4, 15.0, 5.0):
+        for at in begin_s + rng.uniform(0, 3.0, rng.integers(4, 9)):
+            lowest_hz = rng.uniform(80, 1500)
+            thing = waves.body(rng, RATE_HZ, lowest_hz, 4 * lowest_hz, 16, (2, 15), 1e-3)
+            sound += beaten(rng, [at], [rng.lognormal(0, 0.6)], thing, 20.0, 0.2)
+    return finished(rng, sound)
+
+
 RHYTHMS = {"metronome": metronome, "hand claps": hand_claps, "accelerando": accelerando, "drum roll": drum_roll, "footsteps": footsteps,
-           "speech": speech, "creak": creak}
+           "speech": speech, "creak": creak, "typing": typing, "handling": handling}

@@ -58,7 +58,7 @@ double probability_of_missing(int n_missing, const TrackingModel& model) {
 Bounces::Bounces(double log_flight, double log_amplitude)
     : first_log_flight_(log_flight),
       // the flight before the first impact is not known; it is taken for as long as that after it
-      mean_log_loudness_(log_amplitude - log_flight) {}
+      loudness_(log_amplitude - log_flight) {}
 
 double Bounces::learned_variance(const TrackingModel& model) const {
   return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_eps_);
@@ -75,7 +75,7 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
     of_eps = (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps + model.outliers * prior;
   }
   return probability_of_missing(n_missing, model) * of_eps / flight.slope_s *
-         student3(log_amplitude - mean_log_loudness_ - log_flight, model.loudness_scatter);
+         loudness_.density(log_amplitude - log_flight, model);
 }
 
 void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
@@ -90,8 +90,7 @@ void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int
   // single losses must not make a ball of a rhythm, nor single gains hide that it is one
   loss_ -= mean_log_eps_ + step;
   mean_log_eps_ += step / std::min(n_eps_, model.memory);
-  const int n_impacts = n_eps_ + 2;
-  mean_log_loudness_ += (log_amplitude - log_flight - mean_log_loudness_) / std::min(n_impacts, model.memory);
+  loudness_.learn(log_amplitude - log_flight, model);
 }
 
 double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {

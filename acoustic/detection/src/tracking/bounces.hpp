@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "tracking/loudness.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -51,7 +52,7 @@ class Bounces {
   double sum_squares_ = 0.0;  ///< of the deviations of log eps from its running mean, large ones cut
   double loss_ = 0.0;         ///< -sum of log eps, large deviations cut
   double first_log_flight_ = 0.0;
-  double mean_log_loudness_ = 0.0;  ///< of amplitude over the flight before
+  Loudness loudness_;  ///< amplitude over the flight before
 };
 
 /// Density of eps where nothing is known of the ball.

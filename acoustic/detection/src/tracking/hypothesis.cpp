@@ -17,6 +17,21 @@ double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
 /// log(exp(a) + exp(b))
 double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
 
+/// What the track's impacts to come contribute to the density of log amplitudes, as if they were clutter.
+/// @param flight  the last one; the next takes eps times as long
+double density_to_come(const Flight& flight, const TrackingModel& model) {
+  const double window_s = clutter_window_s(flight.flight_s);
+  double density = 0.0;
+  double flight_s = flight.eps * flight.flight_s;
+  double log_ratio = log(flight.eps);
+  for (double t_s = flight_s; t_s <= window_s && flight_s > kShortestFlight_s; t_s += flight_s) {
+    density += model.detection_probability * amplitude_kernel(log_ratio, model);
+    flight_s *= flight.eps;
+    log_ratio += log(flight.eps);
+  }
+  return density;
+}
+
 }  // namespace
 
 double log_odds_of_first(const Observation& first, const TrackingModel& model) {
@@ -34,7 +49,9 @@ Hypothesis Hypothesis::begin(const Observation& first, const Observation& second
   h.bounces_ = Bounces(log_flight, mean_log_amplitude);
   h.rhythm_ = Rhythm(log_flight, mean_log_amplitude);
   const double change = second.log_amplitude - first.log_amplitude;
-  const double own = is_counted ? amplitude_kernel(change, model) * same_source : 0.0;
+  const Flight flight{model.usual_eps, h.flight_s, 0.0};
+  const double own =
+      is_counted ? (amplitude_kernel(change, model) + density_to_come(flight, model)) * same_source : 0.0;
   const double per_second =
       student3(log_flight - log(model.usual_first_flight_s), model.first_flight_scatter) / h.flight_s;
   const double of_amplitude = student3(change - model.usual_first_change, model.first_change_scatter);
@@ -42,13 +59,14 @@ Hypothesis Hypothesis::begin(const Observation& first, const Observation& second
       log_odds_of_first(first, model) + second.log_rise_odds +
       log(per_second * of_amplitude * same_source / clutter_intensity(second.neighbours, h.flight_s, own, model));
   h.log_odds_rhythm_.fill(h.log_odds);
+  h.first_log_interval_ = log_flight;
   return h;
 }
 
-double Hypothesis::own_density(const Observation& next, double flight, double same_source,
+double Hypothesis::own_density(const Observation& next, const Flight& flight, double same_source,
                                const TrackingModel& model) const {
-  const double window_s = clutter_window_s(flight);
-  double sum = 0.0;
+  const double window_s = clutter_window_s(flight.flight_s);
+  double sum = density_to_come(flight, model);
   for (const Impact& other : last_)
     if (next.t_s - other.t_s <= window_s) sum += amplitude_kernel(other.log_amplitude - next.log_amplitude, model);
   return sum * same_source;
@@ -67,7 +85,7 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
   const double log_flight = log(flight->flight_s);
   const double timing2 = jitter2(next);
   const double density = bounces_.density(*flight, log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
-  const double own = is_counted ? own_density(next, flight->flight_s, same_source, model) : 0.0;
+  const double own = is_counted ? own_density(next, *flight, same_source, model) : 0.0;
   const double of_clutter = clutter_intensity(next.neighbours, flight->flight_s, own, model) / same_source;
   const double before = log_odds + next.log_rise_odds;
   if (before + largest_log(density / of_clutter) < least_log_odds) return {};  // most are far from it
@@ -87,29 +105,44 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
 void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutter, double log_odds_before,
                                const TrackingModel& model) {
   const double sigma_s = hypot(next.sigma_s, last_[0].sigma_s);
+  const auto before = rhythm_.log_interval();
   const auto densities = rhythm_.follow(next.t_s - last_[0].t_s, next.log_amplitude, sigma_s, model);
+  const auto after = rhythm_.log_interval();
+  // the tempo of a rhythm stays within its range, normally distributed
+  const auto of_range = [&](double first, std::size_t kind) {
+    return 0.5 * (square(before[kind] - first) - square(after[kind] - first)) / square(model.tempo_range);
+  };
   for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
     if (log_odds_before + model.switch_log_odds > log_odds_ball_then_rhythm_[kind]) {
       log_odds_ball_then_rhythm_[kind] = log_odds_before + model.switch_log_odds;
       n_of_ball_[kind] = n_impacts;
+      first_log_interval_after_[kind] = before[kind];
     }
     const double gain = log_gain_of_clutter + log(densities[kind]);
-    log_odds_rhythm_[kind] += gain;
-    log_odds_ball_then_rhythm_[kind] += gain;
+    log_odds_rhythm_[kind] += gain + of_range(first_log_interval_, kind);
+    log_odds_ball_then_rhythm_[kind] += gain + of_range(first_log_interval_after_[kind], kind);
   }
 }
 
+double Hypothesis::log_odds_of_rhythm(std::size_t kind, const TrackingModel& model) const {
+  return log_odds_rhythm_[kind] + model.rhythm_log_odds - model.start_log_odds;
+}
+
+double Hypothesis::log_odds_of_losing_ball(const TrackingModel& model) const {
+  return log_odds + bounces_.log_probability_of_loss(log(flight_s), model);
+}
+
 double Hypothesis::log_odds_of_ball(const TrackingModel& model) const {
-  double others = 0.0;  // log odds of clutter and of rhythms, whose prior is that of any sound
-  for (const double odds : log_odds_rhythm_)
-    others = log_of_sum(others, model.rhythm_log_odds - model.start_log_odds + odds);
-  return log_odds + bounces_.log_probability_of_loss(log(flight_s), model) - others;
+  double others = 0.0;  // log odds of clutter, and of rhythms
+  for (std::size_t kind = 0; kind < kRhythmKinds; ++kind)
+    others = log_of_sum(others, log_odds_of_rhythm(kind, model));
+  return log_odds_of_losing_ball(model) - others;
 }
 
 Hypothesis::Verdict Hypothesis::most_probable(const TrackingModel& model) const {
-  Verdict most{Explanation::ball, log_odds_of_ball(model), n_impacts};
+  Verdict most{Explanation::ball, log_odds_of_losing_ball(model), n_impacts};
   for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
-    const double rhythm = model.rhythm_log_odds + log_odds_rhythm_[kind];
+    const double rhythm = log_odds_of_rhythm(kind, model);
     if (rhythm > most.log_odds) most = {Explanation::rhythm, rhythm, 0};
     if (log_odds_ball_then_rhythm_[kind] > most.log_odds)
       most = {Explanation::ball_then_rhythm, log_odds_ball_then_rhythm_[kind], n_of_ball_[kind]};

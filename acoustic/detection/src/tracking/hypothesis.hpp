@@ -32,7 +32,7 @@ class Hypothesis {
   std::optional<Hypothesis> extended(const Observation& next, int n_missing, double same_source, bool is_counted,
                                      double least_log_odds, const TrackingModel& model) const;
 
-  /// What the sounds are explained by.
+  /// What the sounds are explained by, with its log odds against clutter.
   enum class Explanation { ball, rhythm, ball_then_rhythm };
   struct Verdict {
     Explanation explanation = Explanation::ball;
@@ -57,7 +57,10 @@ class Hypothesis {
     double log_amplitude = 0.0;
     double sigma_s = 0.0;
   };
-  double own_density(const Observation& next, double flight_s, double same_source, const TrackingModel& model) const;
+  double own_density(const Observation& next, const Flight& flight, double same_source,
+                     const TrackingModel& model) const;
+  double log_odds_of_rhythm(std::size_t kind, const TrackingModel& model) const;
+  double log_odds_of_losing_ball(const TrackingModel& model) const;
   double jitter2(const Observation& next) const;
   void follow_rhythm(const Observation& next, double log_gain_of_clutter, double log_odds_before,
                      const TrackingModel& model);
@@ -68,6 +71,8 @@ class Hypothesis {
   std::array<double, kRhythmKinds> log_odds_rhythm_{};
   std::array<double, kRhythmKinds> log_odds_ball_then_rhythm_{-1e9, -1e9};
   std::array<std::int64_t, kRhythmKinds> n_of_ball_{};
+  double first_log_interval_ = 0.0;                               ///< of the rhythm [ln s]
+  std::array<double, kRhythmKinds> first_log_interval_after_{};  ///< of the rhythm after the ball
 };
 
 /// Log odds of a track that begins with an observation, before its second impact.

@@ -91,8 +91,9 @@ double clutter_window_s(double flight_s) { return reach_s(window_octave(flight_s
 
 double clutter_intensity(const Neighbours& neighbours, double flight_s, double own, const TrackingModel& model) {
   const int octave = window_octave(flight_s);
-  // itself is left where all others are the track's own
-  const double density = std::max(amplitude_kernel(0.0, model), neighbours.density[octave] - own);
+  const double itself = amplitude_kernel(0.0, model);
+  // where all others are the track's own, none is left
+  const double density = std::max(0.0, neighbours.density[octave] - itself - own) + model.unseen * itself;
   return density / (2.0 * reach_s(octave));
 }
 

@@ -14,7 +14,6 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kStranger = 1.0;    // log odds against a ball of each sound like its own but not of it
 constexpr double kAcceptance = 0.0;  // log odds
 
 /// The coefficient of restitution that goes before the first of a track.
@@ -73,9 +72,6 @@ std::vector<std::size_t> explained_by(const Observations& o, const std::vector<s
 /// @param first_free  candidates before this one belong to the track before
 void begin_again(const Observations& o, std::size_t first_free, Track& track) {
   constexpr std::size_t kKnown = 6;  // impacts, without the first, from which a ball is known
-  // what comes before a drop is seldom silence: odds of two where it is a ball, of five where that is not sure
-  constexpr double kSureBall = 12.0;
-  const double believed = track.log_odds > kSureBall ? 0.7 : 1.6;
   const std::vector<Candidate>& c = o.candidates();
   std::optional<std::size_t> given;
   if (track.impacts.size() > kKnown && track.impacts[1].impact == track.impacts[0].impact + 1) {
@@ -93,7 +89,7 @@ void begin_again(const Observations& o, std::size_t first_free, Track& track) {
       return log_odds_before(o.without(k, explained), o[first], o.same_source(k, first), flight_s, expected->log_eps,
                              expected->scatter, o.model());
     };
-    const double least = given ? odds_of(*given) : believed;
+    const double least = given ? odds_of(*given) : 0.0;
     double best = least;
     std::size_t before = given.value_or(first);
     const double furthest_s = std::min(kLongestFlight_s, flight_s / kLeastEps);
@@ -157,7 +153,7 @@ double judged(const Observations& o, const Track& track, const OwnSounds& own) {
     const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
     h = h->extended(own.seen[n], n_missing, o.same_source(c[n - 1], c[n]), false, -INFINITY, o.model());
   }
-  return h ? h->log_odds_of_ball(o.model()) - kStranger * n_strangers(o, c) : -INFINITY;
+  return h ? h->log_odds_of_ball(o.model()) - o.model().stranger * n_strangers(o, c) : -INFINITY;
 }
 double judged(const Observations& o, const Track& track) { return judged(o, track, own_sounds(o, track)); }
 
@@ -185,9 +181,8 @@ std::optional<double> first_log_eps(const std::vector<Candidate>& c, const Track
 }
 
 /// One recording, one ball: log odds that a track's eps, which was open, is that of the surest other track.
-double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Track>& tracks, const Track& track) {
-  constexpr double kScatterOfDrops = 0.06;  // of ln eps between drops of one ball at other speeds
-  constexpr double kAnother = 0.4;          // another ball, or another floor
+double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Track>& tracks, const Track& track,
+                         const TrackingModel& model) {
   constexpr double kEpsRange = kLargestEps - kLeastEps;
   const Track* surest = nullptr;
   for (const Track& other : tracks)
@@ -198,7 +193,8 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   const std::optional<double> there = surest != nullptr ? first_log_eps(c, *surest) : std::nullopt;
   if (!here || !there) return 0.0;
   const double open = exp(*here) / kEpsRange;  // eps uniform, as the model has it
-  return log((1.0 - kAnother) * student3(*here - *there, kScatterOfDrops) / open + kAnother);
+  return log((1.0 - model.another_ball) * student3(*here - *there, model.scatter_of_drops) / open +
+             model.another_ball);
 }
 
 }  // namespace
@@ -216,7 +212,7 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
     set_impact_probabilities(o, own.seen, own.explained, track);
   }
   const std::vector<Track> all = tracks;
-  for (std::size_t k = 0; k < tracks.size(); ++k) tracks[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k]);
+  for (std::size_t k = 0; k < tracks.size(); ++k) tracks[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k], o.model());
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
   return tracks;
 }

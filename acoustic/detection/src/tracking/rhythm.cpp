@@ -12,6 +12,8 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kAnyInterval = 1.0 / 3.0;  // density of an irregular log interval, within a factor of 4.5 either way
+constexpr double kNever = 1e-9;  // 1/s
+constexpr double kCut = 3.0;  // standard deviations by which one beat moves what is known at most
 
 /// An interval in beats.
 double beats_of(double ratio) {
@@ -25,40 +27,61 @@ double probability_of(double n_beats, const TrackingModel& model) {
   return model.detection_probability * power(1.0 - model.detection_probability, n_unusual);
 }
 
+/// Density of an interval [1/s].
+double density_of(double core, double n_beats, double interval_s, const TrackingModel& model) {
+  return probability_of(n_beats, model) / interval_s * ((1.0 - model.outliers) * core + model.outliers * kAnyInterval);
+}
+
 }  // namespace
 
 Rhythm::Rhythm(double log_interval, double log_amplitude)
-    : level_(log_interval), last_(log_interval), mean_log_amplitude_(log_amplitude) {}
+    : level_(log_interval), period_s_(exp(log_interval)), loudness_(log_amplitude) {}
 
 std::array<double, kRhythmKinds> Rhythm::follow(double interval_s, double log_amplitude, double sigma_s,
                                                 const TrackingModel& model) {
+  const double of_amplitude = loudness_.density(log_amplitude, model);
+  loudness_.learn(log_amplitude, model);
+  const std::array<double, kRhythmKinds> densities{of_amplitude * follow_by_hand(interval_s, sigma_s, model),
+                                                   of_amplitude * follow_by_machine(interval_s, sigma_s, model)};
+  n_sounds_ += 1;
+  return densities;
+}
+
+std::array<double, kRhythmKinds> Rhythm::log_interval() const { return {level_, log(period_s_)}; }
+
+double Rhythm::follow_by_hand(double interval_s, double sigma_s, const TrackingModel& model) {
   const double expected = level_ + trend_;
   const double n_beats = beats_of(interval_s * exp(-expected));
-  const double log_interval = log(interval_s / n_beats);
-  const double jitter2 = square(sigma_s / interval_s);
+  const double deviation = log(interval_s / n_beats) - expected;
   const double n_known = std::min(n_sounds_ - 2, model.memory);
   const double learned =
       (model.beat_weight * square(model.beat_scatter) + sum_squares_) / (model.beat_weight + n_known);
-  const double width = std::sqrt(learned + jitter2);
-  const double deviation = log_interval - expected;
-  const double of_beats =
-      probability_of(n_beats, model) / interval_s * student3(log_amplitude - mean_log_amplitude_, model.accent_scatter);
-  const auto density = [&](double core) {
-    return of_beats * ((1.0 - model.outliers) * core + model.outliers * kAnyInterval);
-  };
-  const std::array<double, kRhythmKinds> densities{
-      density(student3(deviation, width)),
-      density(student3(log_interval - last_, std::sqrt(square(model.machine_scatter) + jitter2)))};
-
-  const double step = std::clamp(deviation, -3.0 * width, 3.0 * width);
+  const double width = std::sqrt(learned + square(sigma_s / interval_s));
+  const double step = std::clamp(deviation, -kCut * width, kCut * width);
   sum_squares_ += square(step) - (n_sounds_ - 2 >= model.memory ? sum_squares_ / model.memory : 0.0);
-  const bool is_divided = n_beats < 1.0;
-  level_ = is_divided ? log(interval_s) : expected + model.tempo_gain * step;
-  last_ = is_divided ? level_ : log_interval;
+  level_ = n_beats < 1.0 ? log(interval_s) : expected + model.tempo_gain * step;
   trend_ += model.trend_gain * step;
-  n_sounds_ += 1;
-  mean_log_amplitude_ += (log_amplitude - mean_log_amplitude_) / std::min(n_sounds_, model.memory);
-  return densities;
+  return interval_s < kShortestBeat_s ? kNever : density_of(student3(deviation, width), n_beats, interval_s, model);
+}
+
+double Rhythm::follow_by_machine(double interval_s, double sigma_s, const TrackingModel& model) {
+  const double n_beats = beats_of((interval_s + late_s_) / period_s_);
+  const double deviation_s = interval_s + late_s_ - n_beats * period_s_;
+  const double n = std::min(n_sounds_, model.memory);  // sounds that beat and interval are known from
+  const double position_gain = 2.0 * (2.0 * n + 1.0) / ((n + 1.0) * (n + 2.0));
+  const double period_gain = 6.0 / ((n + 1.0) * (n + 2.0));
+  const double learned = (model.beat_weight * square(model.machine_scatter) + sum_squares_of_lateness_) /
+                         (model.beat_weight + n - 2.0);
+  // a line through n points predicts the next with the variance 1/(1 - gain) of that of one
+  const double width_s =
+      std::sqrt((learned * square(period_s_) + square(sigma_s)) / std::max(0.1, 1.0 - position_gain));
+  const double step_s = std::clamp(deviation_s, -kCut * width_s, kCut * width_s);
+  sum_squares_of_lateness_ += (1.0 - position_gain) * square(step_s / period_s_) -
+                              (n_sounds_ >= model.memory ? sum_squares_of_lateness_ / model.memory : 0.0);
+  late_s_ = deviation_s - position_gain * step_s;
+  period_s_ += period_gain * step_s / n_beats;
+  const double core = student3(deviation_s / interval_s, width_s / interval_s);
+  return density_of(core, n_beats, interval_s, model);
 }
 
 }  // namespace bouncelab::detection

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "tracking/loudness.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -10,11 +11,15 @@ namespace bouncelab::detection {
 enum class RhythmKind { by_hand, by_machine };
 constexpr std::size_t kRhythmKinds = 2;
 
+constexpr double kShortestBeat_s = 40e-3;  // drum rolls have up to 25 strokes a second
+
 /// What the same sounds are as a rhythm: steps, claps, syllables, strokes, a metronome.
 ///
-/// By hand, the log interval follows a local level with a trend (Harvey 1989, doi:10.1017/CBO9781107049994); by a
-/// machine, the interval before. A beat may be left out, as impacts are, or divided by two. Loudness scatters about its
-/// running mean, whatever the interval.
+/// By hand, the log interval follows a local level with a trend (Harvey 1989, doi:10.1017/CBO9781107049994). By a
+/// machine, beats stand in an even row and the sounds scatter about them: an alpha-beta filter of beat and interval,
+/// with the gains of a growing, then exponentially forgotten line (Kalata 1984, doi:10.1109/TAES.1984.310438). A beat
+/// may be left out, as impacts are, or divided by two. Loudness scatters about its running mean, whatever the interval.
+/// No hand beats faster than kShortestBeat_s.
 class Rhythm {
  public:
   /// @param log_interval   of the first two sounds [ln s]
@@ -27,13 +32,21 @@ class Rhythm {
   std::array<double, kRhythmKinds> follow(double interval_s, double log_amplitude, double sigma_s,
                                           const TrackingModel& model);
 
+  /// ln of the interval between beats, by kind [ln s].
+  std::array<double, kRhythmKinds> log_interval() const;
+
  private:
-  double level_ = 0.0;  ///< of the log interval
+  double follow_by_hand(double interval_s, double sigma_s, const TrackingModel& model);
+  double follow_by_machine(double interval_s, double sigma_s, const TrackingModel& model);
+
+  double level_ = 0.0;  ///< of the log interval, by hand
   double trend_ = 0.0;
-  double last_ = 0.0;
   double sum_squares_ = 0.0;
-  double mean_log_amplitude_ = 0.0;
+  double period_s_ = 0.0;  ///< by machine
+  double late_s_ = 0.0;    ///< by which the last sound came after its beat
+  double sum_squares_of_lateness_ = 0.0;  ///< in intervals
   int n_sounds_ = 2;
+  Loudness loudness_;
 };
 
 }  // namespace bouncelab::detection

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "bouncelab/core/elementary.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
@@ -116,7 +117,8 @@ class Search {
     for (const State& s : here.finish()) {
       if (s.track.n_impacts >= kFewestImpacts) {
         const Hypothesis::Verdict most = s.track.most_probable(o_.model());
-        const double score = s.start_score + most.log_odds + kOwnClutter;
+        // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
+        const double score = s.start_score + log1p(exp(most.log_odds));
         if (most.log_odds + kOwnClutter > 0.0 && score > best_[k + 1].score)
           best_[k + 1] = {score, static_cast<std::int64_t>(states_.size()), most.n_of_ball};
       }

@@ -18,38 +18,46 @@ constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEp
 /// on each.
 struct TrackingModel {
   // birth and end
-  double start_log_odds = -0.5;         ///< of a ball that begins within some seconds, against none
+  double start_log_odds = -1.5;         ///< of a ball that begins within some seconds, against none
   double usual_first_flight_s = 0.4;    ///< median; a ball dropped from some 30 cm
   double first_flight_scatter = 0.8;    ///< of its logarithm
   double detection_probability = 0.93;  ///< of an impact
 
   // the ball: log eps
+  double usual_eps = 0.8;       ///< until two flights are known
   double gains = 0.1;           ///< share of coefficients that may be above 1: a spinning ball
   double scatter = 0.015;       ///< of log eps from impact to impact, before the track itself shows it
   double scatter_weight = 3.0;  ///< impacts that this is worth: 0.003 and 0.06 are both plausible
   double most_scatter = 1.0;    ///< of log eps over its mean loss: what scatters more is no ball
   double first_scatter = 0.08;  ///< of log eps at the first impact against those that follow
-  double outliers = 0.05;       ///< share of single losses, gains and irregular beats
+  double outliers = 0.07;       ///< share of single losses, gains and irregular beats
   double least_loss = 0.008;    ///< of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
   int memory = 8;               ///< impacts over which eps and loudness are taken as constant
+
+  // what surrounds a track
+  double stranger = 2.0;           ///< log odds against a ball of each sound like its own but not of it
+  double scatter_of_drops = 0.06;  ///< of the first log eps, between drops of one ball at other speeds
+  double another_ball = 0.4;       ///< share of drops that are of another, or on another floor
 
   // loudness: log amplitude
   double usual_first_change = -0.25;  ///< from the first impact to the second
   double first_change_scatter = 0.6;
-  double loudness_scatter = 0.4;  ///< of amplitude over speed from impact to impact: the place struck varies
+  double loudness_scatter = 0.4;  ///< of amplitude over speed from impact to impact, before the track itself shows it
+  double loudness_weight = 4.0;   ///< impacts that this is worth
 
   // rhythms: log interval
-  double rhythm_log_odds = 1.0;   ///< of a rhythm against a ball
+  double rhythm_log_odds = 0.0;   ///< of a rhythm against a ball
   double switch_log_odds = -3.0;  ///< of a rhythm that begins where a ball ends
-  double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
-  double beat_weight = 2.0;       ///< intervals that this is worth
-  double machine_scatter = 0.003;
+  double beat_scatter = 0.05;      ///< by hand: drummers 2 %, hands and feet 3 to 8 %
+  double beat_weight = 2.0;        ///< intervals that this is worth
+  double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
+  double tempo_range = 0.8;  ///< of the log interval from the beginning of a rhythm to its end
   double tempo_gain = 0.5;      ///< of the level that follows the interval
   double trend_gain = 0.15;     ///< of its trend
-  double accent_scatter = 0.6;  ///< of the amplitude from beat to beat
 
   // clutter
   double kernel_width = 0.5;  ///< of log amplitude
+  double unseen = 0.5;        ///< sounds that an interval without any counts as (Jeffreys's prior)
   double excess = 1.5;        ///< mean of LLR - threshold of fluctuations of a ringing sound, whatever the window,
   double excess_per_sample = 0.14;  ///< and for each sample of it
   double event_per_sample = 1.7;    ///< median of LLR - threshold of events, for each sample of the window

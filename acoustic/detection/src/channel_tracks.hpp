@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/detection/detect.hpp"
+#include "candidates/band_energies.hpp"
+#include "candidates/candidates.hpp"
+#include "tracking/tracker.hpp"
+
+namespace bouncelab::detection {
+
+/// One channel, whole or the low frequencies of it, and what may be impacts there.
+struct BandOfChannel {
+  audio::AudioSource sound;
+  int decimation = 1;  ///< of the recording's sampling rate; 1 = all frequencies
+  audio::ArModels models;
+  std::vector<Candidate> candidates;
+  std::vector<BandEnergies> band_energies;
+};
+
+/// All frequencies, those below 2 kHz and those below 500 Hz: rubber balls are faint above 1.5 kHz, a basketball above
+/// 300 Hz.
+std::vector<BandOfChannel> bands_of(const audio::AudioSource& sound, const ProgressCallback& progress = {});
+
+/// The tracks of a channel, in the band where they are most probable.
+struct ChannelTracks {
+  std::size_t band = 0;
+  std::vector<Track> tracks;
+  double log_odds() const;
+};
+
+ChannelTracks find_tracks_in(const std::vector<BandOfChannel>& bands, const TrackingModel& model = {});
+
+}  // namespace bouncelab::detection
