@@ -109,7 +109,19 @@ TEST_F(Analyze, ThreeImpactsAreADropThatIsKeptWithAWarning) {
   EXPECT_EQ(drop["doubtful"], true);
   EXPECT_LT(drop["odds"].get<double>(), 10.0);
   EXPECT_THAT(content_of(folder_ / "out" / "samples.csv"), testing::HasSubstr("\nthree.wav,0,1,"));
-  EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("1 of 2 drops is doubtful"));
+  EXPECT_THAT(content_of(folder_ / "out" / "report.html"),
+              testing::AllOf(testing::HasSubstr("1 of 2 drops is doubtful"), testing::HasSubstr("\"doubtful\":true")));
+}
+
+TEST_F(Analyze, OfThreeImpactsAloneGivesTheOneRatioThatTheyHave) {
+  write("three.wav", float_wav(bouncing(3, 0.75, 0.5), 44100));
+  const Result result = run("analyze three.wav --out out");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, testing::HasSubstr("at least 10 are needed"));
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_EQ(summary["n_samples"], 1);
+  EXPECT_NEAR(summary["eps_median"].get<double>(), 0.75, 1e-3);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "report.html"));
 }
 
 TEST_F(Analyze, DropsOfFewerImpactsAreLeftOutWhereAskedFor) {
