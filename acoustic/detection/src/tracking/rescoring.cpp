@@ -197,24 +197,38 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
              model.another_ball);
 }
 
+bool ends_before(const Track& a, const Track& b) {
+  return a.impacts.back().candidate < b.impacts.front().candidate;
+}
+
 }  // namespace
 
 std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
-  std::size_t first_free = 0;
+  for (Track& track : tracks) track.log_odds = judged(o, track);
+  // the surest first: what its earlier impacts are, no other track may claim
+  std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
+  std::vector<Track> kept;
   for (Track& track : tracks) {
+    std::size_t first_free = 0;
+    bool is_free = true;
+    for (const Track& surer : kept) {
+      if (ends_before(surer, track)) first_free = std::max(first_free, surer.impacts.back().candidate + 1);
+      else if (!ends_before(track, surer)) is_free = false;
+    }
+    if (!is_free) continue;
     begin_again(o, first_free, track);
     begin_at_source(o, first_free, track);
-    first_free = track.impacts.back().candidate + 1;
-  }
-  for (Track& track : tracks) {
     const OwnSounds own = own_sounds(o, track);
     track.log_odds = judged(o, track, own);
     set_impact_probabilities(o, own.seen, own.explained, track);
+    kept.push_back(std::move(track));
   }
-  const std::vector<Track> all = tracks;
-  for (std::size_t k = 0; k < tracks.size(); ++k) tracks[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k], o.model());
-  std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
-  return tracks;
+  const std::vector<Track> all = kept;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    kept[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k], o.model());
+  std::erase_if(kept, [](const Track& track) { return track.log_odds < kAcceptance; });
+  std::sort(kept.begin(), kept.end(), ends_before);
+  return kept;
 }
 
 }  // namespace bouncelab::detection
