@@ -79,6 +79,71 @@ TEST_F(Analyze, OneBrokenFileOfManyLosesNothing) {
   EXPECT_FALSE(fs::exists(folder_ / "none.csv"));
 }
 
+TEST_F(Analyze, StatesTheOddsOfEveryDropAndTheProbabilityOfEveryMark) {
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  const Json detected = Json::parse(run("detect drop.wav --out o.csv --json").out);
+  const Json& drops = detected["recordings"][0]["drops"];
+  ASSERT_EQ(drops.size(), 1u);
+  EXPECT_EQ(drops[0]["n_impacts"], 20);
+  EXPECT_NEAR(drops[0]["begin_s"].get<double>(), 0.25, 1e-3);
+  EXPECT_EQ(drops[0]["odds"], 1e6);  // twenty impacts, nothing else: the most that is stated
+  EXPECT_NEAR(drops[0]["probability"].get<double>(), 1.0 - 1e-6, 1e-9);
+  EXPECT_EQ(drops[0]["doubtful"], false);
+  const std::string table = content_of(folder_ / "o.csv");
+  EXPECT_THAT(table, testing::StartsWith("recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags,probability\n"));
+  EXPECT_EQ(table.find(",nan"), std::string::npos);
+}
+
+TEST_F(Analyze, ThreeImpactsAreADropThatIsKeptWithAWarning) {
+  write("three.wav", float_wav(bouncing(3, 0.75, 0.5), 44100));
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  const Result result = run("analyze three.wav drop.wav --out out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("warning: 1 of 2 drops is doubtful, odds below 10 to 1 for a bouncing "
+                                             "ball: three.wav at 0.3 s ("));
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_EQ(summary["n_drops"], 2);
+  EXPECT_EQ(summary["n_onsets"], 23);
+  const Json& drop = summary["recordings"][0]["drops"][0];
+  EXPECT_EQ(drop["n_impacts"], 3);
+  EXPECT_EQ(drop["doubtful"], true);
+  EXPECT_LT(drop["odds"].get<double>(), 10.0);
+  EXPECT_THAT(content_of(folder_ / "out" / "samples.csv"), testing::HasSubstr("\nthree.wav,0,1,"));
+  EXPECT_THAT(content_of(folder_ / "out" / "report.html"),
+              testing::AllOf(testing::HasSubstr("1 of 2 drops is doubtful"), testing::HasSubstr("\"doubtful\":true")));
+}
+
+TEST_F(Analyze, OfThreeImpactsAloneGivesTheOneRatioThatTheyHave) {
+  write("three.wav", float_wav(bouncing(3, 0.75, 0.5), 44100));
+  const Result result = run("analyze three.wav --out out");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, testing::HasSubstr("at least 10 are needed"));
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_EQ(summary["n_samples"], 1);
+  EXPECT_NEAR(summary["eps_median"].get<double>(), 0.75, 1e-3);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "report.html"));
+}
+
+TEST_F(Analyze, DropsOfFewerImpactsAreLeftOutWhereAskedFor) {
+  write("three.wav", float_wav(bouncing(3, 0.75, 0.5), 44100));
+  write("drop.wav", float_wav(bouncing(20), 44100));
+  const Result result = run("analyze three.wav drop.wav --out out --min-impacts 4");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err.find("doubtful, odds"), std::string::npos) << result.err;
+  const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
+  EXPECT_EQ(summary["n_onsets"], 20);
+  EXPECT_EQ(summary["recordings"][0]["status"], "too_few_impacts");
+  expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 4"), 1, {"three.wav", "no 4 of them"});
+  expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 2"), 2, {"--min-impacts", "from 3"});
+}
+
+TEST_F(Analyze, TablesWithoutProbabilitiesAreReadAsBefore) {
+  write("old.csv",
+        "recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags\n"
+        "r.wav,0,0,0.3,1e-07,0.5,40,\nr.wav,0,1,0.7,1e-7,0.4,40,\nr.wav,0,2,1.08,2e-07,0.3,38,\n");
+  EXPECT_EQ(run("restitution old.csv --out s.csv").exit_code, 0);
+}
+
 TEST_F(Analyze, TheStagesByHandGiveTheSameNumbers) {
   write("drop.wav", float_wav(bouncing(20), 44100));
   ASSERT_EQ(run("analyze drop.wav --out out").exit_code, 0);

@@ -12,7 +12,7 @@ namespace {
 
 TEST(Onsets, RoundTripThroughTheTableKeepsWhatIsNotKnown) {
   const Onsets onsets{{"a.wav", 0, 0, 0.5, 1e-6, 0.3, std::nullopt, {Flag::clipped}},
-                      {"a.wav", 0, 1, 0.7, std::nullopt, 0.2, 30.0, {}}};
+                      {"a.wav", 0, 1, 0.7, std::nullopt, 0.2, 30.0, {}, 0.875}};
   const Onsets back = onsets_from_table(to_table(onsets), "a.csv");
   ASSERT_EQ(back.size(), 2u);
   EXPECT_EQ(back[0].sigma_t_s, 1e-6);
@@ -20,6 +20,13 @@ TEST(Onsets, RoundTripThroughTheTableKeepsWhatIsNotKnown) {
   EXPECT_FALSE(back[1].sigma_t_s.has_value());
   EXPECT_EQ(back[0].flags, Flags{Flag::clipped});
   EXPECT_EQ(back[1].impact, 1);
+  EXPECT_FALSE(back[0].probability.has_value());
+  EXPECT_EQ(back[1].probability, 0.875);
+}
+
+TEST(Onsets, AProbabilityAboveOneIsRefused) {
+  const Table table{{{"t_s", std::vector<double>{0.1}}, {"probability", std::vector<double>{1.5}}}};
+  EXPECT_THROW(onsets_from_table(table, "times.csv"), FileError);
 }
 
 TEST(Onsets, BareTimesAreOneDropNumberedInOrder) {

@@ -26,6 +26,7 @@ void expect_same(const DropResult& a, const DropResult& b) {
     EXPECT_EQ(a.onsets[k].t_s, b.onsets[k].t_s);
     EXPECT_EQ(a.onsets[k].sigma_t_s, b.onsets[k].sigma_t_s);
     EXPECT_EQ(a.onsets[k].snr_db, b.onsets[k].snr_db);
+    EXPECT_EQ(a.onsets[k].probability, b.onsets[k].probability);
     EXPECT_EQ(a.onsets[k].flags, b.onsets[k].flags);
   }
   ASSERT_EQ(a.truth.size(), b.truth.size());

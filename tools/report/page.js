@@ -64,6 +64,7 @@ function tables() {
   timingTable();
   budgetTable();
   handOff();
+  doubtfulDrops();
   work();
 }
 

@@ -105,6 +105,14 @@ function handOff() {
   }
 }
 
+function doubtfulDrops() {
+  const rows = ((summary && summary.recordings) || []).flatMap(r => (r.drops || []).filter(d => d.doubtful).map(
+      d => [r.recording, number(d.begin_s, 4), number(d.n_impacts), `${number(d.odds, 2)} to 1`]));
+  const most = 30;
+  table('Doubtful drops', ['recording', 'begins at, s', 'impacts', 'odds for a ball'], rows.slice(0, most),
+        'They are in the fit. Listen to them; what is no ball can be taken out of onsets.csv.' + (rows.length > most ? ` The first ${most} of ${rows.length}; all are in summary.json.` : ''));
+}
+
 function work() {
   if (summary && summary.seconds)
     table('Where the time went', ['stage', 'seconds'], Object.entries(summary.seconds).map(([stage, s]) => [stage.replace(/_/g, ' '), s.toFixed(2)]));

@@ -14,6 +14,7 @@
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -63,16 +64,42 @@ void summarize_tracks(const BandOfChannel& band, const std::vector<Track>& track
   summary.restitution_median = upper_median(std::move(eps));
 }
 
-void set_status(Detection& d) {
+/// Leaves out the drops of fewer impacts, and numbers the others from 0.
+void leave_out_short(std::int64_t min_impacts, Onsets& onsets, std::vector<Track>& tracks) {
+  std::vector<std::int64_t> n_impacts(tracks.size(), 0), number(tracks.size(), 0);
+  for (const Onset& onset : onsets) ++n_impacts[static_cast<std::size_t>(onset.drop)];
+  const auto is_short = [&](std::size_t drop) { return n_impacts[drop] < min_impacts; };
+  std::vector<Track> kept;
+  for (std::size_t drop = 0; drop < tracks.size(); ++drop) {
+    number[drop] = std::ssize(kept);
+    if (!is_short(drop)) kept.push_back(std::move(tracks[drop]));
+  }
+  std::erase_if(onsets, [&](const Onset& onset) { return is_short(static_cast<std::size_t>(onset.drop)); });
+  for (Onset& onset : onsets) onset.drop = number[static_cast<std::size_t>(onset.drop)];
+  tracks = std::move(kept);
+}
+
+std::vector<DropSummary> summarize_drops(const Onsets& onsets, const std::vector<Track>& tracks) {
+  std::vector<DropSummary> drops(tracks.size());
+  for (std::size_t k = 0; k < tracks.size(); ++k)
+    drops[k].odds = tracks[k].log_odds < log(kMostOdds) ? exp(tracks[k].log_odds) : kMostOdds;
+  for (const Onset& onset : onsets) {
+    DropSummary& drop = drops[static_cast<std::size_t>(onset.drop)];
+    if (drop.n_impacts++ == 0) drop.begin_s = onset.t_s;
+  }
+  return drops;
+}
+
+void set_status(std::int64_t min_impacts, Detection& d) {
   if (!d.onsets.empty()) {
     d.status = DetectionStatus::ok;
     d.message = std::to_string(d.onsets.size()) + " impacts in " + std::to_string(d.summary.n_drops) +
                 (d.summary.n_drops == 1 ? " drop" : " drops");
   } else if (d.summary.n_candidates > 0) {
     d.status = DetectionStatus::too_few_impacts;
-    d.message =
-        std::to_string(d.summary.n_candidates) +
-        " sounds that rise like impacts, but no four of them in intervals that shrink like those of a bouncing ball";
+    d.message = std::to_string(d.summary.n_candidates) + " sounds that rise like impacts, but no " +
+                (min_impacts == 3 ? "three" : std::to_string(min_impacts)) +
+                " of them in intervals that shrink like those of a bouncing ball";
   } else {
     d.status = DetectionStatus::silent;
     d.message = "nothing rises above the noise";
@@ -128,7 +155,10 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                     const DetectionConfig& config, const ProgressCallback& progress) {
   if (!(config.gravity_mps2 > 0.0 && std::isfinite(config.gravity_mps2)))
     throw InvalidArgument("gravity_mps2 " + std::to_string(config.gravity_mps2) + ": must be above 0 and finite");
-  const ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, progress);
+  if (config.min_impacts < 3)
+    throw InvalidArgument("min_impacts " + std::to_string(config.min_impacts) +
+                          ": at least 3 impacts give a coefficient of restitution");
+  ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, progress);
   const audio::AudioSource sound = source_of(best.channel);
   const BandOfChannel& band = best.band();
   Detection d;
@@ -140,16 +170,20 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its tracks of impacts are the most probable";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  summarize_tracks(band, best.found.tracks, d.summary);
   TimedRecording timed = time_recording(
       {band.sound, sound, band.decimation == 1, band.models.noise, band.candidates, best.found.tracks, config.gravity_mps2},
       name);
   d.onsets = std::move(timed.onsets);
-  d.wave = std::move(timed.wave);
-  d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
-  d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
+  leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
+  d.drops = summarize_drops(d.onsets, best.found.tracks);
+  summarize_tracks(band, best.found.tracks, d.summary);
+  if (!d.onsets.empty()) {
+    d.wave = std::move(timed.wave);
+    d.summary.contact_time_at_1_mps_s = timed.contact_time_at_1_mps_s;
+    d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
+  }
   if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
-  set_status(d);
+  set_status(config.min_impacts, d);
   d.warnings = warnings_for(d, band);
   return d;
 }

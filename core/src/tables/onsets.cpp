@@ -14,7 +14,7 @@ std::string recording_cell(const std::string& recording) {
 Table to_table(const Onsets& onsets) {
   std::vector<std::string> recording, flags;
   std::vector<std::int64_t> drop, impact;
-  std::vector<double> t, sigma, amplitude, snr;
+  std::vector<double> t, sigma, amplitude, snr, probability;
   for (const Onset& o : onsets) {
     recording.push_back(recording_cell(o.recording));
     drop.push_back(o.drop);
@@ -24,6 +24,7 @@ Table to_table(const Onsets& onsets) {
     amplitude.push_back(cell_of(o.amplitude));
     snr.push_back(cell_of(o.snr_db));
     flags.push_back(o.flags.text());
+    probability.push_back(cell_of(o.probability));
   }
   return {{{"recording", std::move(recording)},
            {"drop", std::move(drop)},
@@ -32,7 +33,8 @@ Table to_table(const Onsets& onsets) {
            {"sigma_t_s", std::move(sigma)},
            {"amplitude", std::move(amplitude)},
            {"snr_db", std::move(snr)},
-           {"flags", std::move(flags)}}};
+           {"flags", std::move(flags)},
+           {"probability", std::move(probability)}}};
 }
 
 std::vector<ColumnSpec> onset_columns() {
@@ -43,7 +45,8 @@ std::vector<ColumnSpec> onset_columns() {
           {"sigma_t_s", ColumnType::real, false, positive_up_to(kTimeRange_s.greatest)},
           {"amplitude", ColumnType::real, false, {0.0, 1e30}},
           {"snr_db", ColumnType::real, false},
-          {"flags", ColumnType::text, false}};
+          {"flags", ColumnType::text, false},
+          {"probability", ColumnType::real, false, {0.0, 1.0}}};
 }
 
 Onsets onsets_from_table(const Table& table, const std::string& name) {
@@ -70,6 +73,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name) {
     onset.sigma_t_s = optional_cell(table.reals("sigma_t_s"), k);
     onset.amplitude = optional_cell(table.reals("amplitude"), k);
     onset.snr_db = optional_cell(table.reals("snr_db"), k);
+    onset.probability = optional_cell(table.reals("probability"), k);
     if (flags) onset.flags = Flags::from_text((*flags)[k]);
     onsets.push_back(std::move(onset));
   }

@@ -31,6 +31,7 @@ void for_each_member(const Use& use, const Onset*) {
   use("sigma_t_s", &Onset::sigma_t_s);
   use("amplitude", &Onset::amplitude);
   use("snr_db", &Onset::snr_db);
+  use("probability", &Onset::probability);
   use("drop", &Onset::drop);
   use("impact", &Onset::impact);
   use("flags", &Onset::flags);

@@ -34,6 +34,7 @@ Onsets some_onsets() {
     if (k % 3 != 0) onset.sigma_t_s = 1e-7 / (k + 1.0);
     if (k % 4 != 0) onset.amplitude = 1.0 / (k + 7.0);
     if (k % 5 != 0) onset.snr_db = -3.0 + k / 7.0;
+    if (k % 6 != 0) onset.probability = 1.0 / (k + 1.0);
     if (k % 7 == 0) onset.flags = {Flag::clipped, Flag::doubtful};
     onsets.push_back(onset);
   }
@@ -51,6 +52,7 @@ void expect_same(const Onsets& a, const Onsets& b) {
     EXPECT_EQ(a[k].amplitude, b[k].amplitude);
     EXPECT_EQ(a[k].snr_db, b[k].snr_db);
     EXPECT_EQ(a[k].flags, b[k].flags);
+    EXPECT_EQ(a[k].probability, b[k].probability);
   }
 }
 

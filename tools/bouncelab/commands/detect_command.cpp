@@ -54,6 +54,25 @@ std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordi
   return warnings;
 }
 
+/// One line on the drops of low odds: how many, and where the first are; empty where there is none.
+std::string doubtful_drops(const std::vector<RecordingResult>& recordings) {
+  constexpr std::size_t kMostNamed = 5;
+  std::size_t n_drops = 0, n_doubtful = 0;
+  std::string where;
+  for (const RecordingResult& r : recordings) {
+    n_drops += r.drops.size();
+    for (const detection::DropSummary& drop : r.drops) {
+      if (!drop.is_doubtful() || ++n_doubtful > kMostNamed) continue;
+      where += fmt::format("{}{} at {:.1f} s ({:.1f} to 1)", where.empty() ? "" : ", ", name_of(r.recording),
+                           drop.begin_s, drop.odds);
+    }
+  }
+  if (n_doubtful == 0) return {};
+  if (n_doubtful > kMostNamed) where += fmt::format(" and {} more", n_doubtful - kMostNamed);
+  return fmt::format("{} of {} drops {} doubtful, odds below {:.0f} to 1 for a bouncing ball: {}; kept, listen there",
+                     n_doubtful, n_drops, n_doubtful == 1 ? "is" : "are", detection::DropSummary::kDoubtfulOdds, where);
+}
+
 /// A line a recording; of very many a sum, and a line for each in which nothing was found.
 std::string describe_all(const std::vector<RecordingResult>& recordings) {
   std::vector<std::string> lines;
@@ -109,11 +128,13 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
                         TableWriter& table, const Run& run) {
   detection::DetectionConfig config;
   if (options.channel >= 0) config.channel = options.channel;
+  config.min_impacts = options.min_impacts;
   DetectResult result;
   result.recordings.resize(recordings.size());
   const auto take = [&](std::size_t k, detection::Detection&& d) {
     table.add(k, to_table(d.onsets));
-    result.recordings[k] = {recordings[k].string(), d.status, d.message, d.summary, d.warnings, d.onsets.size()};
+    result.recordings[k] = {recordings[k].string(), d.status, d.message, d.summary, d.drops, d.warnings,
+                            d.onsets.size()};
     keep_first(k, std::move(d), result.first);
   };
   detection::detect_each(recordings, config, run.common.n_threads, take,
@@ -152,6 +173,8 @@ Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
   std::vector<std::filesystem::path> inputs;
   for (const RecordingResult& r : results)
     if (!is_unreadable(r)) inputs.emplace_back(r.recording);
+  if (std::string doubtful = doubtful_drops(results); !doubtful.empty())
+    outcome.warnings.push_back(std::move(doubtful));
   outcome.text = describe_all(results);
   outcome.json = detect_json(results, outcome.warnings);
   outcome.warnings = first_of(joined(outcome.warnings, warnings_of(results)), "with --json all of them are listed");

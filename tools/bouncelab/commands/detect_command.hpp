@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct DetectOptions {
   std::string out;
   std::string labels;
   int channel = -1;  ///< -1: the one in which impacts are detected best
+  std::int64_t min_impacts = detection::DetectionConfig{}.min_impacts;
 };
 
 /// What is kept of each of thousands of recordings; its onsets are in the table.
@@ -24,6 +26,7 @@ struct RecordingResult {
   detection::DetectionStatus status = detection::DetectionStatus::silent;
   std::string message;
   detection::RecordingSummary summary;
+  std::vector<detection::DropSummary> drops;
   std::vector<std::string> warnings;
   std::size_t n_onsets = 0;
 };

@@ -58,13 +58,24 @@ const char* word(detection::DetectionStatus status) {
   return "?";
 }
 
+Json json_of(const detection::DropSummary& drop) {
+  return {{"begin_s", drop.begin_s},
+          {"n_impacts", drop.n_impacts},
+          {"odds", drop.odds},
+          {"probability", drop.probability()},
+          {"doubtful", drop.is_doubtful()}};
+}
+
 Json json_of(const RecordingResult& r) {
   const detection::RecordingSummary& s = r.summary;
+  Json drops = Json::array();
+  for (const detection::DropSummary& drop : r.drops) drops.push_back(json_of(drop));
   return {{"recording", input_name(r.recording)},
           {"status", word(r.status)},
           {"message", r.message},
           {"n_onsets", r.n_onsets},
           {"n_drops", s.n_drops},
+          {"drops", drops},
           {"n_candidates", s.n_candidates},
           {"rate_hz", s.rate_hz},
           {"n_channels", s.n_channels},

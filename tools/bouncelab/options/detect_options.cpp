@@ -12,6 +12,8 @@ namespace bouncelab::cli {
 void add_detect_options(CLI::App& app, DetectOptions& options) {
   app.add_option("--channel", options.channel, "Channel, from 0; -1 = the one in which impacts are detected best")
       ->check(within(-1, 1023));
+  app.add_option("--min-impacts", options.min_impacts, "Drops of fewer impacts are left out")
+      ->check(within(3, 1000000));
 }
 
 Command add_detect_command(CLI::App& app) {

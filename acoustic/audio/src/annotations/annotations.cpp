@@ -61,6 +61,7 @@ std::optional<Labelled> read_label(const std::string& label) {
     if (key == "sigma_t_s") result.onset.sigma_t_s = value;
     if (key == "amplitude") result.onset.amplitude = value;
     if (key == "snr_db") result.onset.snr_db = value;
+    if (key == "probability") result.onset.probability = value;
   }
   return result;
 }
@@ -72,6 +73,7 @@ std::string label_of(const Onset& onset) {
   if (onset.sigma_t_s) text += " sigma_t_s=" + number_text(*onset.sigma_t_s);
   if (onset.amplitude) text += " amplitude=" + number_text(*onset.amplitude);
   if (onset.snr_db) text += " snr_db=" + number_text(*onset.snr_db);
+  if (onset.probability) text += " probability=" + number_text(*onset.probability);
   return text;
 }
 

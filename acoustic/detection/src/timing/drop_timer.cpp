@@ -29,6 +29,7 @@ std::vector<TimedImpact> times_of_candidates(const TimingInput& input, const Tra
     const Candidate& c = input.candidates[of_track.candidate];
     TimedImpact impact;
     impact.impact = of_track.impact;
+    impact.probability = of_track.probability;
     impact.fit.t_s = c.t_s;
     impact.fit.sigma_s = kSigmaOfReach * c.reach_s;
     impacts.push_back(impact);

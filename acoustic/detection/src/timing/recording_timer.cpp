@@ -11,6 +11,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "contact/contact_time.hpp"
+#include "tracking/impact_odds.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -119,8 +120,8 @@ ContactCorrection contact_correction(const ContactLaw& law, const TimedDrop& dro
   return {delay(k) * law.tau_1_s, against_neighbours * law.sigma_s};
 }
 
-Onset to_onset(const TimedImpact& from, const ContactCorrection& contact, std::optional<double> peak,
-               double noise_variance) {
+Onset to_onset(const TimedImpact& from, double log_odds_of_track, const ContactCorrection& contact,
+               std::optional<double> peak, double noise_variance) {
   Onset onset;
   onset.impact = from.impact;
   onset.t_s = from.fit.t_s - contact.delay_s;
@@ -129,6 +130,7 @@ Onset to_onset(const TimedImpact& from, const ContactCorrection& contact, std::o
     onset.amplitude = from.fit.amplitude * *peak;
     if (noise_variance > 0.0) onset.snr_db = 20.0 * log10(*onset.amplitude / std::sqrt(noise_variance));
   }
+  onset.probability = probability_of_mark(log_odds_of_track, from.probability);
   if (from.clipped) onset.flags.add(Flag::clipped);
   if (from.overlap) onset.flags.add(Flag::overlap);
   if (from.inferred) onset.flags.add(Flag::inferred);
@@ -149,7 +151,7 @@ TimedRecording time_recording(const TimingInput& input, const std::string& name)
     const TimedDrop& drop = timed.drops[d];
     for (std::size_t k = 0; k < drop.impacts.size(); ++k) {
       const ContactCorrection contact = law ? contact_correction(*law, drop, k) : ContactCorrection{};
-      Onset onset = to_onset(drop.impacts[k], contact, drop.peak, input.noise.quiet_variance);
+      Onset onset = to_onset(drop.impacts[k], input.tracks[d].log_odds, contact, drop.peak, input.noise.quiet_variance);
       onset.recording = name;
       onset.drop = static_cast<std::int64_t>(d);
       recording.onsets.push_back(std::move(onset));

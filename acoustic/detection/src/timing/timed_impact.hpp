@@ -39,6 +39,7 @@ struct TimedImpact {
   bool overlap = false;       ///< its sound reaches into that of the next
   bool doubtful = false;      ///< may have been at another place
   double doubt_s = 0.0;       ///< what that adds to the standard error, in quadrature
+  double probability = 1.0;   ///< that it is one of the ball's, given that the track is a ball's
   bool clipped = false;       ///< the recording is at its limit within 5 ms
   double v_mps = 0.0;         ///< from the flight before it (of the first: after it, over eps); 0 = not known
 };

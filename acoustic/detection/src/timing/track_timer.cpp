@@ -11,6 +11,7 @@
 #include "timing/impact_timer.hpp"
 #include "timing/merged_fit.hpp"
 #include "timing/track_prediction.hpp"
+#include "tracking/impact_odds.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -112,12 +113,13 @@ double expected_residual(const Search& search, const ImpactFit& fit) {
                                                    static_cast<double>(search.learned.n_template);
 }
 
-void add_candidate(TimedTrack& track, const Candidate& c, std::int64_t impact, double next_s) {
+void add_candidate(TimedTrack& track, const Candidate& c, const TrackImpact& of_track, double next_s) {
   constexpr double kShare = 0.25;  // of the intervals on either side, over which an impact may be searched for
   const double last_s = track.impacts.empty() ? -1.0 : track.impacts.back().fit.t_s;
   const double before_s = kShare * (c.t_s - last_s), after_s = kShare * (next_s - c.t_s);
   TimedImpact timed;
-  timed.impact = impact;
+  timed.impact = of_track.impact;
+  timed.probability = of_track.probability;
   timed.rise_s = c.t_s;
   timed.rise_reach_s = c.reach_s;
   timed.fit = find_impact(track.search, c.t_s, std::min({c.reach_s, before_s, after_s}), next_s);
@@ -195,6 +197,9 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   if (p.impact == last.impact + 1 &&
       !is_predicted_amplitude(track.impacts, impact.fit.amplitude, impact.fit.t_s - last.fit.t_s))
     return false;
+  impact.probability = probability_of_inferred(
+      impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance),
+      kLagsPerSample * reach_s * rate_hz);
   append(track, impact);
   return true;
 }
@@ -303,21 +308,33 @@ double next_time(const Track& tracked, const std::vector<Candidate>& candidates,
   return t_s + (candidates[next.candidate].t_s - t_s) / static_cast<double>(next.impact - tracked.impacts[k].impact);
 }
 
+/// Beyond the significance that search_missing() has set.
+void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std::vector<TimedImpact>& track) {
+  for (std::size_t k = 1; k < track.size(); ++k) {
+    if (!track[k].inferred) continue;
+    if (is_at_candidate(candidates, track[k].fit.t_s)) track[k].probability *= kProbabilityOfRefused;
+    // where it is searched for follows from the one before
+    if (track[k - 1].inferred) track[k].probability *= track[k - 1].probability;
+  }
+}
+
 }  // namespace
 
-std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned, const Track& tracked,
-                                    const std::vector<Candidate>& candidates, double end_s) {
+std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned,
+                                    const Track& tracked, const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
       {sound, learned, ImpactTimer(sound, learned), static_cast<double>(learned.n_template) / sound.rate_hz}, {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
     const TrackImpact& here = tracked.impacts[k];
     const Candidate& c = candidates[here.candidate];
     if (k > 0 && here.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, here.impact, c.t_s);
-    add_candidate(track, c, here.impact, next_time(tracked, candidates, k));
+    add_candidate(track, c, here, next_time(tracked, candidates, k));
   }
   trim_tail(track, tracked, candidates);
   extend(track, end_s);
-  return resolve_delays(track.search, track.impacts);
+  std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);
+  set_probabilities_of_inferred(candidates, timed);
+  return timed;
 }
 
 }  // namespace bouncelab::detection

@@ -8,6 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/hypothesis.hpp"
+#include "tracking/impact_odds.hpp"
 #include "tracking/student.hpp"
 
 namespace bouncelab::detection {
@@ -128,20 +129,33 @@ double n_strangers(const Observations& o, const std::vector<std::size_t>& own) {
   return n;
 }
 
-/// Log odds of a track where what it explains is no rival of its sounds.
-double judged(const Observations& o, const Track& track) {
-  std::vector<std::size_t> own;
-  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
-  const std::vector<std::size_t> explained = explained_by(o, own);
-  const auto observation = [&](std::size_t n) { return o.without(own[n], explained); };
-  std::optional<Hypothesis> h =
-      Hypothesis::begin(observation(0), observation(1), o.same_source(own[0], own[1]), false, o.model());
-  for (std::size_t n = 2; n < own.size() && h; ++n) {
-    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    h = h->extended(observation(n), n_missing, o.same_source(own[n - 1], own[n]), false, -INFINITY, o.model());
-  }
-  return h ? h->log_odds_of_ball(o.model()) - o.model().stranger * n_strangers(o, own) : -INFINITY;
+/// A track's own sounds, with what it explains not counted among their neighbours.
+struct OwnSounds {
+  std::vector<std::size_t> candidates;
+  std::vector<std::size_t> explained;
+  std::vector<Observation> seen;
+};
+
+OwnSounds own_sounds(const Observations& o, const Track& track) {
+  OwnSounds own;
+  for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
+  own.explained = explained_by(o, own.candidates);
+  for (const std::size_t k : own.candidates) own.seen.push_back(o.without(k, own.explained));
+  return own;
 }
+
+/// Log odds of a track where what it explains is no rival of its sounds.
+double judged(const Observations& o, const Track& track, const OwnSounds& own) {
+  const std::vector<std::size_t>& c = own.candidates;
+  std::optional<Hypothesis> h =
+      Hypothesis::begin(own.seen[0], own.seen[1], o.same_source(c[0], c[1]), false, o.model());
+  for (std::size_t n = 2; n < c.size() && h; ++n) {
+    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
+    h = h->extended(own.seen[n], n_missing, o.same_source(c[n - 1], c[n]), false, -INFINITY, o.model());
+  }
+  return h ? h->log_odds_of_ball(o.model()) - o.model().stranger * n_strangers(o, c) : -INFINITY;
+}
+double judged(const Observations& o, const Track& track) { return judged(o, track, own_sounds(o, track)); }
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
 /// about as well, the track begins there.
@@ -204,7 +218,9 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
     if (!is_free) continue;
     begin_again(o, first_free, track);
     begin_at_source(o, first_free, track);
-    track.log_odds = judged(o, track);
+    const OwnSounds own = own_sounds(o, track);
+    track.log_odds = judged(o, track, own);
+    set_impact_probabilities(o, own.seen, own.explained, track);
     kept.push_back(std::move(track));
   }
   const std::vector<Track> all = kept;

@@ -14,6 +14,7 @@ namespace bouncelab::detection {
 struct TrackImpact {
   std::size_t candidate = 0;  ///< index into the candidates
   std::int64_t impact = 0;    ///< number within the track; jumps where an impact was not detected
+  double probability = 1.0;   ///< that it is one of the ball's, given that the track is a ball's (impact_odds.hpp)
 };
 
 /// One drop: the candidates that are the impacts of one ball.

@@ -21,6 +21,8 @@ struct Onset {
   std::optional<double> amplitude;  ///< peak of the impact's sound, full scale = 1
   std::optional<double> snr_db;     ///< amplitude over noise rms
   Flags flags;
+  /// That it is an impact of this ball: p(drop) p(impact given the drop), 0 ... 1.
+  std::optional<double> probability = std::nullopt;
 };
 
 /// Onsets ordered by recording (in the order given), then time.

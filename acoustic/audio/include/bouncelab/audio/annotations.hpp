@@ -29,7 +29,7 @@ struct Annotations {
 
 /// Onsets of one recording as points labelled
 ///
-///   DROP.IMPACT [FLAG|FLAG] t_s=... [sigma_t_s=...] [amplitude=...] [snr_db=...]
+///   DROP.IMPACT [FLAG|FLAG] t_s=... [sigma_t_s=...] [amplitude=...] [snr_db=...] [probability=...]
 ///
 /// with as many digits as read back to the same number.
 /// @throws InvalidArgument if there are no onsets, or onsets of several recordings

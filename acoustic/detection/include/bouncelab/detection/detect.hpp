@@ -19,13 +19,29 @@ namespace bouncelab::detection {
 struct DetectionConfig {
   std::optional<int> channel;  ///< from 0; absent = the one whose tracks of impacts are the most probable
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0; gives the impact speeds g T / 2 for the contact-time law
+  std::int64_t min_impacts = 3;                ///< >= 3, one coefficient of restitution; drops of fewer are left out
 };
 
 enum class DetectionStatus {
   ok,               ///< at least one track of impacts
-  too_few_impacts,  ///< candidates, but no track of at least four impacts among them
+  too_few_impacts,  ///< candidates, but no track of at least min_impacts among them
   silent,           ///< nothing rises above the noise
   unreadable,       ///< one of several files that could not be read; the message says why
+};
+
+/// Odds above this are stated as this: no set of recordings is so large that the model could be tested beyond.
+constexpr double kMostOdds = 1e6;
+
+/// One drop.
+struct DropSummary {
+  double begin_s = 0.0;  ///< of its first impact
+  std::int64_t n_impacts = 0;
+  double odds = 0.0;  ///< that it is a ball against rhythms and other sounds, 1 ... kMostOdds
+
+  double probability() const { return odds / (1.0 + odds); }
+  bool is_doubtful() const { return odds < kDoubtfulOdds; }
+
+  static constexpr double kDoubtfulOdds = 10.0;  ///< of drops with such odds one in eleven is none
 };
 
 /// Estimates of one recording as a whole.
@@ -66,6 +82,7 @@ struct NoiseSpectrum {
 struct Detection {
   Onsets onsets;
   RecordingSummary summary;
+  std::vector<DropSummary> drops;  ///< by their number
   std::optional<LearnedWave> wave;
   std::optional<NoiseSpectrum> noise;
   DetectionStatus status = DetectionStatus::silent;
@@ -89,8 +106,8 @@ struct Detection {
 ///
 /// Reads the recording in pieces, several times; holds at most 2^24 of its samples, its candidates (about 150 bytes
 /// each) and the onsets. May run in several threads at once. t_s counts from the first sample [s].
-/// @throws FileError where the file cannot be read; InvalidArgument where the channel does not exist or gravity_mps2 is
-///         not above 0
+/// @throws FileError where the file cannot be read; InvalidArgument where the channel does not exist, gravity_mps2 is
+///         not above 0 or min_impacts below 3
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config = {},
                  const ProgressCallback& progress = {});
 

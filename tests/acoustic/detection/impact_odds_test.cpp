@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/impact_odds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/detection/detect.hpp"
+#include "support/bouncing_sound.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+/// A recording of some seconds: in two of three a ball of 3 to 12 impacts, in which eps and loudness scatter and one
+/// impact in twelve makes no sound; knocks of the same plate and other noises anywhere.
+struct Scene {
+  static constexpr double kRate_hz = 22050.0;
+  std::vector<float> sound;
+  std::vector<double> impacts_s;
+};
+
+Scene scene(std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 11);
+  Scene s;
+  s.sound.resize(static_cast<std::size_t>(4.5 * Scene::kRate_hz));
+  const double clutter_per_s = random.uniform() < 0.3 ? 0.3 : random.uniform(0.5, 5.0);
+  if (random.uniform() < 0.67) {
+    const auto n_impacts = static_cast<int>(random.uniform(3.0, 13.0));
+    const double eps = random.uniform(0.55, 0.93);
+    const double scatter = random.uniform(0.003, 0.03);
+    double flight_s = random.uniform(0.25, 0.7);
+    double t_s = random.uniform(0.2, 1.5);
+    const double loudness = 0.5 / flight_s;
+    for (int k = 0; k < n_impacts && flight_s > 15e-3 && t_s < 4.3; ++k) {
+      const double amplitude = loudness * flight_s * std::exp(0.3 * random.normal());
+      if (random.uniform() < 0.92) {
+        s.impacts_s.push_back(t_s);
+        test::add_impact(s.sound, Scene::kRate_hz, t_s, amplitude);
+      }
+      t_s += flight_s;
+      flight_s *= eps * std::exp(scatter * random.normal());
+    }
+  }
+  const auto n_clutter = static_cast<int>(clutter_per_s * 4.5 * random.uniform(0.7, 1.3));
+  for (int k = 0; k < n_clutter; ++k) {
+    const double t_s = random.uniform(0.05, 4.3);
+    const double amplitude = 0.2 * std::exp(0.8 * random.normal());
+    if (random.uniform() < 0.5)
+      test::add_impact(s.sound, Scene::kRate_hz, t_s, amplitude);
+    else
+      test::add_noise_burst(s.sound, Scene::kRate_hz, t_s, amplitude, {600.0, 10e-3, 1.0}, random);
+  }
+  test::add_noise(s.sound, std::exp(random.uniform(std::log(1e-3), std::log(2e-2))), seed);
+  return s;
+}
+
+struct Mark {
+  double probability = 0.0;
+  bool is_right = false;
+};
+
+/// Marks of one recording; right is one within 3 ms of an impact, since there may be no template.
+void add_marks(std::uint64_t seed, std::vector<Mark>& marks) {
+  const Scene s = scene(seed);
+  for (const Onset& onset : detect(s.sound, Scene::kRate_hz, "scene").onsets) {
+    const bool is_right = std::any_of(s.impacts_s.begin(), s.impacts_s.end(),
+                                      [&](double t_s) { return std::abs(t_s - onset.t_s) < 3e-3; });
+    marks.push_back({onset.probability.value(), is_right});
+  }
+}
+
+/// Marks whose stated probability is in a range.
+struct Stated {
+  double n = 0.0, mean = 0.0, share_right = 0.0;
+};
+
+Stated stated_in(const std::vector<Mark>& marks, double from, double to) {
+  Stated stated;
+  for (const Mark& mark : marks) {
+    if (mark.probability < from || mark.probability >= to) continue;
+    stated.n += 1.0;
+    stated.mean += mark.probability;
+    stated.share_right += mark.is_right ? 1.0 : 0.0;
+  }
+  stated.mean /= std::max(1.0, stated.n);
+  stated.share_right /= std::max(1.0, stated.n);
+  return stated;
+}
+
+TEST(ImpactOdds, StatedProbabilitiesAreTheSharesThatAreRight) {
+  std::vector<Mark> marks;
+  for (std::uint64_t seed = 1; seed <= 240; ++seed) add_marks(seed, marks);
+  constexpr std::array<double, 6> kEdges{0.0, 0.6, 0.9, 0.97, 0.99, 1.0};
+  for (std::size_t bin = 0; bin + 1 < kEdges.size(); ++bin) {
+    const Stated s = stated_in(marks, kEdges[bin], kEdges[bin + 1]);
+    ASSERT_GE(s.n, 20.0) << bin;
+    // three standard errors of the share, and what prior odds that are not the scenes' move it by: a factor of three
+    const double error = 3.0 * std::sqrt(s.mean * (1.0 - s.mean) / s.n);
+    const double odds = s.mean / (1.0 - s.mean);
+    EXPECT_GT(s.share_right, odds / (3.0 + odds) - error) << "stated " << s.mean << " of " << s.n;
+    EXPECT_LT(s.share_right, 3.0 * odds / (1.0 + 3.0 * odds) + error) << "stated " << s.mean << " of " << s.n;
+  }
+  // and not one share for all of them
+  EXPECT_LT(stated_in(marks, 0.0, 0.6).share_right, 0.85);
+  EXPECT_GT(stated_in(marks, 0.99, 1.1).share_right, 0.98);
+}
+
+/// A drop of ten impacts, of which one is off its time by so much of the flight before it.
+std::vector<Candidate> drop_with_one_off(double off) {
+  std::vector<Candidate> candidates;
+  double t_s = 1.0, flight_s = 0.4;
+  for (int k = 0; k < 10; ++k) {
+    candidates.push_back({k == 6 ? t_s + off * flight_s : t_s, 500.0 * flight_s, 0.4e-3, 50.0});
+    t_s += flight_s;
+    flight_s *= 0.85;
+  }
+  return candidates;
+}
+
+Track whole(const std::vector<Candidate>& candidates) {
+  Track track;
+  for (std::size_t k = 0; k < candidates.size(); ++k) track.impacts.push_back({k, static_cast<std::int64_t>(k)});
+  return track;
+}
+
+std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, Track track) {
+  const TrackingModel model;
+  const std::vector<BandEnergies> none;
+  const Observations o(candidates, 5e-5, none, model);
+  std::vector<std::size_t> own;
+  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
+  std::vector<Observation> seen;
+  for (const std::size_t k : own) seen.push_back(o.without(k, own));
+  set_impact_probabilities(o, seen, own, track);
+  std::vector<double> p;
+  for (const TrackImpact& impact : track.impacts) p.push_back(impact.probability);
+  return p;
+}
+
+TEST(ImpactOdds, AnImpactOffItsTimeIsLessProbableThanItsNeighbours) {
+  double last = 1.0;
+  for (const double off : {0.0, 0.05, 0.1}) {
+    const std::vector<Candidate> candidates = drop_with_one_off(off);
+    const std::vector<double> p = probabilities_of(candidates, whole(candidates));
+    EXPECT_LT(p[6], last) << off;
+    if (off > 0.0) {
+      EXPECT_LT(p[6], p[3]) << off;
+    }
+    for (const double each : p) EXPECT_TRUE(each > 0.0 && each <= 1.0) << each;
+    last = p[6];
+  }
+  EXPECT_LT(last, 0.5);  // at a tenth of the flight the ball's own is rather the one that was not detected
+}
+
+TEST(ImpactOdds, AnotherSoundThatFitsAsWellHalvesTheProbability) {
+  std::vector<Candidate> candidates = drop_with_one_off(0.0);
+  const double alone = probabilities_of(candidates, whole(candidates))[5];
+  Candidate other = candidates[5];
+  other.t_s += 1e-3;  // one of two sounds, 1 % of the flight apart and as loud
+  candidates.insert(candidates.begin() + 6, other);
+  Track track = whole(candidates);
+  track.impacts.erase(track.impacts.begin() + 6);
+  for (std::size_t k = 6; k < track.impacts.size(); ++k) track.impacts[k].impact = static_cast<std::int64_t>(k);
+  const double beside = probabilities_of(candidates, track)[5];
+  EXPECT_GT(alone, 0.99);
+  EXPECT_NEAR(beside, 0.5, 0.25);  // eps of the two differ by less than the ball's scatter
+}
+
+TEST(ImpactOdds, NeitherTheTimeNorTheGainOfARecordingMatters) {
+  const std::vector<Candidate> candidates = drop_with_one_off(0.05);
+  std::vector<Candidate> moved = candidates;
+  for (Candidate& c : moved) c.t_s += 1000.0, c.amplitude *= 1e-3;
+  const std::vector<double> p = probabilities_of(candidates, whole(candidates));
+  const std::vector<double> q = probabilities_of(moved, whole(moved));
+  for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(p[k], q[k], 1e-6) << k;  // times are rounded to 1e-13 s
+}
+
+TEST(ImpactOdds, AnInferredImpactIsWorthItsSignificanceAmongThePlacesSearched) {
+  EXPECT_LT(probability_of_inferred(0.0, 100.0), 0.01);
+  EXPECT_NEAR(probability_of_inferred(std::log(100.0), 100.0), 1.0 / (2.0 + kOtherSound), 1e-12);
+  EXPECT_NEAR(probability_of_inferred(1e6, 100.0), 1.0 / (1.0 + kOtherSound), 1e-12);
+}
+
+TEST(ImpactOdds, AMarkIsAtMostAsProbableAsItsTrack) {
+  EXPECT_NEAR(probability_of_mark(std::log(4.0), 0.5), 0.4, 1e-6);
+  EXPECT_EQ(probability_of_mark(1000.0, 1.0), 1.0);
+  EXPECT_EQ(probability_of_mark(-1000.0, 1.0), 0.0);
+}
+
+TEST(ImpactOdds, ThreeImpactsAreADropOfLowOddsAndManyOneOfHigh) {
+  test::BouncingSound ball;
+  ball.rate_hz = 44100.0;
+  ball.eps = 0.75;
+  ball.first_flight_s = 0.5;
+  ball.n_impacts = 3;
+  const Detection three = detect(render(ball), ball.rate_hz, "three");
+  ASSERT_EQ(three.drops.size(), 1u) << three.message;
+  EXPECT_EQ(three.drops[0].n_impacts, 3);
+  EXPECT_GE(three.drops[0].odds, 1.0);
+  ball.n_impacts = 9;
+  const Detection nine = detect(render(ball), ball.rate_hz, "nine");
+  ASSERT_EQ(nine.drops.size(), 1u);
+  EXPECT_NEAR(nine.drops[0].begin_s, ball.first_s, 1e-3);
+  EXPECT_FALSE(nine.drops[0].is_doubtful());
+  EXPECT_GT(nine.drops[0].odds, 10.0 * three.drops[0].odds);
+  EXPECT_GT(nine.onsets[4].probability.value(), 0.99);
+}
+
+TEST(ImpactOdds, DropsOfFewerImpactsThanAskedForAreLeftOutAndTheOthersNumberedAnew) {
+  test::BouncingSound ball;
+  ball.rate_hz = 44100.0;
+  ball.eps = 0.75;
+  ball.first_flight_s = 0.5;
+  ball.n_impacts = 4;
+  std::vector<float> sound = render(ball);
+  ball.n_impacts = 9;
+  const std::vector<float> longer = render(ball);
+  sound.insert(sound.end(), longer.begin(), longer.end());
+  EXPECT_EQ(detect(sound, ball.rate_hz, "two").drops.size(), 2u);
+  DetectionConfig config;
+  config.min_impacts = 6;
+  const Detection d = detect(sound, ball.rate_hz, "one", config);
+  ASSERT_EQ(d.drops.size(), 1u);
+  EXPECT_EQ(d.summary.n_drops, 1);
+  EXPECT_EQ(d.drops[0].n_impacts, std::ssize(d.onsets));
+  for (const Onset& onset : d.onsets) EXPECT_EQ(onset.drop, 0);
+  config.min_impacts = 100;
+  const Detection none = detect(sound, ball.rate_hz, "none", config);
+  EXPECT_EQ(none.status, DetectionStatus::too_few_impacts);
+  EXPECT_FALSE(none.summary.contact_time_sigma_s.has_value());
+  config.min_impacts = 2;
+  EXPECT_THROW(detect(sound, ball.rate_hz, "bad", config), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace bouncelab::detection
