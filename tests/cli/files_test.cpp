@@ -194,10 +194,10 @@ TEST_F(Files, AReaderThatHasGoneIsNoFault) {
 }
 
 TEST_F(Files, AFullDiskIsNamedWithTheFileAndLeavesNothing) {
-  for (const std::string command :
-       {"synthesize im.csv --out big.wav", "simulate --drops 300 --asperities 100 --out big.csv"}) {
+  for (const std::string command : {"synthesize im.csv --out big.wav", "synthesize im.csv --out big.flac",
+                                    "simulate --drops 300 --asperities 100 --out big.csv"}) {
     const auto before = files();
-    expect_one_line_error(shell("ulimit -f 16; \"$B\" " + command), 3, {"big", "writing failed"});
+    expect_one_line_error(shell("ulimit -f 16; \"$B\" " + command), 3, {"big", "writing failed", "ulimit -f"});
     EXPECT_EQ(files(), before);
   }
 }

@@ -186,7 +186,7 @@ void expect_whole_or_explained(const Result& result, const Files& found, const U
   expect_nothing_half_written(found, expected);
 }
 
-Chance::Chance() {
+RandomDisturbance::RandomDisturbance() {
   const char* seed = std::getenv("BOUNCELAB_FAULT_SEED");
   seed_ = seed != nullptr ? std::stoull(seed) : std::random_device{}();
   random_.seed(seed_);

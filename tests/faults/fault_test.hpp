@@ -73,9 +73,9 @@ void expect_nothing_half_written(const Files& found, const Undisturbed& expected
 void expect_whole_or_explained(const Result& result, const Files& found, const Undisturbed& expected);
 
 /// Random moments and numbers of threads. The seed is BOUNCELAB_FAULT_SEED, or drawn; it is printed with each failure.
-class Chance {
+class RandomDisturbance {
  public:
-  Chance();
+  RandomDisturbance();
   double between(double low, double high) { return std::uniform_real_distribution<>(low, high)(random_); }
   int n_threads() { return std::vector{1, 2, 7}[std::uniform_int_distribution<std::size_t>(0, 2)(random_)]; }
   bool coin() { return std::bernoulli_distribution()(random_); }

@@ -71,12 +71,12 @@ TEST_F(Folder, ThatMayNotBeWrittenIsSaidInOneLine) {
 }
 
 TEST_F(Folder, ThatVanishesDuringTheWorkIsSaidInOneLine) {
-  Chance chance;
+  RandomDisturbance random;
   for (const char* name : {"synthesize", "detect", "analyze", "paper"}) {
     const Undisturbed whole = undisturbed(job(name));
     for (int k = 0; k < n_times(4); ++k) {
-      SCOPED_TRACE(std::string(name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(chance.seed()));
-      const double after_s = chance.between(0, whole.duration_s.at(2));
+      SCOPED_TRACE(std::string(name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(random.seed()));
+      const double after_s = random.between(0, whole.duration_s.at(2));
       std::thread remover([&] {
         std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
         std::error_code ignored;
@@ -97,10 +97,10 @@ class Recording : public FaultTest {
   Result detect_while_length_changes(const std::vector<std::uintmax_t>& lengths) const {
     std::atomic<bool> done = false;
     std::thread writer([&] {
-      Chance chance;
+      RandomDisturbance random;
       for (std::size_t k = 0; !done; k = (k + 1) % lengths.size()) {
         fs::resize_file(path("long.wav"), lengths[k]);
-        std::this_thread::sleep_for(std::chrono::duration<double>(chance.between(0, 2e-3)));
+        std::this_thread::sleep_for(std::chrono::duration<double>(random.between(0, 2e-3)));
       }
     });
     const Result result = run("detect long.wav --out out/o.csv --quiet --force");

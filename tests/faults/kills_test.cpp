@@ -14,24 +14,24 @@ class Killed : public FaultTest {
   void kill_at_random_moments(const Job& job, int n) const {
     const Undisturbed whole = undisturbed(job, {1, 2, 7});
     const std::string again = job.resumes ? "" : "--force";
-    Chance chance;
+    RandomDisturbance random;
     int n_killed = 0;
     for (int k = 0; k < n; ++k) {
-      SCOPED_TRACE(std::string(job.name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(chance.seed()) + ", kill " +
+      SCOPED_TRACE(std::string(job.name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(random.seed()) + ", kill " +
                    std::to_string(k));
-      const int n_threads = chance.n_threads();
-      const double after_s = chance.between(0, whole.duration_s.at(n_threads));
+      const int n_threads = random.n_threads();
+      const double after_s = random.between(0, whole.duration_s.at(n_threads));
       const Ending ending = disturb(job, n_threads, SIGKILL, after_s, again);
       if (ending.signal == SIGKILL) ++n_killed;
       expect_nothing_half_written(files_in(), whole);
-      if (job.resumes && ending.signal == SIGKILL && k + 1 < n && chance.coin()) continue;
+      if (job.resumes && ending.signal == SIGKILL && k + 1 < n && random.coin()) continue;
       // where it was killed after the last file there is nothing left to go on with
       const bool finished = job.resumes && differences(files_in(), whole.files).empty();
       if (!finished) {
-        EXPECT_EQ(run_job(job, chance.n_threads(), again).exit_code, whole.exit_code);
+        EXPECT_EQ(run_job(job, random.n_threads(), again).exit_code, whole.exit_code);
       }
       EXPECT_THAT(differences(files_in(), whole.files), testing::IsEmpty());
-      if (job.resumes || chance.coin()) empty_out();
+      if (job.resumes || random.coin()) empty_out();
       if (HasFailure()) return;
     }
     EXPECT_GT(n_killed, 0) << "all runs ended before they could be killed";
@@ -51,16 +51,16 @@ TEST_F(Killed, SynthesizeRunAgainGivesTheSameBytes) { kill_at_random_moments(job
 class Stopped : public FaultTest {};
 
 TEST_F(Stopped, BySignalsAtRandomMomentsCommandsSayItByTheirExitCodeAndLeaveNoPartialFile) {
-  Chance chance;
+  RandomDisturbance random;
   for (const char* name : {"synthesize", "detect", "analyze", "paper"}) {
     const Undisturbed whole = undisturbed(job(name), {1, 2, 7});
     for (const int signal : {SIGINT, SIGTERM, SIGHUP})
       for (int k = 0; k < n_times(6); ++k) {
-        SCOPED_TRACE(std::string(name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(chance.seed()) + ", signal " +
+        SCOPED_TRACE(std::string(name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(random.seed()) + ", signal " +
                      std::to_string(signal) + ", run " + std::to_string(k));
-        const int n_threads = chance.n_threads();
+        const int n_threads = random.n_threads();
         const Ending ending =
-            disturb(job(name), n_threads, signal, chance.between(0, whole.duration_s.at(n_threads)), "--force");
+            disturb(job(name), n_threads, signal, random.between(0, whole.duration_s.at(n_threads)), "--force");
         // ended before it was stopped; stopped; or not yet so far that it listens to signals
         EXPECT_TRUE(ending.exit_code == whole.exit_code || ending.exit_code == 130 || ending.signal == signal)
             << "exit code " << ending.exit_code << ", ended by signal " << ending.signal;

@@ -135,6 +135,14 @@ void OutputFile::commit() {
   s.is_in_place = true;
 }
 
+std::string why_writing_failed(int error) {
+  if (error == 0) return "writing failed; is the disk full?";
+  std::string reason = "writing failed: " + std::string(std::strerror(error));
+  if (error == EFBIG) return reason + "; raise the limit of the size of files (ulimit -f), or write to another disk";
+  if (error == ENOSPC || error == EDQUOT) return reason + "; make room, or write to another disk";
+  return reason;
+}
+
 void close_written(std::ofstream& file, const fs::path& name) {
   errno = 0;
   const bool was_good = file.good();

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/output_file.hpp"
 #include "files/temporary_file.hpp"
 
 namespace bouncelab {

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <random>
 #include <string_view>
 #include <system_error>
@@ -131,14 +130,6 @@ void remove_abandoned_files(const fs::path& folder) {
     if (name.starts_with(ours) && name.find(kInfix, ours.size()) != std::string::npos)
       remove_if_abandoned(entry->path());
   }
-}
-
-std::string why_writing_failed(int error) {
-  if (error == 0) return "writing failed; is the disk full?";
-  std::string reason = "writing failed: " + std::string(std::strerror(error));
-  if (error == EFBIG) return reason + "; raise the limit of the size of files (ulimit -f), or write to another disk";
-  if (error == ENOSPC || error == EDQUOT) return reason + "; make room, or write to another disk";
-  return reason;
 }
 
 int write_all(int descriptor, const char* bytes, std::size_t n) {

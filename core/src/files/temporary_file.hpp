@@ -52,9 +52,6 @@ std::filesystem::path folder_for_temporary_files();
 /// be deleted stays, without a word.
 void remove_abandoned_files(const std::filesystem::path& folder);
 
-/// "the disk is full" and the like, from errno; names the limits that people set themselves.
-std::string why_writing_failed(int error);
-
 /// Writes all of it, waiting where a pipe is full. @return 0 or errno. @throws Interrupted
 int write_all(int descriptor, const char* bytes, std::size_t n);
 

@@ -48,7 +48,7 @@ def arguments():
     parser.add_argument("--codec-cases", default="c03,c05,c06,c11", help="beginnings of the names of the cases for --codecs (%(default)s)")
     parser.add_argument("--cases", type=int, default=12, help="generated recordings of each kind (%(default)s)")
     parser.add_argument("--hours", type=float, default=1.0, help="of sound without a ball, shared by its folders (%(default)s)")
-    parser.add_argument("--piece-s", type=float, default=60, help="longer files without a ball are heard in one piece of this length; 0: whole (%(default)s)")
+    parser.add_argument("--piece-s", type=float, default=60, help="longer files without a ball are read in one piece of this length; 0: whole (%(default)s)")
     parser.add_argument("--timeout-s", type=float, default=600, help="of one recording; longer is a failure (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of what is drawn and generated (%(default)s)")
     parser.add_argument("--json", metavar="FILE", help="all bars, and what was counted in each file")
@@ -88,7 +88,7 @@ def evaluate(measuring, options):
     if results:
         bars.show(measuring.TITLE, results)
     else:
-        print("skipped: nothing to hear (%s)" % measuring.TITLE)
+        print("skipped: no recordings (%s)" % measuring.TITLE)
     if options.remarks:
         for version, some in records.items():
             for line in measuring.remarks(some):

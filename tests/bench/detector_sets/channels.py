@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A stereo recording of a real ball heard twice, once in each channel: intervals must differ as the stated errors say. No truth is needed.
+"""Stereo recordings of a real ball, each channel by itself: intervals must differ as the stated errors say. No truth is needed.
 A ball that wanders moves the delay between the channels by up to some 30 us."""
 import os
 

@@ -23,7 +23,7 @@ def rng_of(name, seed):
     return np.random.default_rng(int.from_bytes(hashlib.sha256(("%s %d" % (name, seed)).encode()).digest()[:8], "little"))
 
 
-def heard(program, name, rate_hz, samples, options):
+def detected_in(program, name, rate_hz, samples, options):
     path = os.path.join(options.work, name.replace(" ", "_") + ".wav")
     sound.write(path, rate_hz, samples)
     found = detect(program, path, None, options.timeout_s)
@@ -33,7 +33,7 @@ def heard(program, name, rate_hz, samples, options):
 
 
 def ball_record(program, name, cell, scene, options):
-    found = heard(program, name, scene.rate_hz, scene.sound, options)
+    found = detected_in(program, name, scene.rate_hz, scene.sound, options)
     if options.keep:
         with open(os.path.join(options.work, name.replace(" ", "_") + ".truth.csv"), "w") as file:
             file.write("t_s\n" + "".join("%.6f\n" % t for t in scene.t_s))
@@ -43,74 +43,6 @@ def ball_record(program, name, cell, scene, options):
     extra = [round(float(found.t_s[k] - offset), 4) for k in range(len(found.t_s)) if k not in set(j)]
     return {"file": name, "cell": cell, "n_true": len(scene.t_s), "n_found": len(i), "n_all": len(found.t_s), "n_drops": found.n_drops,
             "n_true_drops": len(set(scene.drop)), "missed": missed, "extra_s": extra, "pulls": [float(p) for p in clear], "failure": found.failure}
-
-
-class FewBounces:
-    TITLE = "generated: few bounces (eps .55 to .9, 8 to 48 kHz)"
-
-    @staticmethod
-    def measure(program, options):
-        kinds = [(n, snr, False) for n in IMPACTS for snr in SNR_DB] + [("6-12", snr, True) for snr in (10, 20, 40)]
-        for n, snr_db, soft in kinds:
-            cell = "%s%s impacts, %d dB" % ("soft ball, " if soft else "", n, snr_db)
-            for k in range(options.cases):
-                name = "few %s %d" % (cell.replace(",", ""), k)
-                rng = rng_of(name, options.seed)
-                scene = balls.few_bounces(rng, int(rng.integers(IMPACTS[n][0], IMPACTS[n][1] + 1)), snr_db, soft)
-                yield ball_record(program, name, cell, scene, options)
-
-    @staticmethod
-    def bars(records):
-        return ball_bars(records, lambda cell: not cell.endswith(" 0 dB"))
-
-    @staticmethod
-    def remarks(records):
-        return ball_remarks(records)
-
-
-class Clutter:
-    TITLE = "generated: balls in clutter"
-
-    @staticmethod
-    def measure(program, options):
-        for cell, make in clutter.CLUTTER.items():
-            for k in range(options.cases):
-                name = "clutter %s %d" % (cell, k)
-                yield ball_record(program, name, cell, make(rng_of(name, options.seed)), options)
-
-    @staticmethod
-    def bars(records):
-        return ball_bars(records, lambda cell: True)
-
-    @staticmethod
-    def remarks(records):
-        return ball_remarks(records)
-
-
-class NoBall:
-    TITLE = "generated: no ball (strokes and their decays, rhythms, voices)"
-
-    @staticmethod
-    def measure(program, options):
-        for cell, make in {**strokes.STROKES, **rhythms.RHYTHMS}.items():
-            for k in range(options.cases):
-                name = "no ball %s %d" % (cell, k)
-                rate_hz, samples = make(rng_of(name, options.seed))
-                found = heard(program, name, rate_hz, samples, options)
-                yield {"file": name, "cell": cell, "n_drops": found.n_drops, "impacts": [int(np.sum(found.drop == d)) for d in sorted(set(found.drop))],
-                       "duration_s": found.duration_s, "cpu_s": found.cpu_s, "failure": found.failure}
-
-    @staticmethod
-    def bars(records):
-        out = [Bar("invented", total(records, "n_drops"), most=0), Bar("recordings", len(records)),
-               Bar("x real time", ratio(total(records, "duration_s"), total(records, "cpu_s")))]
-        return out + [Bar(cell, total(some, "n_drops"), most=0) for cell, some in by_cell(records).items()]
-
-    @staticmethod
-    def remarks(records):
-        for r in records:
-            if r["n_drops"] or r["failure"]:
-                yield "%s: drops of %s impacts %s" % (r["file"], r["impacts"], r["failure"])
 
 
 def ball_bars(records, judged):
@@ -135,3 +67,67 @@ def ball_remarks(records):
         if r["missed"] or r["extra_s"] or r["failure"] or r["n_drops"] != r["n_true_drops"]:
             yield "%s: %d of %d, missed impacts %s, extra at %s s, %d drops for %d %s" % (
                 r["file"], r["n_found"], r["n_true"], r["missed"], r["extra_s"], r["n_drops"], r["n_true_drops"], r["failure"])
+
+
+class FewBounces:
+    TITLE = "generated: few bounces (eps .55 to .9, 8 to 48 kHz)"
+
+    @staticmethod
+    def measure(program, options):
+        kinds = [(n, snr, False) for n in IMPACTS for snr in SNR_DB] + [("6-12", snr, True) for snr in (10, 20, 40)]
+        for n, snr_db, soft in kinds:
+            cell = "%s%s impacts, %d dB" % ("soft ball, " if soft else "", n, snr_db)
+            for k in range(options.cases):
+                name = "few %s %d" % (cell.replace(",", ""), k)
+                rng = rng_of(name, options.seed)
+                scene = balls.few_bounces(rng, int(rng.integers(IMPACTS[n][0], IMPACTS[n][1] + 1)), snr_db, soft)
+                yield ball_record(program, name, cell, scene, options)
+
+    @staticmethod
+    def bars(records):
+        return ball_bars(records, lambda cell: not cell.endswith(" 0 dB"))
+
+    remarks = staticmethod(ball_remarks)
+
+
+class Clutter:
+    TITLE = "generated: balls in clutter"
+
+    @staticmethod
+    def measure(program, options):
+        for cell, make in clutter.CLUTTER.items():
+            for k in range(options.cases):
+                name = "clutter %s %d" % (cell, k)
+                yield ball_record(program, name, cell, make(rng_of(name, options.seed)), options)
+
+    @staticmethod
+    def bars(records):
+        return ball_bars(records, lambda cell: True)
+
+    remarks = staticmethod(ball_remarks)
+
+
+class NoBall:
+    TITLE = "generated: no ball (strokes and their decays, rhythms, voices)"
+
+    @staticmethod
+    def measure(program, options):
+        for cell, make in {**strokes.STROKES, **rhythms.RHYTHMS}.items():
+            for k in range(options.cases):
+                name = "no ball %s %d" % (cell, k)
+                rate_hz, samples = make(rng_of(name, options.seed))
+                found = detected_in(program, name, rate_hz, samples, options)
+                yield {"file": name, "cell": cell, "n_drops": found.n_drops, "impacts": [int(np.sum(found.drop == d)) for d in sorted(set(found.drop))],
+                       "duration_s": found.duration_s, "cpu_s": found.cpu_s, "failure": found.failure}
+
+    @staticmethod
+    def bars(records):
+        out = [Bar("invented", total(records, "n_drops"), most=0), Bar("recordings", len(records)),
+               Bar("x real time", ratio(total(records, "duration_s"), total(records, "cpu_s")))]
+        return out + [Bar(cell, total(some, "n_drops"), most=0) for cell, some in by_cell(records).items()]
+
+    @staticmethod
+    def remarks(records):
+        for r in records:
+            if r["n_drops"] or r["failure"]:
+                yield "%s: drops of %s impacts %s" % (r["file"], r["impacts"], r["failure"])

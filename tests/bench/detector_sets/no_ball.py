@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sound that holds no ball: invented drops an hour, by top-level folder, and the speed.
 
-Much sound is slow to hear: a sample of it is drawn, folder by folder in turn and by a seed, until there are enough hours, and of a long
+All of it takes long: a sample of it is drawn, folder by folder in turn and by a seed, until there are enough hours, and of a long
 file one piece at a place drawn at random."""
 import os
 import subprocess
@@ -37,7 +37,7 @@ def piece_of(path, length_s, options, rng):
 
 
 def sampled(options):
-    """(group, file, file or piece to hear), the same for every program and every order of the folders."""
+    """(group, file, file or piece to read), the same for every program and every order of the folders."""
     groups = {}
     for folder in options.no_ball:
         for name, paths in groups_of(folder).items():
@@ -51,16 +51,16 @@ def sampled(options):
             if used_s[name] >= limit_s:
                 break
             if header and header[2] > 0:
-                heard, length_s = piece_of(path, header[2], options, rng)
+                piece, length_s = piece_of(path, header[2], options, rng)
                 used_s[name] += length_s
-                yield name, path, heard
+                yield name, path, piece
 
 
 def measure(program, options):
-    for group, path, heard in sampled(options):
-        found = detect(program, heard, None, options.timeout_s)
+    for group, path, piece in sampled(options):
+        found = detect(program, piece, None, options.timeout_s)
         drops = [{"n": int(np.sum(found.drop == d)), "t_s": [round(float(t), 4) for t in found.t_s[found.drop == d][:12]]} for d in sorted(set(found.drop))]
-        yield {"file": os.path.basename(path), "path": heard, "cell": group, "n_drops": found.n_drops, "drops": drops,
+        yield {"file": os.path.basename(path), "path": piece, "cell": group, "n_drops": found.n_drops, "drops": drops,
                "duration_s": found.duration_s, "cpu_s": found.cpu_s, "failure": found.failure}
 
 
@@ -72,7 +72,7 @@ def slowest(records):
 def bars(records):
     def an_hour(some):
         return ratio(total(some, "n_drops"), total(some, "duration_s") / 3600)
-    out = [Bar("invented an hour", an_hour(records), most=0.5), Bar("hours heard", total(records, "duration_s") / 3600),
+    out = [Bar("invented an hour", an_hour(records), most=0.5), Bar("hours of sound", total(records, "duration_s") / 3600),
            Bar("files that failed", sum(bool(r["failure"]) for r in records)),
            Bar("x real time", ratio(total(records, "duration_s"), total(records, "cpu_s"))),
            Bar("x real time, slowest file of 10 s or more", slowest(records), least=200)]

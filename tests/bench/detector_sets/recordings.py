@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Annotated recordings of real balls: NAME.wav with NAME.truth.csv (header t_s); and the same sound cut and heard otherwise."""
+"""Annotated recordings of real balls: NAME.wav with NAME.truth.csv (header t_s); and the same sound cut, delayed and by channels."""
 import csv
 import glob
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A generated ball heard by two microphones in a room: one channel's intervals against the other's, and both against the truth."""
+"""A generated ball and two microphones in a room: one channel's intervals against the other's, and both against the truth."""
 import os
 
 import numpy as np
@@ -35,9 +35,9 @@ def measure(program, options):
             t_s, samples = two_channels(rng_of(name, options.seed), soft, strength)
             path = os.path.join(options.work, name.replace(" ", "_") + ".wav")
             sound.write(path, RATE_HZ, samples / max(1.0, 1.1 * np.max(np.abs(samples))))
-            heard = [detect(program, path, channel, options.timeout_s) for channel in (0, 1)]
-            true = [match.interval_pulls(t_s, h.t_s, h.sigma_t_s, np.ones(len(h.t_s), bool), *match.matched(t_s, h.t_s, 3e-3)[:2], 1.0) for h in heard]
-            pulls = channels.compared(*heard)[0]
+            found = [detect(program, path, channel, options.timeout_s) for channel in (0, 1)]
+            true = [match.interval_pulls(t_s, f.t_s, f.sigma_t_s, np.ones(len(f.t_s), bool), *match.matched(t_s, f.t_s, 3e-3)[:2], 1.0) for f in found]
+            pulls = channels.compared(*found)[0]
             yield {"file": name, "cell": cell, "pulls": [float(p) for p in pulls], "true_pulls": [float(p) for p in np.concatenate(true)]}
             if not options.keep:
                 os.remove(path)

@@ -20,20 +20,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Puts the rows of `more` below those of `table`, which has the same columns or none.
-void append(Table& table, const Table& more) {
-  if (table.columns.empty())
-    table = more;
-  else
-    for (std::size_t k = 0; k < table.columns.size(); ++k)
-      std::visit(
-          [&](auto& values) {
-            const auto& tail = std::get<std::decay_t<decltype(values)>>(more.columns[k].values);
-            values.insert(values.end(), tail.begin(), tail.end());
-          },
-          table.columns[k].values);
-}
-
 void write_text_table(const fs::path& path, const Table& table, const std::string& name) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   if (is_json_lines(path))
@@ -112,7 +98,10 @@ void TableWriter::finish(const std::vector<fs::path>& inputs) {
   if (is_hdf5(path_)) {
     Table whole;
     for (auto piece = pieces_.begin(); piece != pieces_.end(); piece = pieces_.erase(piece))
-      append(whole, piece->second);
+      if (whole.columns.empty())
+        whole = std::move(piece->second);
+      else
+        whole.append(piece->second);
     write_hdf5(file_.temporary_path(), whole, path_.string());
   } else {
     close_written(text_, path_);

@@ -13,6 +13,7 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/output_file.hpp"
 #include "io/readable_file.hpp"
 #include "io/sound_bytes.hpp"
 
@@ -208,8 +209,7 @@ void copy_with_cues(const std::filesystem::path& recording, const Annotations& a
     to.seekp(static_cast<std::streamoff>(*ds64_at));
   }
   to << riff_size;
-  to.close();
-  if (!to) throw FileError(name, "writing failed; is the disk full?");
+  close_written(to, name);
 }
 
 }  // namespace bouncelab::audio

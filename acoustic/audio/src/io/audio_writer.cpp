@@ -121,7 +121,7 @@ sf_count_t read_from(void* to, sf_count_t n, void* sink) {
 }
 
 sf_count_t write_to(const void* from, sf_count_t n, void* user_data) {
-  Sink& sink = *static_cast<Sink*>(user_data);
+  Sink& sink = *static_cast<Sink*>(user_data);  // nothing may be thrown through libsndfile
   const char* bytes = static_cast<const char*>(from);
   for (sf_count_t at = 0; at < n;) {
     const ssize_t n_written = ::write(sink.descriptor, bytes + at, static_cast<std::size_t>(n - at));
@@ -148,6 +148,10 @@ struct AudioWriter::State {
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
+
+  void throw_if_writing_failed() const {
+    if (sink.error != 0) throw FileError(name, why_writing_failed(sink.error));
+  }
 
   std::string name;
   SampleEncoding encoding;
@@ -194,16 +198,14 @@ void AudioWriter::write(std::span<const double> interleaved) {
                    [&](double x) { return rounding.left_aligned(x); });
     n_written = sf_write_int(state_->file, words.data(), n);
   }
-  if (state_->sink.error != 0)
-    throw FileError(state_->name, "writing failed: " + std::string(std::strerror(state_->sink.error)));
+  state_->throw_if_writing_failed();
   if (n_written != n)
     throw FileError(state_->name, std::string("writing failed (") + sf_strerror(state_->file) + "); is the disk full?");
 }
 
 void AudioWriter::commit() {
   const int status = sf_close(std::exchange(state_->file, nullptr));
-  if (state_->sink.error != 0)
-    throw FileError(state_->name, "writing failed: " + std::string(std::strerror(state_->sink.error)));
+  state_->throw_if_writing_failed();
   if (status != 0) throw FileError(state_->name, std::string("closing failed: ") + sf_error_number(status));
   state_->output.commit();
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace bouncelab {
@@ -40,6 +41,9 @@ void write_whole(const std::filesystem::path& path, std::string_view content, bo
 
 /// Closes a file that was written by a stream. @param name  for people. @throws FileError where not all was written
 void close_written(std::ofstream& file, const std::filesystem::path& name);
+
+/// "the disk is full" and the like, from errno (0: not known); names the limits that people set themselves.
+std::string why_writing_failed(int error);
 
 /// Whether an output goes to what is no file: no other file can lie beside it.
 bool is_stream(const std::filesystem::path& output);
