@@ -118,7 +118,7 @@ class Search {
       if (s.track.n_impacts >= kFewestImpacts) {
         const Hypothesis::Verdict most = s.track.most_probable(o_.model());
         // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
-        const double score = s.start_score + log1p(exp(most.log_odds));
+        const double score = s.start_score + std::max(0.0, most.log_odds) + log1p(exp(-std::abs(most.log_odds)));
         if (most.log_odds + kOwnClutter > 0.0 && score > best_[k + 1].score)
           best_[k + 1] = {score, static_cast<std::int64_t>(states_.size()), most.n_of_ball};
       }
