@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
 constexpr int kAlignmentRounds = 2;
 constexpr std::size_t kResidualOrder = 32;
-constexpr std::size_t kMinSubbands = 3;  // from which their disagreement gives the jitter
+constexpr std::size_t kMinSubbands = 2;  // from which their disagreement gives the jitter
 constexpr float kOnsetOfPeak = 0.1F;     // a plate's first motion is above, noise and a converter's pre-ringing below
 
 /// What the steps of the estimation pass on.
@@ -221,17 +221,23 @@ void whiten_by_noise(Estimation& e, const audio::ArModel& noise) {
   if (state_of(e).n_alike() < before.n_alike()) restore(e, std::move(before));
 }
 
+/// What the template leaves of a training impact.
+std::vector<float> residual_of(Estimation& e, const TrainingImpact& impact) {
+  const MatchedFilter& filter = e.learned.filter;
+  const std::vector<float> placed =
+      e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.position));
+  std::vector<float> x = impact.window.sound;
+  for (std::size_t n = 0; n < e.window.n_window; ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
+  return x;
+}
+
 /// Extends the whitener by a filter that also whitens what the template does not explain: noise where that is all, the
 /// ringing of modes that are excited differently each time where the noise is less than their variation.
 void whiten_residuals(Estimation& e) {
   ImpactTemplate& learned = e.learned;
   std::vector<double> r(kResidualOrder + 1, 0.0);
   for (const TrainingImpact& impact : e.training) {
-    const std::vector<float> placed =
-        e.fourier.inverse(audio::phase_shifted(learned.filter.spectrum(), -learned.filter.omega() * impact.position));
-    std::vector<float> x = impact.window.sound;
-    for (std::size_t n = 0; n < e.window.n_window; ++n)
-      x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
+    const std::vector<float> x = residual_of(e, impact);
     const double energy = audio::dot(x, x) + 1e-30;
     for (std::size_t lag = 0; lag <= kResidualOrder; ++lag) r[lag] += audio::dot(x, std::span(x).subspan(lag)) / energy;
   }
@@ -249,8 +255,31 @@ void refine_template(Estimation& e) {
   align_and_average(e, 1);  // the new whitener may have resolved what was ambiguous
 }
 
-/// One or two sub-bands cannot disagree: half of what neither template nor noise explains is taken for phase variance
-/// of each sub-band.
+/// Degrees of freedom of what varies from impact to impact, (tr C)^2 / tr C^2 with the covariance C of the residuals r,
+/// each over its amplitude: over such a number of directions their power is spread (Welch-Satterthwaite). The products
+/// of different impacts estimate tr C^2 without bias.
+double degrees_of_freedom(Estimation& e) {
+  constexpr double kFewest = 2.0;  // in phase and in quadrature
+  std::vector<std::vector<float>> residuals;
+  for (const TrainingImpact& impact : e.training) {
+    if (!impact.is_averaged()) continue;
+    residuals.push_back(residual_of(e, impact));
+    for (float& x : residuals.back()) x /= static_cast<float>(impact.estimate.amplitude);
+  }
+  double trace = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    trace += audio::dot(residuals[k], residuals[k]);
+    for (std::size_t j = 0; j < k; ++j) squares += 2.0 * square(audio::dot(residuals[j], residuals[k]));
+  }
+  const auto n = static_cast<double>(residuals.size());
+  const double trace_of_square = squares / (n * (n - 1.0) + 1e-30);
+  trace /= n + 1e-30;
+  return std::clamp(trace * trace / (trace_of_square + 1e-30), kFewest, static_cast<double>(e.window.n_window));
+}
+
+/// A single sub-band cannot disagree: of what neither template nor noise explains, the delay takes the share of one of
+/// the directions that it is spread over. (Half of it, in quadrature, would be too much: a mode that is excited more or
+/// less strongly keeps its phase.)
 /// @param quiet  sum of squares of a window without impact
 void add_unexplained_jitter(Estimation& e, double quiet) {
   std::vector<double> unexplained;  // over what the template explains
@@ -259,7 +288,8 @@ void add_unexplained_jitter(Estimation& e, double quiet) {
     if (impact.is_averaged()) unexplained.push_back(std::max(0.0, impact.total - explained - quiet) / explained);
   }
   if (unexplained.empty()) return;
-  const double phase2 = 0.5 * upper_median(std::move(unexplained));
+  const double dof = degrees_of_freedom(e);
+  const double phase2 = upper_median(std::move(unexplained)) / dof;
   const MatchedFilter& filter = e.learned.filter;
   Subbands& subbands = e.learned.subbands;
   for (std::size_t j = 0; j < subbands.n(); ++j)

@@ -14,7 +14,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMinBins = 8;            // narrower sub-bands share their modes with their neighbours
+constexpr std::size_t kMinBins = 6;            // three to four of what a window of this length resolves
 constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
 constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
 // prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only

@@ -305,8 +305,8 @@ double next_time(const Track& tracked, const std::vector<Candidate>& candidates,
 
 }  // namespace
 
-std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned, const Track& tracked,
-                                    const std::vector<Candidate>& candidates, double end_s) {
+std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned,
+                                    const Track& tracked, const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
       {sound, learned, ImpactTimer(sound, learned), static_cast<double>(learned.n_template) / sound.rate_hz}, {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
