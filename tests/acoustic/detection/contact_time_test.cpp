@@ -22,6 +22,8 @@ struct Ball {
   double largest_hz = 20e3;
 };
 
+const ContactLaw kSteel = assumed_contact(9e3);
+
 double pulse_at(const PulseSpectrum& pulse, double x) {
   std::vector<float> value(2), slope(2);
   pulse.tabulate(x, value, slope);
@@ -108,10 +110,10 @@ TEST(ContactTime, IsUncertainWhereTheSoundEndsFarBelowTheContact) {
   const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, 1));
   ASSERT_TRUE(evidence);
   EXPECT_GT(evidence->hertz.sigma2_s2, 30e-6 * 30e-6);
-  const std::optional<ContactLaw> law = pool_contacts({*evidence});
+  const std::optional<ContactLaw> law = pool_contacts({*evidence}, kSteel);
   ASSERT_TRUE(law);
   EXPECT_FALSE(law->is_significant);
-  EXPECT_NEAR(law->tau_1_s, 30e-6, 20e-6);  // the prior for steel balls
+  EXPECT_NEAR(law->tau_1_s, kSteel.tau_1_s, kSteel.sigma_s);
 }
 
 TEST(ContactTime, ManyDropsThatAreEachUncertainDetermineItTogether) {
@@ -119,20 +121,31 @@ TEST(ContactTime, ManyDropsThatAreEachUncertainDetermineItTogether) {
   ball.largest_hz = 8e3;
   std::vector<ContactEvidence> drops;
   for (std::uint64_t seed = 0; seed < 50; ++seed) drops.push_back(*fit_contact(levels_of(ball, seed)));
-  const std::optional<ContactLaw> one = pool_contacts({drops[0]});
-  const std::optional<ContactLaw> all = pool_contacts(drops);
+  const std::optional<ContactLaw> one = pool_contacts({drops[0]}, kSteel);
+  const std::optional<ContactLaw> all = pool_contacts(drops, kSteel);
   ASSERT_TRUE(one && all);
   EXPECT_TRUE(all->is_significant);
   EXPECT_LT(all->sigma_s, 0.4 * one->sigma_s);
   EXPECT_NEAR(all->tau_1_s, 30e-6, 3.0 * all->sigma_s);
 }
 
-TEST(ContactTime, AssumedIsThatOfSteelOrForASoftSoundZeroWithinHalfAPeriod) {
-  const ContactLaw steel = assumed_contact(8e3);
-  EXPECT_NEAR(steel.tau_1_s, 29e-6, steel.sigma_s);  // 3 mm of radius on glass, Hertz
-  const ContactLaw rubber = assumed_contact(300.0);
-  EXPECT_EQ(rubber.tau_1_s, 0.0);
-  EXPECT_NEAR(rubber.sigma_s, 0.5 / 300.0, 1e-12);
+TEST(ContactTime, AssumedIsOfTheOrderOfHalfAPeriodOfTheSound) {
+  EXPECT_NEAR(kSteel.tau_1_s, 29e-6, kSteel.sigma_s);  // 3 mm of radius on glass, Hertz
+  const ContactLaw rubber = assumed_contact(130.0);
+  EXPECT_NEAR(rubber.tau_1_s, 4e-3, rubber.sigma_s);
+  EXPECT_NEAR(rubber.tau_1_s / kSteel.tau_1_s, 9e3 / 130.0, 1e-9);
+}
+
+TEST(ContactTime, OfALongPulseIsNotDrawnToThatOfSteel) {
+  Ball ball;
+  ball.tau_1_s = 250e-6;
+  ball.largest_hz = 3e3;
+  const std::optional<ContactEvidence> evidence = fit_contact(levels_of(ball, 1));
+  ASSERT_TRUE(evidence);
+  const std::optional<ContactLaw> law = pool_contacts({*evidence}, assumed_contact(1.5e3));
+  ASSERT_TRUE(law);
+  EXPECT_NEAR(law->tau_1_s, ball.tau_1_s, 3.0 * law->sigma_s);
+  EXPECT_LT(law->sigma_s, 60e-6);
 }
 
 TEST(ContactTime, IsAbsentWithoutImpactsOrBands) {
@@ -141,7 +154,7 @@ TEST(ContactTime, IsAbsentWithoutImpactsOrBands) {
   few.level.resize(7);
   EXPECT_FALSE(fit_contact(few));
   EXPECT_FALSE(fit_contact({}));
-  EXPECT_FALSE(pool_contacts({}));
+  EXPECT_FALSE(pool_contacts({}, kSteel));
 }
 
 }  // namespace

@@ -56,6 +56,18 @@ TEST(DelayPosterior, KeepsTimesThatAreUnambiguousByTheSound) {
   for (const HypothesisProbabilities& p : delay_posterior(impacts)) EXPECT_EQ(best_of(p), 0U);
 }
 
+TEST(DelayPosterior, DoesNotDependOnWhenTheTrackBeginsOrOnItsTempo) {
+  const std::vector<TimedImpact> track = track_with_alternatives(1.0);
+  std::vector<TimedImpact> other = track;
+  for (TimedImpact& impact : other) {
+    impact.fit.t_s = 100.0 + 2.0 * impact.fit.t_s;
+    for (DelayHypothesis& h : impact.fit.alternatives) h.t_s = 100.0 + 2.0 * h.t_s;
+  }
+  const std::vector<HypothesisProbabilities> p = delay_posterior(track), q = delay_posterior(other);
+  for (std::size_t k = 0; k < track.size(); ++k)
+    for (std::size_t h = 0; h < p[k].size(); ++h) EXPECT_NEAR(p[k][h], q[k][h], 1e-6) << k;
+}
+
 /// The posterior as the sum over every combination of hypotheses.
 std::vector<HypothesisProbabilities> enumerated(const std::vector<TimedImpact>& track,
                                                 const std::vector<ExpectedLogEps>& expected) {

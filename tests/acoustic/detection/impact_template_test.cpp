@@ -38,5 +38,37 @@ TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsOfAnotherSource) {
   EXPECT_GT(learned->correlation, 0.9);
 }
 
+/// Sixteen impacts of one ball in noise, all times later and all samples louder.
+std::optional<ImpactTemplate> template_of_one_ball(std::int64_t later_samples, double gain) {
+  std::vector<float> samples(static_cast<std::size_t>(4.5 * kRate_hz));
+  Random random(5, RandomStream::test, 0);
+  for (float& x : samples) x = static_cast<float>(1e-3 * random.normal());
+  std::vector<Candidate> impacts;
+  for (int k = 0; k < 16; ++k) {
+    const double t_s = 0.2 + 0.25 * k + 1e-4 * random.uniform();
+    test::add_modal_sound(samples, kRate_hz, t_s, 0.2, test::equal_modes({2100.0, 5300.0, 7700.0}, 3e-3, 0.05));
+    impacts.push_back({t_s + static_cast<double>(later_samples) / kRate_hz, 200.0, 0.4e-3, 50.0});
+  }
+  for (float& x : samples) x *= static_cast<float>(gain);
+  const audio::ArModel noise = audio::learn_ar_models(audio::source_in_memory(samples, kRate_hz), 48).noise;
+  samples.insert(samples.begin(), static_cast<std::size_t>(later_samples), 0.0F);
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  return estimate_template(sound, noise, impacts, std::vector<bool>(impacts.size(), false));
+}
+
+TEST(ImpactTemplate, MovesWithTheSoundAndDoesNotDependOnItsGain) {
+  const auto one = template_of_one_ball(0, 1.0), later = template_of_one_ball(12345, 1.0),
+             faint = template_of_one_ball(0, 0.01);
+  ASSERT_TRUE(one && later && faint);
+  ASSERT_EQ(one->training_t_s.size(), later->training_t_s.size());
+  ASSERT_EQ(one->training_t_s.size(), faint->training_t_s.size());
+  for (std::size_t k = 0; k < one->training_t_s.size(); ++k) {
+    EXPECT_NEAR(later->training_t_s[k] - one->training_t_s[k], 12345.0 / kRate_hz, 1e-9) << k;
+    EXPECT_NEAR(faint->training_t_s[k], one->training_t_s[k], 1e-8) << k;
+  }
+  EXPECT_NEAR(faint->peak / one->peak, 0.01, 1e-4);
+  EXPECT_NEAR(faint->correlation, one->correlation, 1e-3);
+}
+
 }  // namespace
 }  // namespace bouncelab::detection

@@ -9,12 +9,12 @@
 namespace bouncelab::detection {
 namespace {
 
-// prior: steel balls of 1 to 10 mm radius (Hertz); dropped where a recording differs by three standard errors
-constexpr double kPrior_s = 35e-6;
-constexpr double kPriorSigma_s = 20e-6;
-constexpr double kMaxDifference = 3.0;
-constexpr double kSoft_hz = 3e3;      // a tenth of a cycle in the prior's duration: steel would excite higher modes too
-constexpr double kSignificant = 2.0;  // standard errors of tau^2: four of tau
+// A half-sine pulse of duration tau has the rms frequency 1/(2 tau). What is struck, the room and the microphone pass
+// the higher frequencies better or worse: of steel, wood and rubber from 30 us to 6 ms, tau f is between 0.1 and 0.8.
+constexpr double kDurationTimesFrequency = 0.4;
+constexpr double kDurationSigma = 0.25;  // times the frequency
+constexpr double kMaxDifference = 3.0;  // standard errors between the prior and a recording, beyond which it is dropped
+constexpr double kSignificant = 2.0;    // standard errors of tau^2: four of tau
 // standard errors by which two pulses must differ before it counts: neighbouring bands are correlated
 constexpr double kMinPulseDifference = 2.0;
 
@@ -51,9 +51,9 @@ double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
 }
 
 /// Combined with the prior, where the two are compatible.
-ContactFit with_prior(ContactFit fit) {
-  const double prior = kPrior_s * kPrior_s;
-  const double spread = 2.0 * kPrior_s * kPriorSigma_s;
+ContactFit with_prior(ContactFit fit, const ContactLaw& assumed) {
+  const double prior = square(assumed.tau_1_s);
+  const double spread = 2.0 * assumed.tau_1_s * assumed.sigma_s;
   if (std::abs(fit.tau2_s2 - prior) > kMaxDifference * hypot(fit.sigma2_s2, spread)) return fit;
   const double weight = 1.0 / (fit.sigma2_s2 * fit.sigma2_s2);
   const double prior_weight = 1.0 / (spread * spread);
@@ -73,15 +73,15 @@ ContactLaw law_of(const ContactFit& fit) {
 double contact_delay(double v_mps, double reference_scaling) { return 0.5 * (pow(v_mps, -0.2) - reference_scaling); }
 
 ContactLaw assumed_contact(double rms_hz) {
-  if (rms_hz < kSoft_hz) return {0.0, 0.5 / rms_hz};
-  return {kPrior_s, kPriorSigma_s, kPrior_s};
+  const double tau_s = kDurationTimesFrequency / rms_hz;
+  return {tau_s, kDurationSigma / rms_hz, tau_s};
 }
 
-std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops) {
+std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed) {
   if (drops.empty()) return std::nullopt;
   const ContactFit pooled[] = {pool(drops, &ContactEvidence::hertz), pool(drops, &ContactEvidence::half_sine)};
-  const ContactLaw a = law_of(with_prior(pooled[0]));
-  const ContactLaw b = law_of(with_prior(pooled[1]));
+  const ContactLaw a = law_of(with_prior(pooled[0], assumed));
+  const ContactLaw b = law_of(with_prior(pooled[1], assumed));
   const double p_hertz = probability_of_hertz(drops);
   ContactLaw law;
   law.tau_1_s = p_hertz * a.tau_1_s + (1.0 - p_hertz) * b.tau_1_s;

@@ -47,14 +47,14 @@ double contact_delay(double v_mps, double reference_scaling);
 /// not once an impact. Absent with fewer than eight impacts or six usable bands.
 std::optional<ContactEvidence> fit_contact(const BandLevels& levels);
 
-/// The contact law that is assumed where no drop determines it: that of steel balls; of a ball whose sound has an rms
-/// frequency below 3 kHz only that its contact is of the order of half a period, 0 +- 1 / (2 rms_hz).
-/// @param rms_hz  root mean square frequency of the template; positive
+/// The contact law that the frequencies of a sound suggest: (0.4 +- 0.25) / rms_hz, since a pulse of force of duration
+/// tau has the rms frequency 1 / (2 tau) and what it strikes answers to a part of it.
+/// @param rms_hz  root mean square frequency of the impacts as recorded (recorded_rms_frequency); positive
 ContactLaw assumed_contact(double rms_hz);
 
-/// One ball, one law: the weighted mean over drops under each pulse, combined with the prior for steel balls on glass,
-/// 35 +- 20 us, unless the two differ by more than three standard errors; then the mean of the two pulses, weighted by
-/// their probabilities. Absent where there is no evidence.
-std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops);
+/// One ball, one law: the weighted mean over drops under each pulse, combined with the assumed one, unless the two
+/// differ by more than three standard errors; then the mean of the two pulses, weighted by their probabilities. Absent
+/// where there is no evidence.
+std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed);
 
 }  // namespace bouncelab::detection

@@ -23,10 +23,10 @@ constexpr double kWeightOfShare = 10.0;    // its weight in impacts
 constexpr int kRounds = 3;
 constexpr double kDisordered = 1e-100;  // density of times that do not increase
 
-using Track = std::vector<TimedImpact>;
+using TimedImpacts = std::vector<TimedImpact>;
 
 /// Whether impact k and both its neighbours follow each other without a gap.
-bool is_triple(const Track& track, std::size_t k) {
+bool is_triple(const TimedImpacts& track, std::size_t k) {
   return track[k].impact == track[k - 1].impact + 1 && track[k + 1].impact == track[k].impact + 1;
 }
 
@@ -50,7 +50,7 @@ double prior(const TimedImpact& impact, std::size_t h, double far_share) {
 class ChainDensity {
  public:
   /// @param far_share  of the impacts that are not where the sound rises
-  ChainDensity(const Track& track, const std::vector<ExpectedLogEps>& expected, double far_share)
+  ChainDensity(const TimedImpacts& track, const std::vector<ExpectedLogEps>& expected, double far_share)
       : expected_(expected) {
     for (const TimedImpact& impact : track) {
       t_s_.emplace_back();
@@ -126,7 +126,7 @@ void normalize(HypothesisProbabilities& p) {
   for (double& x : p) x /= sum;
 }
 
-std::vector<HypothesisProbabilities> posterior_by_sound(const Track& track, double far_share) {
+std::vector<HypothesisProbabilities> posterior_by_sound(const TimedImpacts& track, double far_share) {
   const ChainDensity density(track, {}, far_share);
   std::vector<HypothesisProbabilities> posterior(track.size());
   for (std::size_t k = 0; k < track.size(); ++k) {
@@ -137,7 +137,7 @@ std::vector<HypothesisProbabilities> posterior_by_sound(const Track& track, doub
 }
 
 /// Share of the impacts that are far from where the sound rises, by their posterior and its prior.
-double far_share_of(const Track& track, const std::vector<HypothesisProbabilities>& posterior) {
+double far_share_of(const TimedImpacts& track, const std::vector<HypothesisProbabilities>& posterior) {
   double far = kFarShare * kWeightOfShare, all = kWeightOfShare;
   for (std::size_t k = 0; k < track.size(); ++k) {
     if (!(track[k].rise_reach_s > 0.0)) continue;
@@ -156,7 +156,7 @@ double hypothesis_time(const TimedImpact& impact, std::size_t hypothesis) {
   return hypothesis == 0 ? impact.fit.t_s : impact.fit.alternatives[hypothesis - 1].t_s;
 }
 
-std::vector<ExpectedLogEps> expected_log_eps(const Track& track, const std::vector<double>& t_s) {
+std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const std::vector<double>& t_s) {
   std::vector<std::optional<double>> eps(track.size());
   for (std::size_t k = 1; k + 1 < track.size(); ++k)
     if (is_triple(track, k)) eps[k] = log_eps(t_s[k - 1], t_s[k], t_s[k + 1]);
@@ -176,8 +176,8 @@ std::vector<ExpectedLogEps> expected_log_eps(const Track& track, const std::vect
   return expected;
 }
 
-std::vector<HypothesisProbabilities> chain_posterior(const Track& track, const std::vector<ExpectedLogEps>& expected,
-                                                     double far_share) {
+std::vector<HypothesisProbabilities> chain_posterior(const TimedImpacts& track,
+                                                     const std::vector<ExpectedLogEps>& expected, double far_share) {
   const ChainDensity density(track, expected, far_share);
   const PairTable before = forward(density), after = backward(density);
   std::vector<HypothesisProbabilities> posterior(track.size());
@@ -192,7 +192,7 @@ std::vector<HypothesisProbabilities> chain_posterior(const Track& track, const s
   return posterior;
 }
 
-std::vector<HypothesisProbabilities> delay_posterior(const Track& track) {
+std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) {
   std::vector<double> t_s;
   for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
   double far_share = kFarShare;

@@ -11,6 +11,7 @@
 #include "timing/clipping.hpp"
 #include "timing/impact_timer.hpp"
 #include "timing/overlap_separation.hpp"
+#include "timing/recorded_spectrum.hpp"
 #include "timing/track_timer.hpp"
 
 namespace bouncelab::detection {
@@ -103,7 +104,8 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
   }
   drop.contact = fit_contact(measure_levels(input.band, *learned, clear));
   drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
-  const std::optional<ContactLaw> law = drop.contact ? pool_contacts({*drop.contact}) : std::nullopt;
+  const ContactLaw assumed = assumed_contact(recorded_rms_frequency(*learned) * input.band.rate_hz);
+  const ContactLaw law = drop.contact ? *pool_contacts({*drop.contact}, assumed) : assumed;
   separate_overlaps(input.band, *learned, law, drop.reference_scaling, drop.impacts);
   mark_clipped(input.whole, drop.impacts);  // the times may have moved
   return drop;

@@ -43,7 +43,11 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 double log_odds_margin(double best, double other, double variance) { return (best - other) / variance; }
 
 ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& learned)
-    : sound_(sound), learned_(learned), fourier_(learned.filter.n_window()), noise_(noise_in_product(learned)) {}
+    : sound_(sound),
+      learned_(learned),
+      fourier_(learned.filter.n_window()),
+      noise_(noise_in_product(learned)),
+      known_(sound, learned) {}
 
 ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) const {
   if (n_fit >= learned_.n_template) return {};
@@ -103,27 +107,6 @@ DelayEstimate ImpactTimer::estimate_clipped(const FitWindow& window, double shif
   return best;
 }
 
-std::vector<float> ImpactTimer::read(std::int64_t first, const Mask& mask) {
-  const std::size_t n = learned_.filter.n_window();
-  const auto n_window = static_cast<std::int64_t>(n);
-  std::vector<float> x = audio::read_white(sound_, learned_.whitener, first, n).sound;
-  for (std::size_t j = known_.size(); j-- > 0;) {
-    KnownImpact& known = known_[j];
-    const std::int64_t offset = first - known.first;  // of this window in that one
-    if (std::abs(offset) >= n_window) continue;
-    if (known.placed.empty()) {
-      const double shift = known.t_s * sound_.rate_hz - learned_.contact_index - static_cast<double>(known.first);
-      known.placed =
-          fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * shift));
-    }
-    const auto a = static_cast<float>(known.amplitude);
-    for (std::int64_t k = std::max<std::int64_t>(0, -offset); k < n_window - std::max<std::int64_t>(0, offset); ++k)
-      x[static_cast<std::size_t>(k)] -= a * known.placed[static_cast<std::size_t>(k + offset)];
-  }
-  multiply(x, mask);
-  return x;
-}
-
 MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
   std::vector<float> placed =
       fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * shift));
@@ -139,7 +122,8 @@ ImpactTimer::FitWindow ImpactTimer::cut(std::int64_t first, std::int64_t end) {
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
-  window.sound = read(first, window.mask);
+  window.sound = known_.window_without(first);
+  multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
   window.spectrum = fourier_.forward(window.sound);
   return window;
@@ -203,11 +187,8 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   return fit;
 }
 
-void ImpactTimer::subtract_from_later(const ImpactFit& impact) {
-  const std::int64_t first = samples(impact.t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
-  known_.push_back({impact.t_s, std::max(0.0, impact.amplitude), first, {}});
-}
+void ImpactTimer::subtract_from_later(const ImpactFit& impact) { known_.add(impact.t_s, impact.amplitude); }
 
-void ImpactTimer::forget_last() { known_.pop_back(); }
+void ImpactTimer::forget_last() { known_.remove_last(); }
 
 }  // namespace bouncelab::detection

@@ -7,6 +7,7 @@
 #include "bouncelab/audio/audio_source.hpp"
 #include "timing/correlation_peaks.hpp"
 #include "timing/impact_template.hpp"
+#include "timing/ringing.hpp"
 #include "timing/timed_impact.hpp"
 
 namespace bouncelab::detection {
@@ -37,12 +38,6 @@ class ImpactTimer {
   void forget_last();
 
  private:
-  struct KnownImpact {
-    double t_s = 0.0;
-    double amplitude = 0.0;
-    std::int64_t first = 0;     // sample at which its window begins
-    std::vector<float> placed;  // the template in it; computed when first needed
-  };
   /// Factors of a window's samples; empty = all are 1.
   using Mask = std::vector<float>;
   /// A window of the sound and where in it the impact may be.
@@ -69,15 +64,13 @@ class ImpactTimer {
   MatchedFilter clipped_template(double amplitude, double shift, const Mask& mask);
   /// Delay of a clipped impact: the amplitude by grid search, since it only shows in how long the sound is limited.
   DelayEstimate estimate_clipped(const FitWindow& window, double shift);
-  /// Whitened sound less the ringing of the known impacts.
-  std::vector<float> read(std::int64_t first, const Mask& mask);
   MatchedFilter masked_template(double shift, const Mask& mask);
 
   const audio::AudioSource& sound_;
   const ImpactTemplate& learned_;
   audio::RealFft fourier_;
   double noise_;
-  std::vector<KnownImpact> known_;
+  Ringing known_;
 };
 
 }  // namespace bouncelab::detection

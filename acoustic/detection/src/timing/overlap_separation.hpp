@@ -11,10 +11,10 @@
 
 namespace bouncelab::detection {
 
-/// Joint estimation of impacts whose sounds overlap, by coordinate descent: each flagged one is timed by all of its
-/// sound once that of its neighbours, earlier and later, is subtracted, until none moves by a fifth of its standard
-/// error. Slow impacts have longer contacts than those of the template and so fewer high frequencies: each is compared
-/// with the template times P(f tau_1 u) / P(f tau_1 u_0), P the spectrum of Hertz's pulse, u = v^(-1/5).
+/// Joint estimation of impacts whose sounds overlap: the amplitudes of all by linear least squares (ringing.hpp), then
+/// the time of each flagged one with the sound of the others subtracted; in turns, until none moves by a fifth of its
+/// standard error. Slow impacts have longer contacts than those of the template and so fewer high frequencies: each is
+/// compared with the template times P(f tau_1 u) / P(f tau_1 u_0), P the spectrum of Hertz's pulse, u = v^(-1/5).
 /// @param law               absent = the template as it is
 /// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
 /// @param impacts           of one track, in time order; v_mps 0 = the template as it is

@@ -11,6 +11,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "contact/contact_time.hpp"
+#include "timing/recorded_spectrum.hpp"
 #include "tracking/impact_odds.hpp"
 
 namespace bouncelab::detection {
@@ -93,12 +94,12 @@ TimedDrops time_drops(const TimingInput& input) {
 
 /// The contact-time law of all drops; where they do not determine it, the assumed one; absent without template.
 std::optional<ContactLaw> contact_law_of(const TimedDrops& timed, double rate_hz) {
+  if (!timed.reference) return std::nullopt;
   std::vector<ContactEvidence> evidence;
   for (const TimedDrop& drop : timed.drops)
     if (drop.contact) evidence.push_back(*drop.contact);
-  std::optional<ContactLaw> law = pool_contacts(evidence);
-  if (!law && timed.reference) law = assumed_contact(timed.reference->learned.filter.rms_frequency() * rate_hz);
-  return law;
+  const ContactLaw assumed = assumed_contact(recorded_rms_frequency(timed.reference->learned) * rate_hz);
+  return evidence.empty() ? assumed : pool_contacts(evidence, assumed);
 }
 
 /// What takes the time of an impact to the start of contact.

@@ -14,7 +14,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMinBins = 8;            // narrower sub-bands share their modes with their neighbours
+constexpr std::size_t kMinBins = 6;            // three to four of what a window of this length resolves
 constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
 constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
 // prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
@@ -41,8 +41,8 @@ Sums sums_at(const audio::Spectrum& z, const Subbands& subbands, double omega, d
   audio::phase_shift(z, omega * shift, moved);
   Sums sums{};
   for (std::size_t j = 0; j < subbands.n(); ++j) {
-    const std::size_t from = subbands.edge[j];
-    const std::size_t n = subbands.edge[j + 1] - from;
+    const std::size_t from = std::min(subbands.edge[j], z.size());
+    const std::size_t n = std::min(subbands.edge[j + 1], z.size()) - from;
     sums.in_phase[j] = audio::sum(std::span(moved.re).subspan(from, n));
     sums.quadrature[j] = -omega * audio::moment(std::span(moved.im).subspan(from, n), from);
   }
@@ -105,6 +105,7 @@ MatchedFilter::MatchedFilter(audio::Spectrum spectrum, std::size_t n_window)
         static_cast<double>(spectrum_.re[k]) * spectrum_.re[k] + static_cast<double>(spectrum_.im[k]) * spectrum_.im[k];
     running_[k + 1] = running_[k] + power;
     running_information_[k + 1] = running_information_[k] + w * w * power;
+    if (power > 0.0) n_filled_ = k + 1;
   }
   energy_ = running_.back();
 }
@@ -176,7 +177,9 @@ SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& no
 
 DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start) {
-  const audio::Spectrum z = audio::product_conj(filter.spectrum(), sound);
+  audio::Spectrum z = audio::product_conj(filter.spectrum(), sound);
+  z.re.resize(filter.n_filled());
+  z.im.resize(filter.n_filled());
   audio::Spectrum moved = z;
   const std::size_t n = subbands.n();
   DelayEstimate r;

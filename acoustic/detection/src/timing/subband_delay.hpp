@@ -40,6 +40,8 @@ class MatchedFilter {
 
   const audio::Spectrum& spectrum() const { return spectrum_; }
   std::size_t n_window() const { return n_window_; }
+  /// Bins up to the last one that is not 0: the others add nothing to any product.
+  std::size_t n_filled() const { return n_filled_; }
   double energy() const { return energy_; }
   /// 2 pi / n_window
   double omega() const { return omega_; }
@@ -54,6 +56,7 @@ class MatchedFilter {
  private:
   audio::Spectrum spectrum_;
   std::size_t n_window_ = 0;
+  std::size_t n_filled_ = 0;
   double omega_ = 0.0;
   double energy_ = 0.0;
   std::vector<double> running_;

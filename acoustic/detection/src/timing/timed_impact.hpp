@@ -9,7 +9,7 @@ namespace bouncelab::detection {
 /// Log odds from which the sound alone decides between two times.
 inline constexpr double kUnambiguousLogOdds = 15.0;
 
-/// Another time at which an impact may have been: a lower peak of its likelihood, most often a cycle of the sound off.
+/// Another time at which an impact may have been: a lower peak of its likelihood.
 struct DelayHypothesis {
   double t_s = 0.0;
   double log_odds_margin = 0.0;  ///< log odds of the most likely time against this one, by the sound alone, >= 0

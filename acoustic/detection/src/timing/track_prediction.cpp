@@ -19,10 +19,10 @@ constexpr std::size_t kMinRatiosForReach = 7;
 constexpr std::size_t kMaxAmplitudes = 15;
 constexpr std::size_t kMinAmplitudes = 4;
 
-using Track = std::vector<TimedImpact>;
+using TimedImpacts = std::vector<TimedImpact>;
 
 /// Ratios of the last intervals, sorted.
-std::vector<double> last_ratios(const Track& track) {
+std::vector<double> last_ratios(const TimedImpacts& track) {
   std::vector<double> ratios;
   for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kMaxRatios;)
     if (track[k].impact - track[k - 2].impact == 2)
@@ -32,7 +32,7 @@ std::vector<double> last_ratios(const Track& track) {
 }
 
 /// Median of amplitude over interval before, of impacts with a candidate of their own.
-std::optional<double> amplitude_per_s(const Track& track) {
+std::optional<double> amplitude_per_s(const TimedImpacts& track) {
   std::vector<double> ratios;
   for (std::size_t k = track.size(); k-- > 1 && ratios.size() < kMaxAmplitudes;)
     if (!track[k].inferred && track[k].impact == track[k - 1].impact + 1)
@@ -43,13 +43,13 @@ std::optional<double> amplitude_per_s(const Track& track) {
 
 }  // namespace
 
-double predicted_eps(const Track& track) {
+double predicted_eps(const TimedImpacts& track) {
   const std::vector<double> ratios = last_ratios(track);
   // at most 0.999, so that a geometric series of it has a finite sum
   return ratios.empty() ? kDefaultEps : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
 }
 
-double predicted_eps_reach(const Track& track) {
+double predicted_eps_reach(const TimedImpacts& track) {
   constexpr double kQuartilesToSigma = 0.74;  // the quartiles of a normal distribution are 1.35 sigma apart
   const std::vector<double> ratios = last_ratios(track);
   if (ratios.size() < kMinRatiosForReach) return kMaxEpsReach;
@@ -57,7 +57,7 @@ double predicted_eps_reach(const Track& track) {
   return std::clamp(4.0 * kQuartilesToSigma * quartiles, kMinEpsReach, kMaxEpsReach);
 }
 
-double last_flight(const Track& track) {
+double last_flight(const TimedImpacts& track) {
   const TimedImpact& last = track.back();
   const TimedImpact& before = track[track.size() - 2];
   const auto n = static_cast<double>(last.impact - before.impact);
@@ -65,12 +65,12 @@ double last_flight(const Track& track) {
   return (last.fit.t_s - before.fit.t_s) * pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - pow(eps, n));
 }
 
-double first_of_missing(const Track& track, double n_missing, double total_s) {
+double first_of_missing(const TimedImpacts& track, double n_missing, double total_s) {
   const double eps = predicted_eps(track);
   return total_s * (1.0 - eps) / (1.0 - pow(eps, n_missing + 1.0));
 }
 
-bool is_predicted_amplitude(const Track& track, double amplitude, double interval_s) {
+bool is_predicted_amplitude(const TimedImpacts& track, double amplitude, double interval_s) {
   const std::optional<double> per_s = amplitude_per_s(track);
   if (!per_s) return true;
   const double ratio = amplitude / (*per_s * interval_s);

@@ -12,7 +12,7 @@ namespace bouncelab {
 enum class Flag {
   by_hand,         ///< the time was set by a person
   clipped,         ///< the sound is clipped at this impact
-  doubtful,        ///< the time may be wrong by a period of the sound
+  doubtful,        ///< the impact has more than one place where it may have been; sigma_t_s covers them
   extra_impact,    ///< the ratio of intervals is explained only by an impact that did not happen
   inferred,        ///< the impact was not detected by itself, but expected from its neighbours and then found
   missing_impact,  ///< the ratio of intervals is explained only by an impact that was not detected

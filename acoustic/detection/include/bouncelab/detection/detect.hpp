@@ -53,7 +53,7 @@ struct RecordingSummary {
   double duration_s = 0.0;
   double noise_rms = 0.0;  ///< of the quiet parts, full scale = 1
   /// tau_1, the contact time at 1 m/s of tau = tau_1 v^(-1/5), by which the times were moved to the start of contact;
-  /// absent if tau_1 is not significant at 4 sigma; the prior for steel, 35 +- 20 us, is then used
+  /// absent if tau_1 is not significant at 4 sigma; what the sound's frequencies suggest is then used
   std::optional<double> contact_time_at_1_mps_s;
   /// Standard error d of the tau_1 used: all times share an error of d (v^(-1/5) - const) / 2, which sigma_t_s
   /// excludes. Absent where no time was moved.

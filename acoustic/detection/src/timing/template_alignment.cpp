@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/template_alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "timing/correlation_peaks.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+double power_at(const audio::Spectrum& spectrum, std::size_t k) {
+  return square(static_cast<double>(spectrum.re[k])) + square(static_cast<double>(spectrum.im[k]));
+}
+
+/// Leaves the lower frequencies, which hold half of the energy.
+/// @return the first bin left out
+std::size_t keep_lower_half(audio::Spectrum& spectrum) {
+  const double half = 0.5 * audio::energy(spectrum);
+  double sum = 0.0;
+  std::size_t n_kept = 0;
+  while (n_kept < spectrum.size() && sum <= half) sum += power_at(spectrum, n_kept++);
+  std::fill(spectrum.re.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.re.end(), 0.0F);
+  std::fill(spectrum.im.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.im.end(), 0.0F);
+  return n_kept;
+}
+
+}  // namespace
+
+void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
+  cut_window(e.sound, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
+}
+
+void set_template(TemplateEstimation& e, TemplateAverage average) {
+  e.mean = std::move(average.mean);
+  e.n_bins = e.only_lower_half ? keep_lower_half(average.spectrum) : average.spectrum.size();
+  e.learned.filter = MatchedFilter(std::move(average.spectrum), e.window.n_window);
+  if (e.learned.subbands.n() == 0) e.learned.subbands = split_into_subbands(e.learned.filter);
+}
+
+void average(TemplateEstimation& e) { set_template(e, average_of(e.training, e.window, e.fourier)); }
+
+void align(TemplateEstimation& e, bool search) {
+  const double reach = kRoughTimeError_s * e.sound.rate_hz;
+  for (TrainingImpact& impact : e.training) {
+    if (!(e.learned.filter.energy() > 0.0)) {
+      impact.correlation = 0.0;
+      continue;
+    }
+    if (search)
+      impact.position = find_correlation_peaks(e.learned.filter, impact.spectrum, -reach, reach).front().shift;
+    if (std::abs(impact.position) > kRecutDistance_samples) {
+      const std::int64_t moved = std::llround(impact.position);
+      cut_training_window(e, impact.window.first + moved, impact);
+      impact.position -= static_cast<double>(moved);
+    }
+    impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
+    impact.position = impact.estimate.shift;
+    impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
+    double total = 0.0;
+    for (std::size_t k = 0; k < e.n_bins; ++k) total += power_at(impact.spectrum, k);
+    impact.correlation = correlation(impact.estimate, total);
+  }
+}
+
+void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds) {
+  for (int round = 0; round < n_rounds; ++round) {
+    align(e, round < n_searched);
+    average(e);
+  }
+}
+
+std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact) {
+  const MatchedFilter& filter = e.learned.filter;
+  const std::vector<float> placed =
+      e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.position));
+  std::vector<float> x = impact.window.sound;
+  for (std::size_t n = 0; n < e.window.n_window; ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
+  return x;
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "timing/impact_template.hpp"
+#include "timing/template_training.hpp"
+
+namespace bouncelab::detection {
+
+/// What the steps of the estimation of a template pass on.
+struct TemplateEstimation {
+  const audio::AudioSource& sound;
+  TemplateWindow window;
+  audio::RealFft fourier;
+  std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates
+  std::vector<TrainingImpact> training;
+  ImpactTemplate learned;
+  std::vector<float> mean;       ///< of the last average, as a function of time
+  bool only_lower_half = false;  ///< the template is left only the lower frequencies, which hold half of its energy
+  std::size_t n_bins = 0;        ///< that the template may fill
+};
+
+/// Reads a training impact's window anew, from a sample on.
+void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact);
+
+void set_template(TemplateEstimation& e, TemplateAverage average);
+
+/// The template as the mean of the training impacts at their positions.
+void average(TemplateEstimation& e);
+
+/// Position and amplitude of each training impact by the present template.
+/// @param search  anew within a millisecond, not only about the last position
+void align(TemplateEstimation& e, bool search);
+
+/// @param n_searched  rounds in which positions are searched for; in the others they are refined
+void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds);
+
+/// What the template leaves of a training impact.
+std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "timing/template_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+#include "timing/impact_whitener.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr int kAlignmentRounds = 2;
+
+/// How a template is searched for.
+struct TemplateSearch {
+  bool at_attacks = false;       // windows begin at attacks, not at candidates
+  bool lower_half_first = true;  // the first alignment is by the lower half of the spectrum alone
+};
+
+/// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
+/// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
+std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
+  constexpr double kShareOfEnergy = 0.2;
+  const std::vector<float> x = audio::read_white(e.sound, e.learned.whitener, first, e.window.n_window).sound;
+  const double enough = kShareOfEnergy * audio::dot(x, x);
+  double sum = 0.0;
+  std::size_t n = 0;
+  while (n + 1 < x.size() && sum < enough) sum += square(static_cast<double>(x[n++]));
+  const std::int64_t late = static_cast<std::int64_t>(n) - e.window.samples(kTemplateLead_s);
+  return late > e.window.samples(kRoughTimeError_s) ? late : 0;
+}
+
+std::vector<TrainingImpact> cut_training(TemplateEstimation& e, const TemplateSearch& search) {
+  std::vector<TrainingImpact> training(e.begins.size());
+  for (std::size_t k = 0; k < training.size(); ++k)
+    cut_training_window(e, e.begins[k] + (search.at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
+  return training;
+}
+
+/// The template that starts from one impact. Low frequencies are aligned by first: they have one maximum where high
+/// ones have many, and a codec keeps their phases, but gives high ones phases of its own.
+void start_from(TemplateEstimation& e, std::size_t start, const TemplateSearch& search) {
+  e.learned.subbands = {};
+  e.only_lower_half = search.lower_half_first;
+  set_template(e, first_template(e.training[start], e.window, e.fourier));
+  align_and_average(e, kAlignmentRounds, kAlignmentRounds);
+  if (!e.only_lower_half) return;
+  e.only_lower_half = false;
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+}
+
+/// A template and the impacts that it is the mean of.
+struct Found {
+  ImpactTemplate learned;
+  std::vector<TrainingImpact> training;
+  std::vector<float> mean;
+  bool at_attacks = false;
+
+  std::ptrdiff_t n_alike() const {
+    return std::count_if(training.begin(), training.end(),
+                         [](const TrainingImpact& impact) { return impact.is_averaged(); });
+  }
+  bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
+};
+
+Found state_of(const TemplateEstimation& e) { return {e.learned, e.training, e.mean, false}; }
+
+void restore(TemplateEstimation& e, Found found) {
+  e.learned = std::move(found.learned);
+  e.training = std::move(found.training);
+  e.mean = std::move(found.mean);
+}
+
+/// The template of the strongest impact that three quarters of the others correlate with. The very strongest may hold a
+/// knock, or be of another source altogether.
+/// @return where there is none, that which most correlate with
+Found find_template(TemplateEstimation& e, const TemplateSearch& search) {
+  constexpr std::size_t kMaxStarts = 5;
+  const std::vector<TrainingImpact> training = cut_training(e, search);
+  Found best;
+  for (std::size_t start = 0; start < std::min(kMaxStarts, training.size()); ++start) {
+    e.training = training;
+    start_from(e, start, search);
+    Found found = state_of(e);
+    found.at_attacks = search.at_attacks;
+    if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
+    if (best.is_enough()) break;
+  }
+  return best;
+}
+
+/// Windows that begin at attacks may lack what the impacts have in common before them, the plate's own sound before a
+/// wall's louder answer: moves all of them back by the median of what they were moved, and averages anew.
+void include_what_comes_before(TemplateEstimation& e) {
+  std::vector<double> late;
+  for (const std::int64_t first : e.begins) late.push_back(static_cast<double>(samples_to_attack(e, first)));
+  const auto most = static_cast<std::int64_t>(e.window.n_template / 3);  // the rest must hold the attack
+  const std::int64_t back = std::min(std::llround(upper_median(std::move(late))), static_cast<long long>(most));
+  if (back == 0) return;
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first - back, impact);
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+}
+
+}  // namespace
+
+void find_template(TemplateEstimation& e) {
+  Found best = find_template(e, {});
+  for (const TemplateSearch& search : {TemplateSearch{.at_attacks = true}, TemplateSearch{.lower_half_first = false}}) {
+    if (best.is_enough()) break;
+    Found found = find_template(e, search);
+    if (found.n_alike() > best.n_alike()) best = std::move(found);
+  }
+  const bool at_attacks = best.at_attacks;
+  restore(e, std::move(best));
+  if (at_attacks) include_what_comes_before(e);
+}
+
+void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise) {
+  if (!(noise.quiet_variance > 0.0)) return;
+  Found before = state_of(e);
+  e.learned.whitener = noise_whitener(noise);
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+  if (state_of(e).n_alike() < before.n_alike()) restore(e, std::move(before));
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tracks whose candidates have gaps, end early or go on where nothing sounds.
+#include "timing/track_timer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/core/random.hpp"
+#include "support/modal_sound.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kRate_hz = 44100.0;
+constexpr int kImpacts = 24;
+constexpr double kEps = 0.97;
+
+double time_of(int k) { return 0.3 + 0.3 * (1.0 - std::pow(kEps, k)) / (1.0 - kEps); }
+
+/// A ball of 24 impacts in noise; timed by the candidates of some of them and of instants at which nothing sounds.
+std::vector<TimedImpact> timed(const std::vector<int>& with_candidate) {
+  std::vector<float> samples(static_cast<std::size_t>((time_of(kImpacts) + 0.6) * kRate_hz));
+  Random random(7, RandomStream::test, 0);
+  for (float& x : samples) x = static_cast<float>(2e-3 * random.normal());
+  for (int k = 0; k < kImpacts; ++k)
+    test::add_modal_sound(samples, kRate_hz, time_of(k), 0.2 * std::pow(kEps, k),
+                          test::equal_modes({2100.0, 5300.0, 7700.0}, 3e-3, 0.05));
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  std::vector<Candidate> candidates, sounding;
+  Track track;
+  for (const int k : with_candidate) {
+    track.impacts.push_back({candidates.size(), k});
+    candidates.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
+    if (k < kImpacts) sounding.push_back(candidates.back());
+  }
+  const std::optional<ImpactTemplate> learned =
+      estimate_template(sound, audio::learn_ar_models(sound, 48).noise, sounding, std::vector<bool>(sounding.size()));
+  EXPECT_TRUE(learned);
+  return learned ? time_track(sound, *learned, track, candidates, time_of(kImpacts) + 0.5) : std::vector<TimedImpact>{};
+}
+
+void expect_all_impacts(const std::vector<TimedImpact>& impacts) {
+  ASSERT_EQ(impacts.size(), kImpacts);
+  const double offset_s = impacts[0].fit.t_s - time_of(0);
+  for (int k = 0; k < kImpacts; ++k) {
+    EXPECT_EQ(impacts[static_cast<std::size_t>(k)].impact, k);
+    EXPECT_NEAR(impacts[static_cast<std::size_t>(k)].fit.t_s - offset_s, time_of(k), 20e-6) << k;
+  }
+}
+
+TEST(TrackTimer, FindsTheImpactsThatAreMissingBetweenCandidates) {
+  const std::vector<TimedImpact> impacts =
+      timed({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 13, 14, 15, 16, 18, 19, 20, 21, 22, 23});
+  expect_all_impacts(impacts);
+  for (const TimedImpact& impact : impacts)
+    EXPECT_EQ(impact.inferred, impact.impact == 10 || impact.impact == 11 || impact.impact == 17) << impact.impact;
+}
+
+TEST(TrackTimer, GoesOnBeyondTheLastCandidateAsLongAsTheBallSounds) {
+  expect_all_impacts(timed({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
+}
+
+TEST(TrackTimer, LeavesOutCandidatesAtTheEndWhereNothingSounds) {
+  std::vector<int> all;
+  for (int k = 0; k <= kImpacts; ++k) all.push_back(k);
+  expect_all_impacts(timed(all));
+}
+
+}  // namespace
+}  // namespace bouncelab::detection
