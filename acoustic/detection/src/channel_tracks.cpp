@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "channel_tracks.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "bouncelab/audio/dsp/decimate.hpp"
@@ -16,6 +18,16 @@ constexpr std::array<double, 3> kBandRates_hz{0.0, 4e3, 1e3};  // sampling rates
 
 // log odds by which a lower band must win: the best of three is chosen, and low bands give less accurate times
 constexpr double kBandSelectionMargin = 1.5;
+
+constexpr double kSameBall = 0.25;  // share of their log odds by which channels with the same impacts differ
+
+/// Of all impacts.
+double log_likelihood_ratio(const BandOfChannel& band, const ChannelTracks& found) {
+  double sum = 0.0;
+  for (const Track& track : found.tracks)
+    for (const TrackImpact& impact : track.impacts) sum += band.candidates[impact.candidate].log_likelihood_ratio;
+  return sum;
+}
 
 }  // namespace
 
@@ -50,6 +62,13 @@ ChannelTracks find_tracks_in(const std::vector<BandOfChannel>& bands, const Trac
     if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(here);
   }
   return best;
+}
+
+bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
+                  const ChannelTracks& other) {
+  const double most = std::max(found.log_odds(), other.log_odds());
+  if (std::abs(found.log_odds() - other.log_odds()) > kSameBall * most) return found.log_odds() > other.log_odds();
+  return log_likelihood_ratio(band, found) > log_likelihood_ratio(other_band, other);
 }
 
 }  // namespace bouncelab::detection

@@ -32,6 +32,11 @@ struct ChannelTracks {
   double log_odds() const;
 };
 
+/// Whether one channel is to be preferred to another: the one of the more probable tracks; where both have recorded the
+/// same ball, the one in which its impacts rise the more, since that makes their times accurate.
+bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
+                  const ChannelTracks& other);
+
 ChannelTracks find_tracks_in(const std::vector<BandOfChannel>& bands, const TrackingModel& model = {});
 
 }  // namespace bouncelab::detection

@@ -145,7 +145,7 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   for (int c = first; c < last; ++c) {
     ChannelDetection here{c, bands_of(source_of(c), progress), {}};
     here.found = find_tracks_in(here.bands);
-    if (c == first || here.found.log_odds() > best.found.log_odds()) best = std::move(here);
+    if (c == first || is_preferred(here.band(), here.found, best.band(), best.found)) best = std::move(here);
   }
   return best;
 }
@@ -167,7 +167,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   d.summary.channel = best.channel;
   d.summary.channel_reason = config.channel    ? "asked for"
                              : n_channels == 1 ? "the only one"
-                                               : "its tracks of impacts are the most probable";
+                                               : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
   TimedRecording timed = time_recording(
