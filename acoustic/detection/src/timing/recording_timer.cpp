@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "contact/contact_time.hpp"
 #include "timing/recorded_spectrum.hpp"
 #include "tracking/impact_odds.hpp"
@@ -53,6 +55,9 @@ LearnedWave to_learned_wave(const ImpactTemplate& learned, double rate_hz) {
 }
 
 struct TimedDrops {
+  bool is_full_band = true;
+  double rate_hz = 0.0;         // of the band
+  double noise_variance = 0.0;  // in it
   std::vector<TimedDrop> drops;
   std::optional<ReferenceTemplate> reference;
   std::optional<LearnedWave> wave;
@@ -60,7 +65,7 @@ struct TimedDrops {
 
 /// Times each track by itself; the first template is the reference of all.
 TimedDrops time_drops(const TimingInput& input) {
-  TimedDrops timed;
+  TimedDrops timed{input.is_full_band, input.band.rate_hz, input.noise.quiet_variance, {}, {}, {}};
   const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
                                      [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
   const std::optional<ImpactTemplate> shared = is_shared ? template_of(input, input.tracks) : std::nullopt;
@@ -93,13 +98,43 @@ TimedDrops time_drops(const TimingInput& input) {
 }
 
 /// The contact-time law of all drops; where they do not determine it, the assumed one; absent without template.
-std::optional<ContactLaw> contact_law_of(const TimedDrops& timed, double rate_hz) {
+std::optional<ContactLaw> contact_law_of(const TimedDrops& timed) {
   if (!timed.reference) return std::nullopt;
   std::vector<ContactEvidence> evidence;
   for (const TimedDrop& drop : timed.drops)
     if (drop.contact) evidence.push_back(*drop.contact);
-  const ContactLaw assumed = assumed_contact(recorded_rms_frequency(timed.reference->learned) * rate_hz);
+  const ContactLaw assumed = assumed_contact(recorded_rms_frequency(timed.reference->learned) * timed.rate_hz);
   return evidence.empty() ? assumed : pool_contacts(evidence, assumed);
+}
+
+/// Median standard error of all impacts.
+double median_sigma_s(const TimedDrops& timed) {
+  std::vector<double> sigma_s;
+  for (const TimedDrop& drop : timed.drops)
+    for (const TimedImpact& impact : drop.impacts) sigma_s.push_back(hypot(impact.fit.sigma_s, impact.doubt_s));
+  return sigma_s.empty() ? INFINITY : upper_median(std::move(sigma_s));
+}
+
+std::size_t n_impacts(const TimedDrops& timed) {
+  std::size_t n = 0;
+  for (const TimedDrop& drop : timed.drops) n += drop.impacts.size();
+  return n;
+}
+
+/// A band in which impacts stand out from clutter need not be the one that times them best: low frequencies hold little
+/// of the information. Times them in the whole sound too, and takes that where no impact is lost and the errors are
+/// half as large: the lesser of two estimated errors is too small by chance.
+TimedDrops time_drops_in_best_band(const TimingInput& input) {
+  constexpr double kClearlyLess = 0.5;
+  TimedDrops in_band = time_drops(input);
+  if (input.is_full_band) return in_band;
+  const audio::ArModel noise =
+      audio::learn_ar_models(input.whole, static_cast<int>(input.noise.filter.size()) - 2).noise;
+  TimedDrops in_whole =
+      time_drops({input.whole, input.whole, true, noise, input.candidates, input.tracks, input.gravity_mps2});
+  const bool is_better =
+      n_impacts(in_whole) >= n_impacts(in_band) && median_sigma_s(in_whole) < kClearlyLess * median_sigma_s(in_band);
+  return is_better ? in_whole : in_band;
 }
 
 /// What takes the time of an impact to the start of contact.
@@ -143,16 +178,18 @@ Onset to_onset(const TimedImpact& from, double log_odds_of_track, const ContactC
 
 TimedRecording time_recording(const TimingInput& input, const std::string& name) {
   TimedRecording recording;
-  TimedDrops timed = time_drops(input);
+  TimedDrops timed = time_drops_in_best_band(input);
   recording.wave = std::move(timed.wave);
-  const std::optional<ContactLaw> law = contact_law_of(timed, input.band.rate_hz);
+  recording.is_full_band = timed.is_full_band;
+  const std::optional<ContactLaw> law = contact_law_of(timed);
   if (law && law->is_significant) recording.contact_time_at_1_mps_s = law->tau_1_s;
   if (law) recording.contact_time_sigma_s = law->sigma_s;
   for (std::size_t d = 0; d < timed.drops.size(); ++d) {
     const TimedDrop& drop = timed.drops[d];
     for (std::size_t k = 0; k < drop.impacts.size(); ++k) {
       const ContactCorrection contact = law ? contact_correction(*law, drop, k) : ContactCorrection{};
-      Onset onset = to_onset(drop.impacts[k], input.tracks[d].log_odds, contact, drop.peak, input.noise.quiet_variance);
+      Onset onset =
+          to_onset(drop.impacts[k], input.tracks[d].log_odds, contact, drop.peak, timed.noise_variance);
       onset.recording = name;
       onset.drop = static_cast<std::int64_t>(d);
       recording.onsets.push_back(std::move(onset));

@@ -12,12 +12,14 @@ namespace bouncelab::detection {
 struct TimedRecording {
   Onsets onsets;
   std::optional<LearnedWave> wave;  ///< of the longest track
+  bool is_full_band = true;  ///< timed in the sound as recorded, though the impacts may have been found in a band
   std::optional<double> contact_time_at_1_mps_s;
   std::optional<double> contact_time_sigma_s;
 };
 
 /// Times all tracks. Each of a dozen impacts or more has a template of its own, since each drop strikes the plate at
-/// another place; shorter ones share that of the recording. The contact-time law is pooled over all drops: one ball.
+/// another place; shorter ones share that of the recording. What was found in a low band is timed in the whole sound
+/// where that halves the errors. The contact-time law is pooled over all drops: one ball.
 /// @param name  goes into the column `recording`
 TimedRecording time_recording(const TimingInput& input, const std::string& name);
 
