@@ -111,7 +111,7 @@ std::int64_t count_flag(const Onsets& onsets, Flag flag) {
 }
 
 /// Limits of the onsets' accuracy, one line each.
-std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& found) {
+std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& found, bool is_timed_in_full_band) {
   std::vector<std::string> warnings;
   if (d.onsets.empty()) return warnings;
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
@@ -120,16 +120,15 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
                        "are clipped: timed with a template that is clipped alike; record with less gain");
   if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
-                       "may be a cycle of their sound off (flag doubtful; sigma_t_s includes it)");
-  if (found.sound.rate_hz < kBelow500_hz)
-    warnings.push_back("the impacts were found below 500 Hz only: times to a millisecond or two at best");
-  else if (found.decimation > 1)
-    warnings.push_back("the impacts were found below 2 kHz only: times to a fraction of a millisecond at best");
+                       "have more than one place where they may have been (flag doubtful; sigma_t_s covers them)");
+  if (!is_timed_in_full_band)
+    warnings.push_back(found.sound.rate_hz < kBelow500_hz
+                           ? "the impacts were found below 500 Hz only: times to a millisecond or two at best"
+                           : "the impacts were found below 2 kHz only: times to a fraction of a millisecond at best");
   if (!d.summary.contact_time_at_1_mps_s)
     warnings.push_back(
-        "the recording does not determine the contact time: that of steel is assumed for a sound with high "
-        "frequencies, "
-        "none for another; contact_time_sigma_s is the uncertainty that remains");
+        "the recording does not determine the contact time: one that its frequencies suggest is assumed; "
+        "contact_time_sigma_s is the uncertainty that remains");
   return warnings;
 }
 
@@ -184,7 +183,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   }
   if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
   set_status(config.min_impacts, d);
-  d.warnings = warnings_for(d, band);
+  d.warnings = warnings_for(d, band, timed.is_full_band);
   return d;
 }
 
