@@ -18,7 +18,6 @@ constexpr double kOutlierReach = 0.17;
 constexpr double kMinCycles = 3.0;   // of the template; nearer impacts cannot be separated from its ringing
 constexpr double kClearRise = 20.0;  // log likelihood ratio of a candidate that noise does not reach in hours
 constexpr double kReliable = 0.7;    // correlation: the template explains half of an impact's energy
-constexpr double kSureOfTrack = 0.9;  // probability of an impact by its time and loudness, whatever its wave
 constexpr int kMaxFailures = 3;      // impacts in a row that are not found, then the track has ended
 
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
@@ -150,8 +149,7 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
 
 void trim_tail(TimedTrack& track, const Track& tracked, const std::vector<Candidate>& candidates) {
   for (std::size_t k = tracked.impacts.size(); k-- > 0 && track.impacts.size() > 3;) {
-    if (tracked.impacts[k].probability > kSureOfTrack || keeps_last(track, candidates[tracked.impacts[k].candidate]))
-      return;
+    if (keeps_last(track, candidates[tracked.impacts[k].candidate])) return;
     track.impacts.pop_back();
     track.search.timer.forget_last();  // extend() searches where it was
   }

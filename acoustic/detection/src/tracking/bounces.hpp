@@ -47,6 +47,7 @@ class Bounces {
 
  private:
   double learned_variance(const TrackingModel& model) const;
+  double variance(const TrackingModel& model) const;  ///< what a ball can have of it
   void learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model);
 
   int n_eps_ = 0;  ///< ratios of intervals

@@ -14,7 +14,6 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kAcceptance = 0.0;  // log odds
 
 /// The coefficient of restitution that goes before the first of a track.
 struct Expected {
@@ -50,6 +49,7 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
+constexpr double kSure = 3.0;  // log odds of a track that may speak for others
 constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
 
 /// The track's own sounds and their echoes: chance need not offer them.
@@ -186,7 +186,7 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   constexpr double kEpsRange = kLargestEps - kLeastEps;
   const Track* surest = nullptr;
   for (const Track& other : tracks)
-    if (&other != &track && other.log_odds > kAcceptance + 3.0 &&
+    if (&other != &track && other.log_odds > kSure &&
         (surest == nullptr || other.log_odds > surest->log_odds))
       surest = &other;
   const std::optional<double> here = first_log_eps(c, track);
@@ -226,7 +226,6 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
   const std::vector<Track> all = kept;
   for (std::size_t k = 0; k < all.size(); ++k)
     kept[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k], o.model());
-  std::erase_if(kept, [](const Track& track) { return track.log_odds < kAcceptance; });
   std::sort(kept.begin(), kept.end(), ends_before);
   return kept;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
@@ -21,6 +22,7 @@ constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds a
 constexpr double kMostGain = 11.0;     // that any impact adds
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
+constexpr double kAcceptance = 0.0;  // log odds of a track
 constexpr std::size_t kStatesAtOnce = 1 << 12;  // 1 MB, which stays in the cache; then those no track needs are dropped
 
 struct State {
@@ -207,7 +209,10 @@ class Search {
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
                                const std::vector<BandEnergies>& band_energies, const TrackingModel& model) {
   const Observations observations(candidates, timing_s, band_energies, model);
-  return rescored(observations, Search(observations).run());
+  std::vector<Track> tracks = rescored(observations, Search(observations).run());
+  weigh_by_drop_rate(candidates, tracks, model);
+  std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
+  return tracks;
 }
 
 }  // namespace bouncelab::detection
