@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sounds that come in rows and are no ball: voices, hands, feet, drums, clocks. No track is found.
+// Sounds that come in rows and are no ball: voices, hands, feet, drums, clocks. No track is found, or
+// one that states its doubt.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -85,13 +86,19 @@ std::vector<float> bunches(Random& random) {
 }
 
 template <class Make>
+Detection detected(const std::string& what, std::uint64_t seed, const Make& make) {
+  Random random(seed, RandomStream::test, 7);
+  std::vector<float> x = make(random);
+  test::add_noise(x, 5e-4, seed);
+  Detection d = detect(x, kRate_hz, what);
+  EXPECT_GT(d.summary.n_candidates, 10) << what << ", seed " << seed << ": no candidates";
+  return d;
+}
+
+template <class Make>
 void expect_no_train(const std::string& what, const Make& make) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    Random random(seed, RandomStream::test, 7);
-    std::vector<float> x = make(random);
-    test::add_noise(x, 5e-4, seed);
-    const Detection d = detect(x, kRate_hz, what);
-    EXPECT_GT(d.summary.n_candidates, 10) << what << ", seed " << seed << ": no candidates";
+    const Detection d = detected(what, seed, make);
     EXPECT_TRUE(d.onsets.empty()) << what << ", seed " << seed << ": " << d.message;
   }
 }
@@ -120,8 +127,19 @@ TEST(DetectNoBall, TakesNoTypingForABall) {
   expect_no_train("typing", [](Random& r) { return typing(r); });
 }
 
-TEST(DetectNoBall, TakesNoHandlingForABall) {
-  expect_no_train("handling", [](Random& r) { return bunches(r); });
+TEST(DetectNoBall, TakesHandlingForABallNoMoreOftenThanItsOddsAllow) {
+  // Six sounds at random hold twenty triples and fifteen fours. In some of them the intervals shrink and the loudness
+  // falls as those of a ball do, and nothing that could be measured tells these from a drop of so few impacts. What
+  // can be asked is that they state their doubt: chance reaches odds of q in no more than one bunch in q.
+  constexpr std::uint64_t kManySeeds = 12;
+  constexpr double kBunches = 5.0 * kManySeeds;
+  double n_beyond_doubt = 0.0;
+  for (std::uint64_t seed = 1; seed <= kManySeeds; ++seed)
+    for (const DropSummary& drop : detected("handling", seed, [](Random& r) { return bunches(r); }).drops) {
+      EXPECT_LE(drop.n_impacts, 4) << "seed " << seed << ", odds " << drop.odds;
+      n_beyond_doubt += drop.is_doubtful() ? 0.0 : 1.0;
+    }
+  EXPECT_LE(n_beyond_doubt, kBunches / DropSummary::kDoubtfulOdds);
 }
 
 }  // namespace

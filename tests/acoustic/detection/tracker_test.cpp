@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "bouncelab/core/random.hpp"
+#include "candidate_rows.hpp"
+#include "tracking/hypothesis.hpp"
+#include "tracking/rescoring.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -113,6 +117,202 @@ TEST(Tracker, KnowABallFromItsOtherDrop) {
   }
   // one in three hides behind the others; a recording whose drops do not know of each other finds one in forty
   EXPECT_GE(n_found, 20);
+}
+
+/// The most probable set of tracks by the score of all sequences of candidates, none left out.
+class ExhaustiveSearch {
+ public:
+  /// Tracks that follow each other, and their score. Scores of the same tracks are those of the best of them.
+  struct Solution {
+    double score = 0.0;
+    std::vector<Track> tracks;
+  };
+
+  explicit ExhaustiveSearch(const Observations& o) : o_(o), best_(o.size() + 1) {
+    best_[0] = {Solution{}};
+    for (std::size_t last = 0; last < o.size(); ++last) {
+      best_[last + 1] = best_[last];
+      here_ = last;
+      for (std::size_t j = 0; j < last; ++j)
+        for (std::size_t k = j + 1; k <= last; ++k) {
+          const double flight_s = o[k].t_s - o[j].t_s;
+          if (flight_s < kShortestFirstFlight_s || flight_s > kLongestFlight_s) continue;
+          Track track;
+          track.impacts = {{j, 0}, {k, 1}};
+          follow(Hypothesis::begin(o[j], o[k], o.same_source(j, k), true, o.model()), track);
+        }
+    }
+  }
+
+  /// The two best, which differ in their tracks.
+  const std::vector<Solution>& solutions() const { return best_.back(); }
+
+ private:
+  void follow(const Hypothesis& h, const Track& track) {
+    const std::size_t last = track.impacts.back().candidate;
+    if (last == here_) return take(h, track);
+    const int most_missing = h.n_eps() == 0 ? 0 : kMostMissing;
+    for (std::size_t k = last + 1; k <= here_; ++k)
+      for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
+        const auto longer = h.extended(o_[k], n_missing, o_.same_source(last, k), true, -INFINITY, o_.model());
+        if (!longer) continue;
+        Track more = track;
+        more.impacts.push_back({k, longer->impact});
+        follow(*longer, more);
+      }
+  }
+
+  void take(const Hypothesis& h, Track track) {
+    if (h.n_impacts < kFewestImpacts) return;
+    constexpr double kOwnClutter = 5.0;  // nats that may come back when its own sounds are no longer its clutter
+    const Hypothesis::Verdict most = h.most_probable(o_.model());
+    if (most.log_odds + kOwnClutter <= 0.0) return;
+    track.impacts.resize(static_cast<std::size_t>(most.n_of_ball));
+    for (Solution s : best_[track.impacts.empty() ? 0 : track.impacts.front().candidate]) {
+      s.score += std::log1p(std::exp(most.log_odds));
+      if (std::ssize(track.impacts) >= kFewestImpacts) s.tracks.push_back(track);
+      keep(s, best_[here_ + 1]);
+    }
+  }
+
+  static bool are_same(const std::vector<Track>& a, const std::vector<Track>& b) {
+    const auto same_impact = [](const TrackImpact& x, const TrackImpact& y) {
+      return x.candidate == y.candidate && x.impact == y.impact;
+    };
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Track& x, const Track& y) {
+      return std::equal(x.impacts.begin(), x.impacts.end(), y.impacts.begin(), y.impacts.end(), same_impact);
+    });
+  }
+
+  static void keep(const Solution& s, std::vector<Solution>& best) {
+    const auto same =
+        std::find_if(best.begin(), best.end(), [&](const Solution& other) { return are_same(other.tracks, s.tracks); });
+    if (same == best.end())
+      best.push_back(s);
+    else
+      same->score = std::max(same->score, s.score);
+    std::stable_sort(best.begin(), best.end(), [](const Solution& a, const Solution& b) { return a.score > b.score; });
+    if (best.size() > 2) best.resize(2);
+  }
+
+  const Observations& o_;
+  std::vector<std::vector<Solution>> best_;  // best_[k]: over candidates before k
+  std::size_t here_ = 0;
+};
+
+/// A ball of three to seven impacts, some of which may be missing, among other sounds: twelve candidates at most.
+std::vector<Candidate> small_scene(std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 4);
+  test::BallRow ball;
+  ball.first_s = random.uniform(0.5, 1.5);
+  ball.first_flight_s = random.uniform(0.2, 0.7);
+  ball.eps = random.uniform(0.55, 0.95);
+  ball.n_impacts = static_cast<int>(random.uniform(3.0, 8.0));
+  ball.eps_scatter = random.uniform(0.0, 0.03);
+  ball.loudness_scatter = 0.3;
+  std::vector<Candidate> candidates = test::candidates_of(ball, Random(seed, RandomStream::test, 5));
+  if (random.uniform() < 0.3) candidates.erase(candidates.begin() + std::ssize(candidates) / 2);
+  for (auto n = static_cast<int>(random.uniform(0.0, 6.0)); n > 0; --n)
+    candidates.push_back(test::candidate(random.uniform(0.0, 4.0), 150.0 * std::exp(0.7 * random.normal())));
+  test::sort_by_time(candidates);
+  return candidates;
+}
+
+using Places = std::vector<std::vector<std::size_t>>;
+Places places_of(const std::vector<Track>& tracks) {
+  Places places;
+  for (const Track& track : tracks) {
+    places.emplace_back();
+    for (const TrackImpact& impact : track.impacts) places.back().push_back(impact.candidate);
+  }
+  return places;
+}
+
+TEST(Tracker, SearchFindsWhatAnExhaustiveSearchOverAllSequencesFinds) {
+  constexpr double kClear = 0.5;  // log odds of the best against the second
+  constexpr std::uint64_t kSeeds = 300;
+  int n_clear = 0, n_with_ball = 0;
+  const TrackingModel model;
+  const std::vector<BandEnergies> none;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const std::vector<Candidate> candidates = small_scene(seed);
+    ASSERT_LE(candidates.size(), 12u);
+    const Observations o(candidates, test::kTiming_s, none, model);
+    const ExhaustiveSearch all(o);
+    const std::vector<ExhaustiveSearch::Solution>& best = all.solutions();
+    if (best.size() > 1 && best[0].score < best[1].score + kClear) continue;
+    n_clear += 1;
+    n_with_ball += best[0].tracks.empty() ? 0 : 1;
+    EXPECT_EQ(places_of(find_tracks(candidates, test::kTiming_s)), places_of(rescored(o, best[0].tracks))) << seed;
+  }
+  EXPECT_GT(n_clear, 200);
+  EXPECT_GT(n_with_ball, 150);
+}
+
+TEST(Tracker, NeitherTheTimeNorTheGainOfARecordingMatters) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const std::vector<Candidate> candidates = small_scene(seed);
+    const std::vector<Track> here = find_tracks(candidates, test::kTiming_s);
+    const std::vector<Track> there = find_tracks(test::shifted(candidates, 3600.0, 1e-3), test::kTiming_s);
+    ASSERT_EQ(places_of(here), places_of(there)) << seed;
+    // times of an hour are rounded to 5e-13 s
+    for (std::size_t k = 0; k < here.size(); ++k) EXPECT_NEAR(here[k].log_odds, there[k].log_odds, 1e-4) << seed;
+  }
+}
+
+TEST(Tracker, DropsThatHaveNothingToDoWithEachOtherAreFoundAloneAsTogether) {
+  TrackingModel model;
+  model.another_ball = 1.0;  // no drop tells of another's ball
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Candidate> first = small_scene(seed);
+    const std::vector<Candidate> second = test::shifted(small_scene(seed + 100), 30.0, 1.0);
+    std::vector<Track> apart = find_tracks(first, test::kTiming_s, {}, model);
+    for (Track& track : find_tracks(second, test::kTiming_s, {}, model)) {
+      for (TrackImpact& impact : track.impacts) impact.candidate += first.size();
+      apart.push_back(track);
+    }
+    const std::vector<Track> together = find_tracks(test::joined(first, second), test::kTiming_s, {}, model);
+    ASSERT_EQ(places_of(together), places_of(apart)) << seed;
+    for (std::size_t k = 0; k < apart.size(); ++k) EXPECT_NEAR(together[k].log_odds, apart[k].log_odds, 1e-6) << seed;
+  }
+}
+
+TEST(Tracker, AMissingImpactIsCountedAndNotClosedUp) {
+  std::vector<Candidate> ball = test::candidates_of({});
+  ball.erase(ball.begin() + 4);
+  const std::vector<Track> tracks = find_tracks(ball, test::kTiming_s);
+  ASSERT_EQ(tracks.size(), 1u);
+  ASSERT_EQ(tracks[0].impacts.size(), 9u);
+  EXPECT_EQ(tracks[0].impacts[3].impact, 3);
+  EXPECT_EQ(tracks[0].impacts[4].impact, 5);
+  EXPECT_EQ(tracks[0].impacts[8].impact, 9);
+}
+
+TEST(Tracker, StatesThatAreNoLongerNeededAreForgottenWithoutALoss) {
+  // so many candidates that the states of most are dropped on the way: a drop in each half minute of clutter
+  std::vector<Candidate> candidates;
+  Random random(1, RandomStream::test, 6);
+  constexpr int kDrops = 40;
+  for (int drop = 0; drop < kDrops; ++drop) {
+    candidates = test::joined(candidates, test::candidates_of({.first_s = 30.0 * drop + 10.0, .n_impacts = 12}));
+    for (int k = 0; k < 60; ++k)
+      candidates.push_back(test::candidate(30.0 * (drop + random.uniform()), 20.0 * random.uniform()));
+  }
+  test::sort_by_time(candidates);
+  const std::vector<Track> tracks = find_tracks(candidates, test::kTiming_s);
+  for (int drop = 0; drop < kDrops; ++drop)  // beside them, chance makes some of few impacts and low odds
+    EXPECT_EQ(std::count_if(tracks.begin(), tracks.end(),
+                            [&](const Track& track) {
+                              const double begin_s = candidates[track.impacts.front().candidate].t_s;
+                              return std::abs(begin_s - 30.0 * drop - 10.0) < 1e-9 && track.impacts.size() >= 12;
+                            }),
+              1)
+        << drop;
+}
+
+TEST(Tracker, NothingGivesNoTracks) {
+  EXPECT_TRUE(find_tracks({}, test::kTiming_s).empty());
+  EXPECT_TRUE(find_tracks({test::candidate(1.0, 100.0), test::candidate(1.5, 80.0)}, test::kTiming_s).empty());
 }
 
 }  // namespace

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tracking/neighbours.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/core/random.hpp"
+#include "candidate_rows.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+const TrackingModel kModel;
+constexpr double kFlight_s = 0.4;
+
+std::vector<Neighbours> counted(const std::vector<Candidate>& candidates) {
+  return count_neighbours(candidates, {}, kModel);
+}
+
+/// As loud sounds at even times.
+std::vector<Candidate> even_row(int n, double interval_s) {
+  std::vector<Candidate> row;
+  for (int k = 0; k < n; ++k) row.push_back(test::candidate(1.0 + k * interval_s, 100.0));
+  return row;
+}
+
+std::vector<Candidate> at_random(int n, double duration_s, std::uint64_t seed) {
+  Random random(seed, RandomStream::test, 0);
+  std::vector<Candidate> row;
+  for (int k = 0; k < n; ++k)
+    row.push_back(test::candidate(random.uniform(0.0, duration_s), 100.0 * std::exp(random.normal())));
+  test::sort_by_time(row);
+  return row;
+}
+
+/// Rising or falling by 13 dB an octave.
+BandEnergies tilted(float slope) {
+  BandEnergies energies;
+  for (int octave = 0; octave < kEnergyBands; ++octave) {
+    energies.log_power[static_cast<std::size_t>(octave)] = slope * static_cast<float>(octave);
+    energies.added_share[static_cast<std::size_t>(octave)] = 1.0F;
+  }
+  return energies;
+}
+
+TEST(Neighbours, WindowIsBetweenTheRootOfTwoAndOfEightFlights) {
+  for (double flight_s = kShortestFlight_s; flight_s < 1.4; flight_s *= 1.01) {
+    EXPECT_GT(clutter_window_s(flight_s), 0.999 * std::sqrt(2.0) * flight_s) << flight_s;
+    EXPECT_LT(clutter_window_s(flight_s), 1.001 * std::sqrt(8.0) * flight_s) << flight_s;
+  }
+}
+
+TEST(Neighbours, KernelIntegratesToOneSoThatOneSoundCountsOnce) {
+  EXPECT_NEAR(test::integral_over_line(0.0, 1.0, 400, [](double x) { return amplitude_kernel(x, kModel); }), 1.0, 1e-9);
+}
+
+TEST(Neighbours, IntensityCountsTheSoundsWithinTheWindow) {
+  const double window_s = clutter_window_s(kFlight_s);
+  const std::vector<Candidate> row = even_row(41, 0.1);
+  const double n_others = 2.0 * std::floor(window_s / 0.1);
+  const double expected = (n_others + kModel.unseen) * amplitude_kernel(0.0, kModel) / (2.0 * window_s);
+  EXPECT_NEAR(clutter_intensity(counted(row)[20], kFlight_s, 0.0, kModel) / expected, 1.0, 1e-5);  // as floats
+}
+
+TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
+  // a probe of any loudness, uniform over +-8: its mean intensity times 16 is the rate of the others
+  constexpr double kRange = 16.0;
+  double sum = 0.0;
+  constexpr int kSeeds = 400;
+  constexpr double kDuration_s = 10.0, kRate_hz = 12.0;
+  TrackingModel model;
+  model.unseen = 0.0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    std::vector<Candidate> row = at_random(static_cast<int>(kDuration_s * kRate_hz), kDuration_s, seed);
+    Random random(seed, RandomStream::test, 1);
+    Candidate probe = test::candidate(0.5 * kDuration_s, 100.0 * std::exp(kRange * (random.uniform() - 0.5)));
+    row = test::joined(row, {probe});
+    const auto here = std::find_if(row.begin(), row.end(), [&](const Candidate& c) { return c.t_s == probe.t_s; });
+    const auto k = static_cast<std::size_t>(here - row.begin());
+    sum += kRange * clutter_intensity(count_neighbours(row, {}, model)[k], kFlight_s, 0.0, model);
+  }
+  // each probe counts what is within a range of about 2 of 16: 400 of them give the mean to a tenth
+  EXPECT_NEAR(sum / kSeeds, kRate_hz, 0.25 * kRate_hz);
+}
+
+TEST(Neighbours, OwnSoundsAreNoClutter) {
+  const std::vector<Candidate> row = even_row(9, 0.2);
+  const Neighbours n = counted(row)[4];
+  const double one = amplitude_kernel(0.0, kModel) / (2.0 * clutter_window_s(kFlight_s));
+  const double all = clutter_intensity(n, kFlight_s, 0.0, kModel);
+  const double without_two = clutter_intensity(n, kFlight_s, 2.0 * amplitude_kernel(0.0, kModel), kModel);
+  EXPECT_NEAR(all - without_two, 2.0 * one, 1e-5 * all);
+  // and where all are, what is left is the prior
+  EXPECT_NEAR(clutter_intensity(n, kFlight_s, 1e3, kModel), kModel.unseen * one, 1e-12);
+}
+
+TEST(Neighbours, WhatIsNotCountedMightAsWellNotBeThere) {
+  const std::vector<Candidate> row = at_random(60, 6.0, 1);
+  const std::vector<std::size_t> left_out{3, 20, 29, 31, 40};
+  std::vector<Candidate> others;
+  for (std::size_t k = 0; k < row.size(); ++k)
+    if (!std::binary_search(left_out.begin(), left_out.end(), k)) others.push_back(row[k]);
+  const std::vector<Neighbours> all = counted(row), fewer = counted(others);
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    const Neighbours whole = count_neighbours_of(k, row, {}, {}, kModel);
+    for (int octave = 0; octave < kWindowOctaves; ++octave)
+      EXPECT_NEAR(whole.density[octave], all[k].density[octave], 1e-4) << k;  // sums of floats
+    EXPECT_EQ(whole.all, all[k].all);
+    EXPECT_EQ(whole.stronger, all[k].stronger);
+    if (std::binary_search(left_out.begin(), left_out.end(), k)) continue;
+    const Neighbours some = count_neighbours_of(k, row, {}, left_out, kModel);
+    EXPECT_EQ(some.all, fewer[at].all);
+    for (int octave = 0; octave < kWindowOctaves; ++octave)
+      EXPECT_NEAR(some.density[octave], fewer[at].density[octave], 1e-4) << k;
+    ++at;
+  }
+}
+
+TEST(Neighbours, ASoundOfAnotherSourceHardlyCounts) {
+  const std::vector<Candidate> row = even_row(3, 0.1);
+  const std::vector<BandEnergies> same{tilted(3), tilted(3), tilted(3)}, other{tilted(-3), tilted(3), tilted(-3)};
+  EXPECT_NEAR(count_neighbours(row, same, kModel)[1].all, 3.0, 1e-6);
+  EXPECT_LT(count_neighbours(row, other, kModel)[1].all, 1.2);
+}
+
+TEST(Neighbours, SharesOfTheFirstImpactSumToOne) {
+  for (const int n : {2, 10, 100}) {
+    double sum = 0.0;
+    for (int rank = 1; rank <= n; ++rank) {
+      Neighbours neighbours;
+      neighbours.all = static_cast<float>(n);
+      neighbours.stronger = static_cast<float>(rank);
+      sum += std::exp(-log_odds_against_first(neighbours));
+    }
+    EXPECT_NEAR(sum, 1.0, 0.02) << n;  // the series for the harmonic number
+  }
+}
+
+TEST(Neighbours, OfManyTheLoudestIsTheLikeliestFirstImpact) {
+  const std::vector<Candidate> row = at_random(30, 3.0, 2);
+  const std::vector<Neighbours> neighbours = counted(row);
+  const auto loudest = static_cast<std::size_t>(
+      std::max_element(row.begin(), row.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.amplitude < b.amplitude; }) -
+      row.begin());
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    if (k == loudest) continue;
+    EXPECT_GT(log_odds_against_first(neighbours[k]), log_odds_against_first(neighbours[loudest])) << k;
+  }
+}
+
+}  // namespace
+}  // namespace bouncelab::detection
