@@ -64,9 +64,9 @@ double Bounces::learned_variance(const TrackingModel& model) const {
   return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_of_mean_);
 }
 
-double Bounces::variance(const TrackingModel& model) const {
-  const double most = square(model.most_scatter * std::max(model.least_loss, -mean_log_eps_));
-  return std::min(learned_variance(model), most);
+double Bounces::variance(double most_of_loss, const TrackingModel& model) const {
+  const double most = most_of_loss * std::max(model.least_loss, -mean_log_eps_);
+  return std::min(learned_variance(model), square(most));
 }
 
 double Bounces::density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
@@ -75,7 +75,7 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
   double of_eps = prior;
   if (n_eps_ > 0) {
     const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
-    const double width = std::sqrt(variance(model) * of_mean + jitter2);
+    const double width = std::sqrt(variance(model.most_scatter, model) * of_mean + jitter2);
     double of_outlier = prior;
     if (changed_log_eps_) {
       const double of_change = std::sqrt(2.0 * square(model.scatter) * (1.0 + n_missing) + jitter2);
@@ -123,7 +123,8 @@ void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const Tra
 double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {
   if (n_eps_ == 0) return 0.0;
   const double loss = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
-  const double z = (loss - model.least_loss) / std::sqrt(variance(model) / n_eps_);
+  // what scatters by more than it loses may be anything: it is asked for the more
+  const double z = (loss - model.least_loss) / std::sqrt(variance(1.0, model) / n_eps_);
   // beyond 5 standard deviations by the first term of the asymptotic series
   if (z < -5.0) return -0.5 * square(z) - log(-z * std::sqrt(2.0 * kPi));
   return log(0.5 * erfc(-z / std::numbers::sqrt2));

@@ -47,7 +47,7 @@ class Bounces {
 
  private:
   double learned_variance(const TrackingModel& model) const;
-  double variance(const TrackingModel& model) const;  ///< what a ball can have of it
+  double variance(double most_of_loss, const TrackingModel& model) const;  ///< what of it a ball can have
   void learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model);
 
   int n_eps_ = 0;  ///< ratios of intervals

@@ -28,7 +28,7 @@ struct TrackingModel {
   double gains = 0.1;           ///< share of coefficients that may be above 1: a spinning ball
   double scatter = 0.015;       ///< of log eps from impact to impact, before the track itself shows it
   double scatter_weight = 3.0;  ///< impacts that this is worth: 0.003 and 0.06 are both plausible
-  double most_scatter = 1.0;    ///< of log eps over its mean loss: what scatters more is no ball
+  double most_scatter = 3.0;    ///< of log eps over its mean loss: a rough ball at its last impacts has 2.5
   double first_scatter = 0.08;  ///< of log eps at the first impact against those that follow
   double outliers = 0.07;       ///< share of single losses, gains and irregular beats
   double least_loss = 0.008;    ///< of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
@@ -47,7 +47,7 @@ struct TrackingModel {
 
   // rhythms: log interval
   double rhythm_log_odds = 0.0;   ///< of a rhythm against a ball
-  double switch_log_odds = -3.0;  ///< of a rhythm that begins where a ball ends
+  double switch_log_odds = -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound: each a coincidence
   double beat_scatter = 0.05;      ///< by hand: drummers 2 %, hands and feet 3 to 8 %
   double beat_weight = 2.0;        ///< intervals that this is worth
   double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
