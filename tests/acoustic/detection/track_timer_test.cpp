@@ -41,7 +41,8 @@ std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std
   std::vector<Candidate> candidates, sounding;
   Track track;
   for (const int k : with_candidate) {
-    track.impacts.push_back({candidates.size(), k});
+    // the track itself is not sure of the instants at the end at which nothing sounds
+    track.impacts.push_back({candidates.size(), k, k < kImpacts ? 1.0 : 0.5});
     candidates.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
     if (k < kImpacts) sounding.push_back(candidates.back());
     for (const Knock& knock : knocks)  // candidates of no track
