@@ -22,21 +22,31 @@ constexpr double kEps = 0.97;
 
 double time_of(int k) { return 0.3 + 0.3 * (1.0 - std::pow(kEps, k)) / (1.0 - kEps); }
 
+/// A sound of the same plate that is none of the ball's.
+struct Knock {
+  double t_s = 0.0;
+  double amplitude = 0.0;
+};
+
 /// A ball of 24 impacts in noise; timed by the candidates of some of them and of instants at which nothing sounds.
-std::vector<TimedImpact> timed(const std::vector<int>& with_candidate) {
+std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std::vector<Knock>& knocks = {}) {
   std::vector<float> samples(static_cast<std::size_t>((time_of(kImpacts) + 0.6) * kRate_hz));
   Random random(7, RandomStream::test, 0);
   for (float& x : samples) x = static_cast<float>(2e-3 * random.normal());
+  const test::ModalSound plate = test::equal_modes({2100.0, 5300.0, 7700.0}, 3e-3, 0.05);
   for (int k = 0; k < kImpacts; ++k)
-    test::add_modal_sound(samples, kRate_hz, time_of(k), 0.2 * std::pow(kEps, k),
-                          test::equal_modes({2100.0, 5300.0, 7700.0}, 3e-3, 0.05));
+    test::add_modal_sound(samples, kRate_hz, time_of(k), 0.2 * std::pow(kEps, k), plate);
+  for (const Knock& knock : knocks) test::add_modal_sound(samples, kRate_hz, knock.t_s, knock.amplitude, plate);
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   std::vector<Candidate> candidates, sounding;
   Track track;
   for (const int k : with_candidate) {
-    track.impacts.push_back({candidates.size(), k});
+    // the track itself is not sure of the instants at the end at which nothing sounds
+    track.impacts.push_back({candidates.size(), k, k < kImpacts ? 1.0 : 0.5});
     candidates.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
     if (k < kImpacts) sounding.push_back(candidates.back());
+    for (const Knock& knock : knocks)  // candidates of no track
+      if (knock.t_s > time_of(k) && knock.t_s < time_of(k + 1)) candidates.push_back({knock.t_s, 300.0, 0.4e-3, 50.0});
   }
   const std::optional<ImpactTemplate> learned =
       estimate_template(sound, audio::learn_ar_models(sound, 48).noise, sounding, std::vector<bool>(sounding.size()));
@@ -69,6 +79,13 @@ TEST(TrackTimer, LeavesOutCandidatesAtTheEndWhereNothingSounds) {
   std::vector<int> all;
   for (int k = 0; k <= kImpacts; ++k) all.push_back(k);
   expect_all_impacts(timed(all));
+}
+
+TEST(TrackTimer, StaysAtTheImpactWhereALouderKnockOfTheSamePlateFollows) {
+  std::vector<int> all;
+  for (int k = 0; k < kImpacts; ++k) all.push_back(k);
+  for (const double later_s : {6e-3, 9e-3, 13e-3, 19e-3})
+    expect_all_impacts(timed(all, {{time_of(6) + later_s, 0.35}, {time_of(15) + later_s, 0.25}}));
 }
 
 }  // namespace

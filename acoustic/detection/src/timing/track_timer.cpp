@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "bouncelab/core/elementary.hpp"
 #include "timing/delay_posterior.hpp"
@@ -45,8 +46,31 @@ double expected_residual(const Search& search, const ImpactFit& fit) {
                                                    static_cast<double>(search.learned.n_template);
 }
 
-void add_candidate(TimedTrack& track, const Candidate& c, const TrackImpact& of_track, double next_s) {
+bool is_explained(const Search& search, const ImpactFit& fit) {
+  return fit.residual_variance <= kMuchLeft * expected_residual(search, fit);
+}
+
+/// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
+/// another sound then, a knock of the same plate perhaps, however loud.
+std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<Candidate>& candidates, std::size_t k,
+                                              double reach_s) {
+  const Candidate& c = candidates[k];
+  const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
+  const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
+                                  [&](const Candidate& later) { return later.t_s >= from_s; });
+  if (other == candidates.end()) return {};
+  // windows without an end are longer than the template
+  constexpr double kOfTemplate = 0.75;
+  const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
+  const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
+  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(search, fit)) return {};
+  return fit;
+}
+
+void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, const TrackImpact& of_track,
+                   double next_s) {
   constexpr double kShare = 0.25;  // of the intervals on either side, over which an impact may be searched for
+  const Candidate& c = candidates[of_track.candidate];
   const double last_s = track.impacts.empty() ? -1.0 : track.impacts.back().fit.t_s;
   const double before_s = kShare * (c.t_s - last_s), after_s = kShare * (next_s - c.t_s);
   TimedImpact timed;
@@ -54,12 +78,15 @@ void add_candidate(TimedTrack& track, const Candidate& c, const TrackImpact& of_
   timed.probability = of_track.probability;
   timed.rise_s = c.t_s;
   timed.rise_reach_s = c.reach_s;
-  timed.fit = find_impact(track.search, c.t_s, std::min({c.reach_s, before_s, after_s}), next_s);
+  timed.until_s = next_s;
+  const double reach_s = std::min({c.reach_s, before_s, after_s});
+  timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
   // another impact's sound in the window is reason enough for a low correlation
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
-  if (is_alone && timed.fit.residual_variance > kMuchLeft * expected_residual(track.search, timed.fit))
-    timed.fit = find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
-  timed.until_s = next_s;
+  if (is_alone && !is_explained(track.search, timed.fit)) {
+    const std::optional<ImpactFit> alone = before_another_sound(track.search, candidates, of_track.candidate, reach_s);
+    timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
+  }
   timed.overlap = next_s - c.t_s < track.search.template_s;
   append(track, timed);
 }
@@ -129,7 +156,7 @@ std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const Impac
     const TrackImpact& here = tracked.impacts[k];
     const Candidate& c = candidates[here.candidate];
     if (k > 0 && here.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, here.impact, c.t_s);
-    add_candidate(track, c, here, next_time(tracked, candidates, k));
+    add_candidate(track, candidates, here, next_time(tracked, candidates, k));
   }
   trim_tail(track, tracked, candidates);
   extend(track, end_s);
