@@ -24,6 +24,8 @@ std::vector<float> low_pass(int factor) {
   }
   std::vector<float> unit_gain;
   for (const double tap : taps) unit_gain.push_back(static_cast<float>(tap / sum));
+  constexpr std::size_t kAtOnce = 32;  // by which dot() goes; what is left over would take most of its time
+  unit_gain.resize((unit_gain.size() + kAtOnce - 1) / kAtOnce * kAtOnce, 0.0F);
   return unit_gain;
 }
 
