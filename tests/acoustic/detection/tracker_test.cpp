@@ -315,5 +315,20 @@ TEST(Tracker, NothingGivesNoTracks) {
   EXPECT_TRUE(find_tracks({test::candidate(1.0, 100.0), test::candidate(1.5, 80.0)}, test::kTiming_s).empty());
 }
 
+TEST(Tracker, BeginWithNothingToWhichNoEnergyWasAdded) {
+  std::vector<Candidate> candidates;
+  double t_s = 0.4;
+  double flight_s = 0.6;
+  for (int k = 0; k < 9; ++k) {
+    candidates.push_back({t_s, k < 2 ? 0.0 : 500.0 * flight_s, 0.4e-3, 50.0});
+    t_s += flight_s;
+    flight_s *= 0.75;
+  }
+  const std::vector<Track> trains = find_tracks(candidates, 5e-5);
+  ASSERT_EQ(trains.size(), 1u);
+  EXPECT_EQ(trains[0].impacts.front().candidate, 2u);
+  EXPECT_TRUE(std::isfinite(trains[0].log_odds));
+}
+
 }  // namespace
 }  // namespace bouncelab::detection

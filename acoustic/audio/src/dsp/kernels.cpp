@@ -156,8 +156,10 @@ double dot(std::span<const float> a, std::span<const float> b) {
   const std::size_t n_whole = n - n % kDotBlock;
   std::array<float, kDotBlock> lanes;
   dot_lanes(a.data(), b.data(), n_whole, lanes.data());
-  double sum = 0.0;
-  for (const float x : lanes) sum += x;
+  std::array<double, 4> sums{};  // side by side, or each addition waits for the one before
+  for (std::size_t k = 0; k < kDotBlock; k += sums.size())
+    for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += lanes[k + c];
+  double sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
   for (std::size_t k = n_whole; k < n; ++k) sum += static_cast<double>(a[k]) * b[k];
   return sum;
 }

@@ -28,7 +28,7 @@ float same_source_probability(const BandEnergies& a, const BandEnergies& b);
 
 /// Weight of one sound as clutter for another: 1 where they cannot be distinguished, less where they are of two
 /// sources.
-/// @param probability  that they are of one source, 0 ... 1
-constexpr double same_source_weight(double probability) { return probability < 0.5 ? 2.0 * probability : 1.0; }
+/// Twice same_source_probability(), 1 at most.
+float same_source_weight(const BandEnergies& a, const BandEnergies& b);
 
 }  // namespace bouncelab::detection

@@ -18,16 +18,17 @@ double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
 double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
 
 /// What the track's impacts to come contribute to the density of log amplitudes, as if they were clutter.
-/// @param flight  the last one; the next takes eps times as long
-double density_to_come(const Flight& flight, const TrackingModel& model) {
+/// @param flight   the last one; the next takes eps times as long
+/// @param log_eps  of its eps
+double density_to_come(const Flight& flight, double log_eps, const TrackingModel& model) {
   const double window_s = clutter_window_s(flight.flight_s);
   double density = 0.0;
   double flight_s = flight.eps * flight.flight_s;
-  double log_ratio = log(flight.eps);
+  double log_ratio = log_eps;
   for (double t_s = flight_s; t_s <= window_s && flight_s > kShortestFlight_s; t_s += flight_s) {
     density += model.detection_probability * amplitude_kernel(log_ratio, model);
     flight_s *= flight.eps;
-    log_ratio += log(flight.eps);
+    log_ratio += log_eps;
   }
   return density;
 }
@@ -40,33 +41,46 @@ double log_odds_of_first(const Observation& first, const TrackingModel& model) {
 
 Hypothesis Hypothesis::begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
                              const TrackingModel& model) {
+  return *begin_above(-INFINITY, log_odds_of_first(first, model), first, second, same_source, is_counted, model);
+}
+
+std::optional<Hypothesis> Hypothesis::begin_above(double least_log_odds, double log_odds_first,
+                                                  const Observation& first, const Observation& second,
+                                                  double same_source, bool is_counted, const TrackingModel& model) {
+  const double flight_s = second.t_s - first.t_s;
+  const double change = second.log_amplitude - first.log_amplitude;
+  const Flight flight{model.usual_eps, flight_s, 0.0};
+  const double own =
+      is_counted
+          ? (amplitude_kernel(change, model) + density_to_come(flight, log(model.usual_eps), model)) * same_source
+          : 0.0;
+  const double of_clutter = clutter_intensity(second.neighbours, flight_s, own, model);
+  const double of_amplitude = student3(change - model.usual_first_change, model.first_change_scatter);
+  const double before = log_odds_first + second.log_rise_odds;
+  const double most = student3(0.0, model.first_flight_scatter) / flight_s * of_amplitude * same_source / of_clutter;
+  if (before + largest_log(most) < least_log_odds) return {};  // most are far from it
+  const double log_flight = log(flight_s);
+  const double per_second =
+      student3(log_flight - log(model.usual_first_flight_s), model.first_flight_scatter) / flight_s;
+  const double odds = before + log(per_second * of_amplitude * same_source / of_clutter);
+  if (odds < least_log_odds) return {};
   Hypothesis h;
   h.first_s = first.t_s;
-  h.flight_s = second.t_s - first.t_s;
-  const double log_flight = log(h.flight_s);
+  h.flight_s = flight_s;
   const double mean_log_amplitude = 0.5 * (first.log_amplitude + second.log_amplitude);
   h.last_ = {Impact{second.t_s, second.log_amplitude, second.sigma_s}, {first.t_s, first.log_amplitude, first.sigma_s}};
   h.bounces_ = Bounces(log_flight, mean_log_amplitude);
   h.rhythm_ = Rhythm(log_flight, mean_log_amplitude);
-  const double change = second.log_amplitude - first.log_amplitude;
-  const Flight flight{model.usual_eps, h.flight_s, 0.0};
-  const double own =
-      is_counted ? (amplitude_kernel(change, model) + density_to_come(flight, model)) * same_source : 0.0;
-  const double per_second =
-      student3(log_flight - log(model.usual_first_flight_s), model.first_flight_scatter) / h.flight_s;
-  const double of_amplitude = student3(change - model.usual_first_change, model.first_change_scatter);
-  h.log_odds =
-      log_odds_of_first(first, model) + second.log_rise_odds +
-      log(per_second * of_amplitude * same_source / clutter_intensity(second.neighbours, h.flight_s, own, model));
+  h.log_odds = odds;
   h.log_odds_rhythm_.fill(h.log_odds);
   h.first_log_interval_ = log_flight;
   return h;
 }
 
-double Hypothesis::own_density(const Observation& next, const Flight& flight, double same_source,
+double Hypothesis::own_density(const Observation& next, const Flight& flight, double log_eps, double same_source,
                                const TrackingModel& model) const {
   const double window_s = clutter_window_s(flight.flight_s);
-  double sum = density_to_come(flight, model);
+  double sum = density_to_come(flight, log_eps, model);
   for (const Impact& other : last_)
     if (next.t_s - other.t_s <= window_s) sum += amplitude_kernel(other.log_amplitude - next.log_amplitude, model);
   return sum * same_source;
@@ -85,7 +99,7 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
   const double log_flight = log(flight->flight_s);
   const double timing2 = jitter2(next);
   const double density = bounces_.density(*flight, log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
-  const double own = is_counted ? own_density(next, *flight, same_source, model) : 0.0;
+  const double own = is_counted ? own_density(next, *flight, log_eps, same_source, model) : 0.0;
   const double of_clutter = clutter_intensity(next.neighbours, flight->flight_s, own, model) / same_source;
   const double before = log_odds + next.log_rise_odds;
   if (before + largest_log(density / of_clutter) < least_log_odds) return {};  // most are far from it
@@ -134,8 +148,7 @@ double Hypothesis::log_odds_of_losing_ball(const TrackingModel& model) const {
 
 double Hypothesis::log_odds_of_ball(const TrackingModel& model) const {
   double others = 0.0;  // log odds of clutter, and of rhythms
-  for (std::size_t kind = 0; kind < kRhythmKinds; ++kind)
-    others = log_of_sum(others, log_odds_of_rhythm(kind, model));
+  for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) others = log_of_sum(others, log_odds_of_rhythm(kind, model));
   return log_odds_of_losing_ball(model) - others;
 }
 

@@ -27,6 +27,12 @@ class Hypothesis {
   static Hypothesis begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
                           const TrackingModel& model);
 
+  /// The same where its log odds are no less than those that are of interest.
+  /// @param log_odds_first  log_odds_of_first(first, model)
+  static std::optional<Hypothesis> begin_above(double least_log_odds, double log_odds_first, const Observation& first,
+                                               const Observation& second, double same_source, bool is_counted,
+                                               const TrackingModel& model);
+
   /// With one more impact after n_missing that were not detected; absent where no ball does that, or below the least
   /// log odds that are of interest.
   std::optional<Hypothesis> extended(const Observation& next, int n_missing, double same_source, bool is_counted,
@@ -57,7 +63,7 @@ class Hypothesis {
     double log_amplitude = 0.0;
     double sigma_s = 0.0;
   };
-  double own_density(const Observation& next, const Flight& flight, double same_source,
+  double own_density(const Observation& next, const Flight& flight, double log_eps, double same_source,
                      const TrackingModel& model) const;
   double log_odds_of_rhythm(std::size_t kind, const TrackingModel& model) const;
   double log_odds_of_losing_ball(const TrackingModel& model) const;
@@ -71,7 +77,7 @@ class Hypothesis {
   std::array<double, kRhythmKinds> log_odds_rhythm_{};
   std::array<double, kRhythmKinds> log_odds_ball_then_rhythm_{-1e9, -1e9};
   std::array<std::int64_t, kRhythmKinds> n_of_ball_{};
-  double first_log_interval_ = 0.0;                               ///< of the rhythm [ln s]
+  double first_log_interval_ = 0.0;                              ///< of the rhythm [ln s]
   std::array<double, kRhythmKinds> first_log_interval_after_{};  ///< of the rhythm after the ball
 };
 

@@ -35,15 +35,15 @@ int octave_of(double distance_s) {
 /// How much one counts as the other's neighbour.
 float share_of(std::size_t j, std::size_t k, const std::vector<BandEnergies>& band_energies) {
   if (j == k || band_energies.empty()) return 1.0F;
-  return static_cast<float>(same_source_weight(same_source_probability(band_energies[j], band_energies[k])));
+  return same_source_weight(band_energies[j], band_energies[k]);
 }
 
 /// Counts one neighbour.
-/// @param log_ratio  of its amplitude over that of the candidate
-void count(double log_ratio, int octave, float share, const TrackingModel& model, Neighbours& neighbours) {
-  neighbours.density[octave] += share * static_cast<float>(amplitude_kernel(log_ratio, model));
+/// @param density  that it contributes
+void count(float density, bool is_stronger, int octave, float share, Neighbours& neighbours) {
+  neighbours.density[octave] += share * density;
   neighbours.all += share;
-  if (log_ratio >= 0.0) neighbours.stronger += share;
+  if (is_stronger) neighbours.stronger += share;
 }
 
 void accumulate(Neighbours& n) {
@@ -58,14 +58,16 @@ std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c,
   for (const Candidate& candidate : c) log_amplitude.push_back(log(candidate.amplitude));
   std::vector<Neighbours> neighbours(c.size());
   for (std::size_t k = 0; k < c.size(); ++k) {
-    count(0.0, 0, 1.0F, model, neighbours[k]);
+    count(static_cast<float>(amplitude_kernel(0.0, model)), true, 0, 1.0F, neighbours[k]);
+    int octave = 0;
     for (std::size_t j = k + 1; j < c.size(); ++j) {
-      const int octave = octave_of(c[j].t_s - c[k].t_s);
+      while (octave < kWindowOctaves && c[j].t_s - c[k].t_s > reach_s(octave)) ++octave;
       if (octave >= kWindowOctaves) break;
       const float share = share_of(j, k, band_energies);
       const double log_ratio = log_amplitude[j] - log_amplitude[k];
-      count(log_ratio, octave, share, model, neighbours[k]);
-      count(-log_ratio, octave, share, model, neighbours[j]);
+      const auto density = static_cast<float>(amplitude_kernel(log_ratio, model));  // the same either way
+      count(density, log_ratio >= 0.0, octave, share, neighbours[k]);
+      count(density, log_ratio <= 0.0, octave, share, neighbours[j]);
     }
   }
   for (Neighbours& n : neighbours) accumulate(n);
@@ -79,10 +81,12 @@ Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c,
   while (first > 0 && octave_of(c[k].t_s - c[first - 1].t_s) < kWindowOctaves) --first;
   while (last + 1 < c.size() && octave_of(c[last + 1].t_s - c[k].t_s) < kWindowOctaves) ++last;
   Neighbours neighbours;
-  for (std::size_t j = first; j <= last; ++j)
-    if (j == k || !std::binary_search(not_counted.begin(), not_counted.end(), j))
-      count(log(c[j].amplitude / c[k].amplitude), octave_of(std::abs(c[j].t_s - c[k].t_s)),
-            share_of(j, k, band_energies), model, neighbours);
+  for (std::size_t j = first; j <= last; ++j) {
+    if (j != k && std::binary_search(not_counted.begin(), not_counted.end(), j)) continue;
+    const auto density = static_cast<float>(amplitude_kernel(log(c[j].amplitude / c[k].amplitude), model));
+    count(density, c[j].amplitude >= c[k].amplitude, octave_of(std::abs(c[j].t_s - c[k].t_s)),
+          share_of(j, k, band_energies), neighbours);
+  }
   accumulate(neighbours);
   return neighbours;
 }

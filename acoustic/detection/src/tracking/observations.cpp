@@ -35,7 +35,7 @@ Observation Observations::without(std::size_t k, const std::vector<std::size_t>&
 }
 
 double Observations::same_source(std::size_t j, std::size_t k) const {
-  return same_source_weight(same_source_probability_of(j, k).value_or(1.0));
+  return band_energies_.empty() ? 1.0 : same_source_weight(band_energies_[j], band_energies_[k]);
 }
 
 std::optional<double> Observations::same_source_probability_of(std::size_t j, std::size_t k) const {

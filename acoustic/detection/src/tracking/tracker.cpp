@@ -76,7 +76,7 @@ class Beam {
 class Search {
  public:
   explicit Search(const Observations& observations) : o_(observations), begin_(o_.size() + 1, 0), best_(o_.size() + 1) {
-    for (std::size_t k = 0; k < o_.size(); ++k) may_begin_.push_back(may_begin(k));
+    for (std::size_t k = 0; k < o_.size(); ++k) log_odds_of_first_.push_back(log_odds_of_first(o_[k], o_.model()));
   }
 
   std::vector<Track> run() {
@@ -91,7 +91,7 @@ class Search {
     std::int64_t n_of_ball = 0;
   };
 
-  bool may_begin(std::size_t k) const { return log_odds_of_first(o_[k], o_.model()) + kMostOfSecond > kHopeless; }
+  bool may_begin(std::size_t k) const { return log_odds_of_first_[k] + kMostOfSecond > kHopeless; }
 
   void visit(std::size_t k) {
     Beam here(best_[k].score);
@@ -103,7 +103,7 @@ class Search {
       const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
       const auto first =
           std::partition_point(begin, end, [&](const State& s) { return s.track.flight_s * kLeastEps > gap_s; });
-      const bool is_first_flight = may_begin_[j] && gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
+      const bool is_first_flight = may_begin(j) && gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
       const bool is_reached = first != end && first->track.flight_s * kMostGap >= gap_s;
       if (!is_first_flight && !is_reached) continue;
       const double same_source = o_.same_source(j, k);
@@ -162,7 +162,10 @@ class Search {
   }
 
   void start(std::size_t j, std::size_t k, double same_source, Beam& here) const {
-    here.keep({Hypothesis::begin(o_[j], o_[k], same_source, true, o_.model()), best_[j].score, -1, k, j});
+    const double least_log_odds = std::max(kHopeless, here.least_total() - best_[j].score);
+    const std::optional<Hypothesis> track =
+        Hypothesis::begin_above(least_log_odds, log_odds_of_first_[j], o_[j], o_[k], same_source, true, o_.model());
+    if (track) here.keep({*track, best_[j].score, -1, k, j});
   }
 
   void extend(std::int64_t from_index, std::size_t k, double same_source, Beam& here) const {
@@ -197,7 +200,7 @@ class Search {
   }
 
   const Observations& o_;
-  std::vector<bool> may_begin_;
+  std::vector<double> log_odds_of_first_;  // of a track that begins with each candidate
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
