@@ -122,9 +122,14 @@ void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const Tra
 
 double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {
   if (n_eps_ == 0) return 0.0;
-  const double loss = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
+  const double of_all = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
+  const double of_last = -mean_log_eps_;  // since eps changed
+  return std::min(log_probability_of_loss(of_all, n_eps_, model), log_probability_of_loss(of_last, n_of_mean_, model));
+}
+
+double Bounces::log_probability_of_loss(double loss, int n_eps, const TrackingModel& model) const {
   // what scatters by more than it loses may be anything: it is asked for the more
-  const double z = (loss - model.least_loss) / std::sqrt(variance(1.0, model) / n_eps_);
+  const double z = (loss - model.least_loss) / std::sqrt(variance(1.0, model) / n_eps);
   // beyond 5 standard deviations by the first term of the asymptotic series
   if (z < -5.0) return -0.5 * square(z) - log(-z * std::sqrt(2.0 * kPi));
   return log(0.5 * erfc(-z / std::numbers::sqrt2));
