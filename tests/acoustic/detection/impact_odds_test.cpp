@@ -107,7 +107,8 @@ TEST(ImpactOdds, StatedProbabilitiesAreTheSharesThatAreRight) {
   }
   // and not one share for all of them
   EXPECT_LT(stated_in(marks, 0.0, 0.6).share_right, 0.85);
-  EXPECT_GT(stated_in(marks, 0.99, 1.1).share_right, 0.98);
+  // stated are 0.9985: three standard errors of some 600 below it
+  EXPECT_GT(stated_in(marks, 0.99, 1.1).share_right, 0.994);
 }
 
 /// A drop of ten impacts, of which one is off its time by so much of the flight before it.
