@@ -14,7 +14,7 @@ constexpr int kMostMissing = 2;      // impacts in a row that were not detected
 constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight
 
 /// The numbers of the model of tracks and clutter (docs/detector.md, "Tracks"): priors and scatters in natural
-/// logarithms unless said otherwise. tests/bench/tracking_bench prints how recall, precision and invented balls depend
+/// logarithms unless said otherwise. tests/bench/tracking_fit prints how the log score of recordings with and without balls depends
 /// on each.
 struct TrackingModel {
   // birth and end
