@@ -137,8 +137,8 @@ float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
   return 1.0F / (1.0F + static_cast<float>(exp(-log_odds)));
 }
 
-SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : band_energies_(band_energies) {
-  const std::size_t n = band_energies.size();
+SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sounds_(band_energies.size()) {
+  const std::size_t n = n_sounds_;
   power_.resize(kEnergyBands * n);
   share_.resize(kEnergyBands * n);
   for (std::size_t k = 0; k < kEnergyBands; ++k)
@@ -149,9 +149,14 @@ SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : band_en
 }
 
 void SameSource::weigh(std::size_t k, std::size_t first, std::span<float> weights) const {
-  if (band_energies_.empty()) return std::fill(weights.begin(), weights.end(), 1.0F);
-  weigh_row(band_energies_[k], power_.data() + first, share_.data() + first, band_energies_.size(),
-            log_ratio_of_scatters(), weights.data(), weights.size());
+  if (n_sounds_ == 0) return std::fill(weights.begin(), weights.end(), 1.0F);
+  BandEnergies here;
+  for (std::size_t octave = 0; octave < kEnergyBands; ++octave) {
+    here.log_power[octave] = power_[octave * n_sounds_ + k];
+    here.added_share[octave] = share_[octave * n_sounds_ + k];
+  }
+  weigh_row(here, power_.data() + first, share_.data() + first, n_sounds_, log_ratio_of_scatters(), weights.data(),
+            weights.size());
 }
 
 float SameSource::weight(std::size_t j, std::size_t k) const {

@@ -32,15 +32,15 @@ float same_source_probability(const BandEnergies& a, const BandEnergies& b);
 /// is compared with a row of others at once, since dense music has a million pairs a minute.
 class SameSource {
  public:
-  /// @param band_energies  kept by reference; empty where nothing is known: then all weights are 1
-  explicit SameSource(const std::vector<BandEnergies>& band_energies);
+  SameSource() = default;  ///< Nothing is known: all weights are 1, as of no band energies.
+  SameSource(const std::vector<BandEnergies>& band_energies);
 
   /// Of sound k and each of the sounds first ... first + weights.size() - 1.
   void weigh(std::size_t k, std::size_t first, std::span<float> weights) const;
   float weight(std::size_t j, std::size_t k) const;
 
  private:
-  const std::vector<BandEnergies>& band_energies_;
+  std::size_t n_sounds_ = 0;
   std::vector<float> power_, share_;  ///< of all sounds in the first octave, then in the second ...
 };
 

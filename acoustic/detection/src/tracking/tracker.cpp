@@ -165,8 +165,8 @@ class Search {
 
   void start(std::size_t j, std::size_t k, double same_source, Beam& here) const {
     const double least_log_odds = std::max(kHopeless, here.least_total() - best_[j].score);
-    const std::optional<Hypothesis> track =
-        Hypothesis::begin_above(least_log_odds, log_odds_of_first_[j], o_[j], o_[k], same_source, true, o_.model());
+    const std::optional<Hypothesis> track = Hypothesis::begin_above(
+        least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], same_source, true, o_.model());
     if (track) here.keep({*track, best_[j].score, -1, k, j});
   }
 
@@ -202,6 +202,7 @@ class Search {
   }
 
   const Observations& o_;
+  double log_usual_eps_ = log(o_.model().usual_eps);
   std::vector<double> log_odds_of_first_;  // of a track that begins with each candidate
   std::vector<float> same_source_;         // of the candidate visited and those before it
   std::vector<State> states_;
