@@ -5,9 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
@@ -33,48 +33,68 @@ std::vector<int> octaves(std::size_t n_bins, double bin_hz) {
   return octave;
 }
 
-using Four = float __attribute__((vector_size(16)));  // a register of every x86-64 processor
-constexpr int kFours = kEnergyBands / 4;
-static_assert(kEnergyBands % 4 == 0);
+// values, so that nothing branches
+[[gnu::always_inline]] inline float larger(float x, float y) { return x > y ? x : y; }
+[[gnu::always_inline]] inline float smaller(float x, float y) { return x < y ? x : y; }
 
-Four four(const std::array<float, kEnergyBands>& x, int k) {
-  Four octaves;
-  std::memcpy(&octaves, x.data() + 4 * k, sizeof octaves);
-  return octaves;
-}
-
-float sum_of(Four x) { return (x[0] + x[2]) + (x[1] + x[3]); }
-
-Four larger(Four x, Four y) { return x > y ? x : y; }
-
-/// Between -kMaxLogOdds and kMaxLogOdds. Four octaves at once: dense music has a million pairs a minute.
-float log_odds_of_same_source(const BandEnergies& a, const BandEnergies& b) {
+/// Between -kMaxLogOdds and kMaxLogOdds.
+/// @param power_of, share_of  log_power and added_share of b in an octave
+template <class PowerOf, class ShareOf>
+[[gnu::always_inline]] inline float log_odds_of_same_source(const BandEnergies& a, const PowerOf& power_of,
+                                                            const ShareOf& share_of, float log_ratio) {
   constexpr float kCurvature = 0.5F / (kSameScatter * kSameScatter) - 0.5F / (kOtherScatter * kOtherScatter);
-  static const auto log_ratio = static_cast<float>(log(kOtherScatter / kSameScatter));
-  Four weights{}, weighted{};
-  for (int k = 0; k < kFours; ++k) {
-    const Four both = four(a.added_share, k) * four(b.added_share, k);
-    weights += both;
-    weighted += both * (four(b.log_power, k) - four(a.log_power, k));
+  float weight = 1e-6F;
+  float loudness = 0.0F;  // of b over a
+  for (int k = 0; k < kEnergyBands; ++k) {
+    const float both = a.added_share[k] * share_of(k);
+    weight += both;
+    loudness += both * (power_of(k) - a.log_power[k]);
   }
-  const float loudness = sum_of(weighted) / (1e-6F + sum_of(weights));  // of b over a
-  Four log_odds{};
-  for (int k = 0; k < kFours; ++k) {
-    const Four share_a = four(a.added_share, k);
-    const Four share_b = four(b.added_share, k);
-    const Four both = share_a * share_b;
-    const Four difference = four(b.log_power, k) - four(a.log_power, k) - loudness;
+  loudness /= weight;
+  float sum = -log_ratio;  // one degree of freedom for the loudness
+  for (int k = 0; k < kEnergyBands; ++k) {
+    const float power_b = power_of(k), share_a = a.added_share[k], share_b = share_of(k);
+    const float both = share_a * share_b;
+    const float difference = power_b - a.log_power[k] - loudness;
     // an octave in which one adds nothing counts too, by the added share of the louder one
-    const Four share_of_louder = difference > 0.0F ? share_b : (difference < 0.0F ? share_a : both);
-    log_odds += larger(both, share_of_louder) *
-                larger(Four{} + kMinLogOddsOfBand, log_ratio - kCurvature * difference * difference);
+    float share = both;
+    share = difference > 0.0F ? share_b : share;
+    share = difference < 0.0F ? share_a : share;
+    const float of_octave = log_ratio - kCurvature * difference * difference;
+    sum += larger(both, share) * larger(of_octave, kMinLogOddsOfBand);
   }
-  const float sum = sum_of(log_odds) - log_ratio;  // one degree of freedom for the loudness
-  return std::clamp(kIndependence * sum, -kMaxLogOdds, kMaxLogOdds);
+  return smaller(larger(kIndependence * sum, -kMaxLogOdds), kMaxLogOdds);
 }
 
-/// @param log_odds  < 0
-float weight_of(float log_odds) { return 2.0F / (1.0F + static_cast<float>(exp(-log_odds))); }
+float log_ratio_of_scatters() {
+  static const auto log_ratio = static_cast<float>(log(kOtherScatter / kSameScatter));
+  return log_ratio;
+}
+
+/// To 4e-7 of it, by operations that go side by side.
+/// @param x  0 ... kMaxLogOdds
+[[gnu::always_inline]] inline float exp_of_log_odds(float x) {
+  constexpr float kExp2 = 7.389056F;
+  const float z = 0.125F * x - 0.25F;  // -0.25 ... 0.25, and exp(x) = exp(2) exp(z)^8
+  const float series =
+      1.0F + z * (1.0F + z * (1.0F / 2 + z * (1.0F / 6 + z * (1.0F / 24 + z * (1.0F / 120 + z * (1.0F / 720))))));
+  const float second = series * series;
+  const float fourth = second * second;
+  return kExp2 * (fourth * fourth);
+}
+
+/// @param power, share  of octave 0 of b; those of octave k lie k n_all further on
+BOUNCELAB_VECTOR_CLONES void weigh_row(const BandEnergies& first, const float* __restrict power,
+                                       const float* __restrict share, std::size_t n_all, float log_ratio,
+                                       float* __restrict weights, std::size_t n) {
+  const BandEnergies a = first;
+  for (std::size_t j = 0; j < n; ++j) {
+    const float log_odds = log_odds_of_same_source(
+        a, [&](int k) { return power[static_cast<std::size_t>(k) * n_all + j]; },
+        [&](int k) { return share[static_cast<std::size_t>(k) * n_all + j]; }, log_ratio);
+    weights[j] = smaller(1.0F, 2.0F / (1.0F + exp_of_log_odds(larger(-log_odds, 0.0F))));
+  }
+}
 
 }  // namespace
 
@@ -112,14 +132,37 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
 }
 
 float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
-  return 1.0F / (1.0F + static_cast<float>(exp(-log_odds_of_same_source(a, b))));
+  const float log_odds = log_odds_of_same_source(
+      a, [&](int k) { return b.log_power[k]; }, [&](int k) { return b.added_share[k]; }, log_ratio_of_scatters());
+  return 1.0F / (1.0F + static_cast<float>(exp(-log_odds)));
 }
 
-float same_source_weight(const BandEnergies& a, const BandEnergies& b) {
-  const float log_odds = log_odds_of_same_source(a, b);
-  if (log_odds >= 0.0F) return 1.0F;
-  static const float least = weight_of(-kMaxLogOdds);
-  return log_odds > -kMaxLogOdds ? weight_of(log_odds) : least;
+SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sounds_(band_energies.size()) {
+  const std::size_t n = n_sounds_;
+  power_.resize(kEnergyBands * n);
+  share_.resize(kEnergyBands * n);
+  for (std::size_t k = 0; k < kEnergyBands; ++k)
+    for (std::size_t j = 0; j < n; ++j) {
+      power_[k * n + j] = band_energies[j].log_power[k];
+      share_[k * n + j] = band_energies[j].added_share[k];
+    }
+}
+
+void SameSource::weigh(std::size_t k, std::size_t first, std::span<float> weights) const {
+  if (n_sounds_ == 0) return std::fill(weights.begin(), weights.end(), 1.0F);
+  BandEnergies here;
+  for (std::size_t octave = 0; octave < kEnergyBands; ++octave) {
+    here.log_power[octave] = power_[octave * n_sounds_ + k];
+    here.added_share[octave] = share_[octave * n_sounds_ + k];
+  }
+  weigh_row(here, power_.data() + first, share_.data() + first, n_sounds_, log_ratio_of_scatters(), weights.data(),
+            weights.size());
+}
+
+float SameSource::weight(std::size_t j, std::size_t k) const {
+  float weight = 1.0F;
+  weigh(k, j, {&weight, 1});
+  return weight;
 }
 
 }  // namespace bouncelab::detection

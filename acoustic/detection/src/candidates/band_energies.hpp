@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
@@ -26,9 +28,20 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
 /// 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
 float same_source_probability(const BandEnergies& a, const BandEnergies& b);
 
-/// Weight of one sound as clutter for another: 1 where they cannot be distinguished, less where they are of two
-/// sources.
-/// Twice same_source_probability(), 1 at most.
-float same_source_weight(const BandEnergies& a, const BandEnergies& b);
+/// Weights of sounds as clutter for one another: twice the probability that they have one source, 1 at most. One sound
+/// is compared with a row of others at once, since dense music has a million pairs a minute.
+class SameSource {
+ public:
+  SameSource() = default;  ///< Nothing is known: all weights are 1, as of no band energies.
+  SameSource(const std::vector<BandEnergies>& band_energies);
+
+  /// Of sound k and each of the sounds first ... first + weights.size() - 1.
+  void weigh(std::size_t k, std::size_t first, std::span<float> weights) const;
+  float weight(std::size_t j, std::size_t k) const;
+
+ private:
+  std::size_t n_sounds_ = 0;
+  std::vector<float> power_, share_;  ///< of all sounds in the first octave, then in the second ...
+};
 
 }  // namespace bouncelab::detection

@@ -41,22 +41,22 @@ double log_odds_of_first(const Observation& first, const TrackingModel& model) {
 
 Hypothesis Hypothesis::begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
                              const TrackingModel& model) {
-  return *begin_above(-INFINITY, log_odds_of_first(first, model), first, second, same_source, is_counted, model);
+  return *begin_above(-INFINITY, {log_odds_of_first(first, model), log(model.usual_eps)}, first, second, same_source,
+                      is_counted, model);
 }
 
-std::optional<Hypothesis> Hypothesis::begin_above(double least_log_odds, double log_odds_first,
-                                                  const Observation& first, const Observation& second,
-                                                  double same_source, bool is_counted, const TrackingModel& model) {
+std::optional<Hypothesis> Hypothesis::begin_above(double least_log_odds, const Birth& birth, const Observation& first,
+                                                  const Observation& second, double same_source, bool is_counted,
+                                                  const TrackingModel& model) {
   const double flight_s = second.t_s - first.t_s;
   const double change = second.log_amplitude - first.log_amplitude;
   const Flight flight{model.usual_eps, flight_s, 0.0};
   const double own =
-      is_counted
-          ? (amplitude_kernel(change, model) + density_to_come(flight, log(model.usual_eps), model)) * same_source
-          : 0.0;
+      is_counted ? (amplitude_kernel(change, model) + density_to_come(flight, birth.log_usual_eps, model)) * same_source
+                 : 0.0;
   const double of_clutter = clutter_intensity(second.neighbours, flight_s, own, model);
   const double of_amplitude = student3(change - model.usual_first_change, model.first_change_scatter);
-  const double before = log_odds_first + second.log_rise_odds;
+  const double before = birth.log_odds_of_first + second.log_rise_odds;
   const double most = student3(0.0, model.first_flight_scatter) / flight_s * of_amplitude * same_source / of_clutter;
   if (before + largest_log(most) < least_log_odds) return {};  // most are far from it
   const double log_flight = log(flight_s);

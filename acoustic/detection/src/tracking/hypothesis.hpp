@@ -27,9 +27,13 @@ class Hypothesis {
   static Hypothesis begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
                           const TrackingModel& model);
 
+  /// What many of them have in common.
+  struct Birth {
+    double log_odds_of_first = 0.0;  ///< log_odds_of_first() of the first impact
+    double log_usual_eps = 0.0;
+  };
   /// The same where its log odds are no less than those that are of interest.
-  /// @param log_odds_first  log_odds_of_first(first, model)
-  static std::optional<Hypothesis> begin_above(double least_log_odds, double log_odds_first, const Observation& first,
+  static std::optional<Hypothesis> begin_above(double least_log_odds, const Birth& birth, const Observation& first,
                                                const Observation& second, double same_source, bool is_counted,
                                                const TrackingModel& model);
 

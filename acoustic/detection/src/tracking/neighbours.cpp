@@ -32,12 +32,6 @@ int octave_of(double distance_s) {
   return std::frexp(distance, &exponent) == 0.5 ? exponent - 1 : exponent;
 }
 
-/// How much one counts as the other's neighbour.
-float share_of(std::size_t j, std::size_t k, const std::vector<BandEnergies>& band_energies) {
-  if (j == k || band_energies.empty()) return 1.0F;
-  return same_source_weight(band_energies[j], band_energies[k]);
-}
-
 /// Counts one neighbour.
 /// @param density  that it contributes
 void count(float density, bool is_stronger, int octave, float share, Neighbours& neighbours) {
@@ -52,18 +46,23 @@ void accumulate(Neighbours& n) {
 
 }  // namespace
 
-std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c,
-                                         const std::vector<BandEnergies>& band_energies, const TrackingModel& model) {
+std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, const SameSource& same_source,
+                                         const TrackingModel& model) {
   std::vector<double> log_amplitude;
   for (const Candidate& candidate : c) log_amplitude.push_back(log(candidate.amplitude));
   std::vector<Neighbours> neighbours(c.size());
+  std::vector<float> shares;
+  std::size_t last = 1;  // behind the last within reach
   for (std::size_t k = 0; k < c.size(); ++k) {
+    last = std::max(last, k + 1);
     count(static_cast<float>(amplitude_kernel(0.0, model)), true, 0, 1.0F, neighbours[k]);
+    while (last < c.size() && c[last].t_s - c[k].t_s <= reach_s(kWindowOctaves - 1)) ++last;
+    shares.resize(last - k - 1);
+    same_source.weigh(k, k + 1, shares);
     int octave = 0;
-    for (std::size_t j = k + 1; j < c.size(); ++j) {
-      while (octave < kWindowOctaves && c[j].t_s - c[k].t_s > reach_s(octave)) ++octave;
-      if (octave >= kWindowOctaves) break;
-      const float share = share_of(j, k, band_energies);
+    for (std::size_t j = k + 1; j < last; ++j) {
+      while (c[j].t_s - c[k].t_s > reach_s(octave)) ++octave;
+      const float share = shares[j - k - 1];
       const double log_ratio = log_amplitude[j] - log_amplitude[k];
       const auto density = static_cast<float>(amplitude_kernel(log_ratio, model));  // the same either way
       count(density, log_ratio >= 0.0, octave, share, neighbours[k]);
@@ -74,18 +73,20 @@ std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c,
   return neighbours;
 }
 
-Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c,
-                               const std::vector<BandEnergies>& band_energies,
+Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, const SameSource& same_source,
                                const std::vector<std::size_t>& not_counted, const TrackingModel& model) {
   std::size_t first = k, last = k;
   while (first > 0 && octave_of(c[k].t_s - c[first - 1].t_s) < kWindowOctaves) --first;
   while (last + 1 < c.size() && octave_of(c[last + 1].t_s - c[k].t_s) < kWindowOctaves) ++last;
+  std::vector<float> shares(last - first + 1);
+  same_source.weigh(k, first, shares);
+  shares[k - first] = 1.0F;
   Neighbours neighbours;
   for (std::size_t j = first; j <= last; ++j) {
     if (j != k && std::binary_search(not_counted.begin(), not_counted.end(), j)) continue;
     const auto density = static_cast<float>(amplitude_kernel(log(c[j].amplitude / c[k].amplitude), model));
-    count(density, c[j].amplitude >= c[k].amplitude, octave_of(std::abs(c[j].t_s - c[k].t_s)),
-          share_of(j, k, band_energies), neighbours);
+    count(density, c[j].amplitude >= c[k].amplitude, octave_of(std::abs(c[j].t_s - c[k].t_s)), shares[j - first],
+          neighbours);
   }
   accumulate(neighbours);
   return neighbours;

@@ -19,15 +19,14 @@ struct Neighbours {
   float stronger = 0.0F;                        ///< of these, at least as strong
 };
 
-/// @param band_energies  of the candidates, or none: then all are of one kind
-std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& candidates,
-                                         const std::vector<BandEnergies>& band_energies, const TrackingModel& model);
+std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& candidates, const SameSource& same_source,
+                                         const TrackingModel& model);
 
 /// Those of one candidate, itself included, but for some.
 /// @param not_counted  indices, rising
 Neighbours count_neighbours_of(std::size_t candidate, const std::vector<Candidate>& candidates,
-                               const std::vector<BandEnergies>& band_energies,
-                               const std::vector<std::size_t>& not_counted, const TrackingModel& model);
+                               const SameSource& same_source, const std::vector<std::size_t>& not_counted,
+                               const TrackingModel& model);
 
 /// The window in which sounds compete for being the impact after this flight: about two flights either way [s].
 double clutter_window_s(double flight_s);

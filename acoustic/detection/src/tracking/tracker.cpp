@@ -95,6 +95,10 @@ class Search {
 
   void visit(std::size_t k) {
     Beam here(best_[k].score);
+    std::size_t first_near = k;
+    while (first_near > 0 && o_[k].t_s - o_[first_near - 1].t_s <= kLongestFlight_s) --first_near;
+    same_source_.resize(k - first_near);
+    o_.same_source(k, first_near, same_source_);
     for (std::size_t j = k; j-- > 0;) {
       const double gap_s = o_[k].t_s - o_[j].t_s;
       if (gap_s > kMostGap * kLongestFlight_s) break;
@@ -106,7 +110,7 @@ class Search {
       const bool is_first_flight = may_begin(j) && gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
       const bool is_reached = first != end && first->track.flight_s * kMostGap >= gap_s;
       if (!is_first_flight && !is_reached) continue;
-      const double same_source = o_.same_source(j, k);
+      const double same_source = j >= first_near ? same_source_[j - first_near] : o_.same_source(j, k);
       for (auto s = first; s != end && s->track.flight_s * kMostGap >= gap_s; ++s)
         extend(s - states_.begin(), k, same_source, here);
       if (is_first_flight) start(j, k, same_source, here);
@@ -163,8 +167,8 @@ class Search {
 
   void start(std::size_t j, std::size_t k, double same_source, Beam& here) const {
     const double least_log_odds = std::max(kHopeless, here.least_total() - best_[j].score);
-    const std::optional<Hypothesis> track =
-        Hypothesis::begin_above(least_log_odds, log_odds_of_first_[j], o_[j], o_[k], same_source, true, o_.model());
+    const std::optional<Hypothesis> track = Hypothesis::begin_above(
+        least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], same_source, true, o_.model());
     if (track) here.keep({*track, best_[j].score, -1, k, j});
   }
 
@@ -200,7 +204,9 @@ class Search {
   }
 
   const Observations& o_;
+  double log_usual_eps_ = log(o_.model().usual_eps);
   std::vector<double> log_odds_of_first_;  // of a track that begins with each candidate
+  std::vector<float> same_source_;         // of the candidate visited and those before it
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
