@@ -32,19 +32,20 @@ namespace {
 using namespace bouncelab;
 using namespace bouncelab::detection;
 
-constexpr double kTolerance_s = 4e-3;      // of candidates, which are not yet timed by a template
+constexpr double kTolerance_s = 4e-3;       // of candidates, which are not yet timed by a template
 constexpr double kFurthestOffset_s = 6e-3;  // of a recording's annotations as a whole: sound travels, hands are late
-constexpr double kLeastScore = -25.0;  // of one recording: none outweighs the others
-constexpr double kLeastGain = 2.0;  // of the score, nats: what a number must gain to be changed
+constexpr double kLeastScore = -25.0;       // of one recording: none outweighs the others
+constexpr double kLeastGain = 2.0;          // of the score, nats: what a number must gain to be changed
 constexpr double kLeastProbability = 1e-2;  // that the score counts for what was not found, or wrongly
 
 struct Number {
   const char* name;
-  double TrackingModel::* value;
+  double TrackingModel::*value;
 };
 
 constexpr Number kNumbers[] = {
-#define BOUNCELAB_NUMBER(name) {#name, &TrackingModel::name}
+#define BOUNCELAB_NUMBER(name) \
+  { #name, &TrackingModel::name }
     BOUNCELAB_NUMBER(start_log_odds),
     BOUNCELAB_NUMBER(usual_first_flight_s),
     BOUNCELAB_NUMBER(first_flight_scatter),
@@ -189,8 +190,7 @@ std::vector<bool> matched(const std::vector<Mark>& marks, const std::vector<doub
     std::optional<std::size_t> nearest;
     for (std::size_t k = 0; k < marks.size(); ++k) {
       const double off_s = std::abs(marks[k].t_s - offset_s - t_s);
-      if (off_s < kTolerance_s && !is_used[k] &&
-          (!nearest || off_s < std::abs(marks[*nearest].t_s - offset_s - t_s)))
+      if (off_s < kTolerance_s && !is_used[k] && (!nearest || off_s < std::abs(marks[*nearest].t_s - offset_s - t_s)))
         nearest = k;
     }
     if (nearest) is_used[*nearest] = true;

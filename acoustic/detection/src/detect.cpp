@@ -169,9 +169,9 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  TimedRecording timed = time_recording(
-      {band.sound, sound, band.decimation == 1, band.models.noise, band.candidates, best.found.tracks, config.gravity_mps2},
-      name);
+  TimedRecording timed = time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates,
+                                         best.found.tracks, config.gravity_mps2},
+                                        name);
   d.onsets = std::move(timed.onsets);
   leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);

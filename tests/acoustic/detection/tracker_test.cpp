@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
-#include "tracking/drop_rate.hpp"
 #include "candidate_rows.hpp"
+#include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/rescoring.hpp"
 
@@ -265,7 +265,7 @@ TEST(Tracker, NeitherTheTimeNorTheGainOfARecordingMatters) {
 }
 
 TEST(Tracker, DropsThatHaveNothingToDoWithEachOtherAreFoundAloneAsTogether) {
-  constexpr double kSure = 3.0;   // what is less probable alone may win or lose by the other
+  constexpr double kSure = 3.0;    // what is less probable alone may win or lose by the other
   constexpr double kOfRate = 1.1;  // log odds by which two drops may tell of each other's rate, from 1 to 1/3
   TrackingModel model;
   model.another_ball = 1.0;  // no drop tells of another's ball
@@ -284,9 +284,8 @@ TEST(Tracker, DropsThatHaveNothingToDoWithEachOtherAreFoundAloneAsTogether) {
     }
     const std::vector<Track> together = find_tracks(test::joined(first, second), test::kTiming_s, {}, model);
     for (const Track& track : sure(apart)) {
-      const auto same = std::find_if(together.begin(), together.end(), [&](const Track& other) {
-        return places_of({other}) == places_of({track});
-      });
+      const auto same = std::find_if(together.begin(), together.end(),
+                                     [&](const Track& other) { return places_of({other}) == places_of({track}); });
       ASSERT_NE(same, together.end()) << seed;
       EXPECT_NEAR(same->log_odds, track.log_odds, kOfRate) << seed;
       n_compared += 1;

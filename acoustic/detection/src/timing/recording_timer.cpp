@@ -188,8 +188,7 @@ TimedRecording time_recording(const TimingInput& input, const std::string& name)
     const TimedDrop& drop = timed.drops[d];
     for (std::size_t k = 0; k < drop.impacts.size(); ++k) {
       const ContactCorrection contact = law ? contact_correction(*law, drop, k) : ContactCorrection{};
-      Onset onset =
-          to_onset(drop.impacts[k], input.tracks[d].log_odds, contact, drop.peak, timed.noise_variance);
+      Onset onset = to_onset(drop.impacts[k], input.tracks[d].log_odds, contact, drop.peak, timed.noise_variance);
       onset.recording = name;
       onset.drop = static_cast<std::int64_t>(d);
       recording.onsets.push_back(std::move(onset));

@@ -81,8 +81,8 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
       const double of_change = std::sqrt(2.0 * square(model.scatter) * (1.0 + n_missing) + jitter2);
       of_outlier = 0.5 * (prior + student3(log_eps - *changed_log_eps_, of_change) / flight.eps);
     }
-    of_eps = (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps +
-             model.outliers * of_outlier;
+    of_eps =
+        (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps + model.outliers * of_outlier;
   }
   return probability_of_missing(n_missing, model) * of_eps / flight.slope_s *
          loudness_.density(log_amplitude - log_flight, model);

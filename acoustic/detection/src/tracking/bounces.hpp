@@ -54,9 +54,9 @@ class Bounces {
   int n_eps_ = 0;  ///< ratios of intervals
   int n_of_mean_ = 0;
   double mean_log_eps_ = 0.0;
-  double sum_squares_ = 0.0;  ///< of the deviations of log eps from its running mean, large ones cut
+  double sum_squares_ = 0.0;               ///< of the deviations of log eps from its running mean, large ones cut
   std::optional<double> changed_log_eps_;  ///< the last one, where it was far from the mean: it may stay
-  double loss_ = 0.0;         ///< -sum of log eps, large deviations cut
+  double loss_ = 0.0;                      ///< -sum of log eps, large deviations cut
   double first_log_flight_ = 0.0;
   Loudness loudness_;  ///< amplitude over the flight before
 };

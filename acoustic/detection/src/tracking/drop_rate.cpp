@@ -16,9 +16,8 @@ constexpr double kStep = 2.0;      // of the rates that are averaged over
 double n_windows(const std::vector<Candidate>& c) {
   double n = 0.0;
   for (std::size_t k = 0; k < c.size();) {
-    const auto end = std::partition_point(c.begin() + static_cast<std::ptrdiff_t>(k), c.end(), [&](const Candidate& s) {
-      return s.t_s < c[k].t_s + kWindow_s;
-    });
+    const auto end = std::partition_point(c.begin() + static_cast<std::ptrdiff_t>(k), c.end(),
+                                          [&](const Candidate& s) { return s.t_s < c[k].t_s + kWindow_s; });
     const auto next = static_cast<std::size_t>(end - c.begin());
     if (std::ssize(c) > 0 && next - k >= static_cast<std::size_t>(kFewestImpacts)) n += 1.0;
     k = next;

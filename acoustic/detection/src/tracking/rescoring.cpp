@@ -14,7 +14,6 @@
 namespace bouncelab::detection {
 namespace {
 
-
 /// The coefficient of restitution that goes before the first of a track.
 struct Expected {
   double log_eps = 0.0;
@@ -49,7 +48,7 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
-constexpr double kSure = 3.0;  // log odds of a track that may speak for others
+constexpr double kSure = 3.0;           // log odds of a track that may speak for others
 constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
 
 /// The track's own sounds and their echoes: chance need not offer them.
@@ -186,34 +185,33 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   constexpr double kEpsRange = kLargestEps - kLeastEps;
   const Track* surest = nullptr;
   for (const Track& other : tracks)
-    if (&other != &track && other.log_odds > kSure &&
-        (surest == nullptr || other.log_odds > surest->log_odds))
+    if (&other != &track && other.log_odds > kSure && (surest == nullptr || other.log_odds > surest->log_odds))
       surest = &other;
   const std::optional<double> here = first_log_eps(c, track);
   const std::optional<double> there = surest != nullptr ? first_log_eps(c, *surest) : std::nullopt;
   if (!here || !there) return 0.0;
   const double open = exp(*here) / kEpsRange;  // eps uniform, as the model has it
-  return log((1.0 - model.another_ball) * student3(*here - *there, model.scatter_of_drops) / open +
-             model.another_ball);
+  return log((1.0 - model.another_ball) * student3(*here - *there, model.scatter_of_drops) / open + model.another_ball);
 }
 
-bool ends_before(const Track& a, const Track& b) {
-  return a.impacts.back().candidate < b.impacts.front().candidate;
-}
+bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
 
 }  // namespace
 
 std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
   for (Track& track : tracks) track.log_odds = judged(o, track);
   // the surest first: what its earlier impacts are, no other track may claim
-  std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
   std::vector<Track> kept;
   for (Track& track : tracks) {
     std::size_t first_free = 0;
     bool is_free = true;
     for (const Track& surer : kept) {
-      if (ends_before(surer, track)) first_free = std::max(first_free, surer.impacts.back().candidate + 1);
-      else if (!ends_before(track, surer)) is_free = false;
+      if (ends_before(surer, track))
+        first_free = std::max(first_free, surer.impacts.back().candidate + 1);
+      else if (!ends_before(track, surer))
+        is_free = false;
     }
     if (!is_free) continue;
     begin_again(o, first_free, track);

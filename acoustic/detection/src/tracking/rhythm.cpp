@@ -12,7 +12,7 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kAnyInterval = 1.0 / 3.0;  // density of an irregular log interval, within a factor of 4.5 either way
-constexpr double kMostOfBeat = 3.0;  // standard deviations by which one beat moves what is known at most
+constexpr double kMostOfBeat = 3.0;         // standard deviations by which one beat moves what is known at most
 
 /// An interval in beats.
 double beats_of(double ratio) {
@@ -69,8 +69,8 @@ double Rhythm::follow_by_machine(double interval_s, double sigma_s, const Tracki
   const double n = std::min(n_sounds_, model.memory);  // sounds that beat and interval are known from
   const double position_gain = 2.0 * (2.0 * n + 1.0) / ((n + 1.0) * (n + 2.0));
   const double period_gain = 6.0 / ((n + 1.0) * (n + 2.0));
-  const double learned = (model.beat_weight * square(model.machine_scatter) + sum_squares_of_lateness_) /
-                         (model.beat_weight + n - 2.0);
+  const double learned =
+      (model.beat_weight * square(model.machine_scatter) + sum_squares_of_lateness_) / (model.beat_weight + n - 2.0);
   // a line through n points predicts the next with the variance 1/(1 - gain) of that of one
   const double width_s =
       std::sqrt((learned * square(period_s_) + square(sigma_s)) / std::max(0.1, 1.0 - position_gain));

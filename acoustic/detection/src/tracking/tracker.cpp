@@ -22,7 +22,7 @@ constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds a
 constexpr double kMostGain = 11.0;     // that any impact adds
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
-constexpr double kAcceptance = 0.0;  // log odds of a track
+constexpr double kAcceptance = 0.0;             // log odds of a track
 constexpr std::size_t kStatesAtOnce = 1 << 12;  // 1 MB, which stays in the cache; then those no track needs are dropped
 
 struct State {

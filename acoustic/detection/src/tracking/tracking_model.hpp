@@ -14,8 +14,8 @@ constexpr int kMostMissing = 2;      // impacts in a row that were not detected
 constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight
 
 /// The numbers of the model of tracks and clutter (docs/detector.md, "Tracks"): priors and scatters in natural
-/// logarithms unless said otherwise. tests/bench/tracking_fit prints how the log score of recordings with and without balls depends
-/// on each.
+/// logarithms unless said otherwise. tests/bench/tracking_fit prints how the log score of recordings with and without
+/// balls depends on each.
 struct TrackingModel {
   // birth and end
   double start_log_odds = -1.5;         ///< of a ball that begins within some seconds, against none
@@ -46,14 +46,15 @@ struct TrackingModel {
   double loudness_weight = 4.0;   ///< impacts that this is worth
 
   // rhythms: log interval
-  double rhythm_log_odds = 0.0;   ///< of a rhythm against a ball
-  double switch_log_odds = -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound: each a coincidence
-  double beat_scatter = 0.05;      ///< by hand: drummers 2 %, hands and feet 3 to 8 %
-  double beat_weight = 2.0;        ///< intervals that this is worth
+  double rhythm_log_odds = 0.0;  ///< of a rhythm against a ball
+  double switch_log_odds =
+      -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound: each a coincidence
+  double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
+  double beat_weight = 2.0;       ///< intervals that this is worth
   double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
-  double tempo_range = 0.8;  ///< of the log interval from the beginning of a rhythm to its end
-  double tempo_gain = 0.5;      ///< of the level that follows the interval
-  double trend_gain = 0.15;     ///< of its trend
+  double tempo_range = 0.8;       ///< of the log interval from the beginning of a rhythm to its end
+  double tempo_gain = 0.5;        ///< of the level that follows the interval
+  double trend_gain = 0.15;       ///< of its trend
 
   // clutter
   double kernel_width = 0.5;  ///< of log amplitude
