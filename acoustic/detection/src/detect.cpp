@@ -144,6 +144,11 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   for (int c = first; c < last; ++c) {
     ChannelDetection here{c, bands_of(source_of(c), progress), {}};
     here.found = find_tracks_in(here.bands);
+    // an hour of dense music has some ten megabytes of candidates in each band
+    for (std::size_t b = 0; b < here.bands.size(); ++b) {
+      here.bands[b].band_energies = {};
+      if (b != here.found.band) here.bands[b] = {};
+    }
     if (c == first || is_preferred(here.band(), here.found, best.band(), best.found)) best = std::move(here);
   }
   return best;
@@ -169,9 +174,9 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  TimedRecording timed = time_recording(
-      {band.sound, sound, band.decimation == 1, band.models.noise, band.candidates, best.found.tracks, config.gravity_mps2},
-      name);
+  TimedRecording timed = time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates,
+                                         best.found.tracks, config.gravity_mps2},
+                                        name);
   d.onsets = std::move(timed.onsets);
   leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);
