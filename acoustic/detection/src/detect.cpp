@@ -144,6 +144,11 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   for (int c = first; c < last; ++c) {
     ChannelDetection here{c, bands_of(source_of(c), progress), {}};
     here.found = find_tracks_in(here.bands);
+    // an hour of dense music has some ten megabytes of candidates in each band
+    for (std::size_t b = 0; b < here.bands.size(); ++b) {
+      here.bands[b].band_energies = {};
+      if (b != here.found.band) here.bands[b] = {};
+    }
     if (c == first || is_preferred(here.band(), here.found, best.band(), best.found)) best = std::move(here);
   }
   return best;

@@ -21,6 +21,7 @@ Observations::Observations(const std::vector<Candidate>& candidates, double timi
     : candidates_(candidates), band_energies_(band_energies), same_source_(band_energies), model_(model) {
   const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kSamplesOfTiming / timing_s, model);
   const std::vector<Neighbours> neighbours = count_neighbours(candidates, same_source_, model);
+  observations_.reserve(candidates.size());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const Candidate& c = candidates[k];
     const double sigma_s = c.reach_s < kSharp_s ? timing_s : std::max(timing_s, kTimingOfReach * c.reach_s);
