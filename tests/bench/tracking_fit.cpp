@@ -58,7 +58,7 @@ constexpr Number kNumbers[] = {
     BOUNCELAB_NUMBER(first_scatter),
     BOUNCELAB_NUMBER(outliers),
     BOUNCELAB_NUMBER(least_loss),
-    BOUNCELAB_NUMBER(stranger),
+    BOUNCELAB_NUMBER(unexplained),
     BOUNCELAB_NUMBER(scatter_of_drops),
     BOUNCELAB_NUMBER(another_ball),
     BOUNCELAB_NUMBER(usual_first_change),

@@ -109,11 +109,11 @@ TEST(Rescoring, StrangersAmongItsSoundsMakeATrackLessProbable) {
   const std::vector<Candidate> between{test::candidate(1.2, 250.0)};
   // of a known other source they would not count: energies tell
   const std::vector<Candidate> both = test::joined(ball, between);
-  const auto energies = [&](float slope_of_stranger) {
+  const auto energies = [&](float slope_of_other) {
     std::vector<BandEnergies> all(both.size());
     for (std::size_t k = 0; k < both.size(); ++k)
       for (std::size_t octave = 0; octave < kEnergyBands; ++octave) {
-        all[k].log_power[octave] = (both[k].t_s == 1.2 ? slope_of_stranger : 3.0F) * static_cast<float>(octave);
+        all[k].log_power[octave] = (both[k].t_s == 1.2 ? slope_of_other : 3.0F) * static_cast<float>(octave);
         all[k].added_share[octave] = 1.0F;
       }
     return all;
@@ -121,12 +121,12 @@ TEST(Rescoring, StrangersAmongItsSoundsMakeATrackLessProbable) {
   const Track track = track_of({0, 2, 3, 4, 5, 6});
   const std::vector<BandEnergies> same = energies(3.0F), other = energies(-3.0F);
   TrackingModel lenient;
-  lenient.stranger = 0.0;
+  lenient.unexplained = 0.0;
   const auto odds = [&](const std::vector<BandEnergies>& e, const TrackingModel& model) {
     const std::vector<Track> tracks = rescored(Observations(both, test::kTiming_s, e, model), {track});
     return tracks.empty() ? -INFINITY : tracks[0].log_odds;
   };
-  EXPECT_NEAR(odds(same, lenient) - odds(same, kModel), kModel.stranger, 0.15);  // one, probably of the same source
+  EXPECT_NEAR(odds(same, lenient) - odds(same, kModel), kModel.unexplained, 0.15);  // one, probably of the same source
   EXPECT_EQ(odds(other, lenient), odds(other, kModel));
 }
 

@@ -108,7 +108,7 @@ void begin_again(const Observations& o, std::size_t first_free, Track& track) {
 
 /// Sounds among a track's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
 /// or steps in which intervals happen to shrink, many. Echoes of its own do not count.
-double n_strangers(const Observations& o, const std::vector<std::size_t>& own) {
+double n_unexplained(const Observations& o, const std::vector<std::size_t>& own) {
   constexpr double kAsLoud = 0.5;
   const std::vector<Candidate>& c = o.candidates();
   constexpr double kFlights = 1.25;  // before the first and after the last, where a row would go on
@@ -152,7 +152,7 @@ double judged(const Observations& o, const Track& track, const OwnSounds& own) {
     const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
     h = h->extended(own.seen[n], n_missing, o.same_source(c[n - 1], c[n]), false, -INFINITY, o.model());
   }
-  return h ? h->log_odds_of_ball(o.model()) - o.model().stranger * n_strangers(o, c) : -INFINITY;
+  return h ? h->log_odds_of_ball(o.model()) - o.model().unexplained * n_unexplained(o, c) : -INFINITY;
 }
 double judged(const Observations& o, const Track& track) { return judged(o, track, own_sounds(o, track)); }
 
