@@ -104,7 +104,7 @@ TEST(Rescoring, ADropIsSurerWhereAnotherHasTheSameEps) {
   EXPECT_GT(odds_beside(0.55), alone + std::log(kModel.another_ball) - 1e-9);  // it may be another ball
 }
 
-TEST(Rescoring, StrangersAmongItsSoundsMakeATrackLessProbable) {
+TEST(Rescoring, UnexplainedSoundsLikeItsOwnMakeATrackLessProbable) {
   const std::vector<Candidate> ball = test::candidates_of({.n_impacts = 6});
   const std::vector<Candidate> between{test::candidate(1.2, 250.0)};
   // of a known other source they would not count: energies tell

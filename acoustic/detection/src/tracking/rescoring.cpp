@@ -143,7 +143,7 @@ OwnSounds own_sounds(const Observations& o, const Track& track) {
   return own;
 }
 
-/// Log odds of a track where what it explains is no rival of its sounds.
+/// Log odds of a track where what it explains does not compete with its sounds.
 double judged(const Observations& o, const Track& track, const OwnSounds& own) {
   const std::vector<std::size_t>& c = own.candidates;
   std::optional<Hypothesis> h =

@@ -38,7 +38,7 @@ struct State {
 /// The most probable of the states that end at one candidate.
 class Beam {
  public:
-  /// @param total  of the recording without a train that ends here
+  /// @param total  of the recording without a track that ends here
   explicit Beam(double total) : least_total_(total - kBeamDepth) {}
 
   /// What is not more probable would not be kept.

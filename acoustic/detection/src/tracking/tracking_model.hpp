@@ -35,7 +35,7 @@ struct TrackingModel {
   int memory = 8;               ///< impacts over which eps and loudness are taken as constant
 
   // what surrounds a track
-  double unexplained = 2.0;           ///< log odds against a ball of each sound like its own but not of it
+  double unexplained = 2.0;        ///< log odds against a ball of each sound like its own but not of it
   double scatter_of_drops = 0.06;  ///< of the first log eps, between drops of one ball at other speeds
   double another_ball = 0.4;       ///< share of drops that are of another, or on another floor
 
