@@ -26,12 +26,12 @@ const std::array<Stage, 9> kStages{{
     {"synthesize other.csv --rate 24000 --hard rough --out hard.wav", "hard.wav",
      "4d3c2e66541b23513de996c061be607e632502510dd13f30bfceacf405491f74"},
     {"detect sound.wav --out onsets.csv", "onsets.csv",
-     "d04274aebaac4bca9511529f31c9b9badb677648b8816f40564b4b32713dcf21"},
+     "ebd569a038c1b57ada17c971acb06659a3183da24eba3e5c10f7c22cdd0b4b3f"},
     {"restitution onsets.csv --correct-drag --out samples.csv", "samples.csv",
-     "a99e8e5f93d8424b1d15da829586202e47827b87bff9451d665fa4e32e78457b"},
+     "27065a2bddc5d9ab9530640c0fe89fa7756564b0746a21cc3e05867c8ae5bbf4"},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json",
-     "781722d8233cf61945cd3b61b2da686911b6effba36c6c28222adaac861af706"},
-    {"", "law.csv", "0244eed141cfe91ce4df8165308d2a2e12b33a22158d7cd10f8889af3fa56e05"},
+     "a025e624e5372631d97c811902c6f91851a3d70a956153b3b80d0c4bdeaa15cd"},
+    {"", "law.csv", "0accabc942ab3784101b49143dedd2a1f0e0a53d282c340b972c9d02b41c6843"},
 }};
 
 class SameBytesTest : public ProgramTest {
