@@ -83,7 +83,7 @@ constexpr Number kNumbers[] = {
 
 struct Recording {
   std::string name;
-  std::vector<std::vector<BandOfChannel>> channels;
+  mutable std::vector<BandsOfChannel> channels;  // searched once, when read
   std::optional<std::vector<double>> truth_s;  // absent where there is no ball
   double duration_s = 0.0;
   bool is_held_out = false;
@@ -115,8 +115,8 @@ Recording read(const std::filesystem::path& path) {
   for (int c = 0; c < reader.format().n_channels; ++c) {
     const audio::AudioSource sound = reader.source(c);
     r.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
-    r.channels.push_back(bands_of(sound));
-    for (BandOfChannel& band : r.channels.back()) band.sound.read = nullptr;  // which keeps the file open
+    BandsOfChannel& bands = r.channels.emplace_back(sound);
+    for (std::size_t b = 0; b < bands.size(); ++b) bands[b].sound.read = nullptr;  // which keeps the file open
   }
   return r;
 }

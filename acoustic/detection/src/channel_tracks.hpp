@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
@@ -22,8 +23,20 @@ struct BandOfChannel {
 };
 
 /// All frequencies, those below 2 kHz and those below 500 Hz: rubber balls are faint above 1.5 kHz, a basketball above
-/// 300 Hz.
-std::vector<BandOfChannel> bands_of(const audio::AudioSource& sound, const ProgressCallback& progress = {});
+/// 300 Hz. Each is searched for candidates when it is first asked for.
+class BandsOfChannel {
+ public:
+  explicit BandsOfChannel(audio::AudioSource sound, ProgressCallback progress = {});
+  explicit BandsOfChannel(std::vector<BandOfChannel> searched);
+  std::size_t size() const { return bands_.size(); }
+  BandOfChannel& operator[](std::size_t band);
+
+ private:
+  audio::AudioSource sound_;
+  ProgressCallback progress_;
+  std::vector<int> decimations_;
+  std::vector<std::optional<BandOfChannel>> bands_;
+};
 
 /// The tracks of a channel, in the band where they are most probable.
 struct ChannelTracks {
@@ -31,6 +44,9 @@ struct ChannelTracks {
   std::vector<Track> tracks;
   double log_odds() const;
 };
+
+/// Lower bands are not searched where the impacts are nearly all that rises in the whole band, and none is faint.
+ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model = {});
 
 /// Whether one channel is to be preferred to another: the one of the more probable tracks; where both have recorded the
 /// same ball, the one in which its impacts rise the more, since that makes their times accurate.

@@ -29,13 +29,11 @@ constexpr double kBelow500_hz = 2e3;  // sampling rate of a band below which tha
 constexpr double kMinRate_hz = 4e3;
 constexpr double kMaxRate_hz = 4e6;
 
-/// The channel that detection is from, with all of its bands.
+/// The channel that detection is from.
 struct ChannelDetection {
   int channel = 0;
-  std::vector<BandOfChannel> bands;
+  BandOfChannel band;
   ChannelTracks found;
-
-  const BandOfChannel& band() const { return bands[found.band]; }
 };
 
 NoiseSpectrum noise_spectrum(const BandOfChannel& found) {
@@ -142,14 +140,11 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   const int first = channel.value_or(0);
   const int last = channel ? first + 1 : n_channels;
   for (int c = first; c < last; ++c) {
-    ChannelDetection here{c, bands_of(source_of(c), progress), {}};
-    here.found = find_tracks_in(here.bands);
-    // an hour of dense music has some ten megabytes of candidates in each band
-    for (std::size_t b = 0; b < here.bands.size(); ++b) {
-      here.bands[b].band_energies = {};
-      if (b != here.found.band) here.bands[b] = {};
-    }
-    if (c == first || is_preferred(here.band(), here.found, best.band(), best.found)) best = std::move(here);
+    BandsOfChannel bands(source_of(c), progress);
+    ChannelTracks found = find_tracks_in(bands);
+    ChannelDetection here{c, std::move(bands[found.band]), std::move(found)};
+    here.band.band_energies = {};  // an hour of dense music has ten megabytes of them
+    if (c == first || is_preferred(here.band, here.found, best.band, best.found)) best = std::move(here);
   }
   return best;
 }
@@ -164,7 +159,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                           ": at least 3 impacts give a coefficient of restitution");
   ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, progress);
   const audio::AudioSource sound = source_of(best.channel);
-  const BandOfChannel& band = best.band();
+  const BandOfChannel& band = best.band;
   Detection d;
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;

@@ -33,10 +33,13 @@ struct Channel {
   std::vector<BandOfChannel> bands;
   ChannelTracks found;
 };
-Channel channel_of(std::vector<BandOfChannel> bands) {
+Channel channel_of(BandsOfChannel bands) {
   ChannelTracks found = find_tracks_in(bands);
-  return {std::move(bands), std::move(found)};
+  Channel channel{{}, std::move(found)};
+  for (std::size_t b = 0; b < bands.size(); ++b) channel.bands.push_back(std::move(bands[b]));
+  return channel;
 }
+Channel channel_of(std::vector<BandOfChannel> bands) { return channel_of(BandsOfChannel(std::move(bands))); }
 bool is_preferred(const Channel& a, const Channel& b) {
   return is_preferred(a.bands[a.found.band], a.found, b.bands[b.found.band], b.found);
 }
@@ -53,12 +56,12 @@ Channel recorded(double ball, double noise_rms, std::uint64_t seed) {
   sound.noise_rms = 0.0;
   std::vector<float> x = render(sound);
   test::add_noise(x, noise_rms, seed);
-  return channel_of(bands_of(audio::source_in_memory(x, kFull_hz)));
+  return channel_of(BandsOfChannel(audio::source_in_memory(x, kFull_hz)));
 }
 
 TEST(ChannelTracks, AreThoseOfTheWholeBandWhereItSaysAsMuch) {
   const ChannelTracks found =
-      find_tracks_in({band_of(kBall, kFull_hz), band_of(kBall, kMiddle_hz), band_of(kBall, kLow_hz)});
+      channel_of({band_of(kBall, kFull_hz), band_of(kBall, kMiddle_hz), band_of(kBall, kLow_hz)}).found;
   EXPECT_EQ(found.band, 0u);
   ASSERT_EQ(found.tracks.size(), 1u);
   EXPECT_EQ(found.log_odds(), found.tracks[0].log_odds);
@@ -68,12 +71,22 @@ TEST(ChannelTracks, AreThoseOfALowBandWhereOnlyThatHasTheBall) {
   const std::vector<Candidate> few(kBall.begin(), kBall.begin() + 4);
   for (std::size_t low : {1, 2}) {
     std::vector<BandOfChannel> bands{band_of(few, kFull_hz), band_of({}, kMiddle_hz), band_of({}, kLow_hz)};
+    bands[0].candidates.back().log_likelihood_ratio = 12.0;  // the next are below the noise
     bands[low] = band_of(kBall, low == 1 ? kMiddle_hz : kLow_hz);
-    const ChannelTracks found = find_tracks_in(bands);
+    const ChannelTracks found = channel_of(bands).found;
     EXPECT_EQ(found.band, low);
     ASSERT_EQ(found.tracks.size(), 1u);
     EXPECT_EQ(found.tracks[0].impacts.size(), kBall.size());
   }
+}
+
+TEST(ChannelTracks, LowerBandsAreNotSearchedWhereTheyHaveNothingToAdd) {
+  const std::vector<Candidate> longer = test::candidates_of({.n_impacts = 14});
+  std::vector<BandOfChannel> bands{band_of(kBall, kFull_hz), band_of(longer, kMiddle_hz)};
+  EXPECT_EQ(channel_of(bands).found.band, 0u);
+  bands[0].candidates.push_back(test::candidate(4.3, 100.0));  // what is no impact may hide some
+  bands[0].band_energies.push_back(bands[0].band_energies.back());
+  EXPECT_EQ(channel_of(bands).found.band, 1u);
 }
 
 TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
@@ -83,7 +96,7 @@ TEST(ChannelTracks, ASoftBallIsFoundInALowBandOfItsSound) {
     test::add_modal_sound(x, kFull_hz, impact.t_s, 1e-3 * impact.amplitude,
                           test::equal_modes({90.0, 170.0, 260.0, 400.0}, 15e-3, 0.2));
   test::add_noise(x, 0.05, 1);
-  const Channel channel = channel_of(bands_of(audio::source_in_memory(x, kFull_hz)));
+  const Channel channel = channel_of(BandsOfChannel(audio::source_in_memory(x, kFull_hz)));
   ASSERT_EQ(channel.bands.size(), 3u);
   EXPECT_EQ(channel.bands[0].decimation, 1);
   EXPECT_EQ(channel.bands[1].decimation, 11);
