@@ -59,7 +59,12 @@ std::vector<float> whitener_for(const std::vector<double>& power, std::size_t n_
   std::vector<double> r(n_order + 1, 0.0);
   for (std::size_t k = 1; k < power.size(); ++k) {
     const double differenced = power[k] * 2.0 * (1.0 - cosine[k]);
-    for (std::size_t lag = 0; lag <= n_order; ++lag) r[lag] += differenced * cosine[k * lag % n];
+    std::size_t phase = 0;  // k lag, modulo n
+    for (double& at_lag : r) {
+      at_lag += differenced * cosine[phase];
+      phase += k;
+      if (phase >= n) phase -= n;
+    }
   }
   const std::vector<double> a = audio::prediction_error_filter(r);
   double variance = 0.0;  // that the filter leaves, times the number of bins
