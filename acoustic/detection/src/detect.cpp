@@ -2,12 +2,12 @@
 #include "bouncelab/detection/detect.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -51,13 +51,8 @@ void summarize_tracks(const BandOfChannel& band, const std::vector<Track>& track
   summary.n_drops = static_cast<std::int64_t>(tracks.size());
   std::vector<double> eps;
   for (const Track& track : tracks)
-    for (std::size_t k = 2; k < track.impacts.size(); ++k) {
-      if (track.impacts[k].impact - track.impacts[k - 2].impact != 2) continue;
-      const double t0 = band.candidates[track.impacts[k - 2].candidate].t_s;
-      const double t1 = band.candidates[track.impacts[k - 1].candidate].t_s;
-      const double t2 = band.candidates[track.impacts[k].candidate].t_s;
-      eps.push_back((t2 - t1) / (t1 - t0));
-    }
+    for (std::size_t k = 1; k + 1 < track.impacts.size(); ++k)
+      if (const std::optional<double> here = eps_at(band.candidates, track, k)) eps.push_back(*here);
   if (eps.empty()) return;
   summary.restitution_median = upper_median(std::move(eps));
 }

@@ -9,6 +9,7 @@
 
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
+#include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 
 namespace bouncelab::test {
@@ -60,6 +61,16 @@ inline std::vector<detection::Candidate> shifted(std::vector<detection::Candidat
                                                  double gain) {
   for (detection::Candidate& c : candidates) c.t_s += by_s, c.amplitude *= gain;
   return candidates;
+}
+
+/// Rising or falling by 13 dB an octave.
+inline detection::BandEnergies tilted(float slope) {
+  detection::BandEnergies energies;
+  for (int octave = 0; octave < detection::kEnergyBands; ++octave) {
+    energies.log_power[static_cast<std::size_t>(octave)] = slope * static_cast<float>(octave);
+    energies.added_share[static_cast<std::size_t>(octave)] = 1.0F;
+  }
+  return energies;
 }
 
 /// By the midpoint rule.

@@ -36,16 +36,6 @@ std::vector<Candidate> at_random(int n, double duration_s, std::uint64_t seed) {
   return row;
 }
 
-/// Rising or falling by 13 dB an octave.
-BandEnergies tilted(float slope) {
-  BandEnergies energies;
-  for (int octave = 0; octave < kEnergyBands; ++octave) {
-    energies.log_power[static_cast<std::size_t>(octave)] = slope * static_cast<float>(octave);
-    energies.added_share[static_cast<std::size_t>(octave)] = 1.0F;
-  }
-  return energies;
-}
-
 TEST(Neighbours, WindowIsBetweenTheRootOfTwoAndOfEightFlights) {
   for (double flight_s = kShortestFlight_s; flight_s < 1.4; flight_s *= 1.01) {
     EXPECT_GT(clutter_window_s(flight_s), 0.999 * std::sqrt(2.0) * flight_s) << flight_s;
@@ -122,7 +112,8 @@ TEST(Neighbours, WhatIsNotCountedMightAsWellNotBeThere) {
 
 TEST(Neighbours, ASoundOfAnotherSourceHardlyCounts) {
   const std::vector<Candidate> row = even_row(3, 0.1);
-  const std::vector<BandEnergies> same{tilted(3), tilted(3), tilted(3)}, other{tilted(-3), tilted(3), tilted(-3)};
+  const std::vector<BandEnergies> same{test::tilted(3), test::tilted(3), test::tilted(3)},
+      other{test::tilted(-3), test::tilted(3), test::tilted(-3)};
   EXPECT_NEAR(count_neighbours(row, same, kModel)[1].all, 3.0, 1e-6);
   EXPECT_LT(count_neighbours(row, other, kModel)[1].all, 1.2);
 }

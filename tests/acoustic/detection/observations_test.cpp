@@ -15,16 +15,6 @@ namespace {
 const TrackingModel kModel;
 const std::vector<BandEnergies> kNone;
 
-/// Rising or falling by 13 dB an octave.
-BandEnergies tilted(float slope) {
-  BandEnergies energies;
-  for (int octave = 0; octave < kEnergyBands; ++octave) {
-    energies.log_power[static_cast<std::size_t>(octave)] = slope * static_cast<float>(octave);
-    energies.added_share[static_cast<std::size_t>(octave)] = 1.0F;
-  }
-  return energies;
-}
-
 TEST(Observations, WhatALongerWindowFoundIsTimedByAPartOfIt) {
   std::vector<Candidate> candidates = test::candidates_of({});
   candidates[1].reach_s = 6e-3;
@@ -67,7 +57,7 @@ TEST(Observations, AreOfOneSourceWhereTheyCannotBeToldApart) {
 
 TEST(Observations, OfOtherSpectraHaveOtherSources) {
   const std::vector<Candidate> candidates = test::candidates_of({.n_impacts = 3});
-  const std::vector<BandEnergies> energies{tilted(3), tilted(3), tilted(-3)};
+  const std::vector<BandEnergies> energies{test::tilted(3), test::tilted(3), test::tilted(-3)};
   const Observations o(candidates, test::kTiming_s, energies, kModel);
   EXPECT_EQ(o.same_source(0, 1), 1.0);
   EXPECT_GT(o.same_source_probability_of(0, 1).value(), 0.9);

@@ -38,12 +38,12 @@ TEST(Tracker, BeginWithTheFirstImpactThoughItIsFaint) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<double> impacts_s;
     const std::vector<Candidate> candidates = turned_down_at_first(seed, impacts_s);
-    const std::vector<Track> trains = find_tracks(candidates, 5e-5);
-    ASSERT_EQ(trains.size(), 1u) << seed;
-    EXPECT_EQ(candidates[trains[0].impacts.front().candidate].t_s, impacts_s.front()) << seed;
-    EXPECT_EQ(trains[0].impacts.size(), impacts_s.size()) << seed;
-    for (std::size_t k = 0; k < trains[0].impacts.size(); ++k)
-      EXPECT_EQ(trains[0].impacts[k].impact, static_cast<std::int64_t>(k)) << seed;
+    const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
+    ASSERT_EQ(tracks.size(), 1u) << seed;
+    EXPECT_EQ(candidates[tracks[0].impacts.front().candidate].t_s, impacts_s.front()) << seed;
+    EXPECT_EQ(tracks[0].impacts.size(), impacts_s.size()) << seed;
+    for (std::size_t k = 0; k < tracks[0].impacts.size(); ++k)
+      EXPECT_EQ(tracks[0].impacts[k].impact, static_cast<std::int64_t>(k)) << seed;
   }
 }
 
@@ -73,9 +73,9 @@ TEST(Tracker, BeginWithTheFirstImpactAndNotWithItsEcho) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const EchoingDrop drop{30, 0.55, 0.905, 0.035 / 29.0, 0.003, 9e-3, 0.5};
     const std::vector<Candidate> candidates = with_echoes(drop, Random(seed, RandomStream::test, 1));
-    const std::vector<Track> trains = find_tracks(candidates, 5e-5);
-    ASSERT_EQ(trains.size(), 1u) << seed;
-    EXPECT_EQ(trains[0].impacts.front().candidate, 0u) << seed;
+    const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
+    ASSERT_EQ(tracks.size(), 1u) << seed;
+    EXPECT_EQ(tracks[0].impacts.front().candidate, 0u) << seed;
   }
 }
 
@@ -84,8 +84,8 @@ TEST(Tracker, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const EchoingDrop drop{6, 0.6, 0.68, 0.008, 0.01, 12e-3, 0.6};
     const std::vector<Candidate> candidates = with_echoes(drop, Random(seed, RandomStream::test, 3));
-    const std::vector<Track> trains = find_tracks(candidates, 5e-5);
-    n_begun += trains.size() == 1 && trains[0].impacts.front().candidate == 0 ? 1 : 0;
+    const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
+    n_begun += tracks.size() == 1 && tracks[0].impacts.front().candidate == 0 ? 1 : 0;
   }
   EXPECT_GE(n_begun, 36);  // 26 where an echo is as good a first impact as its source
 }
@@ -113,8 +113,8 @@ TEST(Tracker, KnowABallFromItsOtherDrop) {
     for (int k = 0; k < 3; ++k)
       candidates.push_back({random.uniform(last_first_s, t_s - 1.0), 150.0 * random.uniform(), 0.4e-3, 50.0});
     std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.t_s < b.t_s; });
-    const std::vector<Track> trains = find_tracks(candidates, 5e-5);
-    n_found += trains.size() == 2 && candidates[trains[1].impacts.front().candidate].t_s == last_first_s ? 1 : 0;
+    const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
+    n_found += tracks.size() == 2 && candidates[tracks[1].impacts.front().candidate].t_s == last_first_s ? 1 : 0;
   }
   // one in three hides behind the others; a recording whose drops do not know of each other finds one in forty
   EXPECT_GE(n_found, 20);
@@ -341,10 +341,10 @@ TEST(Tracker, BeginWithNothingToWhichNoEnergyWasAdded) {
     t_s += flight_s;
     flight_s *= 0.75;
   }
-  const std::vector<Track> trains = find_tracks(candidates, 5e-5);
-  ASSERT_EQ(trains.size(), 1u);
-  EXPECT_EQ(trains[0].impacts.front().candidate, 2u);
-  EXPECT_TRUE(std::isfinite(trains[0].log_odds));
+  const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_EQ(tracks[0].impacts.front().candidate, 2u);
+  EXPECT_TRUE(std::isfinite(tracks[0].log_odds));
 }
 
 }  // namespace

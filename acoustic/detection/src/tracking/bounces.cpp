@@ -11,8 +11,6 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kCut = 3.0;  // standard deviations by which one loss or gain moves what is known at most
-
 /// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
 double gap_of_eps(double eps, int n_missing) {
   double gap = eps;
@@ -110,7 +108,7 @@ void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const Tra
   const double n_before = std::min(n_of_mean_, model.memory);
   const double width = std::sqrt(learned_variance(model) * (1.0 + 1.0 / n_before) * (1.0 + n_missing) + jitter2);
   // one loss or gain must not carry the mean away
-  const double step = std::clamp(deviation, -kCut * width, kCut * width);
+  const double step = std::clamp(deviation, -kMostOfOne * width, kMostOfOne * width);
   changed_log_eps_.reset();
   if (step != deviation) changed_log_eps_ = log_eps;
   n_of_mean_ += 1;

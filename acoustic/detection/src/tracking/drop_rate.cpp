@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/log_sum.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -26,11 +27,7 @@ double n_windows(const std::vector<Candidate>& c) {
 }
 
 /// log(1 - p + p odds)
-double log_evidence(double p, double log_odds) {
-  const double with = log(p) + log_odds;
-  const double without = log1p(-p);
-  return std::max(with, without) + log1p(exp(-std::abs(with - without)));
-}
+double log_evidence(double p, double log_odds) { return log_of_sum(log(p) + log_odds, log1p(-p)); }
 
 }  // namespace
 

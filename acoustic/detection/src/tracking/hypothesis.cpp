@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/log_sum.hpp"
 #include "tracking/student.hpp"
 
 namespace bouncelab::detection {
@@ -13,9 +14,6 @@ namespace {
 
 /// No less than log(x), without taking it.
 double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
-
-/// log(exp(a) + exp(b))
-double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
 
 /// What the track's impacts to come contribute to the density of log amplitudes, as if they were clutter.
 /// @param flight   the last one; the next takes eps times as long
@@ -65,7 +63,6 @@ std::optional<Hypothesis> Hypothesis::begin_above(double least_log_odds, const B
   const double odds = before + log(per_second * of_amplitude * same_source / of_clutter);
   if (odds < least_log_odds) return {};
   Hypothesis h;
-  h.first_s = first.t_s;
   h.flight_s = flight_s;
   const double mean_log_amplitude = 0.5 * (first.log_amplitude + second.log_amplitude);
   h.last_ = {Impact{second.t_s, second.log_amplitude, second.sigma_s}, {first.t_s, first.log_amplitude, first.sigma_s}};

@@ -54,8 +54,7 @@ class Hypothesis {
   /// Of the ball against clutter, rhythms, and what loses no energy.
   double log_odds_of_ball(const TrackingModel& model) const;
 
-  double log_odds = 0.0;  ///< of the ball against clutter
-  double first_s = 0.0;
+  double log_odds = 0.0;       ///< of the ball against clutter
   double flight_s = 0.0;       ///< last interval, or what it would have been
   std::int64_t impact = 1;     ///< number of the last
   std::int64_t n_impacts = 2;  ///< detected

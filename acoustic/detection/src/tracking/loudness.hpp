@@ -25,9 +25,8 @@ class Loudness {
   }
 
   void learn(double log_loudness, const TrackingModel& model) {
-    constexpr double kCut = 3.0;  // standard deviations by which one sound moves what is known at most
     const double width = std::sqrt(variance(model));
-    const double step = std::clamp(log_loudness - mean_, -kCut * width, kCut * width);
+    const double step = std::clamp(log_loudness - mean_, -kMostOfOne * width, kMostOfOne * width);
     n_sounds_ = std::min(n_sounds_ + 1, model.memory);
     sum_squares_ = (sum_squares_ + square(step)) * (n_sounds_ < model.memory ? 1.0 : 1.0 - 1.0 / model.memory);
     mean_ += step / n_sounds_;

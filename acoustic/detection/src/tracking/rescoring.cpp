@@ -25,11 +25,8 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   constexpr std::size_t kFirst = 10;
   constexpr std::size_t kFewestForLine = 5;
   std::vector<double> log_eps;
-  for (std::size_t k = 2; k < std::min(kFirst, track.impacts.size()); ++k) {
-    if (track.impacts[k].impact - track.impacts[k - 2].impact != 2) continue;
-    const double t1_s = c[track.impacts[k - 1].candidate].t_s;
-    log_eps.push_back(log((c[track.impacts[k].candidate].t_s - t1_s) / (t1_s - c[track.impacts[k - 2].candidate].t_s)));
-  }
+  for (std::size_t k = 1; k + 1 < kFirst; ++k)
+    if (const std::optional<double> eps = eps_at(c, track, k)) log_eps.push_back(log(*eps));
   if (log_eps.size() < 2) return {};
   const auto n = static_cast<double>(log_eps.size());
   const double middle = 0.5 * (n - 1.0);
@@ -88,8 +85,7 @@ void begin_again(const Observations& o, std::size_t first_free, Track& track) {
       return log_odds_before(o.without(k, explained), o[first], o.same_source(k, first), flight_s, expected->log_eps,
                              expected->scatter, o.model());
     };
-    const double least = given ? odds_of(*given) : 0.0;
-    double best = least;
+    double best = given ? odds_of(*given) : 0.0;
     std::size_t before = given.value_or(first);
     const double furthest_s = std::min(kLongestFlight_s, flight_s / kLeastEps);
     for (std::size_t k = first; k-- > first_free && c[first].t_s - c[k].t_s < furthest_s;) {
@@ -98,7 +94,6 @@ void begin_again(const Observations& o, std::size_t first_free, Track& track) {
     }
     if (before == first) break;
     track.impacts.insert(track.impacts.begin(), {before, track.impacts[0].impact - 1});
-    track.log_odds += given ? best - least : best;
     given.reset();
   }
   if (given) track.impacts.insert(track.impacts.begin(), {*given, track.impacts[0].impact - 1});
@@ -172,13 +167,6 @@ void begin_at_source(const Observations& o, std::size_t first_free, Track& track
   }
 }
 
-/// ln of a track's first coefficient of restitution; absent where an impact is missing.
-std::optional<double> first_log_eps(const std::vector<Candidate>& c, const Track& track) {
-  if (track.impacts[2].impact != 2) return {};
-  const double t1_s = c[track.impacts[1].candidate].t_s;
-  return log((c[track.impacts[2].candidate].t_s - t1_s) / (t1_s - c[track.impacts[0].candidate].t_s));
-}
-
 /// One recording, one ball: log odds that a track's eps, which was open, is that of the surest other track.
 double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Track>& tracks, const Track& track,
                          const TrackingModel& model) {
@@ -187,11 +175,12 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   for (const Track& other : tracks)
     if (&other != &track && other.log_odds > kSure && (surest == nullptr || other.log_odds > surest->log_odds))
       surest = &other;
-  const std::optional<double> here = first_log_eps(c, track);
-  const std::optional<double> there = surest != nullptr ? first_log_eps(c, *surest) : std::nullopt;
+  const std::optional<double> here = eps_at(c, track, 1);
+  const std::optional<double> there = surest != nullptr ? eps_at(c, *surest, 1) : std::nullopt;
   if (!here || !there) return 0.0;
-  const double open = exp(*here) / kEpsRange;  // eps uniform, as the model has it
-  return log((1.0 - model.another_ball) * student3(*here - *there, model.scatter_of_drops) / open + model.another_ball);
+  const double same = student3(log(*here / *there), model.scatter_of_drops);
+  const double open = *here / kEpsRange;  // eps uniform, as the model has it
+  return log((1.0 - model.another_ball) * same / open + model.another_ball);
 }
 
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }

@@ -9,8 +9,8 @@
 namespace bouncelab::detection {
 
 /// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
-/// own sounds and their echoes not counted as clutter. Those below even odds are left out.
-/// @param tracks  one after the other in time
+/// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
+/// @param tracks  one after the other in time, and so are those returned
 std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
 
 }  // namespace bouncelab::detection

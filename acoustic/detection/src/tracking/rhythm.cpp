@@ -12,7 +12,6 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr double kAnyInterval = 1.0 / 3.0;  // density of an irregular log interval, within a factor of 4.5 either way
-constexpr double kMostOfBeat = 3.0;         // standard deviations by which one beat moves what is known at most
 
 /// An interval in beats.
 double beats_of(double ratio) {
@@ -56,7 +55,7 @@ double Rhythm::follow_by_hand(double interval_s, double sigma_s, const TrackingM
   const double learned =
       (model.beat_weight * square(model.beat_scatter) + sum_squares_) / (model.beat_weight + n_known);
   const double width = std::sqrt(learned + square(sigma_s / interval_s));
-  const double step = std::clamp(deviation, -kMostOfBeat * width, kMostOfBeat * width);
+  const double step = std::clamp(deviation, -kMostOfOne * width, kMostOfOne * width);
   sum_squares_ += square(step) - (n_sounds_ - 2 >= model.memory ? sum_squares_ / model.memory : 0.0);
   level_ = n_beats < 1.0 ? log(interval_s) : expected + model.tempo_gain * step;
   trend_ += model.trend_gain * step;
@@ -74,7 +73,7 @@ double Rhythm::follow_by_machine(double interval_s, double sigma_s, const Tracki
   // a line through n points predicts the next with the variance 1/(1 - gain) of that of one
   const double width_s =
       std::sqrt((learned * square(period_s_) + square(sigma_s)) / std::max(0.1, 1.0 - position_gain));
-  const double step_s = std::clamp(deviation_s, -kMostOfBeat * width_s, kMostOfBeat * width_s);
+  const double step_s = std::clamp(deviation_s, -kMostOfOne * width_s, kMostOfOne * width_s);
   sum_squares_of_lateness_ += (1.0 - position_gain) * square(step_s / period_s_) -
                               (n_sounds_ >= model.memory ? sum_squares_of_lateness_ / model.memory : 0.0);
   late_s_ = deviation_s - position_gain * step_s;

@@ -7,6 +7,8 @@
 
 namespace bouncelab::detection {
 
+constexpr double kMostOfOne = 3.0;  // widths by which one observation moves a running mean at most
+
 /// Density of Student's t with three degrees of freedom, scaled: a normal core, tails that forgive. Integrates to one.
 /// @param width  > 0, in units of x
 inline double student3(double x, double width) {

@@ -8,6 +8,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
+#include "tracking/log_sum.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
 
@@ -124,7 +125,7 @@ class Search {
       if (s.track.n_impacts >= kFewestImpacts) {
         const Hypothesis::Verdict most = s.track.most_probable(o_.model());
         // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
-        const double score = s.start_score + std::max(0.0, most.log_odds) + log1p(exp(-std::abs(most.log_odds)));
+        const double score = s.start_score + log_of_sum(0.0, most.log_odds);
         if (most.log_odds + kOwnClutter > 0.0 && score > best_[k + 1].score)
           best_[k + 1] = {score, static_cast<std::int64_t>(states_.size()), most.n_of_ball};
       }
@@ -214,6 +215,13 @@ class Search {
 };
 
 }  // namespace
+
+std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track, std::size_t k) {
+  const std::vector<TrackImpact>& impacts = track.impacts;
+  if (k == 0 || k + 1 >= impacts.size() || impacts[k + 1].impact - impacts[k - 1].impact != 2) return {};
+  const double t_s = c[impacts[k].candidate].t_s;
+  return (c[impacts[k + 1].candidate].t_s - t_s) / (t_s - c[impacts[k - 1].candidate].t_s);
+}
 
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
                                const std::vector<BandEnergies>& band_energies, const TrackingModel& model) {

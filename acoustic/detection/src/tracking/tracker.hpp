@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "candidates/band_energies.hpp"
@@ -25,13 +26,18 @@ struct Track {
 
 constexpr std::int64_t kFewestImpacts = 3;  // one coefficient of restitution
 
+/// Ratio of the flights after and before the k-th detected impact, by the candidates' times; absent at the ends and
+/// beside impacts that were not detected.
+std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Track& track, std::size_t k);
+
 /// The most probable tracks of a recording, one after the other in time: multiple hypothesis tracking (Reid 1979,
 /// doi:10.1109/TAC.1979.1102177; Blackman & Popoli 1999) of a bouncing ball in clutter, by a beam search over
 /// hypotheses (hypothesis.hpp), each impact of which may be followed by up to kMostMissing that were not detected. Each
-/// track is then scored anew without its own sounds among the clutter, and searched for earlier first impacts.
-/// @param timing_s        error of the candidates' times, standard deviation [s]; where only a longer window noticed,
-/// 0.15
-///                        of it
+/// track is then scored anew without its own sounds among the clutter (rescoring.hpp) and weighed by how often balls
+/// are dropped in the recording (drop_rate.hpp); those of even odds at least are left.
+/// @param timing_s        error of the candidates' times, standard deviation [s]; 0.15 of the window where only a
+/// longer
+///                        one noticed
 /// @param band_energies   of the candidates, or none: then all are of one kind
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
                                const std::vector<BandEnergies>& band_energies = {}, const TrackingModel& model = {});

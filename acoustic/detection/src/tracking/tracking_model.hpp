@@ -46,9 +46,8 @@ struct TrackingModel {
   double loudness_weight = 4.0;   ///< impacts that this is worth
 
   // rhythms: log interval
-  double rhythm_log_odds = 0.0;  ///< of a rhythm against a ball
-  double switch_log_odds =
-      -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound: each a coincidence
+  double rhythm_log_odds = 0.0;   ///< of a rhythm against a ball
+  double switch_log_odds = -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound by chance
   double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
   double beat_weight = 2.0;       ///< intervals that this is worth
   double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
