@@ -84,7 +84,7 @@ constexpr Number kNumbers[] = {
 struct Recording {
   std::string name;
   mutable std::vector<BandsOfChannel> channels;  // searched once, when read
-  std::optional<std::vector<double>> truth_s;  // absent where there is no ball
+  std::optional<std::vector<double>> truth_s;    // absent where there is no ball
   double duration_s = 0.0;
   bool is_held_out = false;
 };
