@@ -132,11 +132,12 @@ void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutt
     const double gain = log_gain_of_clutter + log(densities[kind]);
     log_odds_rhythm_[kind] += gain + of_range(first_log_interval_, kind);
     log_odds_ball_then_rhythm_[kind] += gain + of_range(first_log_interval_after_[kind], kind);
+    most_log_odds_rhythm_[kind] = std::max(most_log_odds_rhythm_[kind], log_odds_rhythm_[kind]);
   }
 }
 
 double Hypothesis::log_odds_of_rhythm(std::size_t kind, const TrackingModel& model) const {
-  return log_odds_rhythm_[kind] + model.rhythm_log_odds - model.start_log_odds;
+  return most_log_odds_rhythm_[kind] + model.rhythm_log_odds - model.start_log_odds;
 }
 
 double Hypothesis::log_odds_of_losing_ball(const TrackingModel& model) const {

@@ -78,6 +78,7 @@ class Hypothesis {
   Bounces bounces_;
   Rhythm rhythm_;
   std::array<double, kRhythmKinds> log_odds_rhythm_{};
+  std::array<double, kRhythmKinds> most_log_odds_rhythm_{-1e9, -1e9};  ///< of one that ended there
   std::array<double, kRhythmKinds> log_odds_ball_then_rhythm_{-1e9, -1e9};
   std::array<std::int64_t, kRhythmKinds> n_of_ball_{};
   double first_log_interval_ = 0.0;                              ///< of the rhythm [ln s]
