@@ -116,13 +116,16 @@ void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const Tra
   // single losses must not make a ball of a rhythm, nor single gains hide that it is one
   loss_ -= mean_log_eps_ + step;
   mean_log_eps_ += step / std::min(n_of_mean_, model.memory);
+  if (n_of_mean_ % model.memory == 0)
+    log_probability_of_losses_ += log_probability_of_loss(-mean_log_eps_, model.memory, model);
 }
 
 double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {
   if (n_eps_ == 0) return 0.0;
   const double of_all = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
   const double of_last = -mean_log_eps_;  // since eps changed
-  return std::min(log_probability_of_loss(of_all, n_eps_, model), log_probability_of_loss(of_last, n_of_mean_, model));
+  return std::min({log_probability_of_losses_, log_probability_of_loss(of_all, n_eps_, model),
+                   log_probability_of_loss(of_last, n_of_mean_, model)});
 }
 
 double Bounces::log_probability_of_loss(double loss, int n_eps, const TrackingModel& model) const {

@@ -39,7 +39,8 @@ class Bounces {
   void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
              const TrackingModel& model);
 
-  /// log of the probability that it loses energy on the whole, as no rhythm does.
+  /// log of the probability that it loses energy, as no rhythm does: on the whole, since eps changed, and over each
+  /// model.memory impacts.
   /// @param log_flight  of the last flight [ln s]
   double log_probability_of_loss(double log_flight, const TrackingModel& model) const;
 
@@ -54,9 +55,10 @@ class Bounces {
   int n_eps_ = 0;  ///< ratios of intervals
   int n_of_mean_ = 0;
   double mean_log_eps_ = 0.0;
-  double sum_squares_ = 0.0;               ///< of the deviations of log eps from its running mean, large ones cut
-  std::optional<double> changed_log_eps_;  ///< the last one, where it was far from the mean: it may stay
-  double loss_ = 0.0;                      ///< -sum of log eps, large deviations cut
+  double sum_squares_ = 0.0;                ///< of the deviations of log eps from its running mean, large ones cut
+  std::optional<double> changed_log_eps_;   ///< the last one, where it was far from the mean: it may stay
+  double loss_ = 0.0;                       ///< -sum of log eps, large deviations cut
+  double log_probability_of_losses_ = 0.0;  ///< over each model.memory impacts of constant eps
   double first_log_flight_ = 0.0;
   Loudness loudness_;  ///< amplitude over the flight before
 };

@@ -103,7 +103,7 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
   const double odds = before + log(density / of_clutter);
   if (odds < least_log_odds) return {};
   Hypothesis h = *this;
-  h.follow_rhythm(next, next.log_rise_odds - log(of_clutter), log_odds, model);
+  h.follow_rhythm(next, next.log_rise_odds - log(of_clutter), model);
   h.log_odds = odds;
   h.flight_s = flight->flight_s;
   h.bounces_.learn(log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
@@ -113,8 +113,7 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
   return h;
 }
 
-void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutter, double log_odds_before,
-                               const TrackingModel& model) {
+void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutter, const TrackingModel& model) {
   const double sigma_s = hypot(next.sigma_s, last_[0].sigma_s);
   const auto before = rhythm_.log_interval();
   const auto densities = rhythm_.follow(next.t_s - last_[0].t_s, next.log_amplitude, sigma_s, model);
@@ -124,8 +123,9 @@ void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutt
     return 0.5 * (square(before[kind] - first) - square(after[kind] - first)) / square(model.tempo_range);
   };
   for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
-    if (log_odds_before + model.switch_log_odds > log_odds_ball_then_rhythm_[kind]) {
-      log_odds_ball_then_rhythm_[kind] = log_odds_before + model.switch_log_odds;
+    const double least_before = log_odds_ball_then_rhythm_[kind] - model.switch_log_odds;
+    if (log_odds > least_before && log_odds_of_losing_ball(model) > least_before) {
+      log_odds_ball_then_rhythm_[kind] = log_odds_of_losing_ball(model) + model.switch_log_odds;
       n_of_ball_[kind] = n_impacts;
       first_log_interval_after_[kind] = before[kind];
     }

@@ -71,8 +71,7 @@ class Hypothesis {
   double log_odds_of_rhythm(std::size_t kind, const TrackingModel& model) const;
   double log_odds_of_losing_ball(const TrackingModel& model) const;
   double jitter2(const Observation& next) const;
-  void follow_rhythm(const Observation& next, double log_gain_of_clutter, double log_odds_before,
-                     const TrackingModel& model);
+  void follow_rhythm(const Observation& next, double log_gain_of_clutter, const TrackingModel& model);
 
   std::array<Impact, 3> last_{};  ///< the last first
   Bounces bounces_;
