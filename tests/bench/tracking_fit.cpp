@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -83,8 +84,9 @@ constexpr Number kNumbers[] = {
 
 struct Recording {
   std::string name;
-  mutable std::vector<BandsOfChannel> channels;  // searched once, when read
-  std::optional<std::vector<double>> truth_s;    // absent where there is no ball
+  std::vector<std::unique_ptr<std::vector<float>>> samples;  // of each channel
+  mutable std::vector<BandsOfChannel> channels;              // searched once, when read
+  std::optional<std::vector<double>> truth_s;                // absent where there is no ball
   double duration_s = 0.0;
   bool is_held_out = false;
 };
@@ -115,8 +117,12 @@ Recording read(const std::filesystem::path& path) {
   for (int c = 0; c < reader.format().n_channels; ++c) {
     const audio::AudioSource sound = reader.source(c);
     r.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
-    BandsOfChannel& bands = r.channels.emplace_back(sound);
-    for (std::size_t b = 0; b < bands.size(); ++b) bands[b].sound.read = nullptr;  // which keeps the file open
+    // in memory: as many files cannot be open at a time
+    std::vector<float>& samples =
+        *r.samples.emplace_back(std::make_unique<std::vector<float>>(static_cast<std::size_t>(sound.n_samples)));
+    sound.read(0, samples);
+    BandsOfChannel& bands = r.channels.emplace_back(audio::source_in_memory(samples, sound.rate_hz));
+    for (std::size_t b = 0; b < bands.size(); ++b) (void)bands[b];  // searched once
   }
   return r;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/decimate.hpp"
+#include "timing/waveform_likeness.hpp"
 #include "tracking/first_arrivals.hpp"
 
 namespace bouncelab::detection {
@@ -16,8 +17,8 @@ namespace {
 constexpr int kArOrder = 48;
 constexpr std::array<double, 3> kBandRates_hz{0.0, 4e3, 1e3};  // sampling rates; the first as recorded
 
-// log odds by which a lower band must win: the best of three is chosen, and low bands give less accurate times
-constexpr double kBandSelectionMargin = 1.5;
+// log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen
+constexpr double kBandSelectionMargin = 2.5;
 
 constexpr double kSameBall = 0.25;  // share of their log odds by which channels with the same impacts differ
 
@@ -84,7 +85,12 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
   ChannelTracks best;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.band_energies, model)};
+    const auto likeness = [&band](const Track& track) {
+      std::vector<double> t_s;
+      for (const TrackImpact& impact : track.impacts) t_s.push_back(band.candidates[impact.candidate].t_s);
+      return log_odds_of_likeness(band.sound, band.models.noise, t_s);
+    };
+    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.band_energies, model, likeness)};
     begin_at_first_arrivals(band.candidates, here.tracks);
     const bool is_enough_here = b == 0 && is_enough(band, here);
     if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(here);

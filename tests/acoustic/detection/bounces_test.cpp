@@ -150,6 +150,14 @@ TEST(Bounces, SingleLossesMakeNoBallOfARhythm) {
   EXPECT_LT(after(with_gaps).log_probability_of_loss(log_flight, kModel), std::log(0.6));
 }
 
+TEST(Bounces, WhatIsLostBeforeAndAfterAnEvenStretchDoesNotMakeItABalls) {
+  std::vector<double> log_eps(60, 0.0);
+  for (int k = 0; k < 10; ++k) log_eps[static_cast<std::size_t>(k)] = log_eps[static_cast<std::size_t>(59 - k)] = -0.2;
+  double log_flight = std::log(kFlight_s);
+  for (const double each : log_eps) log_flight += each;
+  EXPECT_LT(after(log_eps).log_probability_of_loss(log_flight, kModel), -5.0);  // 0.067 on the whole
+}
+
 TEST(Bounces, ProbabilitiesOfMissingSumToOneButForMoreThanTheMost) {
   double sum = 0.0;
   for (int n = 0; n <= kMostMissing; ++n) sum += probability_of_missing(n, kModel);

@@ -93,6 +93,26 @@ TEST(Hypothesis, AnAccelerandoByHandIsARhythm) {
   }
 }
 
+TEST(Hypothesis, AnEvenRowIsNoBallForTheClutterThatFollows) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<Candidate> both = row_of({.n = 12, .interval_s = 0.9, .beat_scatter = 1e-3}, seed);
+    double t_s = both.back().t_s;
+    for (const double interval_s : {0.78, 0.73, 0.69, 0.37, 0.33})  // which neither fits
+      both.push_back(test::candidate(t_s += interval_s, 20.0));
+    EXPECT_LT(all_of(both).log_odds_of_ball(kModel), -2.0) << seed;
+  }
+}
+
+TEST(Hypothesis, ARowThatTurnsFasterIsNoBallForHavingLostOnTheWhole) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<Candidate> both = row_of({.n = 40, .interval_s = 0.5, .beat_scatter = 1e-3}, seed);
+    double t_s = both.back().t_s;
+    for (int k = 0; k < 40; ++k) both.push_back(test::candidate(t_s += k < 20 ? 0.25 : 0.125, 100.0));
+    EXPECT_LT(all_of(both).log_odds_of_ball(kModel), -2.0) << seed;
+    EXPECT_EQ(all_of(both).most_probable(kModel).explanation, Explanation::rhythm) << seed;
+  }
+}
+
 TEST(Hypothesis, WhatBeginsByHandWhereABallEndsIsNotTheBalls) {
   constexpr int kSeeds = 40;
   int n_right = 0;

@@ -327,6 +327,18 @@ TEST(Tracker, StatesThatAreNoLongerNeededAreForgottenWithoutALoss) {
         << drop;
 }
 
+TEST(Tracker, OtherEvidenceDecidesOnWhatIsOpenAndIsNotAskedOtherwise) {
+  const std::vector<Candidate> few = test::candidates_of({.eps = 0.7, .n_impacts = 4});
+  EXPECT_EQ(find_tracks(few, test::kTiming_s).size(), 1u);
+  EXPECT_TRUE(find_tracks(few, test::kTiming_s, {}, {}, [](const Track&) { return -20.0; }).empty());
+  const std::vector<Candidate> many = test::candidates_of({.n_impacts = 15});
+  const auto not_asked = [](const Track& track) {
+    ADD_FAILURE() << track.log_odds;
+    return 0.0;
+  };
+  EXPECT_EQ(find_tracks(many, test::kTiming_s, {}, {}, not_asked).size(), 1u);
+}
+
 TEST(Tracker, NothingGivesNoTracks) {
   EXPECT_TRUE(find_tracks({}, test::kTiming_s).empty());
   EXPECT_TRUE(find_tracks({test::candidate(1.0, 100.0), test::candidate(1.5, 80.0)}, test::kTiming_s).empty());

@@ -24,6 +24,7 @@ constexpr double kMostGain = 11.0;     // that any impact adds
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
 constexpr double kAcceptance = 0.0;             // log odds of a track
+constexpr double kOpen = 10.0;                  // beyond, no other evidence decides
 constexpr std::size_t kStatesAtOnce = 1 << 12;  // 1 MB, which stays in the cache; then those no track needs are dropped
 
 struct State {
@@ -224,9 +225,13 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
 }
 
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies, const TrackingModel& model) {
+                               const std::vector<BandEnergies>& band_energies, const TrackingModel& model,
+                               const std::function<double(const Track&)>& other_evidence) {
   const Observations observations(candidates, timing_s, band_energies, model);
   std::vector<Track> tracks = rescored(observations, Search(observations).run());
+  if (other_evidence)
+    for (Track& track : tracks)
+      if (std::abs(track.log_odds) < kOpen) track.log_odds += other_evidence(track);
   weigh_by_drop_rate(candidates, tracks, model);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
   return tracks;

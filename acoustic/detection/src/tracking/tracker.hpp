@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -39,7 +40,9 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// longer
 ///                        one noticed
 /// @param band_energies   of the candidates, or none: then all are of one kind
+/// @param other_evidence  log odds by what the candidates do not hold, added to those of tracks that it may decide on
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies = {}, const TrackingModel& model = {});
+                               const std::vector<BandEnergies>& band_energies = {}, const TrackingModel& model = {},
+                               const std::function<double(const Track&)>& other_evidence = {});
 
 }  // namespace bouncelab::detection
