@@ -13,10 +13,13 @@
 namespace bouncelab::detection {
 namespace {
 
-/// A band in which there are these candidates; no sound, since tracks are found from the candidates alone.
+/// A band in which there are these candidates, in silence: tracks are found from the candidates, and waveforms say
+/// nothing.
 BandOfChannel band_of(const std::vector<Candidate>& candidates, double rate_hz, double llr = 50.0) {
   BandOfChannel band;
-  band.sound.rate_hz = rate_hz;
+  static const std::vector<float> silence(static_cast<std::size_t>(20 * 44100));
+  band.sound = audio::source_in_memory(silence, rate_hz);
+  band.models = audio::learn_ar_models(band.sound, 48);
   band.candidates = candidates;
   for (Candidate& c : band.candidates) c.log_likelihood_ratio = llr;
   BandEnergies alike;
