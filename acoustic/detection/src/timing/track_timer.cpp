@@ -10,6 +10,7 @@
 #include "timing/delay_posterior.hpp"
 #include "timing/merged_fit.hpp"
 #include "timing/missing_impacts.hpp"
+#include "timing/predicted_places.hpp"
 #include "timing/track_search.hpp"
 #include "tracking/impact_odds.hpp"
 
@@ -160,6 +161,7 @@ std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const Impac
   }
   trim_tail(track, tracked, candidates);
   extend(track, end_s);
+  add_predicted_places(track.search, track.impacts);
   std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);
   set_probabilities_of_inferred(candidates, timed);
   return timed;
