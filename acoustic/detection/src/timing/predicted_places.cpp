@@ -13,7 +13,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr int kMaxRounds = 3;            // a wrong place moves what is expected of both neighbours
+constexpr int kMaxTurns = 3;             // a wrong place moves what is expected of both neighbours
 constexpr double kUnexpected = 4.0;      // standard deviations
 constexpr double kMaxOfInterval = 0.25;  // of either interval: what is further off is the neighbour's
 
@@ -70,7 +70,7 @@ bool add_places_once(const Search& search, TimedImpacts& track) {
 }  // namespace
 
 void add_predicted_places(const Search& search, std::vector<TimedImpact>& track) {
-  for (int round = 0; round < kMaxRounds && add_places_once(search, track); ++round) {
+  for (int turn = 0; turn < kMaxTurns && add_places_once(search, track); ++turn) {
   }
 }
 
