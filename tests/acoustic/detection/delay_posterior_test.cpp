@@ -115,7 +115,7 @@ TEST(DelayPosterior, EqualsTheSumOverAllCombinationsInSmallCases) {
       expected.push_back({std::log(0.95), random.uniform() < 0.2 ? 0.0 : 0.02});
       t_s += 0.1 * std::pow(0.95, k) + 2e-3 * random.normal();
     }
-    const auto p = chain_posterior(track, expected, 0.1);
+    const auto p = chain_posterior(track, expected, {});
     const auto reference = enumerated(track, expected);
     for (std::size_t k = 0; k < track.size(); ++k)
       for (std::size_t h = 0; h < p[k].size(); ++h)
@@ -136,6 +136,30 @@ TEST(DelayPosterior, PrefersWhereTheSoundRisesUnlessTheRecordingShowsOtherwise) 
   for (const HypothesisProbabilities& p : delay_posterior(impacts)) EXPECT_EQ(best_of(p), 1U);
   for (TimedImpact& impact : impacts) impact.fit.alternatives[0].log_odds_margin = 12.0;
   for (const HypothesisProbabilities& p : delay_posterior(impacts)) EXPECT_EQ(best_of(p), 0U);
+}
+
+TEST(DelayPosterior, PrefersThePlaceThatIsAsFarBehindTheRiseAsThoseOfOtherImpacts) {
+  for (const double late_s : {0.0, 0.9e-3}) {
+    std::vector<TimedImpact> impacts = track_with_alternatives(20.0);
+    for (TimedImpact& impact : impacts) {
+      impact.rise_s = impact.fit.t_s - late_s;
+      impact.rise_reach_s = 1.5e-3;
+    }
+    impacts.resize(6);  // too short for smoothness
+    impacts[2].fit.alternatives = {{impacts[2].fit.t_s, 0.3}};
+    impacts[2].fit.t_s += 1.2e-3;
+    EXPECT_EQ(best_of(delay_posterior(impacts)[2]), 1U) << late_s;
+  }
+}
+
+TEST(DelayPosterior, AnImpactThatMayBeElsewhereIsLessProbablyWhereItIsPut) {
+  TimedImpact impact;
+  impact.fit.t_s = 1.0;
+  impact.fit.alternatives = {{1.0002, 0.0}, {1.004, 0.0}, {0.999, 0.0}};
+  const Doubt doubt = doubt_about(impact, {0.4, 0.3, 0.2, 0.1}, 0, 1.0);
+  EXPECT_DOUBLE_EQ(doubt.others, 0.6);
+  EXPECT_DOUBLE_EQ(doubt.elsewhere, 0.2) << "a cycle of the same sound is no other";
+  EXPECT_NEAR(doubt.sigma_s, std::sqrt(0.3 * 4e-8 + 0.2 * 16e-6 + 0.1 * 1e-6), 1e-12);
 }
 
 /// Stated and true squared errors of a track with a ball's single losses (Laplace distributed ln eps, no Student's t),

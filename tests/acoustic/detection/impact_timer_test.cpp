@@ -57,6 +57,51 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   EXPECT_TRUE(far.alternatives.empty());
 }
 
+TEST(ImpactTimer, IsDisturbedByWhatIsUnexplainedAtTheFrequenciesOfTheTemplateOnly) {
+  const auto disturbance = [](double other_hz) {
+    std::vector<float> samples = recording();
+    const auto other = test::equal_modes({other_hz}, 1e-3, 0.05);
+    test::add_modal_sound(samples, kRate_hz, time_of(10) + 6e-3, 0.3, other);
+    const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+    const std::vector<float> clean = recording();
+    const std::optional<ImpactTemplate> learned = template_of(audio::source_in_memory(clean, kRate_hz));
+    return learned ? ImpactTimer(sound, *learned).time(time_of(10), 1e-4, time_of(11)).disturbance : 0.0;
+  };
+  EXPECT_GT(disturbance(5300.0), 10.0 * disturbance(14e3));
+}
+
+/// The same template where the unit of the whitened sound is `factor` times larger: a codec leaves less between impacts
+/// than the share of their power that is taken to be different each time.
+ImpactTemplate in_larger_units(ImpactTemplate learned, float factor) {
+  for (float& c : learned.whitener) c /= factor;
+  audio::Spectrum spectrum = learned.filter.spectrum();
+  for (std::size_t k = 0; k < spectrum.size(); ++k) {
+    spectrum.re[k] /= factor;
+    spectrum.im[k] /= factor;
+  }
+  learned.filter = MatchedFilter(spectrum, learned.filter.n_window());
+  for (double& noise : learned.subbands.noise) noise /= factor * factor;
+  return learned;
+}
+
+TEST(ImpactTimer, IsAsSureOfAFaintImpactWhereTheBackgroundIsFarBelowTheWhitenersUnit) {
+  std::vector<float> samples = recording();
+  constexpr double kFaint_s = 5.3;
+  test::add_modal_sound(samples, kRate_hz, kFaint_s, 0.1, test::equal_modes({2100.0, 5300.0, 7700.0}, 3e-3, 0.05));
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  const ImpactTemplate other = in_larger_units(*learned, 20.0F);
+  const ImpactFit before = ImpactTimer(sound, *learned).time(kFaint_s, 2e-3, 5.4);
+  const ImpactFit after = ImpactTimer(sound, other).time(kFaint_s, 2e-3, 5.4);
+  EXPECT_NEAR(after.t_s, before.t_s, 1e-9);
+  EXPECT_NEAR(after.sigma_s / before.sigma_s, 1.0, 1e-3);
+  EXPECT_NEAR(after.log_likelihood_ratio / after.disturbance / (before.log_likelihood_ratio / before.disturbance), 1.0,
+              0.6);
+  EXPECT_NEAR(after.log_likelihood_ratio / after.noise / (before.log_likelihood_ratio / before.noise), 1.0, 0.3);
+  EXPECT_EQ(after.alternatives.size(), before.alternatives.size());
+}
+
 TEST(ImpactTimer, ForgetsAnImpactThatIsNone) {
   const std::vector<float> samples = recording();
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
+#include "timing/track_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -29,7 +31,9 @@ struct Knock {
 };
 
 /// A ball of 24 impacts in noise; timed by the candidates of some of them and of instants at which nothing sounds.
-std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std::vector<Knock>& knocks = {}) {
+/// @param late_s  of the candidates of single impacts
+std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std::vector<Knock>& knocks = {},
+                               const std::map<int, double>& late_s = {}) {
   std::vector<float> samples(static_cast<std::size_t>((time_of(kImpacts) + 0.6) * kRate_hz));
   Random random(7, RandomStream::test, 0);
   for (float& x : samples) x = static_cast<float>(2e-3 * random.normal());
@@ -43,7 +47,8 @@ std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std
   for (const int k : with_candidate) {
     // the track itself is not sure of the instants at the end at which nothing sounds
     track.impacts.push_back({candidates.size(), k, k < kImpacts ? 1.0 : 0.5});
-    candidates.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
+    const auto late = late_s.find(k);
+    candidates.push_back({time_of(k) + (late == late_s.end() ? 0.0 : late->second), 200.0, 0.4e-3, 50.0});
     if (k < kImpacts) sounding.push_back(candidates.back());
     for (const Knock& knock : knocks)  // candidates of no track
       if (knock.t_s > time_of(k) && knock.t_s < time_of(k + 1)) candidates.push_back({knock.t_s, 300.0, 0.4e-3, 50.0});
@@ -86,6 +91,45 @@ TEST(TrackTimer, StaysAtTheImpactWhereALouderKnockOfTheSamePlateFollows) {
   for (int k = 0; k < kImpacts; ++k) all.push_back(k);
   for (const double later_s : {6e-3, 9e-3, 13e-3, 19e-3})
     expect_all_impacts(timed(all, {{time_of(6) + later_s, 0.35}, {time_of(15) + later_s, 0.25}}));
+}
+
+TEST(TrackTimer, PutsAnImpactWhereItsNeighboursExpectItThoughItsCandidateIsAKnockFarBehind) {
+  std::vector<int> all;
+  for (int k = 0; k < kImpacts; ++k) all.push_back(k);
+  for (const double late_s : {8e-3, 11e-3, 16e-3}) {
+    SCOPED_TRACE(late_s);
+    expect_all_impacts(timed(all, {{time_of(14) + late_s, 0.05}}, {{14, late_s}}));
+  }
+}
+
+TEST(TrackTimer, FindsAMissingImpactThoughTheCandidateBehindItIsLate) {
+  std::vector<int> all_but_one;
+  for (int k = 0; k < kImpacts; ++k)
+    if (k != 14) all_but_one.push_back(k);
+  expect_all_impacts(timed(all_but_one, {{time_of(15) + 11e-3, 0.05}}, {{15, 11e-3}}));
+}
+
+TEST(TrackPrediction, BeyondTheEndFollowsNoSingleImpactInAWrongPlace) {
+  for (const int wrong : {20, 21, 22, 23}) {
+    std::vector<TimedImpact> track(kImpacts);
+    for (int k = 0; k < kImpacts; ++k) {
+      track[static_cast<std::size_t>(k)].impact = k;
+      track[static_cast<std::size_t>(k)].fit.t_s = time_of(k) + (k == wrong ? 4e-3 : 0.0);
+    }
+    EXPECT_NEAR(predict_beyond_end(track, 0).t_s, time_of(kImpacts), 1e-9) << wrong;
+    EXPECT_NEAR(predict_beyond_end(track, 2).t_s, time_of(kImpacts + 2), 1e-9) << wrong;
+  }
+}
+
+TEST(TrackPrediction, BeyondTheEndCountsTheImpactsThatAreMissing) {
+  std::vector<TimedImpact> track;
+  for (const int k : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 12}) {
+    track.emplace_back();
+    track.back().impact = k;
+    track.back().fit.t_s = time_of(k);
+  }
+  EXPECT_NEAR(predict_beyond_end(track, 0).t_s, time_of(13), 1e-9);
+  EXPECT_NEAR(predict_beyond_end(track, 1).flight_s, time_of(14) - time_of(13), 1e-9);
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ constexpr std::size_t kNeighbours = 7;     // on either side, for the median
 constexpr std::size_t kScatterReach = 15;  // on either side, for the width
 constexpr double kMinScatter = 2e-4;       // of ln eps; smoother than any ball
 constexpr double kFar_s = 27.4e-3;         // over which an impact may lie that is not where the sound rises
-constexpr double kFarShare = 0.1;          // prior share of such impacts, and
-constexpr double kWeightOfShare = 10.0;    // its weight in impacts
+constexpr double kWeightOfPrior = 10.0;    // of the share of such impacts and of the width of the others, in impacts
+constexpr double kMinWidth = 0.1;          // of the reach; rises are known to a hop, a third of the shortest window
 constexpr int kRounds = 3;
 constexpr double kDisordered = 1e-100;  // density of times that do not increase
 
@@ -35,22 +35,34 @@ std::optional<double> log_eps(double before_s, double here_s, double after_s) {
   return log((after_s - here_s) / (here_s - before_s));
 }
 
-/// Whether a hypothesis is further from the rise of the sound than that is uncertain: behind a codec's noise before the
-/// attack, at an echo, in front of a louder sound.
-bool is_far(const TimedImpact& impact, std::size_t h) {
-  return impact.rise_reach_s > 0.0 && std::abs(hypothesis_time(impact, h) - impact.rise_s) > impact.rise_reach_s;
+/// Student's t with four degrees of freedom, not normalised.
+double student4(double z) {
+  const double x = 1.0 + 0.25 * z * z;
+  return 1.0 / (x * x * std::sqrt(x));
 }
 
-/// Density of a hypothesis' place, over that of places near the rise.
-double prior(const TimedImpact& impact, std::size_t h, double far_share) {
-  return is_far(impact, h) ? far_share / (1.0 - far_share) * 2.0 * impact.rise_reach_s / kFar_s : 1.0;
+/// Densities of a hypothesis' place [1/s]: near the rise of the sound, and anywhere.
+struct PlaceDensities {
+  double near = 0.0;
+  double far = 1.0 / kFar_s;
+};
+
+PlaceDensities densities(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
+  constexpr double kNorm = 0.375;  // of Student's t with four degrees of freedom
+  const double width_s = prior.width * impact.rise_reach_s;
+  return {kNorm * student4((hypothesis_time(impact, h) - impact.rise_s - prior.late_s) / width_s) / width_s};
+}
+
+double place_density(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
+  if (!(impact.rise_reach_s > 0.0)) return 1.0;
+  const PlaceDensities p = densities(impact, h, prior);
+  return (1.0 - prior.far_share) * p.near + prior.far_share * p.far;
 }
 
 /// The densities of which the posterior is the product.
 class ChainDensity {
  public:
-  /// @param far_share  of the impacts that are not where the sound rises
-  ChainDensity(const TimedImpacts& track, const std::vector<ExpectedLogEps>& expected, double far_share)
+  ChainDensity(const TimedImpacts& track, const std::vector<ExpectedLogEps>& expected, const RisePrior& prior)
       : expected_(expected) {
     for (const TimedImpact& impact : track) {
       t_s_.emplace_back();
@@ -58,7 +70,7 @@ class ChainDensity {
       for (std::size_t h = 0; h < n_hypotheses(impact); ++h) {
         t_s_.back().push_back(hypothesis_time(impact, h));
         const double likelihood = h == 0 ? 1.0 : exp(-impact.fit.alternatives[h - 1].log_odds_margin);
-        by_sound_.back().push_back(likelihood * prior(impact, h, far_share));
+        by_sound_.back().push_back(likelihood * place_density(impact, h, prior));
       }
     }
   }
@@ -72,8 +84,7 @@ class ChainDensity {
     if (expected_[k].width == 0.0) return 1.0;
     const std::optional<double> eps = log_eps(t_s_[k - 1][before], t_s_[k][here], t_s_[k + 1][after]);
     if (!eps) return kDisordered;
-    const double z2 = square((*eps - expected_[k].centre) / expected_[k].width);
-    return 1.0 / (square(1.0 + 0.25 * z2) * std::sqrt(1.0 + 0.25 * z2));
+    return student4((*eps - expected_[k].centre) / expected_[k].width);
   }
 
  private:
@@ -126,8 +137,8 @@ void normalize(HypothesisProbabilities& p) {
   for (double& x : p) x /= sum;
 }
 
-std::vector<HypothesisProbabilities> posterior_by_sound(const TimedImpacts& track, double far_share) {
-  const ChainDensity density(track, {}, far_share);
+std::vector<HypothesisProbabilities> posterior_by_sound(const TimedImpacts& track, const RisePrior& prior) {
+  const ChainDensity density(track, {}, prior);
   std::vector<HypothesisProbabilities> posterior(track.size());
   for (std::size_t k = 0; k < track.size(); ++k) {
     for (std::size_t h = 0; h < density.n(k); ++h) posterior[k].push_back(density.by_sound(k, h));
@@ -136,16 +147,31 @@ std::vector<HypothesisProbabilities> posterior_by_sound(const TimedImpacts& trac
   return posterior;
 }
 
-/// Share of the impacts that are far from where the sound rises, by their posterior and its prior.
-double far_share_of(const TimedImpacts& track, const std::vector<HypothesisProbabilities>& posterior) {
-  double far = kFarShare * kWeightOfShare, all = kWeightOfShare;
+/// What a track shows of where its impacts are against the rises of their sound.
+RisePrior rise_prior_of(const TimedImpacts& track, const std::vector<HypothesisProbabilities>& posterior,
+                        const std::vector<double>& t_s, const RisePrior& last) {
+  constexpr double kMedianOfStudent4 = 0.741;  // of its magnitude
+  const RisePrior prior;
+  std::vector<double> late_s(2, prior.late_s);  // two impacts' worth of the prior
+  double far = kWeightOfPrior * prior.far_share, all = kWeightOfPrior;
   for (std::size_t k = 0; k < track.size(); ++k) {
     if (!(track[k].rise_reach_s > 0.0)) continue;
+    late_s.push_back(t_s[k] - track[k].rise_s);
     all += 1.0;
     for (std::size_t h = 0; h < posterior[k].size(); ++h)
-      if (is_far(track[k], h)) far += posterior[k][h];
+      far += posterior[k][h] * last.far_share * densities(track[k], h, last).far / place_density(track[k], h, last);
   }
-  return far / all;
+  RisePrior found{far / all, upper_median(std::move(late_s)), prior.width};
+  std::vector<double> off;
+  for (std::size_t k = 0; k < track.size(); ++k)
+    if (track[k].rise_reach_s > 0.0)
+      off.push_back(std::abs(t_s[k] - track[k].rise_s - found.late_s) / track[k].rise_reach_s);
+  if (off.empty()) return found;
+  const auto n = static_cast<double>(off.size());
+  const double shown = upper_median(std::move(off)) / kMedianOfStudent4;
+  found.width =
+      std::max(kMinWidth, std::sqrt((n * square(shown) + kWeightOfPrior * square(prior.width)) / (n + kWeightOfPrior)));
+  return found;
 }
 
 }  // namespace
@@ -154,6 +180,10 @@ std::size_t n_hypotheses(const TimedImpact& impact) { return 1 + impact.fit.alte
 
 double hypothesis_time(const TimedImpact& impact, std::size_t hypothesis) {
   return hypothesis == 0 ? impact.fit.t_s : impact.fit.alternatives[hypothesis - 1].t_s;
+}
+
+std::size_t most_probable(const HypothesisProbabilities& p) {
+  return static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin());
 }
 
 std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const std::vector<double>& t_s) {
@@ -177,8 +207,9 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
 }
 
 std::vector<HypothesisProbabilities> chain_posterior(const TimedImpacts& track,
-                                                     const std::vector<ExpectedLogEps>& expected, double far_share) {
-  const ChainDensity density(track, expected, far_share);
+                                                     const std::vector<ExpectedLogEps>& expected,
+                                                     const RisePrior& prior) {
+  const ChainDensity density(track, expected, prior);
   const PairTable before = forward(density), after = backward(density);
   std::vector<HypothesisProbabilities> posterior(track.size());
   for (std::size_t k = 0; k < track.size(); ++k) posterior[k].assign(density.n(k), 0.0);
@@ -195,18 +226,29 @@ std::vector<HypothesisProbabilities> chain_posterior(const TimedImpacts& track,
 std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) {
   std::vector<double> t_s;
   for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
-  double far_share = kFarShare;
+  RisePrior prior;
   std::vector<HypothesisProbabilities> posterior;
   for (int round = 0; round < kRounds; ++round) {
-    posterior = track.size() < kMinImpacts ? posterior_by_sound(track, far_share)
-                                           : chain_posterior(track, expected_log_eps(track, t_s), far_share);
-    for (std::size_t k = 0; k < track.size(); ++k) {
-      const auto best = std::max_element(posterior[k].begin(), posterior[k].end()) - posterior[k].begin();
-      t_s[k] = hypothesis_time(track[k], static_cast<std::size_t>(best));
-    }
-    far_share = far_share_of(track, posterior);
+    posterior = track.size() < kMinImpacts ? posterior_by_sound(track, prior)
+                                           : chain_posterior(track, expected_log_eps(track, t_s), prior);
+    for (std::size_t k = 0; k < track.size(); ++k) t_s[k] = hypothesis_time(track[k], most_probable(posterior[k]));
+    prior = rise_prior_of(track, posterior, t_s, prior);
   }
   return posterior;
+}
+
+Doubt doubt_about(const TimedImpact& impact, const HypothesisProbabilities& p, std::size_t chosen, double t_s) {
+  Doubt doubt;
+  double squares = 0.0;
+  for (std::size_t h = 0; h < p.size(); ++h) {
+    if (h == chosen) continue;
+    const double off_s = hypothesis_time(impact, h) - t_s;
+    doubt.others += p[h];
+    if (std::abs(off_s) > kMinInterval_s) doubt.elsewhere += p[h];
+    squares += p[h] * square(off_s);
+  }
+  doubt.sigma_s = std::sqrt(squares);
+  return doubt;
 }
 
 }  // namespace bouncelab::detection

@@ -27,18 +27,39 @@ struct ExpectedLogEps {
 /// @param t_s  the time of each impact
 std::vector<ExpectedLogEps> expected_log_eps(const std::vector<TimedImpact>& track, const std::vector<double>& t_s);
 
+/// Where impacts are against the rises of their sound: Student's t with four degrees of freedom about a constant delay,
+/// or anywhere within 27 ms, behind a codec's noise before the attack, at an echo, in front of a louder sound.
+struct RisePrior {
+  double far_share = 0.1;  ///< of the impacts that are anywhere, 0 ... 1
+  double late_s = 0.0;     ///< of the impact behind its rise
+  double width = 0.25;     ///< of the density about that, over the reach of the rise
+};
+
 /// Posterior probabilities of the hypotheses of a chain of impacts: the sound speaks for each time by its log odds
 /// margin, and ln(T_{k+1}/T_k) scatters about what is expected like Student's t with four degrees of freedom. By the
 /// forward-backward algorithm over pairs of neighbours.
-/// @param track      at least two impacts, in time order
-/// @param far_share  of the impacts that are further from where the sound rises than that is uncertain, 0 ... 1
+/// @param track  at least two impacts, in time order
 /// Source: Rabiner, Proc. IEEE 77, 257 (1989), doi:10.1109/5.18626
 std::vector<HypothesisProbabilities> chain_posterior(const std::vector<TimedImpact>& track,
-                                                     const std::vector<ExpectedLogEps>& expected, double far_share);
+                                                     const std::vector<ExpectedLogEps>& expected,
+                                                     const RisePrior& prior);
 
-/// The same with what is expected and the share of far impacts estimated from the track, in three rounds: first from
-/// the fits' times, then from the most probable ones. Tracks of fewer than seven impacts have no ln eps to expect: the
-/// sound and its rise alone decide.
+/// The same with what is expected and where impacts are against their rises estimated from the track, in three rounds:
+/// first from the fits' times, then from the most probable ones. Tracks of fewer than seven impacts have no ln eps to
+/// expect: the sound and its rise alone decide.
 std::vector<HypothesisProbabilities> delay_posterior(const std::vector<TimedImpact>& track);
+
+/// The most probable hypothesis.
+std::size_t most_probable(const HypothesisProbabilities& p);
+
+/// What the other hypotheses say of the chosen time.
+struct Doubt {
+  double others = 0.0;     ///< probability of all other hypotheses
+  double elsewhere = 0.0;  ///< of those that are so far off that what is at the chosen time is another sound
+  double sigma_s = 0.0;    ///< root mean square of their distances, each with its probability [s]
+};
+
+/// @param t_s  of the chosen hypothesis, timed anew
+Doubt doubt_about(const TimedImpact& impact, const HypothesisProbabilities& p, std::size_t chosen, double t_s);
 
 }  // namespace bouncelab::detection

@@ -122,6 +122,7 @@ ImpactTimer::FitWindow ImpactTimer::cut(std::int64_t first, std::int64_t end) {
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
+  window.is_clipped = is_clipped(first);
   window.sound = known_.window_without(first);
   multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
@@ -134,14 +135,34 @@ std::vector<CorrelationPeak> ImpactTimer::peaks_in(const FitWindow& window, doub
   return find_correlation_peaks(masked_template(0.0, window.mask), window.spectrum, from, to);
 }
 
+double ImpactTimer::n_of(const FitWindow& window) const {
+  return static_cast<double>(window.mask.empty() ? window.sound.size() : window.n_fit);
+}
+
 double ImpactTimer::residual_variance(const FitWindow& window, double log_likelihood_ratio) const {
-  const std::size_t n = window.n_fit < learned_.n_template ? window.n_fit : window.sound.size();
-  return std::max(0.0, window.total - 2.0 * log_likelihood_ratio) / static_cast<double>(n);
+  return std::max(0.0, window.total - 2.0 * log_likelihood_ratio) / n_of(window);
+}
+
+double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) {
+  const audio::Spectrum& w = learned_.filter.spectrum();
+  audio::Spectrum rest = window.spectrum;
+  audio::Spectrum placed = audio::phase_shifted(w, -learned_.filter.omega() * r.shift);
+  if (!window.mask.empty()) {
+    std::vector<float> wave = fourier_.inverse(placed);
+    multiply(wave, window.mask);
+    placed = fourier_.forward(wave);
+  }
+  audio::add_scaled(rest, placed, -std::max(0.0, r.amplitude));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < learned_.filter.n_filled(); ++k)
+    sum += learned_.filter.energy(k, k + 1) *
+           (square(static_cast<double>(rest.re[k])) + square(static_cast<double>(rest.im[k])));
+  return 0.5 * sum / (learned_.filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }
 
 DelayEstimate ImpactTimer::estimate_in(const FitWindow& window) {
   double shift = window.peaks.front().shift;
-  if (is_clipped(window.first)) return estimate_clipped(window, shift);
+  if (window.is_clipped) return estimate_clipped(window, shift);
   if (window.mask.empty()) return estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
   DelayEstimate r;
   for (int step = 0; step < 2; ++step) {  // the masked template depends on the shift
@@ -174,10 +195,12 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   fit.log_likelihood_ratio = r.log_likelihood_ratio;
   fit.residual_variance = residual_variance(window, r.log_likelihood_ratio);
   // what an impact has of its own rings when the template does: it is all in the few samples that hold the energy
-  const double n_residual = static_cast<double>(window.mask.empty() ? window.sound.size() : window.n_fit);
-  fit.disturbance = 1.0 + std::max(0.0, fit.residual_variance - 1.0) * std::max(1.0, n_residual / learned_.n_effective);
-  // the sub-bands' noise was estimated where louder impacts still rang: the residual here may show that it is less
-  fit.noise = std::max(1.0, std::min(noise_, fit.residual_variance));
+  const double quiet = std::min(1.0, noise_);
+  const double rest = window.is_clipped ? fit.residual_variance : residual_in_product(window, r);
+  fit.disturbance = quiet + std::max(0.0, rest - quiet) * std::max(1.0, n_of(window) / learned_.n_effective);
+  // The sub-bands' noise was estimated where louder impacts still rang: the residual here may show that it is less. A
+  // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
+  fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
   fit.correlation = correlation(r, window.total);
   for (std::size_t k = 1; k < window.peaks.size(); ++k) {
     const double margin =

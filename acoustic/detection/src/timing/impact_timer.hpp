@@ -47,14 +47,20 @@ class ImpactTimer {
     Mask mask;
     std::vector<float> sound;
     double total = 0.0;  // sum of squares
+    bool is_clipped = false;
     audio::Spectrum spectrum;
     std::vector<CorrelationPeak> peaks;
   };
   /// @param end  sample from which on the sound belongs to the next impact
   FitWindow cut(std::int64_t first, std::int64_t end);
   std::vector<CorrelationPeak> peaks_in(const FitWindow& window, double from, double to);
+  /// Samples that hold sound.
+  double n_of(const FitWindow& window) const;
   /// Mean square of what an impact leaves of a window.
   double residual_variance(const FitWindow& window, double log_likelihood_ratio) const;
+  /// The same at the frequencies of the template, weighted by its energy: what disturbs the product with it. A codec
+  /// leaves its errors just there.
+  double residual_in_product(const FitWindow& window, const DelayEstimate& r);
   /// Delay at the highest of its peaks.
   DelayEstimate estimate_in(const FitWindow& window);
   /// 1 for the first n_fit samples, with a tapered end.

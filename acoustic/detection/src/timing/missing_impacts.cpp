@@ -138,12 +138,18 @@ bool keeps_last(const TimedTrack& track, const Candidate& c) {
 }  // namespace
 
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
-  const std::int64_t n_missing = next_impact - track.impacts.back().impact - 1;
-  for (std::int64_t m = 0; m < n_missing; ++m) {
-    const auto n_left = static_cast<double>(n_missing - m);
-    const double after_s = first_of_missing(track.impacts, n_left, next_s - track.impacts.back().fit.t_s);
-    const double reach_s = predicted_eps_reach(track.impacts) * after_s;
-    if (!search_missing(track, {track.impacts.back().impact + 1, after_s, reach_s, next_s, kMinInGap})) return;
+  while (track.impacts.back().impact + 1 < next_impact) {
+    const std::int64_t impact = track.impacts.back().impact + 1;
+    const double last_s = track.impacts.back().fit.t_s;
+    const double eps_reach = predicted_eps_reach(track.impacts);
+    const auto search_after = [&](double after_s) {
+      return search_missing(track, {impact, after_s, eps_reach * after_s, next_s, kMinInGap});
+    };
+    const bool found =
+        search_after(first_of_missing(track.impacts, static_cast<double>(next_impact - impact), next_s - last_s)) ||
+        // the next candidate may be late: a knock, an echo
+        (track.impacts.size() >= 3 && search_after(predict_beyond_end(track.impacts, 0).t_s - last_s));
+    if (!found) return;
   }
 }
 
@@ -160,14 +166,12 @@ void extend(TimedTrack& track, double end_s) {
   const double shortest_s =
       std::max(kMinInterval_s, kMinCycles / (search.learned.filter.rms_frequency() * search.sound.rate_hz));
   for (int failures = 0; failures < kMaxFailures && track.impacts.size() >= 3;) {
-    const double eps = predicted_eps(track.impacts);
-    double flight_s = last_flight(track.impacts);
-    double after_s = 0.0;
-    for (int k = 0; k <= failures; ++k) after_s += flight_s *= eps;
     const double last_s = track.impacts.back().fit.t_s;
-    if (flight_s < shortest_s || last_s + after_s + 0.5 * flight_s > end_s) break;
+    const PredictedImpact predicted = predict_beyond_end(track.impacts, failures);
+    const double after_s = predicted.t_s - last_s, flight_s = predicted.flight_s;
+    if (std::min(flight_s, after_s) < shortest_s || predicted.t_s + 0.5 * flight_s > end_s) break;
     const std::int64_t next = track.impacts.back().impact + 1 + failures;
-    const double until_s = last_s + after_s + 0.9 * flight_s;
+    const double until_s = predicted.t_s + 0.9 * flight_s;
     const double reach_s = predicted_eps_reach(track.impacts) * after_s;
     const bool found = search_missing(track, {next, after_s, reach_s, until_s, kMinBeyondEnd}) ||
                        (failures == 0 && search_missing(track, {next, kOutlierCentre * after_s, kOutlierReach * after_s,

@@ -9,6 +9,9 @@ namespace bouncelab::detection {
 /// Log odds from which the sound alone decides between two times.
 inline constexpr double kUnambiguousLogOdds = 15.0;
 
+/// Impacts that follow nearer are not told apart.
+inline constexpr double kMinInterval_s = 1.2e-3;
+
 /// Another time at which an impact may have been: a lower peak of its likelihood.
 struct DelayHypothesis {
   double t_s = 0.0;

@@ -41,6 +41,12 @@ std::optional<double> amplitude_per_s(const TimedImpacts& track) {
   return upper_median(std::move(ratios));
 }
 
+/// The flight that ends at impact k; where impacts are missing in it, its last part.
+double flight_before(const TimedImpacts& track, std::size_t k, double eps) {
+  const auto n = static_cast<double>(track[k].impact - track[k - 1].impact);
+  return (track[k].fit.t_s - track[k - 1].fit.t_s) * pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - pow(eps, n));
+}
+
 }  // namespace
 
 double predicted_eps(const TimedImpacts& track) {
@@ -57,12 +63,20 @@ double predicted_eps_reach(const TimedImpacts& track) {
   return std::clamp(4.0 * kQuartilesToSigma * quartiles, kMinEpsReach, kMaxEpsReach);
 }
 
-double last_flight(const TimedImpacts& track) {
-  const TimedImpact& last = track.back();
-  const TimedImpact& before = track[track.size() - 2];
-  const auto n = static_cast<double>(last.impact - before.impact);
+PredictedImpact predict_beyond_end(const TimedImpacts& track, int n_left_out) {
+  constexpr std::size_t kAnchors = 3;
   const double eps = predicted_eps(track);
-  return (last.fit.t_s - before.fit.t_s) * pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - pow(eps, n));
+  const std::int64_t next = track.back().impact + 1 + n_left_out;
+  std::vector<PredictedImpact> predicted;
+  for (std::size_t back = 1; back <= kAnchors && back < track.size(); ++back) {
+    const std::size_t k = track.size() - back;
+    PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps)};
+    for (std::int64_t impact = track[k].impact; impact < next; ++impact) p.t_s += p.flight_s *= eps;
+    predicted.push_back(p);
+  }
+  std::sort(predicted.begin(), predicted.end(),
+            [](const PredictedImpact& a, const PredictedImpact& b) { return a.t_s < b.t_s; });
+  return predicted[predicted.size() / 2];
 }
 
 double first_of_missing(const TimedImpacts& track, double n_missing, double total_s) {

@@ -18,8 +18,16 @@ double predicted_eps(const std::vector<TimedImpact>& track);
 /// ratios (from their quartiles), within 0.015 ... 0.06.
 double predicted_eps_reach(const std::vector<TimedImpact>& track);
 
-/// The last interval; where impacts are missing in it, its last part under the predicted eps. Needs two impacts [s].
-double last_flight(const std::vector<TimedImpact>& track);
+/// An impact to come.
+struct PredictedImpact {
+  double t_s = 0.0;
+  double flight_s = 0.0;  ///< before it
+};
+
+/// The impact after the next `n_left_out`, by the predicted eps: the median of what the last impact, the one before it
+/// and the one before that predict, each with the flight that ends there: one of them may be in a wrong place. Needs
+/// two impacts.
+PredictedImpact predict_beyond_end(const std::vector<TimedImpact>& track, int n_left_out);
 
 /// First of n_missing + 1 intervals, a geometric series of the predicted eps, that together take total_s [s].
 double first_of_missing(const std::vector<TimedImpact>& track, double n_missing, double total_s);

@@ -10,8 +10,6 @@
 
 namespace bouncelab::detection {
 
-inline constexpr double kMinInterval_s = 1.2e-3;  // impacts that follow nearer are not told apart
-
 /// What one search needs: the sound and the template with the impacts known so far.
 struct Search {
   const audio::AudioSource& sound;

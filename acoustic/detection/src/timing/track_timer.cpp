@@ -10,6 +10,7 @@
 #include "timing/delay_posterior.hpp"
 #include "timing/merged_fit.hpp"
 #include "timing/missing_impacts.hpp"
+#include "timing/predicted_places.hpp"
 #include "timing/track_search.hpp"
 #include "tracking/impact_odds.hpp"
 
@@ -91,17 +92,12 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   append(track, timed);
 }
 
-/// Adds to the variance what the other times, with their probabilities, have about the chosen one.
 void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
                TimedImpact& impact) {
-  double p_others = 0.0, squares = 0.0;
-  for (std::size_t h = 0; h < p.size(); ++h) {
-    if (h == chosen) continue;
-    p_others += p[h];
-    squares += p[h] * square(hypothesis_time(hypotheses, h) - impact.fit.t_s);
-  }
-  impact.doubtful = p_others > kMinDoubt;
-  impact.doubt_s = std::sqrt(squares);
+  const Doubt doubt = doubt_about(hypotheses, p, chosen, impact.fit.t_s);
+  impact.doubtful = doubt.others > kMinDoubt;
+  impact.doubt_s = doubt.sigma_s;
+  impact.probability *= 1.0 - doubt.elsewhere;
 }
 
 /// Puts each impact on its most probable time, and times anew those that moved or whose window reached an impact found
@@ -112,8 +108,7 @@ std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<
   std::vector<TimedImpact> resolved = track;
   for (std::size_t k = 0; k < track.size(); ++k) {
     TimedImpact& impact = resolved[k];
-    const auto chosen =
-        static_cast<std::size_t>(std::max_element(posterior[k].begin(), posterior[k].end()) - posterior[k].begin());
+    const std::size_t chosen = most_probable(posterior[k]);
     const double next_s = k + 1 < track.size() ? track[k + 1].fit.t_s : INFINITY;
     const bool next_was_unknown =
         next_s - impact.fit.t_s < search.template_s && impact.until_s > next_s + kMinInterval_s;
@@ -160,6 +155,7 @@ std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const Impac
   }
   trim_tail(track, tracked, candidates);
   extend(track, end_s);
+  add_predicted_places(track.search, track.impacts);
   std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);
   set_probabilities_of_inferred(candidates, timed);
   return timed;
