@@ -70,7 +70,7 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   band.sound = band.decimation > 1 ? audio::decimate(sound_, band.decimation) : sound_;
   band.models = audio::learn_ar_models(band.sound, kArOrder);
   band.candidates = find_candidates(band.sound, band.models.signal, progress_);
-  band.band_energies = measure_band_energies(band.sound, band.candidates);
+  band.same_source = SameSource(measure_band_energies(band.sound, band.candidates));
   return band;
 }
 
@@ -84,7 +84,7 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
   ChannelTracks best;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.band_energies, model)};
+    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model)};
     begin_at_first_arrivals(band.candidates, here.tracks);
     const bool is_enough_here = b == 0 && is_enough(band, here);
     if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(here);

@@ -38,8 +38,8 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// @param timing_s        error of the candidates' times, standard deviation [s]; 0.15 of the window where only a
 /// longer
 ///                        one noticed
-/// @param band_energies   of the candidates, or none: then all are of one kind
+/// @param same_source     which of the candidates may have one source
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies = {}, const TrackingModel& model = {});
+                               const SameSource& same_source = {}, const TrackingModel& model = {});
 
 }  // namespace bouncelab::detection
