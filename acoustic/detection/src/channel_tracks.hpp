@@ -32,9 +32,11 @@ class BandsOfChannel {
   BandOfChannel& operator[](std::size_t band);
 
  private:
-  audio::AudioSource sound_;
+  const audio::AudioSource& sound_of(std::size_t band);
+
   ProgressCallback progress_;
   std::vector<int> decimations_;
+  std::vector<std::optional<audio::AudioSource>> sounds_;  ///< made when first asked for
   std::vector<std::optional<BandOfChannel>> bands_;
 };
 
