@@ -95,6 +95,15 @@ void share_memory_under_a_limit() {
 #endif
 }
 
+/// What is freed in pieces above a megabyte goes back to the system, and what is free above 4 MB at the end of the
+/// heap. By itself glibc keeps all that is below the largest freed so far: a fifth more memory for an hour of music.
+void give_large_memory_back() {
+#ifdef M_MMAP_THRESHOLD
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 1 << 22);
+#endif
+}
+
 /// The message with every long or unprintable word of the command line as quotations show it.
 std::string with_quotations(std::string message, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
@@ -171,6 +180,7 @@ int run(std::vector<std::string> line) {
 int main(int argc, char** argv) {
   using namespace bouncelab;
   cli::share_memory_under_a_limit();
+  cli::give_large_memory_back();
   cli::keep_standard_descriptors();
   cli::notice_signals();
   try {

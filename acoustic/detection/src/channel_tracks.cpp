@@ -51,13 +51,14 @@ bool is_enough(const BandOfChannel& band, const ChannelTracks& found) {
 
 }  // namespace
 
-BandsOfChannel::BandsOfChannel(audio::AudioSource sound, ProgressCallback progress)
-    : sound_(std::move(sound)), progress_(std::move(progress)) {
+BandsOfChannel::BandsOfChannel(audio::AudioSource sound, ProgressCallback progress) : progress_(std::move(progress)) {
   for (const double rate_hz : kBandRates_hz) {
-    const int decimation = rate_hz > 0.0 ? static_cast<int>(sound_.rate_hz / rate_hz) : 1;
+    const int decimation = rate_hz > 0.0 ? static_cast<int>(sound.rate_hz / rate_hz) : 1;
     if (rate_hz == 0.0 || decimation >= 2) decimations_.push_back(decimation);
   }
   bands_.resize(decimations_.size());
+  sounds_.resize(decimations_.size());
+  sounds_[0] = std::move(sound);
 }
 
 BandsOfChannel::BandsOfChannel(std::vector<BandOfChannel> searched) {
@@ -68,11 +69,19 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   if (bands_[b]) return *bands_[b];
   BandOfChannel& band = bands_[b].emplace();
   band.decimation = decimations_[b];
-  band.sound = band.decimation > 1 ? audio::decimate(sound_, band.decimation) : sound_;
+  band.sound = sound_of(b);
   band.models = audio::learn_ar_models(band.sound, kArOrder);
   band.candidates = find_candidates(band.sound, band.models.signal, progress_);
-  band.band_energies = measure_band_energies(band.sound, band.candidates);
+  band.same_source = SameSource(measure_band_energies(band.sound, band.candidates));
   return band;
+}
+
+const audio::AudioSource& BandsOfChannel::sound_of(std::size_t b) {
+  if (sounds_[b]) return *sounds_[b];
+  // from the band above where its rate allows: most of a filter's time goes at the highest rate
+  const bool is_of_above = b > 0 && decimations_[b] % decimations_[b - 1] == 0;
+  const audio::AudioSource& above = is_of_above ? sound_of(b - 1) : *sounds_[0];
+  return sounds_[b].emplace(audio::decimate(above, decimations_[b] / (is_of_above ? decimations_[b - 1] : 1)));
 }
 
 double ChannelTracks::log_odds() const {
@@ -90,7 +99,7 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
       for (const TrackImpact& impact : track.impacts) t_s.push_back(band.candidates[impact.candidate].t_s);
       return log_odds_of_likeness(band.sound, band.models.noise, t_s);
     };
-    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.band_energies, model, likeness)};
+    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness)};
     begin_at_first_arrivals(band.candidates, here.tracks);
     const bool is_enough_here = b == 0 && is_enough(band, here);
     if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(here);

@@ -19,7 +19,7 @@ struct BandOfChannel {
   int decimation = 1;  ///< of the recording's sampling rate; 1 = all frequencies
   audio::ArModels models;
   std::vector<Candidate> candidates;
-  std::vector<BandEnergies> band_energies;
+  SameSource same_source;
 };
 
 /// All frequencies, those below 2 kHz and those below 500 Hz: rubber balls are faint above 1.5 kHz, a basketball above
@@ -32,9 +32,11 @@ class BandsOfChannel {
   BandOfChannel& operator[](std::size_t band);
 
  private:
-  audio::AudioSource sound_;
+  const audio::AudioSource& sound_of(std::size_t band);
+
   ProgressCallback progress_;
   std::vector<int> decimations_;
+  std::vector<std::optional<audio::AudioSource>> sounds_;  ///< made when first asked for
   std::vector<std::optional<BandOfChannel>> bands_;
 };
 

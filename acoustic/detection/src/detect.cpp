@@ -138,7 +138,7 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
     BandsOfChannel bands(source_of(c), progress);
     ChannelTracks found = find_tracks_in(bands);
     ChannelDetection here{c, std::move(bands[found.band]), std::move(found)};
-    here.band.band_energies = {};  // an hour of dense music has ten megabytes of them
+    here.band.same_source = {};  // an hour of dense music has twenty megabytes of it
     if (c == first || is_preferred(here.band, here.found, best.band, best.found)) best = std::move(here);
   }
   return best;

@@ -55,6 +55,26 @@ TEST(Bounces, DensityOverTimeAndLoudnessIntegratesToTheProbabilityOfDetection) {
       }
 }
 
+TEST(Bounces, NoDensityIsAboveTheLargest) {
+  const std::vector<std::vector<double>> pasts{
+      {}, {-0.2}, {-0.2, -0.21, -0.19, -0.2}, {-0.2, -0.2, -0.2, -0.5}, std::vector<double>(12, -0.05)};
+  for (const std::vector<double>& past : pasts)
+    for (const double jitter2 : {0.0, 1e-4})
+      for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
+        const Bounces ball = after(past);
+        const double of_flight = ball.largest_share_of_flight(n_missing, kModel);
+        for (double interval_s = 0.3 * kFlight_s; interval_s < 5.0 * kFlight_s; interval_s *= 1.003) {
+          const std::optional<Flight> flight = flight_of(interval_s, kFlight_s, n_missing);
+          if (!flight) continue;
+          const double largest = ball.largest_density(*flight, n_missing, jitter2, kModel);
+          EXPECT_LE(largest * flight->flight_s, (1.0 + 1e-12) * of_flight) << interval_s;
+          for (const double log_amplitude : {kLogAmplitude - 1.0, kLogAmplitude, kLogAmplitude + 0.3})
+            EXPECT_LE(density_at(ball, interval_s, log_amplitude, n_missing, jitter2), (1.0 + 1e-12) * largest)
+                << interval_s;
+        }
+      }
+}
+
 TEST(Bounces, PriorOfEpsIntegratesToOneWithinItsLimits) {
   const auto prior = [](double eps) { return prior_of_eps(eps, kModel); };
   EXPECT_NEAR(test::integral(0.0, 2.0, 20000, prior), 1.0, 1e-9);

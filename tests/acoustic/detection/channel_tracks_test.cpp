@@ -13,6 +13,14 @@
 namespace bouncelab::detection {
 namespace {
 
+/// Of so many sounds none can be told from another.
+SameSource alike(std::size_t n) {
+  BandEnergies one;
+  one.log_power.fill(0.0F);
+  one.added_share.fill(1.0F);
+  return SameSource(std::vector(n, one));
+}
+
 /// A band in which there are these candidates, in silence: tracks are found from the candidates, and waveforms say
 /// nothing.
 BandOfChannel band_of(const std::vector<Candidate>& candidates, double rate_hz, double llr = 50.0) {
@@ -22,10 +30,7 @@ BandOfChannel band_of(const std::vector<Candidate>& candidates, double rate_hz, 
   band.models = audio::learn_ar_models(band.sound, 48);
   band.candidates = candidates;
   for (Candidate& c : band.candidates) c.log_likelihood_ratio = llr;
-  BandEnergies alike;
-  alike.log_power.fill(0.0F);
-  alike.added_share.fill(1.0F);
-  band.band_energies.assign(candidates.size(), alike);
+  band.same_source = alike(candidates.size());
   return band;
 }
 
@@ -88,7 +93,7 @@ TEST(ChannelTracks, LowerBandsAreNotSearchedWhereTheyHaveNothingToAdd) {
   std::vector<BandOfChannel> bands{band_of(kBall, kFull_hz), band_of(longer, kMiddle_hz)};
   EXPECT_EQ(channel_of(bands).found.band, 0u);
   bands[0].candidates.push_back(test::candidate(4.3, 100.0));  // what is no impact may hide some
-  bands[0].band_energies.push_back(bands[0].band_energies.back());
+  bands[0].same_source = alike(bands[0].candidates.size());
   EXPECT_EQ(channel_of(bands).found.band, 1u);
 }
 

@@ -14,7 +14,7 @@ namespace bouncelab::detection {
 namespace {
 
 const TrackingModel kModel;
-const std::vector<BandEnergies> kNone;
+const SameSource kNone;
 using Explanation = Hypothesis::Explanation;
 
 /// That all candidates are the impacts of one ball, their own sounds no clutter.

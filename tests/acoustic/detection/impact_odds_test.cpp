@@ -131,7 +131,7 @@ Track whole(const std::vector<Candidate>& candidates) {
 
 std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, Track track) {
   const TrackingModel model;
-  const std::vector<BandEnergies> none;
+  const SameSource none;
   const Observations o(candidates, 5e-5, none, model);
   std::vector<std::size_t> own;
   for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);

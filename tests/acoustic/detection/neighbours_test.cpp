@@ -16,8 +16,20 @@ namespace {
 const TrackingModel kModel;
 constexpr double kFlight_s = 0.4;
 
-std::vector<Neighbours> counted(const std::vector<Candidate>& candidates) {
-  return count_neighbours(candidates, {}, kModel);
+std::vector<double> log_amplitudes(const std::vector<Candidate>& candidates) {
+  std::vector<double> logs;
+  for (const Candidate& candidate : candidates) logs.push_back(std::log(candidate.amplitude));
+  return logs;
+}
+
+std::vector<Neighbours> counted(const std::vector<Candidate>& candidates, const SameSource& same_source = {},
+                                const TrackingModel& model = kModel) {
+  return count_neighbours(candidates, log_amplitudes(candidates), same_source, model);
+}
+
+Neighbours counted_of(std::size_t k, const std::vector<Candidate>& candidates,
+                      const std::vector<std::size_t>& not_counted) {
+  return count_neighbours_of(k, candidates, log_amplitudes(candidates), {}, not_counted, kModel);
 }
 
 /// As loud sounds at even times.
@@ -70,7 +82,7 @@ TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
     row = test::joined(row, {probe});
     const auto here = std::find_if(row.begin(), row.end(), [&](const Candidate& c) { return c.t_s == probe.t_s; });
     const auto k = static_cast<std::size_t>(here - row.begin());
-    sum += kRange * clutter_intensity(count_neighbours(row, {}, model)[k], kFlight_s, 0.0, model);
+    sum += kRange * clutter_intensity(counted(row, {}, model)[k], kFlight_s, 0.0, model);
   }
   // each probe counts what is within a range of about 2 of 16: 400 of them give the mean to a tenth
   EXPECT_NEAR(sum / kSeeds, kRate_hz, 0.25 * kRate_hz);
@@ -96,13 +108,13 @@ TEST(Neighbours, WhatIsNotCountedMightAsWellNotBeThere) {
   const std::vector<Neighbours> all = counted(row), fewer = counted(others);
   std::size_t at = 0;
   for (std::size_t k = 0; k < row.size(); ++k) {
-    const Neighbours whole = count_neighbours_of(k, row, {}, {}, kModel);
+    const Neighbours whole = counted_of(k, row, {});
     for (int octave = 0; octave < kWindowOctaves; ++octave)
       EXPECT_NEAR(whole.density[octave], all[k].density[octave], 1e-4) << k;  // sums of floats
     EXPECT_EQ(whole.all, all[k].all);
     EXPECT_EQ(whole.stronger, all[k].stronger);
     if (std::binary_search(left_out.begin(), left_out.end(), k)) continue;
-    const Neighbours some = count_neighbours_of(k, row, {}, left_out, kModel);
+    const Neighbours some = counted_of(k, row, left_out);
     EXPECT_EQ(some.all, fewer[at].all);
     for (int octave = 0; octave < kWindowOctaves; ++octave)
       EXPECT_NEAR(some.density[octave], fewer[at].density[octave], 1e-4) << k;
@@ -112,10 +124,10 @@ TEST(Neighbours, WhatIsNotCountedMightAsWellNotBeThere) {
 
 TEST(Neighbours, ASoundOfAnotherSourceHardlyCounts) {
   const std::vector<Candidate> row = even_row(3, 0.1);
-  const std::vector<BandEnergies> same{test::tilted(3), test::tilted(3), test::tilted(3)},
-      other{test::tilted(-3), test::tilted(3), test::tilted(-3)};
-  EXPECT_NEAR(count_neighbours(row, same, kModel)[1].all, 3.0, 1e-6);
-  EXPECT_LT(count_neighbours(row, other, kModel)[1].all, 1.2);
+  const SameSource same({test::tilted(3), test::tilted(3), test::tilted(3)}),
+      other({test::tilted(-3), test::tilted(3), test::tilted(-3)});
+  EXPECT_NEAR(counted(row, same)[1].all, 3.0, 1e-6);
+  EXPECT_LT(counted(row, other)[1].all, 1.2);
 }
 
 TEST(Neighbours, SharesOfTheFirstImpactSumToOne) {

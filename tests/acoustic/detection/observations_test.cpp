@@ -13,7 +13,7 @@ namespace bouncelab::detection {
 namespace {
 
 const TrackingModel kModel;
-const std::vector<BandEnergies> kNone;
+const SameSource kNone;
 
 TEST(Observations, WhatALongerWindowFoundIsTimedByAPartOfIt) {
   std::vector<Candidate> candidates = test::candidates_of({});
@@ -57,7 +57,7 @@ TEST(Observations, AreOfOneSourceWhereTheyCannotBeToldApart) {
 
 TEST(Observations, OfOtherSpectraHaveOtherSources) {
   const std::vector<Candidate> candidates = test::candidates_of({.n_impacts = 3});
-  const std::vector<BandEnergies> energies{test::tilted(3), test::tilted(3), test::tilted(-3)};
+  const SameSource energies({test::tilted(3), test::tilted(3), test::tilted(-3)});
   const Observations o(candidates, test::kTiming_s, energies, kModel);
   EXPECT_EQ(o.same_source(0, 1), 1.0);
   EXPECT_GT(o.same_source_probability_of(0, 1).value(), 0.9);

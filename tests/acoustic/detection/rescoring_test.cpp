@@ -13,7 +13,7 @@ namespace bouncelab::detection {
 namespace {
 
 const TrackingModel kModel;
-const std::vector<BandEnergies> kNone;
+const SameSource kNone;
 
 Track track_of(const std::vector<std::size_t>& candidates) {
   Track track;
@@ -119,10 +119,10 @@ TEST(Rescoring, UnexplainedSoundsLikeItsOwnMakeATrackLessProbable) {
     return all;
   };
   const Track track = track_of({0, 2, 3, 4, 5, 6});
-  const std::vector<BandEnergies> same = energies(3.0F), other = energies(-3.0F);
+  const SameSource same(energies(3.0F)), other(energies(-3.0F));
   TrackingModel lenient;
   lenient.unexplained = 0.0;
-  const auto odds = [&](const std::vector<BandEnergies>& e, const TrackingModel& model) {
+  const auto odds = [&](const SameSource& e, const TrackingModel& model) {
     const std::vector<Track> tracks = rescored(Observations(both, test::kTiming_s, e, model), {track});
     return tracks.empty() ? -INFINITY : tracks[0].log_odds;
   };

@@ -234,7 +234,7 @@ TEST(Tracker, SearchFindsWhatAnExhaustiveSearchOverAllSequencesFinds) {
   constexpr std::uint64_t kSeeds = 300;
   int n_clear = 0, n_with_ball = 0;
   const TrackingModel model;
-  const std::vector<BandEnergies> none;
+  const SameSource none;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const std::vector<Candidate> candidates = small_scene(seed);
     ASSERT_LE(candidates.size(), 12u);

@@ -15,7 +15,7 @@
 namespace bouncelab::audio {
 namespace {
 
-constexpr std::int64_t kMostHeld = 1 << 21;  // samples, 8 MB: nine minutes at 4 kHz
+constexpr std::int64_t kMostHeld = 3 << 20;  // samples, 12 MB: 13 minutes at 4 kHz
 constexpr std::int64_t kAtOnce = 1 << 9;     // of the result
 
 std::vector<float> low_pass(int factor) {
@@ -31,7 +31,7 @@ std::vector<float> low_pass(int factor) {
   }
   std::vector<float> unit_gain;
   for (const double tap : taps) unit_gain.push_back(static_cast<float>(tap / sum));
-  constexpr std::size_t kStep = 32;  // by which dot() goes; what is left over would take most of its time
+  constexpr std::size_t kStep = 16;  // by which filter_and_decimate() goes
   unit_gain.resize((unit_gain.size() + kStep - 1) / kStep * kStep, 0.0F);
   return unit_gain;
 }
@@ -40,10 +40,11 @@ std::vector<float> low_pass(int factor) {
 
 AudioSource decimate(const AudioSource& source, int factor) {
   const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
-    std::vector<float> x(out.size() * static_cast<std::size_t>(factor) + taps.size());
+    const std::size_t n = out.size() * static_cast<std::size_t>(factor) + taps.size();
+    const auto memory = std::make_unique_for_overwrite<float[]>(n);  // a vector would be set to zero first
+    const std::span<float> x(memory.get(), n);
     read_padded(source, (first - 8) * factor, x);
-    for (std::size_t n = 0; n < out.size(); ++n)
-      out[n] = static_cast<float>(dot(taps, std::span(x).subspan(n * static_cast<std::size_t>(factor), taps.size())));
+    filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
   };
   const std::int64_t n_samples = source.n_samples / factor;
   if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read, {}, 0};

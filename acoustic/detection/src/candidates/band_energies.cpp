@@ -148,21 +148,30 @@ SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sound
     }
 }
 
-void SameSource::weigh(std::size_t k, std::size_t first, std::span<float> weights) const {
-  if (n_sounds_ == 0) return std::fill(weights.begin(), weights.end(), 1.0F);
+BandEnergies SameSource::operator[](std::size_t k) const {
   BandEnergies here;
   for (std::size_t octave = 0; octave < kEnergyBands; ++octave) {
     here.log_power[octave] = power_[octave * n_sounds_ + k];
     here.added_share[octave] = share_[octave * n_sounds_ + k];
   }
-  weigh_row(here, power_.data() + first, share_.data() + first, n_sounds_, log_ratio_of_scatters(), weights.data(),
-            weights.size());
+  return here;
+}
+
+void SameSource::weigh(std::size_t k, std::size_t first, std::span<float> weights) const {
+  if (n_sounds_ == 0) return std::fill(weights.begin(), weights.end(), 1.0F);
+  weigh_row((*this)[k], power_.data() + first, share_.data() + first, n_sounds_, log_ratio_of_scatters(),
+            weights.data(), weights.size());
 }
 
 float SameSource::weight(std::size_t j, std::size_t k) const {
   float weight = 1.0F;
   weigh(k, j, {&weight, 1});
   return weight;
+}
+
+std::optional<float> SameSource::probability(std::size_t j, std::size_t k) const {
+  if (n_sounds_ == 0) return {};
+  return same_source_probability((*this)[j], (*this)[k]);
 }
 
 }  // namespace bouncelab::detection

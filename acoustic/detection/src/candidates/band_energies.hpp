@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,13 +34,17 @@ float same_source_probability(const BandEnergies& a, const BandEnergies& b);
 class SameSource {
  public:
   SameSource() = default;  ///< Nothing is known: all weights are 1, as of no band energies.
-  SameSource(const std::vector<BandEnergies>& band_energies);
+  explicit SameSource(const std::vector<BandEnergies>& band_energies);
 
   /// Of sound k and each of the sounds first ... first + weights.size() - 1.
   void weigh(std::size_t k, std::size_t first, std::span<float> weights) const;
   float weight(std::size_t j, std::size_t k) const;
+  /// same_source_probability(); absent where nothing is known.
+  std::optional<float> probability(std::size_t j, std::size_t k) const;
 
  private:
+  BandEnergies operator[](std::size_t k) const;
+
   std::size_t n_sounds_ = 0;
   std::vector<float> power_, share_;  ///< of all sounds in the first octave, then in the second ...
 };

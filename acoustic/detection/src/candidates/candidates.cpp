@@ -54,11 +54,15 @@ std::int64_t refine(const InnovationEnergy& energy, std::int64_t hop, std::int64
   std::int64_t best_sample = hop_index * hop;
   double best = INFINITY;
   for (std::int64_t n = first; n <= last; ++n) {
+    const double* sum = sums.data() + (n - begin);
     const auto n_before = static_cast<double>(n - begin);
     const auto n_after = static_cast<double>(end - n);
-    const double before = sums[static_cast<std::size_t>(n - begin)] / n_before;
-    const double after = (sums.back() - sums[static_cast<std::size_t>(n - begin)]) / n_after;
+    const double before = sum[0] / n_before;
+    const double after = (sums.back() - sum[0]) / n_after;
     if (after <= before) continue;
+    // a sample no stronger than what is before belongs there, one no weaker than what is after there, since the
+    // logarithm is concave: two in three places need none
+    if ((n < last && sum[1] - sum[0] <= before) || (n > first && sum[0] - sum[-1] >= after)) continue;
     const double cost = n_before * log(before) + n_after * log(after);  // -2 LLR but for a constant
     if (cost < best) {
       best = cost;
@@ -104,11 +108,11 @@ struct Rise {
 };
 
 /// Local maxima of one scale's statistic at the hops first ... first + n_hops - 1.
+/// @param least  threshold_rise() of the scale
 std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
-                             std::int64_t after_hops) {
+                             std::int64_t after_hops, double least) {
   const auto n_after = static_cast<double>(after_hops * hop);
   const double n_before = kBeforeFactor * n_after;
-  const double least = threshold_rise(n_after);
   const auto after = [&](std::int64_t k) { return kBeforeFactor * energy.of_hops(k, k + after_hops); };
   const auto before = [&](std::int64_t k) { return energy.of_hops(k - kBeforeFactor * after_hops, k); };
   std::vector<Rise> found;
@@ -130,18 +134,21 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
 
 /// Candidates of one energy. A longer window gives one only where no shorter one has within its reach: it is for rises
 /// too weak for the shorter ones, and its times are less accurate.
+/// @param least_rises  threshold_rise() of each window
 void find_in_block(const InnovationEnergy& energy, std::int64_t first, std::int64_t n_hops,
-                   std::vector<Candidate>& candidates) {
+                   const std::array<double, kAfterHops.size()>& least_rises, std::vector<Candidate>& candidates) {
   const double rate_hz = energy.rate_hz();
   const double quiet_variance = energy.quiet_variance();
   const std::int64_t hop = energy.hop();
   std::vector<double> found_s;
   const std::size_t n_before = candidates.size();
-  for (const std::int64_t after_hops : kAfterHops) {
+  for (std::size_t window = 0; window < kAfterHops.size(); ++window) {
+    const std::int64_t after_hops = kAfterHops[window];
     const double reach_s = static_cast<double>(after_hops * hop) / rate_hz;
     const double apart_s = static_cast<double>(kApartHops * hop) / rate_hz;
     std::vector<double> new_s;
-    for (const Rise& rise : find_rises(energy, hop, first - kOverlapHops, n_hops + 2 * kOverlapHops, after_hops)) {
+    for (const Rise& rise :
+         find_rises(energy, hop, first - kOverlapHops, n_hops + 2 * kOverlapHops, after_hops, least_rises[window])) {
       // a shorter window has found a rise somewhere in this one's window
       const double hop_s = static_cast<double>(hop) / rate_hz;
       const double begin_s = static_cast<double>(rise.hop_index) * hop_s;
@@ -176,10 +183,13 @@ std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const au
   const auto hop = std::max<std::int64_t>(1, std::llround(kHop_s * sound.rate_hz));
   const std::int64_t n_hops = sound.n_samples / hop;
   InnovationEnergy energy(sound, model, hop, kMarginHops);
+  std::array<double, kAfterHops.size()> least_rises;
+  for (std::size_t window = 0; window < kAfterHops.size(); ++window)
+    least_rises[window] = threshold_rise(static_cast<double>(kAfterHops[window] * hop));
   for (std::int64_t first = 0; first < n_hops; first += kBlockHops) {
     const std::int64_t n_here = std::min(kBlockHops, n_hops - first);
     energy.load(first, n_here);
-    find_in_block(energy, first, n_here, candidates);
+    find_in_block(energy, first, n_here, least_rises, candidates);
     if (progress)
       progress(static_cast<double>((first + n_here) * hop) / sound.rate_hz,
                static_cast<double>(sound.n_samples) / sound.rate_hz);

@@ -7,13 +7,15 @@
 #include <numeric>
 #include <span>
 
+#include "bouncelab/audio/dsp/vector_clones.hpp"
+
 namespace bouncelab::detection {
 namespace {
 
 float square(float x) { return x * x; }
 
-bool any_over(const double* before, const double* here, const double* after, double factor, double least,
-              std::int64_t n) {
+BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, const double* after, double factor,
+                                      double least, std::int64_t n) {
   std::int64_t n_over = 0;
   for (std::int64_t k = 0; k < n; ++k) n_over += factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0;
   return n_over > 0;

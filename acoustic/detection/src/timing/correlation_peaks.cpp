@@ -34,19 +34,23 @@ std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& filter,
     correlation[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
   const auto top = std::find(correlation.begin(), correlation.end(), audio::largest(correlation));
   const Peak best{top - correlation.begin() - 1 + lowest, *top};
-  std::vector<Peak> peaks;
+  std::vector<Peak> peaks;  // the highest others, by falling height
+  float least = 0.0F;       // that is of interest
   for (std::size_t k = 1; k + 1 < correlation.size(); ++k) {
-    // no branches: they would be mispredicted half of the time
-    const int is_peak = static_cast<int>(correlation[k] > 0.0F) &
+    // no branches but one that is seldom taken: they would be mispredicted half of the time
+    const int is_peak = static_cast<int>(correlation[k] > least) &
                         static_cast<int>(correlation[k] >= correlation[k - 1]) &
                         static_cast<int>(correlation[k] >= correlation[k + 1]);
-    const std::int64_t at = static_cast<std::int64_t>(k) - 1 + lowest;
-    if (is_peak != 0 && std::abs(at - best.at) > 2) peaks.push_back({at, correlation[k]});
+    if (is_peak == 0) continue;
+    const Peak here{static_cast<std::int64_t>(k) - 1 + lowest, correlation[k]};
+    if (std::abs(here.at - best.at) <= 2) continue;
+    peaks.insert(std::upper_bound(peaks.begin(), peaks.end(), here,
+                                  [](const Peak& a, const Peak& b) { return a.height > b.height; }),
+                 here);
+    if (peaks.size() < kMaxPeaks) continue;
+    peaks.pop_back();
+    least = static_cast<float>(peaks.back().height);
   }
-  const std::size_t n_others = std::min(peaks.size(), kMaxPeaks - 1);
-  std::partial_sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(n_others), peaks.end(),
-                    [](const Peak& a, const Peak& b) { return a.height > b.height; });
-  peaks.resize(n_others);
   // the inverse holds sums of products over sqrt(n_window)
   const double scale = 0.5 * static_cast<double>(filter.n_window()) / filter.energy();
   const auto to_peak = [&](const Peak& peak) {

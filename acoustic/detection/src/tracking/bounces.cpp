@@ -11,14 +11,7 @@
 namespace bouncelab::detection {
 namespace {
 
-/// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
-double gap_of_eps(double eps, int n_missing) {
-  double gap = eps;
-  for (int k = 0; k < n_missing; ++k) gap = eps * (1.0 + gap);
-  return gap;
-}
-
-/// The other way.
+/// The eps of gap_of_eps().
 double eps_of_gap(double gap, int n_missing) {
   if (n_missing == 0) return gap;
   if (n_missing == 1) return std::sqrt(0.25 + gap) - 0.5;
@@ -33,7 +26,7 @@ double eps_of_gap(double gap, int n_missing) {
 
 std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing) {
   const double gap = interval_s / flight_s;
-  if (gap < gap_of_eps(kLeastEps, n_missing) || gap > gap_of_eps(kLargestEps, n_missing)) return {};
+  if (!may_be_gap(gap, n_missing)) return {};
   Flight flight{eps_of_gap(gap, n_missing), flight_s, 0.0};
   for (int m = 0; m <= n_missing; ++m) {
     flight.slope_s += (m + 1) * flight.flight_s;
@@ -86,9 +79,37 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
          loudness_.density(log_amplitude - log_flight, model);
 }
 
+double Bounces::largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const {
+  double of_eps = prior_of_eps(flight.eps, model);
+  if (n_eps_ > 0) {
+    const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
+    const double width = std::sqrt(variance(model.most_scatter, model) * of_mean + jitter2);
+    // 1 - 1/x <= log x <= x - 1
+    const double least_deviation = std::abs(flight.eps - mean_eps_) / std::max(flight.eps, mean_eps_);
+    double of_outlier = of_eps;
+    if (changed_log_eps_) of_outlier += student3(0.0, model.scatter) / flight.eps;
+    of_eps = student3(least_deviation, width) / flight.eps + model.outliers * of_outlier;
+  }
+  return probability_of_missing(n_missing, model) * of_eps / flight.slope_s * loudness_.largest_density(model);
+}
+
+double Bounces::largest_share_of_flight(int n_missing, const TrackingModel& model) const {
+  double of_log_eps = kLargestEps * prior_of_eps(kLeastEps, model);
+  if (n_eps_ > 0) {
+    const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
+    of_log_eps = student3(0.0, std::sqrt(variance(model.most_scatter, model) * of_mean)) + model.outliers * of_log_eps;
+    if (changed_log_eps_) of_log_eps += model.outliers * student3(0.0, model.scatter);
+  }
+  double slope = 0.0;  // of the gap in flights
+  for (int m = n_missing; m >= 0; --m) slope = (m + 1) + slope * kLargestEps;
+  return probability_of_missing(n_missing, model) * of_log_eps * power(kLargestEps, n_missing) / slope *
+         loudness_.largest_density(model);
+}
+
 void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
                     const TrackingModel& model) {
   learn_eps(log_eps, n_missing, jitter2, model);
+  mean_eps_ = exp(mean_log_eps_);
   loudness_.learn(log_amplitude - log_flight, model);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -15,6 +16,23 @@ struct Flight {
   double flight_s = 0.0;  ///< the last flight in the interval
   double slope_s = 0.0;   ///< d interval / d eps [s]
 };
+
+/// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
+constexpr double gap_of_eps(double eps, int n_missing) {
+  double gap = eps;
+  for (int k = 0; k < n_missing; ++k) gap = eps * (1.0 + gap);
+  return gap;
+}
+
+/// Whether an eps from kLeastEps to kLargestEps makes a gap so long.
+inline bool may_be_gap(double gap, int n_missing) {
+  constexpr auto limits = [](double eps) {
+    return std::array{gap_of_eps(eps, 0), gap_of_eps(eps, 1), gap_of_eps(eps, 2)};
+  };
+  static_assert(kMostMissing == 2);
+  constexpr auto least = limits(kLeastEps), most = limits(kLargestEps);
+  return gap >= least[n_missing] && gap <= most[n_missing];
+}
 
 /// @param interval_s  > 0
 /// @param flight_s    of the flight before
@@ -36,6 +54,11 @@ class Bounces {
   /// @param jitter2  variance that errors of the times add to log eps
   double density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
                  double jitter2, const TrackingModel& model) const;
+  /// No less than that, whatever the loudness; without a logarithm.
+  double largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const;
+  /// No more than density() times the duration of the flight that ends with the next impact, whatever its time and
+  /// loudness.
+  double largest_share_of_flight(int n_missing, const TrackingModel& model) const;
   void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
              const TrackingModel& model);
 
@@ -55,6 +78,7 @@ class Bounces {
   int n_eps_ = 0;  ///< ratios of intervals
   int n_of_mean_ = 0;
   double mean_log_eps_ = 0.0;
+  double mean_eps_ = 1.0;                   ///< exp of it
   double sum_squares_ = 0.0;                ///< of the deviations of log eps from its running mean, large ones cut
   std::optional<double> changed_log_eps_;   ///< the last one, where it was far from the mean: it may stay
   double loss_ = 0.0;                       ///< -sum of log eps, large deviations cut

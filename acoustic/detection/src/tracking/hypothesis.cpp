@@ -12,9 +12,6 @@
 namespace bouncelab::detection {
 namespace {
 
-/// No less than log(x), without taking it.
-double largest_log(double x) { return std::numbers::ln2 * (std::ilogb(x) + 1); }
-
 /// What the track's impacts to come contribute to the density of log amplitudes, as if they were clutter.
 /// @param flight   the last one; the next takes eps times as long
 /// @param log_eps  of its eps
@@ -64,6 +61,7 @@ std::optional<Hypothesis> Hypothesis::begin_above(double least_log_odds, const B
   if (odds < least_log_odds) return {};
   Hypothesis h;
   h.flight_s = flight_s;
+  h.log_flight_ = log_flight;
   const double mean_log_amplitude = 0.5 * (first.log_amplitude + second.log_amplitude);
   h.last_ = {Impact{second.t_s, second.log_amplitude, second.sigma_s}, {first.t_s, first.log_amplitude, first.sigma_s}};
   h.bounces_ = Bounces(log_flight, mean_log_amplitude);
@@ -92,25 +90,34 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
                                                const TrackingModel& model) const {
   const std::optional<Flight> flight = flight_of(next.t_s - last_[0].t_s, flight_s, n_missing);
   if (!flight) return {};
-  const double log_eps = log(flight->eps);
-  const double log_flight = log(flight->flight_s);
+  const double before = log_odds + next.log_rise_odds;
   const double timing2 = jitter2(next);
+  const double largest = bounces_.largest_density(*flight, n_missing, timing2, model) * same_source /
+                         least_clutter_intensity(flight->flight_s, model);
+  if (before + largest_log(largest) < least_log_odds) return {};  // most are far from it
+  const double log_eps = log(flight->eps);
+  const double log_flight = log_flight_ + (n_missing + 1) * log_eps;
   const double density = bounces_.density(*flight, log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
   const double own = is_counted ? own_density(next, *flight, log_eps, same_source, model) : 0.0;
   const double of_clutter = clutter_intensity(next.neighbours, flight->flight_s, own, model) / same_source;
-  const double before = log_odds + next.log_rise_odds;
-  if (before + largest_log(density / of_clutter) < least_log_odds) return {};  // most are far from it
+  if (before + largest_log(density / of_clutter) < least_log_odds) return {};
   const double odds = before + log(density / of_clutter);
   if (odds < least_log_odds) return {};
   Hypothesis h = *this;
   h.follow_rhythm(next, next.log_rise_odds - log(of_clutter), model);
   h.log_odds = odds;
   h.flight_s = flight->flight_s;
+  h.log_flight_ = log_flight;
   h.bounces_.learn(log_eps, log_flight, next.log_amplitude, n_missing, timing2, model);
   h.impact += n_missing + 1;
   h.n_impacts += 1;
   h.last_ = {Impact{next.t_s, next.log_amplitude, next.sigma_s}, last_[0], last_[1]};
   return h;
+}
+
+double Hypothesis::largest_gain(int n_missing, const TrackingModel& model) const {
+  return log(bounces_.largest_share_of_flight(n_missing, model) * 4.0 * std::numbers::sqrt2 /
+             (model.unseen * amplitude_kernel(0.0, model)));
 }
 
 void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutter, const TrackingModel& model) {
@@ -141,7 +148,7 @@ double Hypothesis::log_odds_of_rhythm(std::size_t kind, const TrackingModel& mod
 }
 
 double Hypothesis::log_odds_of_losing_ball(const TrackingModel& model) const {
-  return log_odds + bounces_.log_probability_of_loss(log(flight_s), model);
+  return log_odds + bounces_.log_probability_of_loss(log_flight_, model);
 }
 
 double Hypothesis::log_odds_of_ball(const TrackingModel& model) const {

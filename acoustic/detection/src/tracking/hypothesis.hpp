@@ -42,6 +42,9 @@ class Hypothesis {
   std::optional<Hypothesis> extended(const Observation& next, int n_missing, double same_source, bool is_counted,
                                      double least_log_odds, const TrackingModel& model) const;
 
+  /// Log odds that an impact after n_missing may add at most, but for its rise.
+  double largest_gain(int n_missing, const TrackingModel& model) const;
+
   /// What the sounds are explained by, with its log odds against clutter.
   enum class Explanation { ball, rhythm, ball_then_rhythm };
   struct Verdict {
@@ -74,6 +77,7 @@ class Hypothesis {
   void follow_rhythm(const Observation& next, double log_gain_of_clutter, const TrackingModel& model);
 
   std::array<Impact, 3> last_{};  ///< the last first
+  double log_flight_ = 0.0;
   Bounces bounces_;
   Rhythm rhythm_;
   std::array<double, kRhythmKinds> log_odds_rhythm_{};

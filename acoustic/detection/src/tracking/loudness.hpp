@@ -24,6 +24,9 @@ class Loudness {
     return student3(log_loudness - mean_, std::sqrt(variance(model)));
   }
 
+  /// At the mean.
+  double largest_density(const TrackingModel& model) const { return student3(0.0, std::sqrt(variance(model))); }
+
   void learn(double log_loudness, const TrackingModel& model) {
     const double width = std::sqrt(variance(model));
     const double step = std::clamp(log_loudness - mean_, -kMostOfOne * width, kMostOfOne * width);

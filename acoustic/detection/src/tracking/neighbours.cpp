@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <numbers>
 
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/log_sum.hpp"
 #include "tracking/student.hpp"
 
 namespace bouncelab::detection {
@@ -16,28 +18,27 @@ constexpr double kSmallestReach_s = 2e-3;
 
 /// The nearest octave: that below sqrt(2) times as much.
 int window_octave(double flight_s) {
-  return std::clamp(std::ilogb(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kWindowOctaves - 1);
+  return std::clamp(binary_exponent(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kWindowOctaves - 1);
 }
 
-double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
+constexpr double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
+constexpr double kLargestReach_s = reach_s(kWindowOctaves - 1);
 
 /// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
 double harmonic(double n) { return log(n) + 0.5772 + 0.5 / n; }
-
-/// The least that reaches so far.
-int octave_of(double distance_s) {
-  const double distance = distance_s / kSmallestReach_s;
-  if (distance <= 1.0) return 0;
-  int exponent = 0;  // 2^(exponent - 1) <= distance < 2^exponent
-  return std::frexp(distance, &exponent) == 0.5 ? exponent - 1 : exponent;
-}
 
 /// Counts one neighbour.
 /// @param density  that it contributes
 void count(float density, bool is_stronger, int octave, float share, Neighbours& neighbours) {
   neighbours.density[octave] += share * density;
   neighbours.all += share;
-  if (is_stronger) neighbours.stronger += share;
+  neighbours.stronger += is_stronger ? share : 0.0F;  // a branch would be mispredicted half of the time
+}
+
+/// Densities that the sounds of these log amplitudes contribute at one.
+BOUNCELAB_VECTOR_CLONES void density_row(const double* log_amplitude, double here, double width,
+                                         float* __restrict density, std::size_t n) {
+  for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - here, width));
 }
 
 void accumulate(Neighbours& n) {
@@ -46,25 +47,25 @@ void accumulate(Neighbours& n) {
 
 }  // namespace
 
-std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, const SameSource& same_source,
-                                         const TrackingModel& model) {
-  std::vector<double> log_amplitude;
-  for (const Candidate& candidate : c) log_amplitude.push_back(log(candidate.amplitude));
+std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, std::span<const double> log_amplitude,
+                                         const SameSource& same_source, const TrackingModel& model) {
   std::vector<Neighbours> neighbours(c.size());
-  std::vector<float> shares;
+  std::vector<float> shares, densities;
   std::size_t last = 1;  // behind the last within reach
   for (std::size_t k = 0; k < c.size(); ++k) {
     last = std::max(last, k + 1);
     count(static_cast<float>(amplitude_kernel(0.0, model)), true, 0, 1.0F, neighbours[k]);
-    while (last < c.size() && c[last].t_s - c[k].t_s <= reach_s(kWindowOctaves - 1)) ++last;
+    while (last < c.size() && c[last].t_s - c[k].t_s <= kLargestReach_s) ++last;
     shares.resize(last - k - 1);
     same_source.weigh(k, k + 1, shares);
+    densities.resize(shares.size());
+    density_row(log_amplitude.data() + k + 1, log_amplitude[k], model.kernel_width, densities.data(), densities.size());
     int octave = 0;
     for (std::size_t j = k + 1; j < last; ++j) {
       while (c[j].t_s - c[k].t_s > reach_s(octave)) ++octave;
       const float share = shares[j - k - 1];
       const double log_ratio = log_amplitude[j] - log_amplitude[k];
-      const auto density = static_cast<float>(amplitude_kernel(log_ratio, model));  // the same either way
+      const float density = densities[j - k - 1];  // the same either way
       count(density, log_ratio >= 0.0, octave, share, neighbours[k]);
       count(density, log_ratio <= 0.0, octave, share, neighbours[j]);
     }
@@ -73,20 +74,26 @@ std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, const 
   return neighbours;
 }
 
-Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, const SameSource& same_source,
-                               const std::vector<std::size_t>& not_counted, const TrackingModel& model) {
+Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, std::span<const double> log_amplitude,
+                               const SameSource& same_source, const std::vector<std::size_t>& not_counted,
+                               const TrackingModel& model) {
   std::size_t first = k, last = k;
-  while (first > 0 && octave_of(c[k].t_s - c[first - 1].t_s) < kWindowOctaves) --first;
-  while (last + 1 < c.size() && octave_of(c[last + 1].t_s - c[k].t_s) < kWindowOctaves) ++last;
-  std::vector<float> shares(last - first + 1);
+  while (first > 0 && c[k].t_s - c[first - 1].t_s <= kLargestReach_s) --first;
+  while (last + 1 < c.size() && c[last + 1].t_s - c[k].t_s <= kLargestReach_s) ++last;
+  std::vector<float> shares(last - first + 1), densities(last - first + 1);
   same_source.weigh(k, first, shares);
+  for (auto j = std::lower_bound(not_counted.begin(), not_counted.end(), first); j != not_counted.end() && *j <= last;
+       ++j)
+    shares[*j - first] = 0.0F;
   shares[k - first] = 1.0F;
+  density_row(log_amplitude.data() + first, log_amplitude[k], model.kernel_width, densities.data(), densities.size());
   Neighbours neighbours;
+  int octave = kWindowOctaves - 1;
   for (std::size_t j = first; j <= last; ++j) {
-    if (j != k && std::binary_search(not_counted.begin(), not_counted.end(), j)) continue;
-    const auto density = static_cast<float>(amplitude_kernel(log(c[j].amplitude / c[k].amplitude), model));
-    count(density, c[j].amplitude >= c[k].amplitude, octave_of(std::abs(c[j].t_s - c[k].t_s)), shares[j - first],
-          neighbours);
+    const double distance_s = std::abs(c[j].t_s - c[k].t_s);
+    while (octave > 0 && distance_s <= reach_s(octave - 1)) --octave;
+    while (distance_s > reach_s(octave)) ++octave;
+    count(densities[j - first], log_amplitude[j] >= log_amplitude[k], octave, shares[j - first], neighbours);
   }
   accumulate(neighbours);
   return neighbours;
@@ -102,8 +109,8 @@ double clutter_intensity(const Neighbours& neighbours, double flight_s, double o
   return density / (2.0 * reach_s(octave));
 }
 
-double amplitude_kernel(double log_ratio, const TrackingModel& model) {
-  return student3(log_ratio, model.kernel_width);
+double least_clutter_intensity(double flight_s, const TrackingModel& model) {
+  return model.unseen * amplitude_kernel(0.0, model) / (2.0 * clutter_window_s(flight_s));
 }
 
 double log_odds_against_first(const Neighbours& neighbours) {

@@ -16,30 +16,31 @@ constexpr double kShortestWindow_s = 0.4e-3;
 
 }  // namespace
 
-Observations::Observations(const std::vector<Candidate>& candidates, double timing_s,
-                           const std::vector<BandEnergies>& band_energies, const TrackingModel& model)
-    : candidates_(candidates), band_energies_(band_energies), same_source_(band_energies), model_(model) {
+Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
+                           const TrackingModel& model)
+    : candidates_(candidates), same_source_(same_source), model_(model) {
   const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kSamplesOfTiming / timing_s, model);
-  const std::vector<Neighbours> neighbours = count_neighbours(candidates, same_source_, model);
+  log_amplitudes_.reserve(candidates.size());
+  for (const Candidate& c : candidates) log_amplitudes_.push_back(log(c.amplitude));
+  const std::vector<Neighbours> neighbours = count_neighbours(candidates, log_amplitudes_, same_source_, model);
   observations_.reserve(candidates.size());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const Candidate& c = candidates[k];
     const double sigma_s = c.reach_s < kSharp_s ? timing_s : std::max(timing_s, kTimingOfReach * c.reach_s);
-    observations_.push_back({c.t_s, sigma_s, log(c.amplitude), rise[k], neighbours[k]});
+    observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], neighbours[k]});
   }
 }
 
 Observation Observations::without(std::size_t k, const std::vector<std::size_t>& explained) const {
   Observation observation = observations_[k];
-  observation.neighbours = count_neighbours_of(k, candidates_, same_source_, explained, model_);
+  observation.neighbours = count_neighbours_of(k, candidates_, log_amplitudes_, same_source_, explained, model_);
   return observation;
 }
 
 double Observations::same_source(std::size_t j, std::size_t k) const { return same_source_.weight(j, k); }
 
 std::optional<double> Observations::same_source_probability_of(std::size_t j, std::size_t k) const {
-  if (band_energies_.empty()) return {};
-  return same_source_probability(band_energies_[j], band_energies_[k]);
+  return same_source_.probability(j, k);
 }
 
 }  // namespace bouncelab::detection

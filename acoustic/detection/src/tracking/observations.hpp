@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "candidates/band_energies.hpp"
@@ -25,9 +24,9 @@ struct Observation {
 class Observations {
  public:
   /// @param timing_s       error of the times that the shortest window gives [s]
-  /// @param band_energies  of the candidates, or none
-  Observations(const std::vector<Candidate>& candidates, double timing_s,
-               const std::vector<BandEnergies>& band_energies, const TrackingModel& model);
+  /// @param same_source    which of the candidates may have one source
+  Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
+               const TrackingModel& model);
 
   std::size_t size() const { return observations_.size(); }
   const Observation& operator[](std::size_t k) const { return observations_[k]; }
@@ -36,10 +35,6 @@ class Observations {
   Observation without(std::size_t k, const std::vector<std::size_t>& explained) const;
   /// Weight of one as clutter for the other, or as an impact of the same ball: 1 where they cannot be told apart.
   double same_source(std::size_t j, std::size_t k) const;
-  /// Of k and each of first, first + 1 ...
-  void same_source(std::size_t k, std::size_t first, std::span<float> weights) const {
-    same_source_.weigh(k, first, weights);
-  }
   /// Probability that they have the same source; absent where there are no band energies.
   std::optional<double> same_source_probability_of(std::size_t j, std::size_t k) const;
 
@@ -48,9 +43,9 @@ class Observations {
 
  private:
   const std::vector<Candidate>& candidates_;
-  const std::vector<BandEnergies>& band_energies_;
-  SameSource same_source_;
+  const SameSource& same_source_;
   const TrackingModel& model_;
+  std::vector<double> log_amplitudes_;
   std::vector<Observation> observations_;
 };
 

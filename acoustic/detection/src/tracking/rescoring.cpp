@@ -139,7 +139,8 @@ OwnSounds own_sounds(const Observations& o, const Track& track) {
 }
 
 /// Log odds of a track where what it explains does not compete with its sounds.
-double judged(const Observations& o, const Track& track, const OwnSounds& own) {
+double judged(const Observations& o, const Track& track) {
+  const OwnSounds own = own_sounds(o, track);
   const std::vector<std::size_t>& c = own.candidates;
   std::optional<Hypothesis> h =
       Hypothesis::begin(own.seen[0], own.seen[1], o.same_source(c[0], c[1]), false, o.model());
@@ -149,7 +150,6 @@ double judged(const Observations& o, const Track& track, const OwnSounds& own) {
   }
   return h ? h->log_odds_of_ball(o.model()) - o.model().unexplained * n_unexplained(o, c) : -INFINITY;
 }
-double judged(const Observations& o, const Track& track) { return judged(o, track, own_sounds(o, track)); }
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
 /// about as well, the track begins there.
@@ -205,9 +205,7 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
     if (!is_free) continue;
     begin_again(o, first_free, track);
     begin_at_source(o, first_free, track);
-    const OwnSounds own = own_sounds(o, track);
-    track.log_odds = judged(o, track, own);
-    set_impact_probabilities(o, own.seen, own.explained, track);
+    track.log_odds = judged(o, track);
     kept.push_back(std::move(track));
   }
   const std::vector<Track> all = kept;
@@ -215,6 +213,13 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
     kept[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k], o.model());
   std::sort(kept.begin(), kept.end(), ends_before);
   return kept;
+}
+
+void set_impact_probabilities(const Observations& o, std::vector<Track>& tracks) {
+  for (Track& track : tracks) {
+    const OwnSounds own = own_sounds(o, track);
+    set_impact_probabilities(o, own.seen, own.explained, track);
+  }
 }
 
 }  // namespace bouncelab::detection

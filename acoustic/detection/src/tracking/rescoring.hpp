@@ -13,4 +13,7 @@ namespace bouncelab::detection {
 /// @param tracks  one after the other in time, and so are those returned
 std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
 
+/// Of each impact, given that its track is a ball's (impact_odds.hpp).
+void set_impact_probabilities(const Observations& observations, std::vector<Track>& tracks);
+
 }  // namespace bouncelab::detection

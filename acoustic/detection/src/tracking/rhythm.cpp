@@ -33,7 +33,7 @@ double density_of(double core, double n_beats, double interval_s, const Tracking
 }  // namespace
 
 Rhythm::Rhythm(double log_interval, double log_amplitude)
-    : level_(log_interval), period_s_(exp(log_interval)), loudness_(log_amplitude) {}
+    : level_(log_interval), period_s_(exp(log_interval)), log_period_(log_interval), loudness_(log_amplitude) {}
 
 std::array<double, kRhythmKinds> Rhythm::follow(double interval_s, double log_amplitude, double sigma_s,
                                                 const TrackingModel& model) {
@@ -45,7 +45,7 @@ std::array<double, kRhythmKinds> Rhythm::follow(double interval_s, double log_am
   return densities;
 }
 
-std::array<double, kRhythmKinds> Rhythm::log_interval() const { return {level_, log(period_s_)}; }
+std::array<double, kRhythmKinds> Rhythm::log_interval() const { return {level_, log_period_}; }
 
 double Rhythm::follow_by_hand(double interval_s, double sigma_s, const TrackingModel& model) {
   const double expected = level_ + trend_;
@@ -78,6 +78,7 @@ double Rhythm::follow_by_machine(double interval_s, double sigma_s, const Tracki
                               (n_sounds_ >= model.memory ? sum_squares_of_lateness_ / model.memory : 0.0);
   late_s_ = deviation_s - position_gain * step_s;
   period_s_ = std::max(0.5 * period_s_, period_s_ + period_gain * step_s / n_beats);  // intervals are positive
+  log_period_ = log(period_s_);
   const double core = student3(deviation_s / interval_s, width_s / interval_s);
   return density_of(core, n_beats, interval_s, model);
 }

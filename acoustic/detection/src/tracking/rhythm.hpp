@@ -39,7 +39,8 @@ class Rhythm {
   double level_ = 0.0;  ///< of the log interval, by hand
   double trend_ = 0.0;
   double sum_squares_ = 0.0;
-  double period_s_ = 0.0;                 ///< by machine
+  double period_s_ = 0.0;  ///< by machine
+  double log_period_ = 0.0;
   double late_s_ = 0.0;                   ///< by which the last sound came after its beat
   double sum_squares_of_lateness_ = 0.0;  ///< in intervals
   int n_sounds_ = 2;

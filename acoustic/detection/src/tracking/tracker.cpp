@@ -2,6 +2,7 @@
 #include "tracking/tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -20,7 +21,6 @@ constexpr std::size_t kBeam = 8;       // hypotheses that end at one candidate
 constexpr double kBeamDepth = 10.0;    // log odds below the best of them
 constexpr double kHopeless = -7.0;     // log odds below which a hypothesis is not followed
 constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds at most
-constexpr double kMostGain = 11.0;     // that any impact adds
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
 constexpr double kAcceptance = 0.0;             // log odds of a track
@@ -33,6 +33,7 @@ struct State {
   std::int64_t previous = -1;  // state; -1 at the second impact of a track
   std::size_t candidate = 0;   // the last
   std::size_t first_candidate = 0;
+  std::array<double, kMostMissing + 1> largest_gain{};  // by impacts missing before the next
 
   double total() const { return start_score + track.log_odds; }
 };
@@ -75,10 +76,29 @@ class Beam {
   std::vector<State> states_;
 };
 
+/// That two candidates have one source; taken when it is first asked for, since most pairs need none.
+class Weight {
+ public:
+  Weight(const Observations& observations, std::size_t j, std::size_t k) : o_(observations), j_(j), k_(k) {}
+  double value() {
+    if (!value_) value_ = o_.same_source(j_, k_);
+    return *value_;
+  }
+
+ private:
+  const Observations& o_;
+  std::size_t j_, k_;
+  std::optional<double> value_;
+};
+
 class Search {
  public:
-  explicit Search(const Observations& observations) : o_(observations), begin_(o_.size() + 1, 0), best_(o_.size() + 1) {
-    for (std::size_t k = 0; k < o_.size(); ++k) log_odds_of_first_.push_back(log_odds_of_first(o_[k], o_.model()));
+  explicit Search(const Observations& observations)
+      : o_(observations), reached_s_(o_.size(), -INFINITY), begin_(o_.size() + 1, 0), best_(o_.size() + 1) {
+    for (std::size_t k = 0; k < o_.size(); ++k) {
+      t_s_.push_back(o_[k].t_s);
+      log_odds_of_first_.push_back(log_odds_of_first(o_[k], o_.model()));
+    }
   }
 
   std::vector<Track> run() {
@@ -93,31 +113,36 @@ class Search {
     std::int64_t n_of_ball = 0;
   };
 
-  bool may_begin(std::size_t k) const { return log_odds_of_first_[k] + kMostOfSecond > kHopeless; }
+  bool may_begin(std::size_t j, std::size_t k) const {
+    const double gap_s = t_s_[k] - t_s_[j];
+    return gap_s >= kShortestFirstFlight_s && log_odds_of_first_[j] + o_[k].log_rise_odds + kMostOfSecond > kHopeless;
+  }
 
   void visit(std::size_t k) {
     Beam here(best_[k].score);
-    std::size_t first_near = k;
-    while (first_near > 0 && o_[k].t_s - o_[first_near - 1].t_s <= kLongestFlight_s) --first_near;
-    same_source_.resize(k - first_near);
-    o_.same_source(k, first_near, same_source_);
-    for (std::size_t j = k; j-- > 0;) {
-      const double gap_s = o_[k].t_s - o_[j].t_s;
-      if (gap_s > kMostGap * kLongestFlight_s) break;
-      // states are ordered by falling flight: those that reach from j to k lie side by side
-      const auto begin = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j]);
-      const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
-      const auto first =
-          std::partition_point(begin, end, [&](const State& s) { return s.track.flight_s * kLeastEps > gap_s; });
-      const bool is_first_flight = may_begin(j) && gap_s >= kShortestFirstFlight_s && gap_s <= kLongestFlight_s;
-      const bool is_reached = first != end && first->track.flight_s * kMostGap >= gap_s;
-      if (!is_first_flight && !is_reached) continue;
-      const double same_source = j >= first_near ? same_source_[j - first_near] : o_.same_source(j, k);
-      for (auto s = first; s != end && s->track.flight_s * kMostGap >= gap_s; ++s)
-        extend(s - states_.begin(), k, same_source, here);
-      if (is_first_flight) start(j, k, same_source, here);
+    for (std::size_t j = k; j-- > 0 && t_s_[k] - t_s_[j] <= kLongestFlight_s;) {
+      Weight same_source(o_, j, k);
+      if (t_s_[k] <= reached_s_[j]) extend_all(j, k, same_source, here);
+      if (may_begin(j, k)) start(j, k, same_source, here);
     }
+    std::erase_if(far_reaching_, [&](std::size_t j) { return reached_s_[j] < t_s_[k]; });
+    for (auto j = far_reaching_.rbegin(); j != far_reaching_.rend(); ++j)
+      if (t_s_[k] - t_s_[*j] > kLongestFlight_s) {
+        Weight same_source(o_, *j, k);
+        extend_all(*j, k, same_source, here);
+      }
     finish(k, here);
+  }
+
+  void extend_all(std::size_t j, std::size_t k, Weight& same_source, Beam& here) const {
+    const double gap_s = t_s_[k] - t_s_[j];
+    // states are ordered by falling flight: those that reach from j to k lie side by side
+    const auto begin = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j]);
+    const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
+    const auto first =
+        std::partition_point(begin, end, [&](const State& s) { return s.track.flight_s * kLeastEps > gap_s; });
+    for (auto s = first; s != end && s->track.flight_s * kMostGap >= gap_s; ++s)
+      extend(s - states_.begin(), k, same_source, here);
   }
 
   void finish(std::size_t k, Beam& here) {
@@ -131,8 +156,15 @@ class Search {
           best_[k + 1] = {score, static_cast<std::int64_t>(states_.size()), most.n_of_ball};
       }
       states_.push_back(s);
+      for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing)
+        states_.back().largest_gain[n_missing] = s.track.largest_gain(n_missing, o_.model());
     }
     begin_[k + 1] = states_.size();
+    if (begin_[k] < begin_[k + 1]) {
+      const double reach_s = states_[begin_[k]].track.flight_s * kMostGap;
+      reached_s_[k] = t_s_[k] + reach_s;
+      if (reach_s > kLongestFlight_s) far_reaching_.push_back(k);
+    }
     if (states_.size() > most_states_) forget(k + 1);
   }
 
@@ -167,22 +199,28 @@ class Search {
     most_states_ = 2 * n_kept + kStatesAtOnce;
   }
 
-  void start(std::size_t j, std::size_t k, double same_source, Beam& here) const {
+  void start(std::size_t j, std::size_t k, Weight& same_source, Beam& here) const {
     const double least_log_odds = std::max(kHopeless, here.least_total() - best_[j].score);
-    const std::optional<Hypothesis> track = Hypothesis::begin_above(
-        least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], same_source, true, o_.model());
-    if (track) here.keep({*track, best_[j].score, -1, k, j});
+    const auto begun = [&](double weight) {
+      return Hypothesis::begin_above(least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], weight,
+                                     true, o_.model());
+    };
+    if (!begun(1.0)) return;  // most are improbable whatever their source
+    const std::optional<Hypothesis> track = begun(same_source.value());
+    if (track) here.keep({*track, best_[j].score, -1, k, j, {}});
   }
 
-  void extend(std::int64_t from_index, std::size_t k, double same_source, Beam& here) const {
+  void extend(std::int64_t from_index, std::size_t k, Weight& same_source, Beam& here) const {
     const State& from = states_[static_cast<std::size_t>(from_index)];
-    if (from.total() + kMostGain < here.least_total()) return;
     const int most_missing = from.track.n_eps() == 0 ? 0 : kMostMissing;  // two sounds alone predict nothing
+    const double gap = (t_s_[k] - t_s_[from.candidate]) / from.track.flight_s;
     for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
+      if (!may_be_gap(gap, n_missing)) continue;
       const double least_log_odds = std::max(kHopeless, here.least_total() - from.start_score);
+      if (from.track.log_odds + o_[k].log_rise_odds + from.largest_gain[n_missing] < least_log_odds) continue;
       const std::optional<Hypothesis> longer =
-          from.track.extended(o_[k], n_missing, same_source, true, least_log_odds, o_.model());
-      if (longer) here.keep({*longer, from.start_score, from_index, k, from.first_candidate});
+          from.track.extended(o_[k], n_missing, same_source.value(), true, least_log_odds, o_.model());
+      if (longer) here.keep({*longer, from.start_score, from_index, k, from.first_candidate, {}});
     }
   }
 
@@ -207,8 +245,10 @@ class Search {
 
   const Observations& o_;
   double log_usual_eps_ = log(o_.model().usual_eps);
+  std::vector<double> t_s_;                // of the candidates
+  std::vector<double> reached_s_;          // until when a state of each may go on
+  std::vector<std::size_t> far_reaching_;  // candidates of which one may for longer than the longest flight
   std::vector<double> log_odds_of_first_;  // of a track that begins with each candidate
-  std::vector<float> same_source_;         // of the candidate visited and those before it
   std::vector<State> states_;
   std::vector<std::size_t> begin_;  // states of candidate k: begin_[k] ... begin_[k+1]
   std::vector<Best> best_;          // best_[k]: over candidates before k
@@ -224,16 +264,16 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
   return (c[impacts[k + 1].candidate].t_s - t_s) / (t_s - c[impacts[k - 1].candidate].t_s);
 }
 
-std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies, const TrackingModel& model,
-                               const std::function<double(const Track&)>& other_evidence) {
-  const Observations observations(candidates, timing_s, band_energies, model);
+std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
+                               const TrackingModel& model, const std::function<double(const Track&)>& other_evidence) {
+  const Observations observations(candidates, timing_s, same_source, model);
   std::vector<Track> tracks = rescored(observations, Search(observations).run());
   if (other_evidence)
     for (Track& track : tracks)
       if (std::abs(track.log_odds) < kOpen) track.log_odds += other_evidence(track);
   weigh_by_drop_rate(candidates, tracks, model);
   std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
+  set_impact_probabilities(observations, tracks);
   return tracks;
 }
 

@@ -39,10 +39,10 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// @param timing_s        error of the candidates' times, standard deviation [s]; 0.15 of the window where only a
 /// longer
 ///                        one noticed
-/// @param band_energies   of the candidates, or none: then all are of one kind
+/// @param same_source     which of the candidates may have one source
 /// @param other_evidence  log odds by what the candidates do not hold, added to those of tracks that it may decide on
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const std::vector<BandEnergies>& band_energies = {}, const TrackingModel& model = {},
+                               const SameSource& same_source = {}, const TrackingModel& model = {},
                                const std::function<double(const Track&)>& other_evidence = {});
 
 }  // namespace bouncelab::detection

@@ -35,4 +35,11 @@ void multiply(const double* a, const double* b, double* product, std::size_t n);
 /// @param x  at least out.size() + taps.size() - 1 samples
 void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out);
 
+/// The same at every factor-th place: out[n] = sum_k taps[k] x[factor n + k], without fused multiply-add; every sum is
+/// taken in the same order, wherever it stands in `out`.
+/// @param x     at least factor (out.size() - 1) + taps.size() samples
+/// @param taps  a multiple of 16
+void filter_and_decimate(std::span<const float> x, std::size_t factor, std::span<const float> taps,
+                         std::span<float> out);
+
 }  // namespace bouncelab::audio
