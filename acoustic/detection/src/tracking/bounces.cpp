@@ -22,6 +22,14 @@ double eps_of_gap(double gap, int n_missing) {
   return eps;
 }
 
+/// log of the probability that a normal value is below z.
+double log_normal_probability(double z) {
+  if (z > 8.5) return 0.0;  // 1 to rounding
+  // beyond 5 standard deviations by the first term of the asymptotic series
+  if (z < -5.0) return -0.5 * square(z) - log(-z * std::sqrt(2.0 * kPi));
+  return log(0.5 * erfc(-z / std::numbers::sqrt2));
+}
+
 }  // namespace
 
 std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing) {
@@ -138,23 +146,20 @@ void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const Tra
   loss_ -= mean_log_eps_ + step;
   mean_log_eps_ += step / std::min(n_of_mean_, model.memory);
   if (n_of_mean_ % model.memory == 0)
-    log_probability_of_losses_ += log_probability_of_loss(-mean_log_eps_, model.memory, model);
+    log_probability_of_losses_ += log_normal_probability(widths_above_least(-mean_log_eps_, model.memory, model));
 }
 
 double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {
   if (n_eps_ == 0) return 0.0;
   const double of_all = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
   const double of_last = -mean_log_eps_;  // since eps changed
-  return std::min({log_probability_of_losses_, log_probability_of_loss(of_all, n_eps_, model),
-                   log_probability_of_loss(of_last, n_of_mean_, model)});
+  const double z = std::min(widths_above_least(of_all, n_eps_, model), widths_above_least(of_last, n_of_mean_, model));
+  return std::min(log_probability_of_losses_, log_normal_probability(z));
 }
 
-double Bounces::log_probability_of_loss(double loss, int n_eps, const TrackingModel& model) const {
+double Bounces::widths_above_least(double loss, int n_eps, const TrackingModel& model) const {
   // what scatters by more than it loses may be anything: it is asked for the more
-  const double z = (loss - model.least_loss) / std::sqrt(variance(1.0, model) / n_eps);
-  // beyond 5 standard deviations by the first term of the asymptotic series
-  if (z < -5.0) return -0.5 * square(z) - log(-z * std::sqrt(2.0 * kPi));
-  return log(0.5 * erfc(-z / std::numbers::sqrt2));
+  return (loss - model.least_loss) / std::sqrt(variance(1.0, model) / n_eps);
 }
 
 }  // namespace bouncelab::detection

@@ -70,7 +70,8 @@ class Bounces {
   int n_eps() const { return n_eps_; }
 
  private:
-  double log_probability_of_loss(double loss, int n_eps, const TrackingModel& model) const;
+  /// By how many standard errors of its mean a loss is above the least.
+  double widths_above_least(double loss, int n_eps, const TrackingModel& model) const;
   double learned_variance(const TrackingModel& model) const;
   double variance(double most_of_loss, const TrackingModel& model) const;  ///< what of it a ball can have
   void learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model);

@@ -129,10 +129,10 @@ void Hypothesis::follow_rhythm(const Observation& next, double log_gain_of_clutt
   const auto of_range = [&](double first, std::size_t kind) {
     return 0.5 * (square(before[kind] - first) - square(after[kind] - first)) / square(model.tempo_range);
   };
+  const double losing = log_odds_of_losing_ball(model);
   for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
-    const double least_before = log_odds_ball_then_rhythm_[kind] - model.switch_log_odds;
-    if (log_odds > least_before && log_odds_of_losing_ball(model) > least_before) {
-      log_odds_ball_then_rhythm_[kind] = log_odds_of_losing_ball(model) + model.switch_log_odds;
+    if (losing + model.switch_log_odds > log_odds_ball_then_rhythm_[kind]) {
+      log_odds_ball_then_rhythm_[kind] = losing + model.switch_log_odds;
       n_of_ball_[kind] = n_impacts;
       first_log_interval_after_[kind] = before[kind];
     }
