@@ -118,6 +118,7 @@ TEST(TrackPrediction, BeyondTheEndFollowsNoSingleImpactInAWrongPlace) {
     }
     EXPECT_NEAR(predict_beyond_end(track, 0).t_s, time_of(kImpacts), 1e-9) << wrong;
     EXPECT_NEAR(predict_beyond_end(track, 2).t_s, time_of(kImpacts + 2), 1e-9) << wrong;
+    EXPECT_GE(predict_beyond_end(track, 0).spread_s, wrong > 20 ? 3e-3 : 0.0) << wrong;
   }
 }
 

@@ -172,7 +172,8 @@ void extend(TimedTrack& track, double end_s) {
     if (std::min(flight_s, after_s) < shortest_s || predicted.t_s + 0.5 * flight_s > end_s) break;
     const std::int64_t next = track.impacts.back().impact + 1 + failures;
     const double until_s = predicted.t_s + 0.9 * flight_s;
-    const double reach_s = predicted_eps_reach(track.impacts) * after_s;
+    // what the last impacts predict may differ by more than eps scatters: one of them has gained or lost, or is wrong
+    const double reach_s = predicted_eps_reach(track.impacts) * after_s + predicted.spread_s;
     const bool found = search_missing(track, {next, after_s, reach_s, until_s, kMinBeyondEnd}) ||
                        (failures == 0 && search_missing(track, {next, kOutlierCentre * after_s, kOutlierReach * after_s,
                                                                 until_s, kMinOfOutlier}));

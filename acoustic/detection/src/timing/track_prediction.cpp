@@ -70,13 +70,15 @@ PredictedImpact predict_beyond_end(const TimedImpacts& track, int n_left_out) {
   std::vector<PredictedImpact> predicted;
   for (std::size_t back = 1; back <= kAnchors && back < track.size(); ++back) {
     const std::size_t k = track.size() - back;
-    PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps)};
+    PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps), 0.0};
     for (std::int64_t impact = track[k].impact; impact < next; ++impact) p.t_s += p.flight_s *= eps;
     predicted.push_back(p);
   }
   std::sort(predicted.begin(), predicted.end(),
             [](const PredictedImpact& a, const PredictedImpact& b) { return a.t_s < b.t_s; });
-  return predicted[predicted.size() / 2];
+  PredictedImpact median = predicted[predicted.size() / 2];
+  median.spread_s = std::max(predicted.back().t_s - median.t_s, median.t_s - predicted.front().t_s);
+  return median;
 }
 
 double first_of_missing(const TimedImpacts& track, double n_missing, double total_s) {

@@ -22,6 +22,7 @@ double predicted_eps_reach(const std::vector<TimedImpact>& track);
 struct PredictedImpact {
   double t_s = 0.0;
   double flight_s = 0.0;  ///< before it
+  double spread_s = 0.0;  ///< of the predictions about their median, at most
 };
 
 /// The impact after the next `n_left_out`, by the predicted eps: the median of what the last impact, the one before it
