@@ -79,7 +79,7 @@ using Taps = float __attribute__((vector_size(4 * kTapsAtOnce)));
 using Eight = float __attribute__((vector_size(32)));
 using Four = float __attribute__((vector_size(16)));
 
-[[gnu::always_inline]] inline Four folded(Taps x) {
+[[gnu::always_inline]] inline Four folded(const Taps& x) {
   const Eight eight = __builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7) +
                       __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15);
   return __builtin_shufflevector(eight, eight, 0, 1, 2, 3) + __builtin_shufflevector(eight, eight, 4, 5, 6, 7);
