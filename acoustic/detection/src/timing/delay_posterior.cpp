@@ -41,22 +41,16 @@ double student4(double z) {
   return 1.0 / (x * x * std::sqrt(x));
 }
 
-/// Densities of a hypothesis' place [1/s]: near the rise of the sound, and anywhere.
-struct PlaceDensities {
-  double near = 0.0;
-  double far = 1.0 / kFar_s;
-};
-
-PlaceDensities densities(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
+/// Density of a hypothesis' place, of impacts that are near the rise of the sound [1/s].
+double near_density(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
   constexpr double kNorm = 0.375;  // of Student's t with four degrees of freedom
   const double width_s = prior.width * impact.rise_reach_s;
-  return {kNorm * student4((hypothesis_time(impact, h) - impact.rise_s - prior.late_s) / width_s) / width_s};
+  return kNorm * student4((hypothesis_time(impact, h) - impact.rise_s - prior.late_s) / width_s) / width_s;
 }
 
 double place_density(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
   if (!(impact.rise_reach_s > 0.0)) return 1.0;
-  const PlaceDensities p = densities(impact, h, prior);
-  return (1.0 - prior.far_share) * p.near + prior.far_share * p.far;
+  return (1.0 - prior.far_share) * near_density(impact, h, prior) + prior.far_share / kFar_s;
 }
 
 /// The densities of which the posterior is the product.
@@ -159,7 +153,7 @@ RisePrior rise_prior_of(const TimedImpacts& track, const std::vector<HypothesisP
     late_s.push_back(t_s[k] - track[k].rise_s);
     all += 1.0;
     for (std::size_t h = 0; h < posterior[k].size(); ++h)
-      far += posterior[k][h] * last.far_share * densities(track[k], h, last).far / place_density(track[k], h, last);
+      far += posterior[k][h] * (last.far_share / kFar_s) / place_density(track[k], h, last);
   }
   RisePrior found{far / all, upper_median(std::move(late_s)), prior.width};
   std::vector<double> off;

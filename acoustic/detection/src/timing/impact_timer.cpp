@@ -155,8 +155,7 @@ double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEsti
   audio::add_scaled(rest, placed, -std::max(0.0, r.amplitude));
   double sum = 0.0;
   for (std::size_t k = 0; k < learned_.filter.n_filled(); ++k)
-    sum += learned_.filter.energy(k, k + 1) *
-           (square(static_cast<double>(rest.re[k])) + square(static_cast<double>(rest.im[k])));
+    sum += learned_.filter.energy(k, k + 1) * audio::bin_power(rest, k);
   return 0.5 * sum / (learned_.filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }
 

@@ -18,17 +18,13 @@ namespace {
 // amplitudes scatter by a tenth, and of a codec's errors where they are just masked
 constexpr double kUnrepeated = 1e-2;
 
-double power_in_bin(const audio::Spectrum& spectrum, std::size_t k) {
-  return square(static_cast<double>(spectrum.re[k])) + square(static_cast<double>(spectrum.im[k]));
-}
-
 /// Power of the noise in each bin of a spectrum, per real and imaginary part; 0 in digital silence.
 std::vector<double> noise_power(const audio::ArModel& noise, audio::RealFft& fourier) {
   const audio::Spectrum filter = fourier.forward(noise.filter);
   const double to_gain = 0.5 * static_cast<double>(fourier.size());  // the transform is scaled by sqrt(2/n)
   std::vector<double> power(filter.size(), 0.0);
   for (std::size_t k = 1; k + 1 < power.size(); ++k)
-    power[k] = noise.quiet_variance / std::max(to_gain * power_in_bin(filter, k), 1e-12);
+    power[k] = noise.quiet_variance / std::max(to_gain * audio::bin_power(filter, k), 1e-12);
   return power;
 }
 
@@ -43,7 +39,7 @@ std::vector<double> impact_power(const audio::AudioSource& sound, const std::vec
     const audio::Spectrum spectrum = fourier.forward(x);
     energies.push_back(audio::energy(spectrum));
     if (!(energies.back() > 0.0)) continue;
-    for (std::size_t k = 0; k < power.size(); ++k) power[k] += power_in_bin(spectrum, k) / energies.back();
+    for (std::size_t k = 0; k < power.size(); ++k) power[k] += audio::bin_power(spectrum, k) / energies.back();
   }
   const double scale = 0.5 * upper_median(std::move(energies)) / static_cast<double>(begins.size());
   for (double& p : power) p *= scale;

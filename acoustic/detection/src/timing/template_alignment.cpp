@@ -6,15 +6,10 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/core/elementary.hpp"
 #include "timing/correlation_peaks.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-double power_at(const audio::Spectrum& spectrum, std::size_t k) {
-  return square(static_cast<double>(spectrum.re[k])) + square(static_cast<double>(spectrum.im[k]));
-}
 
 /// Leaves the lower frequencies, which hold half of the energy.
 /// @return the first bin left out
@@ -22,7 +17,7 @@ std::size_t keep_lower_half(audio::Spectrum& spectrum) {
   const double half = 0.5 * audio::energy(spectrum);
   double sum = 0.0;
   std::size_t n_kept = 0;
-  while (n_kept < spectrum.size() && sum <= half) sum += power_at(spectrum, n_kept++);
+  while (n_kept < spectrum.size() && sum <= half) sum += audio::bin_power(spectrum, n_kept++);
   std::fill(spectrum.re.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.re.end(), 0.0F);
   std::fill(spectrum.im.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.im.end(), 0.0F);
   return n_kept;
@@ -61,7 +56,7 @@ void align(TemplateEstimation& e, bool search) {
     impact.position = impact.estimate.shift;
     impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
     double total = 0.0;
-    for (std::size_t k = 0; k < e.n_bins; ++k) total += power_at(impact.spectrum, k);
+    for (std::size_t k = 0; k < e.n_bins; ++k) total += audio::bin_power(impact.spectrum, k);
     impact.correlation = correlation(impact.estimate, total);
   }
 }

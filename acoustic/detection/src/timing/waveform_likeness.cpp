@@ -38,9 +38,7 @@ struct WhiteSound {
 WhiteSound white_sound(const std::vector<float>& x, std::int64_t reach, audio::RealFft& fourier) {
   WhiteSound sound;
   sound.spectrum = fourier.forward(x);
-  for (std::size_t k = 0; k < sound.spectrum.size(); ++k)
-    sound.power.push_back(square(static_cast<double>(sound.spectrum.re[k])) +
-                          square(static_cast<double>(sound.spectrum.im[k])));
+  for (std::size_t k = 0; k < sound.spectrum.size(); ++k) sound.power.push_back(audio::bin_power(sound.spectrum, k));
   const auto stretch = static_cast<std::size_t>(reach);
   for (std::size_t n = 0; n < x.size(); n += stretch) {
     const std::span<const float> part = std::span(x).subspan(n, std::min(stretch, x.size() - n));

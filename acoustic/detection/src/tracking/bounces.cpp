@@ -68,13 +68,17 @@ double Bounces::variance(double most_of_loss, const TrackingModel& model) const 
   return std::min(learned_variance(model), square(most));
 }
 
+double Bounces::variance_of_next(int n_missing, const TrackingModel& model) const {
+  const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
+  return variance(model.most_scatter, model) * of_mean;
+}
+
 double Bounces::density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
                         double jitter2, const TrackingModel& model) const {
   const double prior = prior_of_eps(flight.eps, model);
   double of_eps = prior;
   if (n_eps_ > 0) {
-    const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
-    const double width = std::sqrt(variance(model.most_scatter, model) * of_mean + jitter2);
+    const double width = std::sqrt(variance_of_next(n_missing, model) + jitter2);
     double of_outlier = prior;
     if (changed_log_eps_) {
       const double of_change = std::sqrt(2.0 * square(model.scatter) * (1.0 + n_missing) + jitter2);
@@ -90,8 +94,7 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
 double Bounces::largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const {
   double of_eps = prior_of_eps(flight.eps, model);
   if (n_eps_ > 0) {
-    const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
-    const double width = std::sqrt(variance(model.most_scatter, model) * of_mean + jitter2);
+    const double width = std::sqrt(variance_of_next(n_missing, model) + jitter2);
     // 1 - 1/x <= log x <= x - 1
     const double least_deviation = std::abs(flight.eps - mean_eps_) / std::max(flight.eps, mean_eps_);
     double of_outlier = of_eps;
@@ -104,8 +107,7 @@ double Bounces::largest_density(const Flight& flight, int n_missing, double jitt
 double Bounces::largest_share_of_flight(int n_missing, const TrackingModel& model) const {
   double of_log_eps = kLargestEps * prior_of_eps(kLeastEps, model);
   if (n_eps_ > 0) {
-    const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
-    of_log_eps = student3(0.0, std::sqrt(variance(model.most_scatter, model) * of_mean)) + model.outliers * of_log_eps;
+    of_log_eps = student3(0.0, std::sqrt(variance_of_next(n_missing, model))) + model.outliers * of_log_eps;
     if (changed_log_eps_) of_log_eps += model.outliers * student3(0.0, model.scatter);
   }
   double slope = 0.0;  // of the gap in flights

@@ -74,6 +74,8 @@ class Bounces {
   double widths_above_least(double loss, int n_eps, const TrackingModel& model) const;
   double learned_variance(const TrackingModel& model) const;
   double variance(double most_of_loss, const TrackingModel& model) const;  ///< what of it a ball can have
+  /// Of the next log eps about the mean, itself known from a few, but for errors of the times.
+  double variance_of_next(int n_missing, const TrackingModel& model) const;
   void learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model);
 
   int n_eps_ = 0;  ///< ratios of intervals

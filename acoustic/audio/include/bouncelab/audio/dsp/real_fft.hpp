@@ -53,5 +53,9 @@ Spectrum product(const Spectrum& a, const Spectrum& b);
 void add_scaled(Spectrum& a, const Spectrum& b, double factor);
 /// sum |a|^2
 double energy(const Spectrum& a);
+/// |a_k|^2
+inline double bin_power(const Spectrum& a, std::size_t k) {
+  return static_cast<double>(a.re[k]) * a.re[k] + static_cast<double>(a.im[k]) * a.im[k];
+}
 
 }  // namespace bouncelab::audio
