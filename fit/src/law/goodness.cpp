@@ -38,7 +38,7 @@ std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t 
 namespace {
 
 double expected_distance(const LawLikelihood& likelihood, const ScatterModel& scatter, std::size_t k) {
-  const double v = likelihood.data().v_mps[k], tau = likelihood.data().tau[k];
+  const double v = likelihood.data().v_mps[k], tau = hypot(likelihood.data().tau[k], scatter.normal(v));
   const double below = scatter.below(v), above = scatter.above(v);
   if (likelihood.scatter().kind == ScatterKind::normal) return std::sqrt(2.0 / std::numbers::pi) * hypot(below, tau);
   // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
@@ -62,7 +62,7 @@ ResidualBin residual_bin(const LawLikelihood& likelihood, const Eigen::VectorXd&
     score += likelihood.density(theta, k).d_location;
   }
   const std::size_t middle = (begin + end) / 2;
-  information = static_cast<double>(bin.n) * likelihood.information_of(theta, middle).ll;
+  information = static_cast<double>(bin.n) * likelihood.information_of(theta, middle)(0, 0);
   bin.median_residual = upper_median(std::move(residuals));
   bin.pull = score / std::sqrt(information);
   bin.scatter_ratio = distance / expected;

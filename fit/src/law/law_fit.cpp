@@ -21,7 +21,7 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kFewest = 10;  // below: more parameters than a scatter can be judged by
+constexpr std::size_t kFewest = 3;  // below, a mean has no scatter that it could be judged by
 constexpr double kSpeedRatioMin = 1.2;
 constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyond a parabola
 constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
@@ -56,13 +56,13 @@ std::vector<ScatterFamily> scatter_families(const LawFitConfig& config, const La
   const LawMethod method = config.method;
   constexpr std::size_t kFew = 30, kMany = 1000;
   const double v_ref = data.v_mps[data.size() / 2];
-  ScatterKind kind = method == LawMethod::asymmetric_laplace ? ScatterKind::asymmetric_laplace
-                     : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
-                                                             : ScatterKind::normal;
-  if (data.size() < kFew && kind == ScatterKind::asymmetric_laplace) kind = ScatterKind::symmetric_laplace;
+  const ScatterKind kind = method == LawMethod::asymmetric_laplace ? ScatterKind::normal_laplace
+                           : method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
+                                                                   : ScatterKind::normal;
   if (config.n_scatter_terms > 0) return {{kind, config.n_scatter_terms, v_ref}};
   if (data.size() >= kVeryMany) return {{kind, 3, v_ref}, {kind, 6, v_ref}};
   if (data.size() >= kMany) return {{kind, 3, v_ref}};
+  if (data.size() < kFew) return {{kind, 1, v_ref}};
   return {{kind, 1, v_ref}, {kind, 2, v_ref}, {kind, 3, v_ref}};
 }
 
@@ -106,19 +106,13 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
   return best;
 }
 
-/// Moves samples that no exponential tail can have put among n from `rows` to `outliers`: chance below 1e-6 for the
-/// whole set.
+/// Moves samples that are lost bounces rather than scatter from `rows` to `outliers`.
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers) {
   const LawLikelihood likelihood(data, model, fit.family);
-  const ScatterModel scatter = likelihood.scatter_model(fit.maximum.x);
-  const double in_scales = log(static_cast<double>(data.size()) / 1e-6);
   std::vector<std::size_t> kept;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const double d = data.eps[k] - likelihood.eps_of(fit.maximum.x, k);
-    const double b = d > 0.0 ? scatter.above(data.v_mps[k]) : scatter.below(data.v_mps[k]);
-    (std::abs(d) > in_scales * b + 6.0 * data.tau[k] ? outliers : kept).push_back(rows[k]);
-  }
+  for (std::size_t k = 0; k < data.size(); ++k)
+    (likelihood.probability_of_lost(fit.maximum.x, k) > 0.5 ? outliers : kept).push_back(rows[k]);
   const bool any = kept.size() < rows.size();
   rows = std::move(kept);
   return any;
@@ -136,6 +130,22 @@ std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, F
            " m/s: eps(v) is known there only, the constants A are not identifiable";
   }
   return {};
+}
+
+/// The law that so few samples can say something of: as asked for from eight on, two terms of a series from five on, a
+/// constant below.
+LawFitConfig for_few(LawFitConfig config, std::size_t n, std::vector<std::string>& notes) {
+  constexpr std::size_t kThreeTerms = 8, kTwoTerms = 5;
+  if (n >= kThreeTerms || config.kind != LawKind::series) return config;
+  if (n >= kTwoTerms) {
+    if (config.orders.size() <= 2) return config;
+    config.orders.resize(2);
+    notes.push_back(std::to_string(n) + " samples: two terms of the law");
+    return config;
+  }
+  config.kind = LawKind::constant;
+  notes.push_back(std::to_string(n) + " samples: one eps for all speeds");
+  return config;
 }
 
 std::vector<std::pair<LawKind, std::vector<int>>> laws_to_compare(const LawFitConfig& config) {
@@ -227,15 +237,16 @@ double scale_at(const std::vector<double>& c, double x) {
   return exp(sum);
 }
 
-LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) {
   LawFit fit;
-  fit.kind = config.kind;
-  fit.method = config.method;
-  if (config.n_scatter_terms > 8)
-    throw InvalidArgument("terms of the scatter " + std::to_string(config.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
+  if (asked.n_scatter_terms > 8)
+    throw InvalidArgument("terms of the scatter " + std::to_string(asked.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
   std::vector<std::size_t> rows = by_speed(samples);
   LawData data = law_data(samples, rows);
   fit.n = data.size();
+  const LawFitConfig config = for_few(asked, fit.n, fit.notes);
+  fit.kind = config.kind;
+  fit.method = config.method;
   fit.message = reason_not_to_fit(data, config, fit.status);
   if (!fit.message.empty()) return fit;
 
@@ -269,6 +280,7 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& config)
 
 double ScatterModel::below(double v_mps) const { return scale_at(log_below, log(v_mps / v_ref_mps)); }
 double ScatterModel::above(double v_mps) const { return scale_at(log_above, log(v_mps / v_ref_mps)); }
+double ScatterModel::normal(double v_mps) const { return normal_ratio * std::sqrt(below(v_mps) * above(v_mps)); }
 
 LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   LawFit fit;

@@ -19,6 +19,9 @@ struct LawData {
 
 /// Density of the scatter about the curve.
 enum class ScatterKind {
+  /// scales b_below(v), b_above(v), and a normal part of sqrt(b_below b_above) exp(rho); a hundredth of the bounces are
+  /// lost: the ball hit something else, or an impact was missed
+  normal_laplace,
   asymmetric_laplace,  ///< scales b_below(v), b_above(v)
   symmetric_laplace,   ///< b_below = b_above
   normal,              ///< standard deviation b(v)
@@ -26,17 +29,19 @@ enum class ScatterKind {
 
 /// log b = sum_k c_k x^k, x = log(v / v_ref), k < n_terms; for both sides or for each.
 struct ScatterFamily {
-  ScatterKind kind = ScatterKind::asymmetric_laplace;
+  ScatterKind kind = ScatterKind::normal_laplace;
   std::size_t n_terms = 3;
   double v_ref_mps = 1.0;
+  bool is_two_sided() const { return kind == ScatterKind::normal_laplace || kind == ScatterKind::asymmetric_laplace; }
   Eigen::Index n_parameters() const;
 };
 
-/// Log-likelihood of the curve and the scatter together: theta = (q, c_below[, c_above]).
+/// Log-likelihood of the curve and the scatter together: theta = (q, c_below[, c_above[, rho]]).
 ///
 /// Two-sided families carry a weak penalty d^4 / (2 (1 + d^2)) on each d = c_above,k - c_below,k: nothing (0.004) for
 /// sides that differ by a factor 1.35 (the paper's data), 1.6 for a factor 7. Where timing noise hides the asymmetry
-/// the likelihood alone often runs to a side of zero width, and takes the peak with it.
+/// the likelihood alone often runs to a side of zero width, and takes the peak with it. Another one, rho^2 / 8, keeps
+/// the normal part from vanishing where the scatter is of pure exponentials, and these where it is normal.
 class LawLikelihood {
  public:
   LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
@@ -49,8 +54,10 @@ class LawLikelihood {
 
   /// Of sample k: density of its residual, with derivatives by location and log scales.
   NormalLaplace density(const Eigen::VectorXd& theta, std::size_t k) const;
+  /// Of sample k to be a lost bounce, not one of the scatter.
+  double probability_of_lost(const Eigen::VectorXd& theta, std::size_t k) const;
   double probability_below(const Eigen::VectorXd& theta, std::size_t k) const;
-  Information3 information_of(const Eigen::VectorXd& theta, std::size_t k) const;
+  Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, std::size_t k) const;
   /// Of the curve at sample k, and where asked for its derivatives by q.
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
@@ -62,10 +69,19 @@ class LawLikelihood {
   const ScatterFamily& scatter() const { return scatter_; }
 
  private:
-  LaplaceSides scales(const Eigen::VectorXd& theta, std::size_t k) const;
-  NormalLaplace density_at(double d, const LaplaceSides& sides, std::size_t k) const;
+  /// Scales of one sample's scatter.
+  struct Scales {
+    LaplaceSides sides;
+    double tau = 0.0, inverse_tau = 0.0;  ///< normal part and timing error together
+    double normal_share = 0.0;            ///< of the normal part in tau^2
+  };
+  Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
+  Scales with_normal_part(const LaplaceSides& sides, double square_of_ratio, std::size_t k) const;
+  LaplaceSides sides(const Eigen::VectorXd& theta, std::size_t k) const;
+  double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
+  NormalLaplace density_at(double d, const Scales& scales) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
-  double asymmetry_penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
+  double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
 
   const LawData& data_;

@@ -186,18 +186,18 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
   const Eigen::Index n_law = model.n_parameters();
   const Eigen::VectorXd q = maximum.x.head(n_law);
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const ProfileLevels levels = profile_levels(fit.n, static_cast<std::size_t>(n_law));
   const auto along = [&](const Eigen::RowVectorXd& row) {
     Eigen::VectorXd direction = Eigen::VectorXd::Zero(maximum.x.size());
     direction.head(n_law) = row.transpose();
-    return profile_intervals(function, maximum, white, direction);
+    return profile_intervals(function, maximum, white, direction, levels);
   };
   // one coordinate: everything reported is a monotone function of it
   const auto one = n_law == 1 ? along(Eigen::RowVectorXd::Ones(1)) : std::nullopt;
   const auto set = [&](Estimate& e, const Eigen::RowVectorXd& row, auto&& value_of) {
     const auto offsets = n_law == 1 ? one : along(row);
     if (!offsets) return;
-    const auto end = [&](double profile_offset) {
-      const double offset = profile_offset * std::sqrt(small_sample_inflation(fit));
+    const auto end = [&](double offset) {
       return n_law == 1 ? value_of(Eigen::VectorXd::Constant(1, q[0] + offset)) : e.value + offset;
     };
     const auto ordered = [&](const Interval& i) {

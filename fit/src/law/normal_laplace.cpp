@@ -93,30 +93,30 @@ Parts parts(double a_tau, double c_tau, double z) {
 NormalLaplace pure_laplace(double d, double b_below, double b_above) {
   const double p_above = b_above / (b_below + b_above), p_below = 1.0 - p_above;
   const double log_peak = -log(b_below + b_above);
-  if (d > 0.0) return {log_peak - d / b_above, 1.0 / b_above, -p_below, d / b_above - p_above};
-  if (d < 0.0) return {log_peak + d / b_below, -1.0 / b_below, -d / b_below - p_below, -p_above};
-  return {log_peak, 0.5 * (1.0 / b_above - 1.0 / b_below), -p_below, -p_above};
+  if (d > 0.0) return {log_peak - d / b_above, 1.0 / b_above, -p_below, d / b_above - p_above, 0.0};
+  if (d < 0.0) return {log_peak + d / b_below, -1.0 / b_below, -d / b_below - p_below, -p_above, 0.0};
+  return {log_peak, 0.5 * (1.0 / b_above - 1.0 / b_below), -p_below, -p_above, 0.0};
 }
 
-Information3 pure_laplace_information(double b_below, double b_above) {
+Eigen::Matrix4d pure_laplace_information(double b_below, double b_above) {
   const double p = b_above / (b_below + b_above), q = 1.0 - p;
   const double cross = 1.0 / (b_below + b_above);
-  return {1.0 / (b_below * b_above), -cross, cross, q * (2.0 - q), -p * q, p * (2.0 - p)};
+  Eigen::Matrix4d information;
+  information << 1.0 / (b_below * b_above), -cross, cross, 0.0,  //
+      -cross, q * (2.0 - q), -p * q, 0.0,                        //
+      cross, -p * q, p * (2.0 - p), 0.0,                         //
+      0.0, 0.0, 0.0, 0.0;
+  return information;
 }
 
-void add_panel(Information3& sum, double lo, double hi, double b_below, double b_above, double tau) {
+void add_panel(Eigen::Matrix4d& sum, double lo, double hi, double b_below, double b_above, double tau) {
   const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
   for (std::size_t k = 0; k < kGaussLegendre12Positive.nodes.size(); ++k) {
     for (const double side : {-1.0, 1.0}) {
       const NormalLaplace f =
           normal_laplace(middle + side * half * kGaussLegendre12Positive.nodes[k], b_below, b_above, tau);
-      const double w = std::abs(half) * kGaussLegendre12Positive.weights[k] * exp(f.log_density);
-      sum.ll += w * f.d_location * f.d_location;
-      sum.lb += w * f.d_location * f.d_log_below;
-      sum.la += w * f.d_location * f.d_log_above;
-      sum.bb += w * f.d_log_below * f.d_log_below;
-      sum.ba += w * f.d_log_below * f.d_log_above;
-      sum.aa += w * f.d_log_above * f.d_log_above;
+      const Eigen::Vector4d score(f.d_location, f.d_log_below, f.d_log_above, f.d_log_tau);
+      sum += std::abs(half) * kGaussLegendre12Positive.weights[k] * exp(f.log_density) * score * score.transpose();
     }
   }
 }
@@ -151,9 +151,13 @@ NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, do
   const double a_tau = tau * sides.inverse_above, c_tau = tau * sides.inverse_below, z = d * inverse_tau;
   const Parts f = parts(a_tau, c_tau, z);
   const double w1 = f.share_above, w2 = 1.0 - w1;
-  return {f.exponent + log(f.sum * sides.inverse_width), w1 * sides.inverse_above - w2 * sides.inverse_below,
+  const double d_location = w1 * sides.inverse_above - w2 * sides.inverse_below;
+  // a_tau c_tau times (f + (b_above - b_below) f' - phi(z)/tau) / f
+  const double curvature =
+      a_tau * c_tau * (1.0 - (sides.b_above - sides.b_below) * d_location) - f.hazard * (a_tau + c_tau);
+  return {f.exponent + log(f.sum * sides.inverse_width), d_location,
           -(1.0 - sides.p_above) - c_tau * ((c_tau + z) * w2 - f.hazard),
-          -sides.p_above - a_tau * ((a_tau - z) * w1 - f.hazard)};
+          -sides.p_above - a_tau * ((a_tau - z) * w1 - f.hazard), curvature};
 }
 
 NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau) {
@@ -171,9 +175,9 @@ double normal_laplace_cdf(double d, double b_below, double b_above, double tau) 
   return phi_cdf + sum * ((1.0 - p_above) * (1.0 - f.share_above) - p_above * f.share_above);
 }
 
-Information3 normal_laplace_information(double b_below, double b_above, double tau) {
+Eigen::Matrix4d normal_laplace_information(double b_below, double b_above, double tau) {
   if (!(tau > 1e-6 * std::min(b_below, b_above))) return pure_laplace_information(b_below, b_above);
-  Information3 sum;
+  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
   for (const double side : {-1.0, 1.0}) {
     const double b = side > 0.0 ? b_above : b_below;
     const std::array<double, 8> edges{

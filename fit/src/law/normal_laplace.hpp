@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Core>
+
 namespace bouncelab::fit {
 
 /// exp(x^2) erfc(x), x >= 0; relative error below 1e-15.
@@ -23,6 +25,7 @@ struct NormalLaplace {
   double d_location = 0.0;   ///< by the peak, i.e. -d/dd
   double d_log_below = 0.0;  ///< by log b_below
   double d_log_above = 0.0;  ///< by log b_above
+  double d_log_tau = 0.0;    ///< by log tau, from f + (b_above - b_below) f' - b_above b_below f'' = phi(z)/tau
 };
 /// @param b_below, b_above  > 0
 /// @param tau               >= 0
@@ -43,11 +46,8 @@ NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, do
 /// Distribution function of the same.
 double normal_laplace_cdf(double d, double b_below, double b_above, double tau);
 
-/// Expected Fisher information of one observation on (location, log b_below, log b_above): E[score score^T], by
-/// Gauss-Legendre quadrature, relative error below 1e-5; closed form for tau = 0.
-struct Information3 {
-  double ll = 0.0, lb = 0.0, la = 0.0, bb = 0.0, ba = 0.0, aa = 0.0;
-};
-Information3 normal_laplace_information(double b_below, double b_above, double tau);
+/// Expected Fisher information of one observation on (location, log b_below, log b_above, log tau): E[score score^T],
+/// by Gauss-Legendre quadrature, relative error below 1e-5; closed form for tau = 0.
+Eigen::Matrix4d normal_laplace_information(double b_below, double b_above, double tau);
 
 }  // namespace bouncelab::fit

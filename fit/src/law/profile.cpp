@@ -4,7 +4,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "bouncelab/core/elementary.hpp"
+#include "law/distributions.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -28,52 +32,91 @@ double inverse(std::vector<Root> points, double z) {
 }
 
 /// One side (sign -1 or +1) of the profile.
-std::optional<std::vector<Root>> roots_of_side(const LogLikelihood& loglik, const Maximum& maximum,
-                                               const Eigen::VectorXd& along, const Eigen::MatrixXd& across,
-                                               double sign) {
-  std::vector<Root> points{{0.0, 0.0}};
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(across.cols());
-  for (double t = 1.0; t < 9.0 && (t < 3.0 || points.back().r < 0.97 * kZ95); t *= 2.0) {
-    const Eigen::VectorXd base = maximum.x + sign * t * along;
+class Side {
+ public:
+  Side(const LogLikelihood& loglik, const Maximum& maximum, const Eigen::VectorXd& along, const Eigen::MatrixXd& across,
+       double sign)
+      : loglik_(loglik), maximum_(maximum), along_(sign * along), across_(across) {
+    z_ = Eigen::VectorXd::Zero(across.cols());
+  }
+
+  /// t where the root is z68 and z95.
+  std::optional<std::pair<double, double>> ends(const ProfileLevels& levels) {
+    // two standard errors nearly always reach z = 1.96, give or take what the parabola may extrapolate
+    for (double t = 1.0; t < 200.0 && (t < 3.0 || points_.back().r < 0.97 * levels.z95); t *= 2.0)
+      if (!add(t)) return std::nullopt;
+    if (points_.back().r < 0.97 * levels.z95) return std::nullopt;
+    const auto z68 = end(levels.z68), z95 = end(levels.z95);
+    return z68 && z95 ? std::optional(std::pair(*z68, *z95)) : std::nullopt;
+  }
+
+ private:
+  bool add(double t) {
+    const Eigen::VectorXd base = maximum_.x + t * along_;
     const LogLikelihood others = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
-      const double value = loglik(base + across * x, gradient);
-      if (gradient) *gradient = (across.transpose() * *gradient).eval();
+      const double value = loglik_(base + across_ * x, gradient);
+      if (gradient) *gradient = (across_.transpose() * *gradient).eval();
       return value;
     };
     // the path of the others bends like t^2
-    const Eigen::VectorXd start = t > 1.0 ? Eigen::VectorXd(4.0 * z) : z;
+    const Eigen::VectorXd start = z_ * square(t / t_of_z_);
     double best = 0.0;
-    if (across.cols() == 0) {
+    if (across_.cols() == 0) {
       best = others(start, nullptr);
     } else {
-      const Maximum there = maximise(others, start, Eigen::MatrixXd::Identity(across.cols(), across.cols()), 0.02);
-      if (there.gain_left > 0.01) return std::nullopt;
+      const Maximum there = maximise(others, start, Eigen::MatrixXd::Identity(across_.cols(), across_.cols()), 0.02);
+      if (there.gain_left > 0.01) return false;
       best = there.loglik;
-      z = there.x;
+      z_ = there.x;
     }
-    points.push_back({t, std::sqrt(std::max(0.0, 2.0 * (maximum.loglik - best)))});
-    if (!(points.back().r > points[points.size() - 2].r)) return std::nullopt;
+    t_of_z_ = t;
+    points_.push_back({t, std::sqrt(std::max(0.0, 2.0 * (maximum_.loglik - best)))});
+    std::sort(points_.begin(), points_.end(), [](const Root& a, const Root& b) { return a.t < b.t; });
+    return std::adjacent_find(points_.begin(), points_.end(),
+                              [](const Root& a, const Root& b) { return !(b.r > a.r); }) == points_.end();
   }
-  // two standard errors nearly always reach z = 1.96, give or take what the parabola may extrapolate
-  if (points.back().r < 0.97 * kZ95) return std::nullopt;
-  return points;
-}
+
+  std::optional<double> end(double z) {
+    constexpr double kNear = 0.25;  // of z: that far a parabola is good to a percent
+    const double t = inverse(points_, z);
+    const auto is_near = [&](const Root& point) { return std::abs(point.r - z) < kNear * z; };
+    if (std::any_of(points_.begin(), points_.end(), is_near)) return t;
+    if (!(t > 0.0) || !add(t)) return std::nullopt;
+    return inverse(points_, z);
+  }
+
+  const LogLikelihood& loglik_;
+  const Maximum& maximum_;
+  Eigen::VectorXd along_;
+  const Eigen::MatrixXd& across_;
+  std::vector<Root> points_{{0.0, 0.0}};
+  Eigen::VectorXd z_;  ///< of the others, where they were sought last
+  double t_of_z_ = 1.0;
+};
 
 }  // namespace
 
+ProfileLevels profile_levels(std::size_t n, std::size_t n_location) {
+  const double free = std::max(1.0, static_cast<double>(n) - static_cast<double>(n_location));
+  const auto level = [&](double p) {
+    return std::sqrt(static_cast<double>(n) * log1p(square(student_t_quantile(p, free)) / free));
+  };
+  return {level(0.8413447460685429), level(0.975)};
+}
+
 std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, const Maximum& maximum,
-                                                  const Eigen::MatrixXd& white, const Eigen::VectorXd& direction) {
+                                                  const Eigen::MatrixXd& white, const Eigen::VectorXd& direction,
+                                                  const ProfileLevels& levels) {
   const Eigen::VectorXd in_y = white.transpose() * direction;
   const double se = in_y.norm();
   if (!(se > 0.0)) return std::nullopt;
   const Eigen::MatrixXd rotation = Eigen::HouseholderQR<Eigen::MatrixXd>(in_y).householderQ();
   const Eigen::VectorXd along = white * in_y / se;
   const Eigen::MatrixXd across = white * rotation.rightCols(direction.size() - 1);
-  const auto below = roots_of_side(loglik, maximum, along, across, -1.0);
-  const auto above = roots_of_side(loglik, maximum, along, across, 1.0);
+  const auto below = Side(loglik, maximum, along, across, -1.0).ends(levels);
+  const auto above = Side(loglik, maximum, along, across, 1.0).ends(levels);
   if (!below || !above) return std::nullopt;
-  return ProfileIntervals{{-se * inverse(*below, 1.0), se * inverse(*above, 1.0)},
-                          {-se * inverse(*below, kZ95), se * inverse(*above, kZ95)}};
+  return ProfileIntervals{{-se * below->first, se * above->first}, {-se * below->second, se * above->second}};
 }
 
 }  // namespace bouncelab::fit

@@ -14,13 +14,25 @@ struct ProfileIntervals {
   Interval offset68, offset95;
 };
 
-/// Profile-likelihood intervals of direction . theta: where the likelihood, maximised over all else, has fallen by
-/// z^2/2, z = 1 and 1.96. The signed root of twice the fall is nearly linear in the quantity: it is computed at 1, 2
-/// (4, 8) standard errors on each side and interpolated by a parabola, error of an end about 1 % of the standard error.
+/// How far the likelihood falls to the ends of intervals, as the signed root of twice the fall.
+struct ProfileLevels {
+  double z68 = 1.0, z95 = 1.959963984540054;  ///< of very many samples
+};
+/// Of n samples about a curve of n_location parameters whose scatter is not known: where the likelihood of normal
+/// scatter is at the ends of the exact interval by Student's t, z^2 = n log(1 + t^2 / (n - n_location)). A curve
+/// through all samples has the levels of one degree of freedom.
+ProfileLevels profile_levels(std::size_t n, std::size_t n_location);
+
+/// Profile-likelihood intervals of direction . theta: where the likelihood, maximised over all else, has fallen to the
+/// levels. The signed root of twice the fall is nearly linear in the quantity where there are many samples: it is
+/// computed at 1, 2 (4, 8 ...) standard errors on each side and interpolated by a parabola, and where its nearest value
+/// is not within a quarter of the level once more there; error of an end about 1 % of the standard error.
 /// @param white      theta = maximum.x + white y makes the likelihood about exp(-y^2/2)
 /// @param direction  gradient of the quantity by theta
-/// @return nullopt where the likelihood does not fall by 1.92 within 8 standard errors, or a search fails
+/// @return nullopt where the likelihood does not fall to the level of 95 % within 128 standard errors, or a search
+///         fails
 std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, const Maximum& maximum,
-                                                  const Eigen::MatrixXd& white, const Eigen::VectorXd& direction);
+                                                  const Eigen::MatrixXd& white, const Eigen::VectorXd& direction,
+                                                  const ProfileLevels& levels = {});
 
 }  // namespace bouncelab::fit

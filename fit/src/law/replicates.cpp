@@ -44,7 +44,9 @@ LawData thinned(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
 double draw_scatter(const LawLikelihood& likelihood, const ScatterModel& scatter, double v_mps, Random& random) {
   const double below = scatter.below(v_mps), above = scatter.above(v_mps);
   if (likelihood.scatter().kind == ScatterKind::normal) return below * random.normal();
-  return random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
+  const double exponential =
+      random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
+  return exponential + (scatter.normal_ratio > 0.0 ? scatter.normal(v_mps) * random.normal() : 0.0);
 }
 
 /// Samples of the drops drawn, each as often as drawn, still in order of speed.

@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
@@ -93,7 +94,12 @@ Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const S
   const Eigen::VectorXd below = solver.solve(log_scales(data, bins, fitted, -1.0));
   const Eigen::VectorXd above = solver.solve(log_scales(data, bins, fitted, 1.0));
   Eigen::VectorXd theta(law.size() + scatter.n_parameters());
-  if (scatter.kind == ScatterKind::asymmetric_laplace)
+  if (scatter.kind == ScatterKind::normal_laplace) {
+    // half of the variance to the exponentials, half to the normal part: both can be seen from there
+    Eigen::VectorXd less = Eigen::VectorXd::Zero(n_terms);
+    less[0] = 0.5 * std::numbers::ln2;
+    theta << law, below - less, above - less, 0.5 * std::numbers::ln2;
+  } else if (scatter.kind == ScatterKind::asymmetric_laplace)
     theta << law, below, above;
   else
     theta << law, 0.5 * (below + above);

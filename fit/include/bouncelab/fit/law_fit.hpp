@@ -49,8 +49,11 @@ struct ScatterModel {
   double v_ref_mps = 1.0;
   std::vector<double> log_below;  ///< c_k of the lower (rising) side
   std::vector<double> log_above;  ///< c_k of the upper (falling) side; equal to log_below in symmetric models
+  /// Standard deviation of the normal part, over sqrt(below above); 0 in models without one.
+  double normal_ratio = 0.0;
   double below(double v_mps) const;
   double above(double v_mps) const;
+  double normal(double v_mps) const;
 };
 
 struct NodeEstimate {
