@@ -120,14 +120,14 @@ TEST(NormalLaplaceInformation, TendsToTheClosedFormOfTheKink) {
   // 1 / (b_below b_above): what a location is worth, though the log-density has no second derivative there.
   // The loss by a small tau is of first order in tau / b.
   const auto exact = normal_laplace_information(1.0, 0.6, 0.0);
-  EXPECT_NEAR(exact.ll, 1.0 / 0.6, 1e-14);
+  EXPECT_NEAR(exact(0, 0), 1.0 / 0.6, 1e-14);
   const auto nearly = normal_laplace_information(1.0, 0.6, 1e-4);
-  EXPECT_NEAR(nearly.ll / exact.ll, 1.0, 5e-4);
-  EXPECT_NEAR(nearly.lb, exact.lb, 5e-4);
-  EXPECT_NEAR(nearly.la, exact.la, 5e-4);
-  EXPECT_NEAR(nearly.bb, exact.bb, 1e-4);
-  EXPECT_NEAR(nearly.ba, exact.ba, 1e-4);
-  EXPECT_NEAR(nearly.aa, exact.aa, 1e-4);
+  EXPECT_NEAR(nearly(0, 0) / exact(0, 0), 1.0, 5e-4);
+  EXPECT_NEAR(nearly(0, 1), exact(0, 1), 5e-4);
+  EXPECT_NEAR(nearly(0, 2), exact(0, 2), 5e-4);
+  EXPECT_NEAR(nearly(1, 1), exact(1, 1), 1e-4);
+  EXPECT_NEAR(nearly(1, 2), exact(1, 2), 1e-4);
+  EXPECT_NEAR(nearly(2, 2), exact(2, 2), 1e-4);
 }
 
 TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
@@ -143,7 +143,7 @@ TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
           (2 * g);
       curvature += h * std::exp(normal_laplace(d, below, above, tau).log_density) * second;
     }
-    EXPECT_NEAR(normal_laplace_information(below, above, tau).ll / curvature, 1.0, 1e-4) << tau;
+    EXPECT_NEAR(normal_laplace_information(below, above, tau)(0, 0) / curvature, 1.0, 1e-4) << tau;
   }
 }
 

@@ -17,12 +17,11 @@ namespace {
 constexpr std::size_t kBlock = 4096;
 constexpr std::size_t kMostLawParameters = 8;  // orders 2, 4, 5 ... 10
 constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
-// Of bounces that are lost: the ball hit something else, or an impact was missed. Their eps may be anything from 0
-// to 2.
-constexpr double kLostShare = 0.01;
-constexpr double kLostDensity = kLostShare / 2.0 / (1.0 - kLostShare);  // against one that is not
-constexpr double kPrecisionOfAsymmetry = 4.0;  // of the log ratio of the sides: a factor 1.6 is one standard deviation
-constexpr double kPrecisionOfRatio = 0.25;     // of rho: a factor 7 either way is one standard deviation
+constexpr double kPrecisionOfRatio = 0.25;  // of rho: a factor 7 either way is one standard deviation
+constexpr std::size_t kKnots = 64;          // of the peak's offset: a cubic between them is good to 1e-7 of the scale
+
+/// Precision of the sides' log ratio, its term of the k-th power of log speed: a variance of 1/2, 1/8 ...
+double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * static_cast<int>(k) + 1); }
 
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
@@ -49,8 +48,12 @@ Eigen::Index ScatterFamily::n_parameters() const {
 
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
+  constexpr double kRangeOfLost = 2.0;
+  odds_of_lost_density_ = scatter.lost_share / kRangeOfLost / (1.0 - scatter.lost_share);
   for (const double v : data.v_mps) x_.push_back(log(v / scatter.v_ref_mps));
   for (const double tau : data.tau) inverse_tau_.push_back(1.0 / tau);
+  // between one knot before the first sample and one behind the last
+  knot_distance_ = std::max((x_.back() - x_.front()) / static_cast<double>(kKnots - 3), 1e-9);
   if (model.is_linear()) {
     basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
   } else {
@@ -72,14 +75,14 @@ double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double
   return eps;
 }
 
-LaplaceSides LawLikelihood::sides(const Eigen::VectorXd& theta, std::size_t k) const {
+LaplaceSides LawLikelihood::sides(const Eigen::VectorXd& theta, double x) const {
   const double* c = theta.data() + n_law_;
-  const double log_below = polynomial(c, scatter_.n_terms, x_[k]);
+  const double log_below = polynomial(c, scatter_.n_terms, x);
   if (!scatter_.is_two_sided()) {
     const double b = exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax));
     return laplace_sides(b, b);
   }
-  const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x_[k]);
+  const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x);
   const Pair b =
       exp(Pair{std::clamp(log_below, kLogScaleMin, kLogScaleMax), std::clamp(log_above, kLogScaleMin, kLogScaleMax)});
   return laplace_sides(b.first, b.second);
@@ -90,27 +93,74 @@ double LawLikelihood::square_of_normal_ratio(const Eigen::VectorXd& theta) const
   return exp(2.0 * std::clamp(theta[theta.size() - 1], kLogScaleMin, -kLogScaleMin));
 }
 
-LawLikelihood::Scales LawLikelihood::with_normal_part(const LaplaceSides& sides, double square_of_ratio,
-                                                      std::size_t k) const {
-  if (!(square_of_ratio > 0.0)) return {sides, data_.tau[k], inverse_tau_[k], 0.0};
-  const double normal = square_of_ratio * sides.b_below * sides.b_above;
+LawLikelihood::Shape LawLikelihood::shape(const Eigen::VectorXd& theta) const {
+  Shape shape;
+  shape.square_of_ratio = square_of_normal_ratio(theta);
+  if (scatter_.n_terms == 1) shape.sides = sides(theta, 0.0);
+  if (scatter_.kind != ScatterKind::normal_laplace) return shape;
+  // one knot beyond the data on each side
+  for (std::size_t j = 0; j < (scatter_.n_terms == 1 ? 1 : kKnots); ++j)
+    shape.peaks.push_back(peak(theta, x_.front() + (static_cast<double>(j) - 1.0) * knot_distance_));
+  return shape;
+}
+
+ModeOffset LawLikelihood::peak(const Eigen::VectorXd& theta, double x) const {
+  if (scatter_.kind != ScatterKind::normal_laplace) return {};
+  const double* c = theta.data() + n_law_;
+  const double asymmetry = polynomial(c + scatter_.n_terms, scatter_.n_terms, x) - polynomial(c, scatter_.n_terms, x);
+  return mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1]);
+}
+
+/// Lagrange's cubic through the nearest four knots.
+ModeOffset LawLikelihood::peak_between_knots(const Shape& shape, double x) const {
+  if (shape.peaks.size() < 2) return shape.peaks.empty() ? ModeOffset{} : shape.peaks.front();
+  const double at = (x - x_.front()) / knot_distance_ + 1.0;
+  const std::size_t j = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, kKnots - 3);
+  const double t = at - static_cast<double>(j);
+  const std::array<double, 4> w{-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+                                -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
+  ModeOffset peak;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    const ModeOffset& knot = shape.peaks[j - 1 + i];
+    peak.value += w[i] * knot.value;
+    peak.d_asymmetry += w[i] * knot.d_asymmetry;
+    peak.d_rho += w[i] * knot.d_rho;
+  }
+  return peak;
+}
+
+LawLikelihood::Scales LawLikelihood::scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak,
+                                            std::size_t k) const {
+  if (!(square_of_ratio > 0.0)) return {sides, data_.tau[k], inverse_tau_[k], 0.0, 0.0, {}};
+  const double square_of_size = sides.b_below * sides.b_above;
+  const double normal = square_of_ratio * square_of_size;
   const double all = normal + square(data_.tau[k]);
   const double tau = std::sqrt(all);
-  return {sides, tau, 1.0 / tau, normal / all};
+  return {sides, tau, 1.0 / tau, normal / all, std::sqrt(square_of_size), peak};
+}
+
+LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const {
+  return scales(shape.sides ? *shape.sides : sides(theta, x_[k]), shape.square_of_ratio,
+                peak_between_knots(shape, x_[k]), k);
 }
 
 LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
-  return with_normal_part(sides(theta, k), square_of_normal_ratio(theta), k);
+  return scales(sides(theta, x_[k]), square_of_normal_ratio(theta), peak(theta, x_[k]), k);
 }
 
 NormalLaplace LawLikelihood::density_at(double d, const Scales& s) const {
   if (scatter_.kind == ScatterKind::normal) return normal_density(d, s.sides.b_below, s.tau);
-  NormalLaplace f = normal_laplace(d, s.sides, s.tau, s.inverse_tau);
-  f.d_log_tau *= s.normal_share;  // by rho from here on
+  NormalLaplace f = normal_laplace(d + s.size * s.peak.value, s.sides, s.tau, s.inverse_tau);
   if (scatter_.kind == ScatterKind::normal_laplace) {
-    f.d_log_below += 0.5 * f.d_log_tau;
-    f.d_log_above += 0.5 * f.d_log_tau;
-    const double odds_of_lost = kLostDensity * exp(-f.log_density);
+    // by the scales with the normal part and the peak's offset going along; d_log_tau is by rho from here on
+    const double by_ratio = f.d_log_tau * s.normal_share, by_offset = -f.d_location * s.size;
+    const double of_both = 0.5 * (by_ratio + by_offset * s.peak.value);
+    f.d_log_below += of_both - by_offset * s.peak.d_asymmetry;
+    f.d_log_above += of_both + by_offset * s.peak.d_asymmetry;
+    f.d_log_tau = by_ratio + by_offset * s.peak.d_rho;
+  }
+  if (scatter_.lost_share > 0.0) {
+    const double odds_of_lost = odds_of_lost_density_ * exp(-f.log_density);
     const double not_lost = 1.0 / (1.0 + odds_of_lost);
     f.log_density += log1p(odds_of_lost);
     f.d_location *= not_lost;
@@ -132,8 +182,7 @@ void LawLikelihood::add_score(const NormalLaplace& f, std::size_t k, const doubl
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
   if (!theta.allFinite()) return -HUGE_VAL;
-  const std::optional<LaplaceSides> one = scatter_.n_terms == 1 ? std::optional(sides(theta, 0)) : std::nullopt;
-  const double square_of_ratio = square_of_normal_ratio(theta);
+  const Shape common = shape(theta);
   // blocks of fixed size, added in order: the same sum for any number of threads
   const std::size_t n_blocks = (data_.size() + kBlock - 1) / kBlock;
   std::vector<double> sums(n_blocks, 0.0);
@@ -143,7 +192,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
     for (std::size_t k = block * kBlock; k < std::min(data_.size(), (block + 1) * kBlock); ++k) {
       std::array<double, kMostLawParameters> row;
       const double residual = data_.eps[k] - eps_of(theta, k, of_block ? row.data() : nullptr);
-      const NormalLaplace f = density_at(residual, with_normal_part(one ? *one : sides(theta, k), square_of_ratio, k));
+      const NormalLaplace f = density_at(residual, scales(theta, common, k));
       sums[block] += f.log_density;
       if (of_block) add_score(f, k, row.data(), of_block);
     }
@@ -161,17 +210,27 @@ double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gra
   if (!scatter_.is_two_sided()) return 0.0;
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
   double sum = 0.0;
+  if (scatter_.log_size) {
+    const double weight = 1.0 / static_cast<double>(data_.size());
+    const double more = *scatter_.log_size - 0.5 * (theta[n_law_] + theta[n_law_ + n_terms]);
+    const double ratio = exp(std::min(2.0 * more, 600.0));
+    sum += weight * (ratio - 1.0 - 2.0 * more);
+    if (gradient) {
+      (*gradient)[n_law_] += weight * (ratio - 1.0);
+      (*gradient)[n_law_ + n_terms] += weight * (ratio - 1.0);
+    }
+  }
   if (scatter_.kind == ScatterKind::normal_laplace) {
     const double rho = theta[theta.size() - 1];
     sum += 0.5 * kPrecisionOfRatio * rho * rho;
     if (gradient) (*gradient)[theta.size() - 1] -= kPrecisionOfRatio * rho;
   }
-  for (Eigen::Index k = n_law_; k < n_law_ + n_terms; ++k) {
-    const double d = theta[k + n_terms] - theta[k];
-    sum += 0.5 * kPrecisionOfAsymmetry * d * d;
+  for (Eigen::Index k = 0; k < n_terms; ++k) {
+    const double d = theta[n_law_ + n_terms + k] - theta[n_law_ + k];
+    sum += 0.5 * precision_of_asymmetry(k) * d * d;
     if (!gradient) continue;
-    (*gradient)[k] += kPrecisionOfAsymmetry * d;
-    (*gradient)[k + n_terms] -= kPrecisionOfAsymmetry * d;
+    (*gradient)[n_law_ + k] += precision_of_asymmetry(k) * d;
+    (*gradient)[n_law_ + n_terms + k] -= precision_of_asymmetry(k) * d;
   }
   return sum;
 }
@@ -181,12 +240,13 @@ void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::M
   if (scatter_.kind == ScatterKind::normal_laplace)
     information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
-  for (Eigen::Index k = n_law_; k < n_law_ + n_terms; ++k) {
-    constexpr double curvature = kPrecisionOfAsymmetry;
-    information(k, k) += curvature;
-    information(k + n_terms, k + n_terms) += curvature;
-    information(k, k + n_terms) -= curvature;
-    information(k + n_terms, k) -= curvature;
+  for (Eigen::Index k = 0; k < n_terms; ++k) {
+    const Eigen::Index below = n_law_ + k, above = below + n_terms;
+    const double curvature = precision_of_asymmetry(k);
+    information(below, below) += curvature;
+    information(above, above) += curvature;
+    information(below, above) -= curvature;
+    information(above, below) -= curvature;
   }
 }
 
@@ -199,27 +259,32 @@ double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_
   const double d = data_.eps[k] - eps_of(theta, k, nullptr);
   if (scatter_.kind == ScatterKind::normal)
     return 0.5 * erfc(-d / std::sqrt(2.0 * (square(s.sides.b_below) + square(s.tau))));
-  return normal_laplace_cdf(d, s.sides.b_below, s.sides.b_above, s.tau);
+  return normal_laplace_cdf(d + s.size * s.peak.value, s.sides.b_below, s.sides.b_above, s.tau);
 }
 
 double LawLikelihood::probability_of_lost(const Eigen::VectorXd& theta, std::size_t k) const {
-  if (scatter_.kind != ScatterKind::normal_laplace) return 0.0;
   // the density with lost ones is f (1 + odds)
-  return std::min(1.0, kLostDensity * exp(-density(theta, k).log_density));
+  return std::min(1.0, odds_of_lost_density_ * exp(-density(theta, k).log_density));
 }
 
 Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
   const Scales s = scales(theta, k);
-  if (scatter_.kind != ScatterKind::normal) {
-    // d log tau = share d rho + share / 2 (d log b_below + d log b_above)
-    Eigen::Matrix4d by_parameters = Eigen::Matrix4d::Identity();
-    const double of_scales = scatter_.kind == ScatterKind::normal_laplace ? 0.5 * s.normal_share : 0.0;
-    by_parameters.row(3) << 0.0, of_scales, of_scales, s.normal_share;
-    return by_parameters.transpose() * normal_laplace_information(s.sides.b_below, s.sides.b_above, s.tau) *
-           by_parameters;
+  if (scatter_.kind == ScatterKind::normal) {
+    const double variance = square(s.sides.b_below) + square(s.tau), share = square(s.sides.b_below) / variance;
+    return Eigen::Vector4d(1.0 / variance, 2.0 * share * share, 0.0, 0.0).asDiagonal();
   }
-  const double variance = square(s.sides.b_below) + square(s.tau), share = square(s.sides.b_below) / variance;
-  return Eigen::Vector4d(1.0 / variance, 2.0 * share * share, 0.0, 0.0).asDiagonal();
+  // of the point where the exponentials join and log tau, by the parameters
+  Eigen::Matrix4d by_parameters = Eigen::Matrix4d::Identity();
+  if (scatter_.kind == ScatterKind::normal_laplace) {
+    const ModeOffset& peak = s.peak;
+    by_parameters.row(0) << 1.0, -s.size * (0.5 * peak.value - peak.d_asymmetry),
+        -s.size * (0.5 * peak.value + peak.d_asymmetry), -s.size * peak.d_rho;
+    by_parameters.row(3) << 0.0, 0.5 * s.normal_share, 0.5 * s.normal_share, s.normal_share;
+  } else {
+    by_parameters.row(3).setZero();
+  }
+  return by_parameters.transpose() * normal_laplace_information(s.sides.b_below, s.sides.b_above, s.tau) *
+         by_parameters;
 }
 
 Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
@@ -251,9 +316,10 @@ Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) cons
   const std::size_t n_drops = data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops));
   Eigen::VectorXd row(n_law_);
+  const Shape common = shape(theta);
   for (std::size_t k = 0; k < data_.size(); ++k) {
     const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-    add_score(density_at(residual, scales(theta, k)), k, row.data(),
+    add_score(density_at(residual, scales(theta, common, k)), k, row.data(),
               scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
   }
   return scores;

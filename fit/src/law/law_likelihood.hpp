@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "law/law_model.hpp"
+#include "law/mode_offset.hpp"
 #include "law/normal_laplace.hpp"
 
 namespace bouncelab::fit {
@@ -19,9 +21,7 @@ struct LawData {
 
 /// Density of the scatter about the curve.
 enum class ScatterKind {
-  /// scales b_below(v), b_above(v), and a normal part of sqrt(b_below b_above) exp(rho); a hundredth of the bounces are
-  /// lost: the ball hit something else, or an impact was missed
-  normal_laplace,
+  normal_laplace,      ///< scales b_below(v), b_above(v), and a normal part of sqrt(b_below b_above) exp(rho)
   asymmetric_laplace,  ///< scales b_below(v), b_above(v)
   symmetric_laplace,   ///< b_below = b_above
   normal,              ///< standard deviation b(v)
@@ -32,16 +32,23 @@ struct ScatterFamily {
   ScatterKind kind = ScatterKind::normal_laplace;
   std::size_t n_terms = 3;
   double v_ref_mps = 1.0;
+  double lost_share = 0.0;  ///< of bounces whose eps may be anything from 0 to 2; two-sided scatter only
+  std::optional<double> log_size = std::nullopt;  ///< log b at v_ref by a first look: the prior that keeps the scale from 0
   bool is_two_sided() const { return kind == ScatterKind::normal_laplace || kind == ScatterKind::asymmetric_laplace; }
   Eigen::Index n_parameters() const;
 };
 
 /// Log-likelihood of the curve and the scatter together: theta = (q, c_below[, c_above[, rho]]).
 ///
-/// Two-sided families carry a weak penalty d^4 / (2 (1 + d^2)) on each d = c_above,k - c_below,k: nothing (0.004) for
-/// sides that differ by a factor 1.35 (the paper's data), 1.6 for a factor 7. Where timing noise hides the asymmetry
-/// the likelihood alone often runs to a side of zero width, and takes the peak with it. Another one, rho^2 / 8, keeps
-/// the normal part from vanishing where the scatter is of pure exponentials, and these where it is normal.
+/// The law is the density's peak, of the scatter alone without the timing errors (mode_offset): with two exponentials
+/// where they join, where the scatter is symmetric also its mean.
+///
+/// Weak priors decide where the samples do not:
+/// - the sides' ratio, d_k = c_above,k - c_below,k: normal about 0 with standard deviation 2^-(k+1/2), so a factor 2 at
+///   v_ref, and varying slowly with speed;
+/// - rho: normal about 0 with standard deviation 2, a factor 7 either way;
+/// - the scale's size, where there was a first look: b^2 as from n samples and one more of that look. Without it the likelihood has no bound: a
+///   curve through some samples, all others lost. Source: Chen, Tan & Zhang, Statistica Sinica 18, 443 (2008).
 class LawLikelihood {
  public:
   LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
@@ -74,10 +81,22 @@ class LawLikelihood {
     LaplaceSides sides;
     double tau = 0.0, inverse_tau = 0.0;  ///< normal part and timing error together
     double normal_share = 0.0;            ///< of the normal part in tau^2
+    double size = 0.0;                    ///< sqrt(b_below b_above)
+    ModeOffset peak;                      ///< in units of size
   };
+  /// What the scatter of all samples has in common at one theta.
+  struct Shape {
+    double square_of_ratio = 0.0;   ///< of the normal part over sqrt(b_below b_above)
+    std::vector<ModeOffset> peaks;  ///< at knots of log speed
+    std::optional<LaplaceSides> sides;  ///< where they do not depend on the speed
+  };
+  Shape shape(const Eigen::VectorXd& theta) const;
+  Scales scales(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const;
   Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
-  Scales with_normal_part(const LaplaceSides& sides, double square_of_ratio, std::size_t k) const;
-  LaplaceSides sides(const Eigen::VectorXd& theta, std::size_t k) const;
+  Scales scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak, std::size_t k) const;
+  LaplaceSides sides(const Eigen::VectorXd& theta, double x) const;
+  ModeOffset peak(const Eigen::VectorXd& theta, double x) const;
+  ModeOffset peak_between_knots(const Shape& shape, double x) const;
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
   NormalLaplace density_at(double d, const Scales& scales) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
@@ -88,8 +107,10 @@ class LawLikelihood {
   const LawModel& model_;
   ScatterFamily scatter_;
   Eigen::Index n_law_;
+  double odds_of_lost_density_ = 0.0;  ///< the density of lost bounces against the share of those that are not
   std::vector<double> x_;  ///< log(v / v_ref)
   std::vector<double> inverse_tau_;
+  double knot_distance_ = 1.0;  ///< in x
   Eigen::MatrixXd basis_;  ///< a column a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
 };
 

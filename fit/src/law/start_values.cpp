@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
@@ -56,20 +57,25 @@ Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& 
   return above_one.array() + 1.0;
 }
 
-/// Mean distances from the curve below (side -1) or above (side +1) in each bin, freed of what timing explains.
+/// The mean distance of exponential scatter whose median distance is that of these.
+double mean_of_median(std::vector<double> distances) {
+  return upper_median(std::move(distances)) / std::numbers::ln2;
+}
+
+/// Mean distances from the curve below (side -1) or above (side +1) in each bin, freed of what timing explains. By
+/// medians: lost bounces count little.
 Eigen::VectorXd log_scales(const LawData& data, const std::vector<SpeedBin>& bins, const Eigen::VectorXd& fitted,
                            double side) {
   Eigen::VectorXd result(static_cast<Eigen::Index>(bins.size()));
   for (std::size_t j = 0; j < bins.size(); ++j) {
-    double sum = 0.0, timing = 0.0, n = 0.0;
+    std::vector<double> distances;
+    double timing = 0.0;
     for (std::size_t k = bins[j].begin; k < bins[j].end; ++k) {
       const double d = side * (data.eps[k] - fitted[static_cast<Eigen::Index>(k)]);
       timing += data.tau[k] * data.tau[k];
-      if (d <= 0.0) continue;
-      sum += d;
-      n += 1.0;
+      if (d > 0.0) distances.push_back(d);
     }
-    const double mean = n > 0.0 ? sum / n : 0.0;
+    const double mean = distances.empty() ? 0.0 : mean_of_median(std::move(distances));
     timing /= static_cast<double>(bins[j].end - bins[j].begin);
     // an exponential of mean b and a half-normal add in variance: 2 b^2 + tau^2 against 2 mean^2
     const double free_of_timing = std::sqrt(std::max(mean * mean - 0.5 * timing, 0.04 * mean * mean));
@@ -78,11 +84,39 @@ Eigen::VectorXd log_scales(const LawData& data, const std::vector<SpeedBin>& bin
   return result;
 }
 
+/// Least absolute deviations by reweighted least squares: of few samples one may be anywhere.
+/// Source: Schlossmacher, J. Am. Stat. Assoc. 68, 857 (1973), doi:10.1080/01621459.1973.10481439.
+Eigen::VectorXd least_absolute(const LawData& data, const LawModel& model) {
+  constexpr int kMost = 50;
+  const Eigen::MatrixXd rows = model.jacobian(data.v_mps, {});
+  const Eigen::VectorXd losses = Eigen::Map<const Eigen::VectorXd>(data.eps.data(), rows.rows()).array() - 1.0;
+  Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(rows.rows()), q;
+  for (int i = 0; i < kMost; ++i) {
+    q = (root_weights.asDiagonal() * rows).colPivHouseholderQr().solve(root_weights.cwiseProduct(losses));
+    const Eigen::VectorXd distances = (losses - rows * q).cwiseAbs();
+    root_weights = distances.array().max(1e-6 * distances.mean() + 1e-12).sqrt().inverse();
+  }
+  return q.array() + 1.0;
+}
+
+/// The same of all samples, the curve's own left out.
+double log_scale_of_few(const LawData& data, const Eigen::VectorXd& fitted, std::size_t n_law) {
+  std::vector<double> distances;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    distances.push_back(std::abs(data.eps[k] - fitted[static_cast<Eigen::Index>(k)]));
+  std::sort(distances.begin(), distances.end());
+  distances.erase(distances.begin(),
+                  distances.begin() + static_cast<std::ptrdiff_t>(std::min(n_law, distances.size() - 1)));
+  return log(std::max(mean_of_median(std::move(distances)), 1e-8));
+}
+
 }  // namespace
 
 Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {
+  constexpr std::size_t kFew = 40;  // below, bins have no medians
+  const bool few = data.size() < kFew;
   const auto bins = speed_bins(data);
-  const Eigen::VectorXd law = start_of_law(bins, model);
+  const Eigen::VectorXd law = few && model.is_linear() ? least_absolute(data, model) : start_of_law(bins, model);
   if (law.size() == 0) return {};
   const Eigen::VectorXd fitted = model.eps(data.v_mps, law);
   const auto n_terms = static_cast<Eigen::Index>(scatter.n_terms);
@@ -91,8 +125,13 @@ Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const S
     for (Eigen::Index i = 0; i < n_terms; ++i)
       powers(j, i) = power(log(bins[static_cast<std::size_t>(j)].v_mps / scatter.v_ref_mps), static_cast<int>(i));
   const auto solver = powers.colPivHouseholderQr();
-  const Eigen::VectorXd below = solver.solve(log_scales(data, bins, fitted, -1.0));
-  const Eigen::VectorXd above = solver.solve(log_scales(data, bins, fitted, 1.0));
+  Eigen::VectorXd below = Eigen::VectorXd::Zero(n_terms), above = below;
+  if (few) {
+    below[0] = above[0] = log_scale_of_few(data, fitted, static_cast<std::size_t>(model.n_parameters()));
+  } else {
+    below = solver.solve(log_scales(data, bins, fitted, -1.0));
+    above = solver.solve(log_scales(data, bins, fitted, 1.0));
+  }
   Eigen::VectorXd theta(law.size() + scatter.n_parameters());
   if (scatter.kind == ScatterKind::normal_laplace) {
     // half of the variance to the exponentials, half to the normal part: both can be seen from there
