@@ -41,6 +41,12 @@ void add_powers(double value, double x, std::size_t n, double* sums) {
   for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
 }
 
+std::vector<std::vector<std::size_t>> samples_by_drop(const std::vector<std::size_t>& drop, std::size_t n_drops) {
+  std::vector<std::vector<std::size_t>> samples(n_drops);
+  for (std::size_t k = 0; k < drop.size(); ++k) samples[drop[k]].push_back(k);
+  return samples;
+}
+
 }  // namespace
 
 Eigen::Index ScatterFamily::n_parameters() const {
@@ -247,15 +253,24 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
   return sum;
 }
 
+std::size_t LawLikelihood::n_drops() const {
+  return data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
+}
+
 Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
-  const std::size_t n_drops = data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops));
-  Eigen::VectorXd row(n_law_);
-  for (std::size_t k = 0; k < data_.size(); ++k) {
-    const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-    add_score(density_at(residual, scales(theta, k)), k, row.data(),
-              scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
-  }
+  const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(samples.size()));
+  constexpr std::size_t kDrops = 16;  // in a block: some milliseconds of work
+  parallel_for((samples.size() + kDrops - 1) / kDrops, 0, [&](std::size_t block) {
+    std::array<double, kMostLawParameters> row;
+    for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
+      double* const of_drop = scores.col(static_cast<Eigen::Index>(d)).data();
+      for (const std::size_t k : samples[d]) {
+        const double residual = data_.eps[k] - eps_of(theta, k, row.data());
+        add_score(density_at(residual, scales(theta, k)), k, row.data(), of_drop);
+      }
+    }
+  });
   return scores;
 }
 

@@ -13,7 +13,7 @@ namespace bouncelab::fit {
 struct LawData {
   std::vector<double> v_mps, eps;
   std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
-  std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to
+  std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
   std::size_t size() const { return v_mps.size(); }
 };
 
@@ -62,6 +62,9 @@ class LawLikelihood {
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
   Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
+  std::size_t n_drops() const;
+  /// Adds the curvature of the penalty, which belongs to no drop.
+  void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
   ScatterModel scatter_model(const Eigen::VectorXd& theta) const;
 
   const LawData& data() const { return data_; }
@@ -82,7 +85,6 @@ class LawLikelihood {
   NormalLaplace density_at(double d, const Scales& scales) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
-  void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
 
   const LawData& data_;
   const LawModel& model_;
