@@ -10,23 +10,19 @@
 namespace bouncelab::fit {
 namespace {
 
-/// Observed information of each drop in whitened coordinates: element (i, j) of drop d at row i + j n_theta, column d.
-Eigen::MatrixXd information_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                    const Eigen::MatrixXd& white) {
+/// Curvature of the log-likelihood in whitened coordinates, sign reversed, by differences of the gradient over one
+/// standard error: that far the kinks of single samples are smoothed out.
+Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& white) {
   const Eigen::Index n_theta = theta.size();
-  Eigen::MatrixXd information;
+  Eigen::MatrixXd h(n_theta, n_theta);
   for (Eigen::Index j = 0; j < n_theta; ++j) {
+    Eigen::VectorXd ahead, behind;
     const Eigen::VectorXd step = white.col(j);
-    const Eigen::MatrixXd fall = likelihood.scores_by_drop(theta - step) - likelihood.scores_by_drop(theta + step);
-    if (j == 0) information.resize(n_theta * n_theta, fall.cols());
-    information.middleRows(j * n_theta, n_theta) = 0.5 * white.transpose() * fall;
+    likelihood(theta + step, &ahead);
+    likelihood(theta - step, &behind);
+    h.col(j) = 0.5 * white.transpose() * (behind - ahead);
   }
-  return information;
-}
-
-Eigen::MatrixXd symmetric(const Eigen::VectorXd& elements, Eigen::Index n) {
-  const Eigen::Map<const Eigen::MatrixXd> m(elements.data(), n, n);
-  return 0.5 * (m + m.transpose());
+  return 0.5 * (h + h.transpose());
 }
 
 }  // namespace
@@ -56,19 +52,17 @@ std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, cons
                                            const Eigen::MatrixXd& white) {
   constexpr double kMostOfOneDrop = 0.9;
   if (likelihood.n_drops() < kFewestDrops) return std::nullopt;
-  const Eigen::Index n_theta = theta.size();
-  const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
-  const Eigen::MatrixXd by_drop = information_by_drop(likelihood, theta, white);
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n_theta, n_theta);
-  likelihood.add_penalty_curvature(theta, all);
-  all = (white.transpose() * all * white + symmetric(by_drop.rowwise().sum(), n_theta)).eval();
-  ErrorsByDrop errors{Eigen::MatrixXd(n_theta, scores.cols())};
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(theta.size(), theta.size());
+  const Eigen::LLT<Eigen::MatrixXd> h(curvature(likelihood, theta, white));
+  if (h.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
+  const std::vector<Eigen::MatrixXd> information = likelihood.information_by_drop(theta);
   for (Eigen::Index d = 0; d < scores.cols(); ++d) {
-    const Eigen::MatrixXd of_drop = symmetric(by_drop.col(d), n_theta);
-    if (Eigen::LLT<Eigen::MatrixXd>(kMostOfOneDrop * all - of_drop).info() != Eigen::Success) return std::nullopt;
-    errors.moves.col(d) = -(white * Eigen::LLT<Eigen::MatrixXd>(all - of_drop).solve(scores.col(d)));
+    const Eigen::MatrixXd leverage = white.transpose() * information[static_cast<std::size_t>(d)] * white;
+    if (Eigen::LLT<Eigen::MatrixXd>(kMostOfOneDrop * unit - leverage).info() != Eigen::Success) return std::nullopt;
+    scores.col(d) = Eigen::LLT<Eigen::MatrixXd>(unit - leverage).solve(scores.col(d)).eval();
   }
-  return errors;
+  return ErrorsByDrop{-(white * h.solve(scores))};
 }
 
 }  // namespace bouncelab::fit

@@ -13,15 +13,18 @@ namespace bouncelab::fit {
 /// With fewer drops how they differ from each other is not known well enough to judge errors by it.
 inline constexpr std::size_t kFewestDrops = 10;
 
-/// What the estimates would be without each of the drops, by one Newton step (jackknife by drop):
+/// What the estimates would be without each of the drops, by one Newton step (jackknife by drop): in coordinates in
+/// which the model's own covariance is the unit matrix
 ///
-///   theta_(-d) - theta = -(H - H_d)^-1 s_d,   covariance = (M - 1)/M sum_d (theta_(-d) - theta)(theta_(-d) - theta)^T
+///   theta_(-d) - theta = -H^-1 (1 - L_d)^-1 s_d,   covariance = (M - 1)/M sum_d (theta_(-d) - theta)(theta_(-d) -
+///   theta)^T
 ///
-/// s_d score and H_d observed information of drop d, H of all M drops and the penalty. Holds whatever goes on within a
-/// drop and whatever the density of the scatter; drops must be independent of each other. H - H_d in place of H takes
-/// out the bias of the plain sandwich, whose residuals are too small by what each drop takes from the fit.
-/// Sources: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13; Bell & McCaffrey, Survey Methodology
-/// 28, 169 (2002); MacKinnon, Nielsen & Webb, J. Appl. Econometrics 38, 671 (2023), doi:10.1002/jae.2969.
+/// s_d score of drop d, L_d its expected information (the share that the drop has in what is known), H observed
+/// information of all M drops and the penalty. Holds whatever goes on within a drop and whatever the density of the
+/// scatter; drops must be independent of each other. (1 - L_d)^-1 takes out the bias of the plain sandwich, whose
+/// scores are too small by what each drop takes from the fit; the observed information of single drops would be mostly
+/// noise. Sources: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13; Bell & McCaffrey, Survey
+/// Methodology 28, 169 (2002); MacKinnon, Nielsen & Webb, J. Appl. Econometrics 38, 671 (2023), doi:10.1002/jae.2969.
 struct ErrorsByDrop {
   Eigen::MatrixXd moves;  ///< theta_(-d) - theta, a column a drop
   std::size_t n_drops() const { return static_cast<std::size_t>(moves.cols()); }
@@ -36,8 +39,7 @@ struct ErrorsByDrop {
   ProfileLevels profile_levels_of(const Eigen::VectorXd& direction, const Eigen::MatrixXd& white) const;
 };
 
-/// At the maximum theta, in coordinates whitened by the model's own covariance white white^T. H_d by differences of the
-/// scores over one standard error: that far the kinks of single samples are smoothed out.
+/// At the maximum theta. @param white  the model's own covariance is white white^T
 /// @return nullopt for fewer than kFewestDrops drops, and where the fit depends on a single drop: more than nine tenths
 ///         of what is known of some combination of parameters would be gone with it
 std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,

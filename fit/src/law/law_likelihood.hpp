@@ -62,9 +62,10 @@ class LawLikelihood {
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
   Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
+  /// Expected information of each drop, without the penalty; that of a sample taken from the nearest of those that
+  /// information() is made of.
+  std::vector<Eigen::MatrixXd> information_by_drop(const Eigen::VectorXd& theta) const;
   std::size_t n_drops() const;
-  /// Adds the curvature of the penalty, which belongs to no drop.
-  void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
   ScatterModel scatter_model(const Eigen::VectorXd& theta) const;
 
   const LawData& data() const { return data_; }
@@ -85,6 +86,10 @@ class LawLikelihood {
   NormalLaplace density_at(double d, const Scales& scales) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
+  void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
+  /// Derivatives of sample k's location, log b_below, log b_above, rho (rows) by theta.
+  Eigen::MatrixXd design(const Eigen::VectorXd& theta, std::size_t k) const;
+  std::size_t information_stride() const;
 
   const LawData& data_;
   const LawModel& model_;

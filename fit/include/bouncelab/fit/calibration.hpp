@@ -19,6 +19,9 @@ namespace bouncelab::fit {
 /// theta the offset of the contact point over the ball's radius (two components, normal, variance offset_variance), u
 /// the velocity gained sideways and by spin, 0 at release. Impacts of one drop share u: they are not independent. To
 /// each sample a timing error is added, normal, independent, stated, going as 1/v.
+///
+/// Near the release, where the ball has gained little velocity, the width of the scatter falls to zero, which no smooth
+/// function of v alone follows: the rough ball's own bias, some -1e-5 of eps(1.2 m/s), shows in the means of the pulls.
 struct CalibrationConfig {
   std::size_t n_samples = 20000;  ///< per seed, >= 100; some 95 a drop, the last drop may be shorter
   std::size_t n_seeds = 100;      ///< >= 2
