@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/calibration.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -18,6 +21,9 @@ namespace {
 const std::vector<double> kNodeSpeeds_mps{0.25, 0.6, 1.2};
 const std::vector<double> kWindows_mps{0.3, 0.6, 1.0};
 constexpr double kWindowWidth_mps = 0.1;
+constexpr double kLowestHeight = 0.9;    // of the highest
+constexpr double kNoSlip = 5.0 / 7.0;    // c of a solid ball
+constexpr std::size_t kSamplesMax = 95;  // of a drop, as in the paper
 
 void check(const CalibrationConfig& c) {
   const auto require = [](bool good, const std::string& what) {
@@ -25,10 +31,12 @@ void check(const CalibrationConfig& c) {
   };
   require(c.n_samples >= 100, "samples per seed " + std::to_string(c.n_samples) + ": at least 100");
   require(c.n_seeds >= 2, "seeds " + std::to_string(c.n_seeds) + ": at least 2");
-  require(c.below_at_1mps > 0.0 && c.above_at_1mps > 0.0, "mean distances from the peak: must be positive");
+  require(c.offset_variance > 0.0 && c.offset_variance <= 1e-3, "variance of the offset: must be in (0, 0.001]");
   require(c.sigma_eps_at_1mps >= 0.0, "timing error of eps: must not be negative");
   require(c.v_lo_mps > 0.0 && c.v_hi_mps > 1.2 * c.v_lo_mps,
           "speeds: the highest must be 1.2 times the lowest or more");
+  const double v = c.v_hi_mps * std::sqrt(kLowestHeight);
+  require(v * restitution(c.law, v) > c.v_lo_mps, "law: a drop ends with its first impact, which is no sample");
 }
 
 std::vector<int> orders_of(const SeriesLaw& law) {
@@ -38,27 +46,97 @@ std::vector<int> orders_of(const SeriesLaw& law) {
   return orders;
 }
 
-/// Cramer-Rao bounds at the truth: of the nodes, then of the constants.
-std::vector<double> bounds(const CalibrationConfig& config) {
+/// Mean distances from the peak at given speed, averaged over the heights of release.
+class Scatter {
+ public:
+  explicit Scatter(const CalibrationConfig& config) : config_(config) {
+    constexpr std::size_t kHeights = 32;
+    for (std::size_t i = 0; i < kHeights; ++i) {
+      const double height = kLowestHeight + (1.0 - kLowestHeight) * (static_cast<double>(i) + 0.5) / kHeights;
+      Path path;
+      double sum = 0.0;
+      for (double v = config.v_hi_mps * std::sqrt(height);
+           path.v_mps.size() < 2 || (path.v_mps.back() > config.v_lo_mps && path.v_mps.size() <= kSamplesMax);) {
+        const double e = restitution(config.law, v);
+        path.v_mps.push_back(v);
+        path.s.push_back(sum);
+        sum += square((1.0 + e) * v);
+        v *= e;
+      }
+      paths_.push_back(std::move(path));
+    }
+  }
+
+  LaplaceSides at(double v_mps) const {
+    const double unit = kNoSlip * (1.0 + restitution(config_.law, v_mps)) * config_.offset_variance;
+    double below = 0.0, above = 0.0, n = 0.0;
+    for (const Path& path : paths_) {
+      if (v_mps >= path.v_mps.front()) continue;
+      const double root = std::sqrt(1.0 + path.s_at(v_mps) / square(v_mps));
+      below += unit * (root + 1.0);
+      above += unit * (root - 1.0);
+      n += 1.0;
+    }
+    return laplace_sides(below / n, above / n);
+  }
+
+ private:
+  struct Path {
+    std::vector<double> v_mps, s;  ///< speeds falling; S before each
+    double s_at(double v) const {
+      const auto next = std::lower_bound(v_mps.begin() + 1, v_mps.end() - 1, v, std::greater<>());
+      const auto k = static_cast<std::size_t>(next - v_mps.begin());
+      const double share = (v_mps[k - 1] - v) / (v_mps[k - 1] - v_mps[k]);
+      return s[k - 1] + share * (s[k] - s[k - 1]);
+    }
+  };
+  const CalibrationConfig& config_;
+  std::vector<Path> paths_;
+};
+
+double timing_error(const CalibrationConfig& config, double v_mps) {
+  return std::max(config.sigma_eps_at_1mps / v_mps, 1e-12);
+}
+
+/// Speeds of the first seed, rising, the two or three beyond the lowest release left out: at most some 4000 of them.
+std::vector<double> speeds_of(const CalibrationConfig& config) {
+  constexpr std::size_t kEnough = 4000;
+  std::vector<double> v;
+  for (const RestitutionSample& s : calibration_samples(config, 0))
+    if (s.v_mps < 0.99 * std::sqrt(kLowestHeight) * config.v_hi_mps) v.push_back(s.v_mps);
+  std::sort(v.begin(), v.end());
+  const std::size_t stride = std::max<std::size_t>(1, v.size() / kEnough);
+  std::vector<double> thinned;
+  for (std::size_t k = stride / 2; k < v.size(); k += stride) thinned.push_back(v[k]);
+  return thinned;
+}
+
+/// Cramer-Rao bounds at the truth if samples were independent: of the nodes, then of the constants.
+std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatter) {
+  constexpr Eigen::Index kTerms = 6;
   LawData data;
-  constexpr std::size_t kGrid = 4000;
-  for (std::size_t k = 0; k < kGrid; ++k) {
-    const double v = config.v_lo_mps * pow(config.v_hi_mps / config.v_lo_mps, (static_cast<double>(k) + 0.5) / kGrid);
-    data.v_mps.push_back(v);
+  data.v_mps = speeds_of(config);
+  const auto n = static_cast<Eigen::Index>(data.size());
+  Eigen::MatrixXd powers(n, kTerms), log_b(n, 2);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double v = data.v_mps[static_cast<std::size_t>(k)];
+    const LaplaceSides sides = scatter.at(v);
+    for (Eigen::Index i = 0; i < kTerms; ++i) powers(k, i) = power(log(v), static_cast<int>(i));
+    log_b.row(k) << log(sides.b_below), log(sides.b_above);
     data.eps.push_back(restitution(config.law, v));
-    data.tau.push_back(std::max(config.sigma_eps_at_1mps / v, 1e-12));
+    data.tau.push_back(timing_error(config, v));
     data.drop.push_back(0);
   }
   const LawModel model = make_law_model(LawKind::series, orders_of(config.law), data.v_mps);
-  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 3, 1.0});
+  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, kTerms, 1.0});
   const Eigen::Index n_law = model.n_parameters();
-  Eigen::VectorXd theta = Eigen::VectorXd::Zero(likelihood.n_parameters());
+  Eigen::VectorXd theta(likelihood.n_parameters());
   for (Eigen::Index j = 0; j < n_law; ++j)
     theta[j] = restitution(config.law, model.node_v_mps[static_cast<std::size_t>(j)]);
-  theta.segment(n_law, 2) << log(config.below_at_1mps), -1.0;
-  theta.segment(n_law + 3, 2) << log(config.above_at_1mps), -1.0;
-  const Eigen::MatrixXd white =
-      whitening(likelihood.information(theta) * (static_cast<double>(config.n_samples) / kGrid), 1e-12);
+  const Eigen::MatrixXd c = powers.colPivHouseholderQr().solve(log_b);
+  theta.tail(2 * kTerms) << c.col(0), c.col(1);
+  const Eigen::MatrixXd white = whitening(
+      likelihood.information(theta) * (static_cast<double>(config.n_samples) / static_cast<double>(n)), 1e-12);
   const Eigen::MatrixXd covariance = (white * white.transpose()).topLeftCorner(n_law, n_law);
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(kNodeSpeeds_mps.size()) + n_law, n_law);
   rows << model.jacobian(kNodeSpeeds_mps, theta.head(n_law)), model.reported_jacobian(theta.head(n_law));
@@ -77,24 +155,24 @@ std::vector<double> windows_of(const CalibrationConfig& config) {
   return windows;
 }
 
-/// Cramer-Rao bounds of rising and falling slope in a window, peak and both slopes unknown, the drift inside it known.
-std::pair<double, double> slope_bounds(const CalibrationConfig& config, double v_mps) {
+/// Cramer-Rao bounds of rising and falling slope in a window if samples were independent, peak and both slopes unknown,
+/// the drift inside it known.
+std::pair<double, double> slope_bounds(const CalibrationConfig& config, const LaplaceSides& sides, double v_mps) {
   // as many as make the prior on the sides' ratio negligible
   constexpr std::size_t kCopies = 4000;
-  const double tau = std::max(config.sigma_eps_at_1mps / v_mps, 1e-12);
   const LawData data{std::vector(kCopies, v_mps), std::vector(kCopies, restitution(config.law, v_mps)),
-                     std::vector(kCopies, tau), std::vector<std::size_t>(kCopies, 0)};
+                     std::vector(kCopies, timing_error(config, v_mps)), std::vector<std::size_t>(kCopies, 0)};
   const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
   const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, v_mps});
   Eigen::VectorXd theta(3);
-  theta << data.eps[0], log(config.below_at_1mps / v_mps), log(config.above_at_1mps / v_mps);
-  const double n = static_cast<double>(config.n_samples) *
-                   log((v_mps + 0.5 * kWindowWidth_mps) / (v_mps - 0.5 * kWindowWidth_mps)) /
-                   log(config.v_hi_mps / config.v_lo_mps);
+  theta << data.eps[0], log(sides.b_below), log(sides.b_above);
+  const RestitutionSamples samples = calibration_samples(config, 0);
+  const auto n = static_cast<double>(std::count_if(samples.begin(), samples.end(), [&](const RestitutionSample& s) {
+    return std::abs(s.v_mps - v_mps) < 0.5 * kWindowWidth_mps;
+  }));
   const Eigen::MatrixXd white = whitening(likelihood.information(theta) * (n / kCopies), 1e-12);
   const Eigen::VectorXd variances = (white * white.transpose()).diagonal();
-  return {std::sqrt(variances[1]) * v_mps / config.below_at_1mps,
-          std::sqrt(variances[2]) * v_mps / config.above_at_1mps};
+  return {std::sqrt(variances[1]) / sides.b_below, std::sqrt(variances[2]) / sides.b_above};
 }
 
 struct Sums {
@@ -128,13 +206,15 @@ std::vector<CalibrationRow> rows_of(const CalibrationConfig& config) {
   }
   for (const int order : orders_of(config.law))
     rows.push_back({"A" + std::to_string(order), config.law.a[static_cast<std::size_t>(order)]});
-  const std::vector<double> cramer_rao = bounds(config);
-  for (std::size_t j = 0; j < rows.size(); ++j) rows[j].cramer_rao = cramer_rao[j];
+  const Scatter scatter(config);
+  const std::vector<double> of_law = bounds(config, scatter);
+  for (std::size_t j = 0; j < rows.size(); ++j) rows[j].bound_independent = of_law[j];
   for (const double v : windows_of(config)) {
-    const auto [rising, falling] = slope_bounds(config, v);
+    const LaplaceSides sides = scatter.at(v);
+    const auto [rising, falling] = slope_bounds(config, sides, v);
     const std::string speed = "(" + std::to_string(v).substr(0, 3) + ")";
-    rows.push_back({"rising" + speed, v / config.below_at_1mps, rising});
-    rows.push_back({"falling" + speed, v / config.above_at_1mps, falling});
+    rows.push_back({"rising" + speed, 1.0 / sides.b_below, rising});
+    rows.push_back({"falling" + speed, 1.0 / sides.b_above, falling});
   }
   return rows;
 }
@@ -181,27 +261,36 @@ CalibrationResult calibrate_on_these_threads(const CalibrationConfig& config, co
 }  // namespace
 
 RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uint64_t index) {
-  constexpr std::size_t kPerDrop = 95;
   Random random(config.seed, RandomStream::test, index);
-  RestitutionSamples samples(config.n_samples);
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    RestitutionSample& s = samples[k];
-    s.drop = static_cast<std::int64_t>(k / kPerDrop);
-    s.impact = static_cast<std::int64_t>(k % kPerDrop);
-    s.v_mps = config.v_lo_mps * pow(config.v_hi_mps / config.v_lo_mps, random.uniform());
-    const double below = config.below_at_1mps / s.v_mps, above = config.above_at_1mps / s.v_mps;
-    const double scatter =
-        random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
-    const double sigma = config.sigma_eps_at_1mps / s.v_mps;
-    s.eps = restitution(config.law, s.v_mps) + scatter + sigma * random.normal();
-    if (sigma > 0.0) s.sigma_eps = sigma;
+  const double spread = std::sqrt(config.offset_variance);
+  RestitutionSamples samples;
+  for (std::int64_t drop = 0; samples.size() < config.n_samples; ++drop) {
+    double v = config.v_hi_mps * std::sqrt(random.uniform(kLowestHeight, 1.0));
+    double u[2] = {0.0, 0.0};  // velocity gained sideways and by spin
+    for (std::size_t k = 0; k <= kSamplesMax && v >= config.v_lo_mps && samples.size() < config.n_samples; ++k) {
+      const double e = restitution(config.law, v), theta[2] = {spread * random.normal(), spread * random.normal()};
+      const double eps =
+          e + (1.0 + e) * ((theta[0] * u[0] + theta[1] * u[1]) / v - kNoSlip * (square(theta[0]) + square(theta[1])));
+      const double sigma = config.sigma_eps_at_1mps / v, error = sigma * random.normal();
+      if (k > 0) {
+        RestitutionSample s;
+        s.drop = drop;
+        s.impact = static_cast<std::int64_t>(k);
+        s.v_mps = v;
+        s.eps = eps + error;
+        if (sigma > 0.0) s.sigma_eps = sigma;
+        samples.push_back(s);
+      }
+      for (int i = 0; i < 2; ++i) u[i] -= kNoSlip * (1.0 + e) * v * theta[i];
+      v *= eps;
+    }
   }
   return samples;
 }
 
 CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallback& progress) {
-  check(config);
   validate(config.law);
+  check(config);
   CalibrationResult result;
   with_threads(config.n_threads, [&] { result = calibrate_on_these_threads(config, progress); });
   return result;

@@ -18,18 +18,16 @@ using testing::SyntheticRun;
 
 /// Pulls and coverage of eps at the nodes and of the parameters over seeds.
 struct Study {
-  double sum = 0.0, sum2 = 0.0, sum2_robust = 0.0, in68 = 0.0, in95 = 0.0, n = 0.0;
+  double sum = 0.0, sum2 = 0.0, in68 = 0.0, in95 = 0.0, n = 0.0;
   void add(const Estimate& e, double truth) {
     const double pull = (e.value - truth) / *e.se;
     sum += pull;
     sum2 += pull * pull;
-    if (e.se_robust) sum2_robust += std::pow((e.value - truth) / *e.se_robust, 2);
     in68 += e.ci68->lo <= truth && truth <= e.ci68->hi;
     in95 += e.ci95->lo <= truth && truth <= e.ci95->hi;
     n += 1.0;
   }
   double mean() const { return sum / n; }
-  double rms_robust() const { return std::sqrt(sum2_robust / n); }
   double sd() const { return std::sqrt(sum2 / n - mean() * mean()); }
 };
 
@@ -169,22 +167,16 @@ TEST(LawFit, ViscoelasticLawFindsGamma) {
   EXPECT_LT(*gamma.estimate.se, 1e-4);
 }
 
-TEST(LawFit, RobustErrorsAndWarningWhereTheScatterIsNotItsOwn) {
-  // on a smooth peak the two-exponential likelihood thinks that it sees a kink: its own errors are two to three times
-  // too small. The sandwich knows better, the chi2 says so. 40 pulls: mean good to 0.16 of the spread.
+TEST(LawFit, ErrorsHoldWhereTheScatterIsNotAsModelled) {
+  // 84 drops of independent samples. 40 pulls: mean good to 0.16, sd to 0.11
   for (const Scatter scatter : {Scatter::normal, Scatter::student_t3}) {
     SyntheticRun run;
     run.scatter = scatter;
     const auto pulls = study(run, 8000, 0.0, quick(), 40);
     for (int j = 0; j < 3; ++j) {
-      EXPECT_NEAR(pulls.node[j].mean() / pulls.node[j].sd(), 0.0, 0.64);
-      EXPECT_GT(pulls.node[j].sd(), 1.3);
-      // not one: the peak of so flat a top moves by leaps that no second derivative foresees
-      EXPECT_LT(pulls.node[j].rms_robust(), 0.75 * pulls.node[j].sd());
-      EXPECT_LT(pulls.parameter[j].rms_robust(), 1.5);
-    }
-    if (scatter == Scatter::normal) {
-      EXPECT_LT(*fit_law(independent_samples(run, 8000, 0.2, 1.4, 0.0), {}).p_value, 1e-3);
+      EXPECT_NEAR(pulls.node[j].mean(), 0.0, 0.64);
+      EXPECT_LT(pulls.node[j].sd(), 1.4);
+      EXPECT_LT(pulls.parameter[j].sd(), 1.4);
     }
   }
 }

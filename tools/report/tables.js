@@ -24,11 +24,11 @@ function lawTable() {
   if (!law) return;
   const named = [...(law.parameters || []).map(name => [name, law[name]]),
                  ...(law.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])].filter(([, e]) => e && known(e.value));
-  const robust = named.some(([, e]) => known(e.se_robust)), boot = named.some(([, e]) => e.bootstrap);
+  const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
   const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci68), interval(e.ci95),
-                                         ...(robust ? [known(e.se_robust) ? e.se_robust.toPrecision(2) : '–'] : []),
+                                         ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
                                          ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
-  table('The law of restitution', ['', 'value ± standard error', '68% interval', '95% interval', ...(robust ? ['error between drops'] : []),
+  table('The law of restitution', ['', 'value ± standard error', '68% interval', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
                                    ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
         `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Method: ${(law.method || '–').replace(/_/g, ' ')}; ${number(law.n)} samples; status: ${(law.status || '–').replace(/_/g, ' ')}.`);
   const quality = [];

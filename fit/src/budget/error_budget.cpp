@@ -79,7 +79,7 @@ BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& la
   const auto point = std::min_element(law.curve.begin(), law.curve.end(), [&](const auto& a, const auto& b) {
     return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);
   });
-  if (point != law.curve.end() && point->band95) row.se_curve = (point->band95->hi - point->band95->lo) / (2.0 * 1.96);
+  if (point != law.curve.end()) row.se_curve = point->se;
   if (config.drag == Effect::present) row.shift_drag = shift_by_drag(row.v_mps, eps, config);
   if (config.contact_time == Effect::present) row.shift_contact_time = shift_by_contact_time(row.v_mps, eps, config);
   if (config.travel_time == Effect::present)

@@ -27,13 +27,14 @@ const char* to_string(FitStatus status) {
 
 const char* to_string(IntervalMethod method) { return method == IntervalMethod::profile ? "profile" : "covariance"; }
 
-Estimate normal_estimate(double value, double se) {
-  constexpr double k95 = 1.959963984540054;  // normal quantile of 0.975
+const char* to_string(ErrorBasis basis) { return basis == ErrorBasis::by_drop ? "by_drop" : "independent_samples"; }
+
+Estimate normal_estimate(double value, double se, double reach68, double reach95) {
   Estimate estimate;
   estimate.value = value;
   estimate.se = se;
-  estimate.ci68 = Interval{value - se, value + se};
-  estimate.ci95 = Interval{value - k95 * se, value + k95 * se};
+  estimate.ci68 = Interval{value - reach68 * se, value + reach68 * se};
+  estimate.ci95 = Interval{value - reach95 * se, value + reach95 * se};
   estimate.interval_method = IntervalMethod::covariance;
   return estimate;
 }

@@ -40,6 +40,15 @@ void add_powers(double value, double x, std::size_t n, double* sums) {
   for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
 }
 
+constexpr std::size_t kDrops = 16;  // in a block of parallel work
+std::size_t blocks_of_drops(std::size_t n_drops) { return (n_drops + kDrops - 1) / kDrops; }
+
+std::vector<std::vector<std::size_t>> samples_by_drop(const std::vector<std::size_t>& drop, std::size_t n_drops) {
+  std::vector<std::vector<std::size_t>> samples(n_drops);
+  for (std::size_t k = 0; k < drop.size(); ++k) samples[drop[k]].push_back(k);
+  return samples;
+}
+
 }  // namespace
 
 Eigen::Index ScatterFamily::n_parameters() const {
@@ -287,41 +296,73 @@ Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std:
          by_parameters;
 }
 
-Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
-  constexpr std::size_t kEnough = 600;  // a stratified mean over so many speeds is good to a percent
-  const std::size_t stride = std::max<std::size_t>(1, data_.size() / kEnough);
+Eigen::MatrixXd LawLikelihood::design(const Eigen::VectorXd& theta, std::size_t k) const {
   const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
-  const bool two_sided = scatter_.is_two_sided();
+  // predictors (rows): location, log b_below, log b_above, rho
+  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(4, n_parameters());
+  std::array<double, kMostLawParameters> row;
+  eps_of(theta, k, row.data());
+  for (Eigen::Index i = 0; i < n_law_; ++i) design(0, i) = row[static_cast<std::size_t>(i)];
+  const Eigen::Index of_above = n_law_ + (scatter_.is_two_sided() ? n_terms : 0);
+  for (Eigen::Index i = 0; i < n_terms; ++i)
+    design(1, n_law_ + i) = design(2, of_above + i) = power(x_[k], static_cast<int>(i));
+  if (scatter_.kind == ScatterKind::normal_laplace) design(3, n_parameters() - 1) = 1.0;
+  return design;
+}
+
+std::size_t LawLikelihood::information_stride() const {
+  constexpr std::size_t kEnough = 600;  // a stratified mean over so many speeds is good to a percent
+  return std::max<std::size_t>(1, data_.size() / kEnough);
+}
+
+Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
+  const std::size_t stride = information_stride();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
-  Eigen::VectorXd row(n_law_);
   std::size_t n = 0;
   for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
-    Eigen::VectorXd powers(n_terms);
-    for (Eigen::Index i = 0; i < n_terms; ++i) powers[i] = power(x_[k], static_cast<int>(i));
-    // predictors (rows): location, log b_below, log b_above, rho
-    Eigen::MatrixXd design = Eigen::MatrixXd::Zero(4, n_parameters());
-    eps_of(theta, k, row.data());
-    design.row(0).head(n_law_) = row.transpose();
-    design.row(1).segment(n_law_, n_terms) = powers.transpose();
-    design.row(2).segment(n_law_ + (two_sided ? n_terms : 0), n_terms) = powers.transpose();
-    if (scatter_.kind == ScatterKind::normal_laplace) design(3, n_parameters() - 1) = 1.0;
-    sum.noalias() += design.transpose() * information_of(theta, k) * design;
+    const Eigen::MatrixXd at = design(theta, k);
+    sum.noalias() += at.transpose() * information_of(theta, k) * at;
   }
   sum *= static_cast<double>(data_.size()) / static_cast<double>(n);
   add_penalty_curvature(theta, sum);
   return sum;
 }
 
+std::vector<Eigen::MatrixXd> LawLikelihood::information_by_drop(const Eigen::VectorXd& theta) const {
+  const std::size_t stride = information_stride();
+  std::vector<Eigen::Matrix4d> of_samples;
+  for (std::size_t k = stride / 2; k < data_.size(); k += stride) of_samples.push_back(information_of(theta, k));
+  const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
+  std::vector<Eigen::MatrixXd> sums(samples.size(), Eigen::MatrixXd::Zero(n_parameters(), n_parameters()));
+  parallel_for(blocks_of_drops(samples.size()), 0, [&](std::size_t block) {
+    for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
+      for (const std::size_t k : samples[d]) {
+        const Eigen::MatrixXd at = design(theta, k);
+        sums[d].noalias() += at.transpose() * of_samples[std::min(k / stride, of_samples.size() - 1)] * at;
+      }
+    }
+  });
+  return sums;
+}
+
+std::size_t LawLikelihood::n_drops() const {
+  return data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
+}
+
 Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
-  const std::size_t n_drops = data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops));
-  Eigen::VectorXd row(n_law_);
+  const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(samples.size()));
   const Shape common = shape(theta);
-  for (std::size_t k = 0; k < data_.size(); ++k) {
-    const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-    add_score(density_at(residual, scales(theta, common, k)), k, row.data(),
-              scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
-  }
+  parallel_for(blocks_of_drops(samples.size()), 0, [&](std::size_t block) {
+    std::array<double, kMostLawParameters> row;
+    for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
+      double* const of_drop = scores.col(static_cast<Eigen::Index>(d)).data();
+      for (const std::size_t k : samples[d]) {
+        const double residual = data_.eps[k] - eps_of(theta, k, row.data());
+        add_score(density_at(residual, scales(theta, common, k)), k, row.data(), of_drop);
+      }
+    }
+  });
   return scores;
 }
 

@@ -15,7 +15,7 @@ namespace bouncelab::fit {
 struct LawData {
   std::vector<double> v_mps, eps;
   std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
-  std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to
+  std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
   std::size_t size() const { return v_mps.size(); }
 };
 
@@ -69,6 +69,10 @@ class LawLikelihood {
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
   Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
+  /// Expected information of each drop, without the penalty; that of a sample taken from the nearest of those that
+  /// information() is made of.
+  std::vector<Eigen::MatrixXd> information_by_drop(const Eigen::VectorXd& theta) const;
+  std::size_t n_drops() const;
   ScatterModel scatter_model(const Eigen::VectorXd& theta) const;
 
   const LawData& data() const { return data_; }
@@ -102,6 +106,9 @@ class LawLikelihood {
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
+  /// Derivatives of sample k's location, log b_below, log b_above, rho (rows) by theta.
+  Eigen::MatrixXd design(const Eigen::VectorXd& theta, std::size_t k) const;
+  std::size_t information_stride() const;
 
   const LawData& data_;
   const LawModel& model_;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/law_result.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "law/by_drop.hpp"
 #include "law/goodness.hpp"
 #include "law/profile.hpp"
 #include "text/format.hpp"
@@ -27,48 +28,23 @@ Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
   return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
 }
 
-/// Covariance of theta without the model of the scatter: H^-1 (sum over drops of score score^T) H^-1.
-///
-/// In coordinates whitened by the model's own covariance, where H is minus the unit matrix if the model holds. H by
-/// differences over one standard error: that far the kinks of single samples are smoothed out.
-/// Source: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13. nullopt for too few drops.
-std::optional<Eigen::MatrixXd> sandwich(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                        const Eigen::MatrixXd& white) {
-  const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
-  const Eigen::Index n_theta = theta.size(), n_drops = scores.cols();
-  if (n_drops < 4 * n_theta) return std::nullopt;
-  Eigen::MatrixXd curvature(n_theta, n_theta);
-  for (Eigen::Index j = 0; j < n_theta; ++j) {
-    Eigen::VectorXd ahead, behind;
-    const Eigen::VectorXd step = white.col(j);
-    likelihood(theta + step, &ahead);
-    likelihood(theta - step, &behind);
-    curvature.col(j) = 0.5 * white.transpose() * (behind - ahead);
-  }
-  curvature = 0.5 * (curvature + curvature.transpose()).eval();
-  const Eigen::LLT<Eigen::MatrixXd> llt(curvature);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  const auto n = static_cast<double>(n_drops);
-  const Eigen::MatrixXd half = white * llt.solve(scores);
-  return Eigen::MatrixXd(half * half.transpose() * (n / (n - 1.0)));
-}
-
 /// n / (n - p): what p fitted parameters take from the scatter that errors are judged by.
 double small_sample_inflation(const LawFit& fit) {
   const auto n = static_cast<double>(fit.n), p = static_cast<double>(fit.n_parameters);
   return n / std::max(1.0, n - p);
 }
 
-/// The law's coordinates q with their covariance, by the model of the scatter and (robust) without it.
+/// The law's coordinates q with their covariance: by drop where there is such, else of independent samples.
 struct ParameterCovariance {
   Eigen::VectorXd q;
   Eigen::MatrixXd covariance;
-  std::optional<Eigen::MatrixXd> robust;
+  std::optional<Eigen::MatrixXd> independent;  ///< where `covariance` is by drop
+  ProfileLevels reach;                         ///< of intervals by covariance, in standard errors
 
   /// Value with errors of a function whose gradient by q is `row`.
   Estimate estimate(double value, const Eigen::RowVectorXd& row) const {
-    Estimate e = normal_estimate(value, std::sqrt(row * covariance * row.transpose()));
-    if (robust) e.se_robust = std::sqrt(row * *robust * row.transpose());
+    Estimate e = normal_estimate(value, std::sqrt(row * covariance * row.transpose()), reach.z68, reach.z95);
+    if (independent) e.se_independent = std::sqrt(row * *independent * row.transpose());
     return e;
   }
 };
@@ -161,7 +137,8 @@ void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Paramete
   const Eigen::VectorXd eps = model.eps(speeds, q);
   for (std::size_t k = 0; k < kPoints; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    fit.curve.push_back({speeds[k], eps[i], known.estimate(eps[i], rows.row(i)).ci95});
+    const Estimate e = known.estimate(eps[i], rows.row(i));
+    fit.curve.push_back({speeds[k], eps[i], e.ci95, e.se});
   }
 }
 
@@ -181,16 +158,18 @@ void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maxim
 }
 
 /// Replaces the intervals of constants and nodes by those of the profile, where it closes.
-void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const Eigen::MatrixXd& white) {
+void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const Eigen::MatrixXd& white,
+                 const std::optional<ErrorsByDrop>& by_drop) {
   const LawModel& model = likelihood.model();
   const Eigen::Index n_law = model.n_parameters();
   const Eigen::VectorXd q = maximum.x.head(n_law);
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
-  const ProfileLevels levels = profile_levels(fit.n, static_cast<std::size_t>(n_law));
+  const ProfileLevels of_samples = profile_levels(fit.n, static_cast<std::size_t>(n_law));
   const auto along = [&](const Eigen::RowVectorXd& row) {
     Eigen::VectorXd direction = Eigen::VectorXd::Zero(maximum.x.size());
     direction.head(n_law) = row.transpose();
-    return profile_intervals(function, maximum, white, direction, levels);
+    return profile_intervals(function, maximum, white, direction,
+                             by_drop ? by_drop->profile_levels_of(direction, white) : of_samples);
   };
   // one coordinate: everything reported is a monotone function of it
   const auto one = n_law == 1 ? along(Eigen::RowVectorXd::Ones(1)) : std::nullopt;
@@ -226,15 +205,21 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
   const double inflation = small_sample_inflation(fit);
-  ParameterCovariance known{maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law),
-                            std::nullopt};
-  if (const auto robust = sandwich(likelihood, maximum.x, white)) known.robust = robust->topLeftCorner(n_law, n_law);
+  ParameterCovariance known{
+      maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law), std::nullopt, {}};
+  const std::optional<ErrorsByDrop> by_drop = errors_by_drop(likelihood, maximum.x, white);
+  fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
+  if (by_drop) {
+    known.independent = std::move(known.covariance);
+    known.covariance = by_drop->covariance().topLeftCorner(n_law, n_law);
+    known.reach = by_drop->reach();
+  }
   fit.scatter = likelihood.scatter_model(maximum.x);
   fit.law = likelihood.model().law(known.q);
   describe_parameters(fit, likelihood, known);
   describe_curve(fit, likelihood, known, node_speeds_mps);
   describe_goodness(fit, likelihood, maximum);
-  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, white);
+  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, white, by_drop);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;
     fit.message =

@@ -42,8 +42,10 @@ class Side {
 
   /// t where the root is z68 and z95.
   std::optional<std::pair<double, double>> ends(const ProfileLevels& levels) {
-    // two standard errors nearly always reach z = 1.96, give or take what the parabola may extrapolate
-    for (double t = 1.0; t < 200.0 && (t < 3.0 || points_.back().r < 0.97 * levels.z95); t *= 2.0)
+    // two standard errors nearly always reach z = 1.96, give or take what the parabola may extrapolate; levels of a
+    // multiple of it, that multiple
+    const double unit = std::min(2.0, levels.z95 / kZ95);
+    for (double t = unit; t < 200.0 && (t < 3.0 * unit || points_.back().r < 0.97 * levels.z95); t *= 2.0)
       if (!add(t)) return std::nullopt;
     if (points_.back().r < 0.97 * levels.z95) return std::nullopt;
     const auto z68 = end(levels.z68), z95 = end(levels.z95);

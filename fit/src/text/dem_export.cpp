@@ -44,7 +44,7 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps) {
   const auto point = std::min_element(fit.curve.begin(), fit.curve.end(), [&](const auto& a, const auto& b) {
     return std::abs(a.x - v_mps) < std::abs(b.x - v_mps);
   });
-  if (point->band95) result.se = (point->band95->hi - point->band95->lo) / (2.0 * 1.959963984540054);
+  result.se = point->se;
   result.warning = formatted(
       "these codes take eps as constant; measured, it goes from %.4f at %.3g m/s to %.4f at %.3g m/s, and scatters "
       "from impact to impact",

@@ -47,13 +47,15 @@ std::string certainty(const LawFit& law) {
     if (node.eps.ci95)
       intervals.push_back(
           formatted("eps(%.3g m/s) from %.6f to %.6f", node.v_mps, node.eps.ci95->lo, node.eps.ci95->hi));
-  std::string text = "95 % intervals: " + joined(intervals) + ".";
+  std::string text =
+      "95 % intervals: " + joined(intervals) +
+      (law.drops.errors == ErrorBasis::by_drop ? formatted(", from how %zu drops differ from each other.", law.drops.n)
+                                               : ", if impacts are independent of each other.");
   if (law.p_value)
     text += *law.p_value < 0.001
-                ? formatted(
-                      " The scatter is not as the fit assumes (p = %.1e), so trust the errors between drops rather "
-                      "than the likelihood's where they are larger.",
-                      *law.p_value)
+                ? formatted(" The scatter is not as the fit assumes (p = %.1e); ", *law.p_value) +
+                      (law.drops.errors == ErrorBasis::by_drop ? "errors between drops do not depend on it."
+                                                               : "errors may be too small.")
                 : formatted(" The samples are scattered as the fit assumes (chi2/ndf = %.2f, p = %.2g).",
                             *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
   return text + " The constants go together: use them with their correlation, or quote the curve.";

@@ -17,6 +17,7 @@ Json json_of(const Estimate& e);
 Json json_of(const BootstrapErrors& b);
 Json json_of(const AndersonDarling& a);
 Json json_of(const ScatterModel& s);
+Json json_of(const DropCount& d);
 Json json_of(const TimingNoise& t);
 Json json_of(const DemExport& h);
 template <class T>
@@ -47,11 +48,17 @@ Json comparison_of(const std::vector<LawComparison>& comparison) {
 }
 
 Json json_of(const Estimate& e) {
-  return {{"value", json_of(e.value)},         {"se", json_of(e.se)},
-          {"se_robust", json_of(e.se_robust)}, {"ci68", json_of(e.ci68)},
-          {"ci95", json_of(e.ci95)},           {"intervals", e.interval_method ? to_string(*e.interval_method) : ""},
-          {"bootstrap", json_of(e.bootstrap)}, {"identified", e.identified}};
+  return {{"value", json_of(e.value)},
+          {"se", json_of(e.se)},
+          {"se_independent", json_of(e.se_independent)},
+          {"ci68", json_of(e.ci68)},
+          {"ci95", json_of(e.ci95)},
+          {"intervals", e.interval_method ? to_string(*e.interval_method) : ""},
+          {"bootstrap", json_of(e.bootstrap)},
+          {"identified", e.identified}};
 }
+
+Json json_of(const DropCount& d) { return {{"n", d.n}, {"errors", to_string(d.errors)}}; }
 
 Json json_of(const Matrix& m) {
   Json rows = Json::array();
@@ -76,7 +83,7 @@ Json nodes_of(const LawFit& fit) {
     nodes.push_back({{"v_mps", node.v_mps},
                      {"eps", json_of(node.eps.value)},
                      {"se", json_of(node.eps.se)},
-                     {"se_robust", json_of(node.eps.se_robust)},
+                     {"se_independent", json_of(node.eps.se_independent)},
                      {"ci68", json_of(node.eps.ci68)},
                      {"ci95", json_of(node.eps.ci95)},
                      {"bootstrap", json_of(node.eps.bootstrap)}});
@@ -111,6 +118,7 @@ Json json_of(const LawFit& fit) {
          {"law", to_string(fit.kind)},
          {"method", to_string(fit.method)},
          {"n", fit.n},
+         {"drops", json_of(fit.drops)},
          {"n_outliers", fit.outliers.size()},
          {"n_parameters", fit.n_parameters}};
   for (const NamedEstimate& p : fit.parameters) j[p.name] = json_of(p.estimate);
@@ -159,6 +167,7 @@ Json json_of(const HistogramFit& h) {
           {"v_hi_mps", h.v_hi_mps},
           {"v_mps", h.v_mps},
           {"n", h.n},
+          {"drops", json_of(h.drops)},
           {"peak_eps", json_of(h.peak_eps)},
           {"slope_rising", json_of(h.slope_rising)},
           {"slope_falling", json_of(h.slope_falling)},

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "law/by_drop.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
 
@@ -27,6 +28,17 @@ void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) 
                 law.correlation[worst_i][worst_j]));
 }
 
+/// What one drop's impacts share cannot be seen without other drops. (Figures: docs/physics.md, errors by drop.)
+void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warnings) {
+  if (drops.n == 0 || drops.errors == ErrorBasis::by_drop) return;
+  const std::string why = drops.n >= kFewestDrops
+                              ? "nearly all that is known comes from one drop"
+                              : formatted("%zu drop%s, fewer than %zu", drops.n, drops.n == 1 ? "" : "s", kFewestDrops);
+  warnings.push_back(why +
+                     ": standard errors take impacts as independent; those of the slopes may be up to 1.7 times too "
+                     "small at low speeds, those of eps(v) hardly");
+}
+
 void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
   if (!law.message.empty()) warnings.push_back(law.message);
   warnings.insert(warnings.end(), law.notes.begin(), law.notes.end());
@@ -39,8 +51,11 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
                        (ratio < 0.8 ? formatted("it is %.2f of what the stated timing errors alone explain: these are "
                                                 "stated too large, and so are all errors given here",
                                                 ratio)
-                                    : "standard errors may be too small; se_robust does not depend on it"));
+                        : law.drops.errors == ErrorBasis::by_drop
+                            ? "standard errors are by drop and do not depend on it"
+                            : "standard errors may be too small"));
   }
+  warn_of_few_drops(law.drops, warnings);
   if (!law.outliers.empty())
     warnings.push_back(
         formatted("%zu of the samples lie further from eps(v) than the scatter can put them and were left out, of the "

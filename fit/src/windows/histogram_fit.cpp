@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -21,6 +23,7 @@ constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
 /// Samples of the window, moved along the law to its centre.
 LawData window_data(const RestitutionSamples& samples, double lo, double hi, double centre, const LawFit& law) {
   LawData data;
+  std::map<std::pair<std::string, std::int64_t>, std::size_t> drops;
   const double eps_centre = law.law ? restitution(*law.law, centre) : 0.0;
   for (const RestitutionSample& s : samples) {
     if (!(s.v_mps >= lo && s.v_mps < hi) || !std::isfinite(s.eps)) continue;
@@ -36,7 +39,7 @@ LawData window_data(const RestitutionSamples& samples, double lo, double hi, dou
     data.v_mps.push_back(centre);
     data.eps.push_back(eps);
     data.tau.push_back(tau);
-    data.drop.push_back(0);
+    data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
   }
   return data;
 }
@@ -69,6 +72,7 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
   const Eigen::VectorXd& theta = fit.maximum.x;
   result.status = fit.maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   if (!fit.maximum.converged) result.message = "the search did not converge";
+  result.drops = fit.drops;
   result.peak_eps = peak_estimate(fit);
   result.slope_rising = slope_estimate(fit, 1);
   result.slope_falling = slope_estimate(fit, 2);
@@ -95,8 +99,13 @@ void compare_with_other_densities(HistogramFit& result, const LawData& data, con
   if (normal.maximum.converged)
     result.delta_aic_gaussian = 2.0 * (2.0 - normal.maximum.loglik) - 2.0 * (3.0 - fit.maximum.loglik);
   const WindowFit symmetric = fit_window(data, ScatterKind::symmetric_laplace);
-  if (symmetric.maximum.converged)
-    result.p_equal_slopes = chi2_survival(std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
+  if (symmetric.maximum.converged) {
+    // twice the fall along the ratio of the sides is that of independent samples
+    const QuantityError& ratio = fit.errors[3];
+    const double share = ratio.se_independent ? square(*ratio.se_independent / ratio.se) : 1.0;
+    result.p_equal_slopes =
+        chi2_survival(share * std::max(0.0, 2.0 * (fit.maximum.loglik - symmetric.maximum.loglik)), 1.0);
+  }
   result.shapes = fit_shapes(result.bins, data.tau, {fit.maximum.x[0], exp(fit.maximum.x[1]), exp(fit.maximum.x[2])});
 }
 

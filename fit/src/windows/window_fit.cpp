@@ -5,30 +5,49 @@
 #include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
+#include "law/by_drop.hpp"
+#include "law/profile.hpp"
 #include "law/start_values.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-constexpr double k95 = 1.959963984540054;
-
-/// Estimate of sign * exp(log_value) whose logarithm has this standard error, or these profile intervals.
-Estimate exponential_estimate(double log_value, double se, const std::optional<ProfileIntervals>& profile,
-                              double sign) {
+/// Estimate of value whose error is that of sign * log(value): intervals are not symmetric.
+Estimate exponential_estimate(double log_value, const QuantityError& error, double sign) {
   const double value = exp(log_value);
-  Estimate e = normal_estimate(value, value * se);
+  Estimate e = normal_estimate(value, value * error.se);
+  if (error.se_independent) e.se_independent = value * *error.se_independent;
   const auto through = [&](const Interval& offset) {
     const double a = value * exp(sign * offset.lo), b = value * exp(sign * offset.hi);
     return Interval{std::min(a, b), std::max(a, b)};
   };
-  e.ci68 = through(profile ? profile->offset68 : Interval{-se, se});
-  e.ci95 = through(profile ? profile->offset95 : Interval{-k95 * se, k95 * se});
-  if (profile) e.interval_method = IntervalMethod::profile;
+  e.ci68 = through(error.offset68);
+  e.ci95 = through(error.offset95);
+  e.interval_method = error.method;
   return e;
 }
 
-std::optional<ProfileIntervals> profile_of(const WindowFit& fit, std::size_t i) {
-  return fit.profiles.empty() ? std::nullopt : fit.profiles[i];
+/// Of direction . theta.
+QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit, const Eigen::MatrixXd& white,
+                             const std::optional<ErrorsByDrop>& by_drop, const Eigen::VectorXd& direction) {
+  QuantityError error;
+  error.se = (white.transpose() * direction).norm();
+  ProfileLevels reach, levels;
+  if (by_drop) {
+    error.se_independent = error.se;
+    error.se = by_drop->standard_error(direction);
+    reach = by_drop->reach();
+    levels = by_drop->profile_levels_of(direction, white);
+  }
+  error.offset68 = {-reach.z68 * error.se, reach.z68 * error.se};
+  error.offset95 = {-reach.z95 * error.se, reach.z95 * error.se};
+  if (!fit.maximum.converged) return error;
+  if (const auto profile = profile_intervals(function, fit.maximum, white, direction, levels)) {
+    error.offset68 = profile->offset68;
+    error.offset95 = profile->offset95;
+    error.method = IntervalMethod::profile;
+  }
+  return error;
 }
 
 }  // namespace
@@ -45,37 +64,36 @@ WindowFit fit_window(const LawData& original, ScatterKind kind) {
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
   WindowFit fit;
   fit.maximum = maximise(function, start, likelihood.information(start));
+  if (kind != ScatterKind::asymmetric_laplace) return fit;
   const Eigen::MatrixXd white = whitening(likelihood.information(fit.maximum.x), 1e-10);
-  fit.covariance = white * white.transpose();
-  if (kind != ScatterKind::asymmetric_laplace || !fit.maximum.converged) return fit;
+  const auto by_drop = errors_by_drop(likelihood, fit.maximum.x, white);
+  fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
   for (const Eigen::Vector3d& direction :
        {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 1, -1)})
-    fit.profiles.push_back(profile_intervals(function, fit.maximum, white, direction));
+    fit.errors.push_back(quantity_error(function, fit, white, by_drop, direction));
   return fit;
 }
 
 Estimate peak_estimate(const WindowFit& fit) {
-  Estimate e = normal_estimate(fit.maximum.x[0], std::sqrt(fit.covariance(0, 0)));
-  if (const auto profile = profile_of(fit, 0)) {
-    e.ci68 = {e.value + profile->offset68.lo, e.value + profile->offset68.hi};
-    e.ci95 = {e.value + profile->offset95.lo, e.value + profile->offset95.hi};
-    e.interval_method = IntervalMethod::profile;
-  }
+  const QuantityError& error = fit.errors[0];
+  Estimate e = normal_estimate(fit.maximum.x[0], error.se);
+  e.se_independent = error.se_independent;
+  e.ci68 = {e.value + error.offset68.lo, e.value + error.offset68.hi};
+  e.ci95 = {e.value + error.offset95.lo, e.value + error.offset95.hi};
+  e.interval_method = error.method;
   return e;
 }
 
 Estimate slope_estimate(const WindowFit& fit, Eigen::Index side) {
   constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
-  const double se = std::sqrt(fit.covariance(side, side));
-  Estimate e = exponential_estimate(-fit.maximum.x[side], se, profile_of(fit, static_cast<std::size_t>(side)), -1.0);
-  e.identified = se < kKnownToAFactor2;
+  const QuantityError& error = fit.errors[static_cast<std::size_t>(side)];
+  Estimate e = exponential_estimate(-fit.maximum.x[side], error, -1.0);
+  e.identified = error.se < kKnownToAFactor2;
   return e;
 }
 
 Estimate slope_ratio_estimate(const WindowFit& fit) {
-  const Eigen::MatrixXd& c = fit.covariance;
-  const double se = std::sqrt(c(1, 1) + c(2, 2) - 2.0 * c(1, 2));
-  return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], se, profile_of(fit, 3), 1.0);
+  return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], fit.errors[3], 1.0);
 }
 
 std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {

@@ -8,17 +8,25 @@
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/maximise.hpp"
-#include "law/profile.hpp"
 
 namespace bouncelab::fit {
+
+/// Error of one quantity of a window, or of its logarithm.
+struct QuantityError {
+  double se = 0.0;
+  std::optional<double> se_independent;  ///< where se is by drop
+  Interval offset68, offset95;           ///< ends of the intervals less the estimate
+  IntervalMethod method = IntervalMethod::covariance;
+};
 
 /// One density for all samples of a window, unbinned: theta = (location, log b_below, log b_above), or (location, log
 /// b) where the sides are equal or the density is normal.
 struct WindowFit {
   Maximum maximum;
-  Eigen::MatrixXd covariance;
-  /// Of peak, log b_below, log b_above, log(b_below / b_above); two-sided densities only.
-  std::vector<std::optional<ProfileIntervals>> profiles;
+  DropCount drops;
+  /// Of peak, log b_below, log b_above, log(b_below / b_above); two-sided densities only. By drop where there are
+  /// enough drops, the law by which samples were moved to the centre taken as known.
+  std::vector<QuantityError> errors;
 };
 
 /// @param data  at least 5 samples

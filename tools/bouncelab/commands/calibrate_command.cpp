@@ -10,12 +10,12 @@ namespace bouncelab::cli {
 namespace {
 
 std::string table_of(const fit::CalibrationResult& result) {
-  std::string text = fmt::format("{:12} {:>11} {:>9} {:>9} {:>9} {:>7} {:>6} {:>6} {:>6} {:>6}\n", "", "truth", "bound",
-                                 "spread", "stated", "st/bnd", "pull", "sd", "c68", "c95");
+  std::string text = fmt::format("{:12} {:>11} {:>9} {:>9} {:>9} {:>7} {:>6} {:>6} {:>6} {:>6}\n", "", "truth",
+                                 "ind.bound", "spread", "stated", "st/ind", "pull", "sd", "c68", "c95");
   for (const fit::CalibrationRow& r : result.rows)
     text += fmt::format("{:12} {:>11.6f} {:>9.2e} {:>9.2e} {:>9.2e} {:>7.3f} {:>6.2f} {:>6.3f} {:>6.3f} {:>6.3f}\n",
-                        r.name, r.truth, r.cramer_rao, r.spread, r.mean_se, r.mean_se / r.cramer_rao, r.pull_mean,
-                        r.pull_sd, r.coverage68, r.coverage95);
+                        r.name, r.truth, r.bound_independent, r.spread, r.mean_se, r.mean_se / r.bound_independent,
+                        r.pull_mean, r.pull_sd, r.coverage68, r.coverage95);
   return text + fmt::format("{} fits did not converge\n", result.n_failed);
 }
 

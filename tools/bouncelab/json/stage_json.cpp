@@ -111,7 +111,7 @@ Json json_of(const fit::CalibrationResult& result) {
   for (const fit::CalibrationRow& r : result.rows)
     rows.push_back({{"name", r.name},
                     {"truth", r.truth},
-                    {"cramer_rao", r.cramer_rao},
+                    {"bound_independent", r.bound_independent},
                     {"spread", r.spread},
                     {"mean_se", r.mean_se},
                     {"pull_mean", r.pull_mean},

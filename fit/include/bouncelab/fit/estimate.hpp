@@ -36,14 +36,30 @@ struct BootstrapErrors {
   std::size_t n_replicates = 0;
 };
 
+/// What errors rest on. Impacts of one drop share the velocity that the ball has gained sideways and by spin, so they
+/// are not independent; drops are.
+enum class ErrorBasis {
+  independent_samples,  ///< the density of the scatter; true where samples are independent
+  by_drop,              ///< leave-one-drop-out: whatever goes on within a drop
+};
+/// The words of fit.json: "independent_samples", "by_drop".
+const char* to_string(ErrorBasis basis);
+
+/// The drops that samples come from.
+struct DropCount {
+  std::size_t n = 0;
+  ErrorBasis errors = ErrorBasis::independent_samples;  ///< by drop from 10 drops on
+};
+
 /// A number with its uncertainty. What is not known is absent.
 struct Estimate {
   double value = 0.0;
-  std::optional<double> se;         ///< standard error, from the expected information
-  std::optional<double> se_robust;  ///< the same from the scores' scatter between drops (sandwich): holds also where
-                                    ///< the model of the scatter does not, or samples of a drop are correlated
-  std::optional<Interval> ci68;     ///< 68.27 % confidence interval
-  std::optional<Interval> ci95;     ///< 95 % confidence interval
+  /// Standard error: from how the drops differ from each other where the fit says so (ErrorBasis::by_drop), else from
+  /// the expected information of independent samples.
+  std::optional<double> se;
+  std::optional<double> se_independent;           ///< where se is by drop: what it would be if samples were independent
+  std::optional<Interval> ci68;                   ///< 68.27 % confidence interval, of the same basis as se
+  std::optional<Interval> ci95;                   ///< 95 % confidence interval
   std::optional<IntervalMethod> interval_method;  ///< of ci68 and ci95, where there are any
   std::optional<BootstrapErrors> bootstrap;       ///< by drop, where asked for
   bool identified = true;                         ///< false: the data do not determine it (see the fit's message)
@@ -59,13 +75,14 @@ struct CurvePoint {
   double x = 0.0;
   double y = 0.0;
   std::optional<Interval> band95;
+  std::optional<double> se = std::nullopt;
 };
 
 /// Square matrix by rows.
 using Matrix = std::vector<std::vector<double>>;
 
-/// value, standard error and the normal intervals value -+ 1 se, value -+ 1.96 se.
-Estimate normal_estimate(double value, double se);
+/// value, standard error and the intervals value -+ reach68 se, value -+ reach95 se; by default the normal ones.
+Estimate normal_estimate(double value, double se, double reach68 = 1.0, double reach95 = 1.959963984540054);
 
 /// "0.98169 ± 0.00004": two digits of the standard error and as many decimals of the value; six significant digits of
 /// the value where there is no standard error (absent, not positive or not finite).

@@ -55,17 +55,20 @@ struct ShapeFit {
 ///
 ///   p ~ exp(slope_rising (eps - peak)) below, exp(-slope_falling (eps - peak)) above the peak,
 ///
-/// convolved with the normal timing error of each sample, fitted unbinned by maximum likelihood.
+/// convolved with the normal timing error of each sample, fitted unbinned by maximum likelihood. Errors are by drop
+/// where samples of 10 drops or more are in the window (LawFit), the law's drift within the window taken as known.
 struct HistogramFit {
   FitStatus status = FitStatus::too_few_samples;
   std::string message;
   double v_lo_mps = 0.0, v_hi_mps = 0.0;
   double v_mps = 0.0;  ///< centre of the window, where slopes and peak refer to
   std::size_t n = 0;
+  DropCount drops;                                                ///< in the window, and what the errors rest on
   std::optional<Estimate> peak_eps, slope_rising, slope_falling;  ///< slopes per unit eps, both positive
   std::optional<Estimate> slope_ratio;                            ///< falling over rising: 1 if p(eps) is symmetric
-  std::optional<double> p_equal_slopes;                           ///< likelihood ratio against one slope for both sides
-  std::optional<double> loglik, chi2, p_value;                    ///< Pearson's chi2 in bins of equal probability
+  std::optional<double> p_equal_slopes;         ///< likelihood ratio against one slope for both sides,
+                                                ///< scaled to the error of slope_ratio
+  std::optional<double> loglik, chi2, p_value;  ///< Pearson's chi2 in bins of equal probability
   std::optional<std::size_t> ndf;
   std::optional<double>
       delta_aic_gaussian;  ///< AIC(normal) - AIC(two exponentials): > 0: the two exponentials are preferred

@@ -94,6 +94,7 @@ struct LawFit {
   LawKind kind = LawKind::series;
   LawMethod method = LawMethod::asymmetric_laplace;
   std::size_t n = 0;  ///< samples used
+  DropCount drops;    ///< of the samples used, and what the errors rest on
   /// Indices of samples left out: further from the curve than any exponential tail can put one of n.
   std::vector<std::size_t> outliers;
   std::size_t n_parameters = 0;            ///< of law and scatter together
@@ -117,9 +118,14 @@ struct LawFit {
 /// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
 ///
 /// The parameters of the search are values of eps at well spread speeds, which are almost uncorrelated; A follows
-/// linearly (or gamma by inversion). Standard errors come from the expected Fisher information of the likelihood at
-/// the estimate, which exists also where the density has a kink; they hold when the scatter is as modelled and
-/// samples are independent (timing errors of neighbours are not: then they are too large, never too small).
+/// linearly (or gamma by inversion).
+///
+/// From 10 drops on (a drop: equal `recording` and `drop`) standard errors are by drop: leave-one-drop-out, and
+/// intervals are those of the profile likelihood with levels of Student's t for so many drops, times the ratio of that
+/// standard error to the model's. They hold whatever goes on within a drop and whatever the density of the scatter.
+/// With fewer drops, or where the fit depends on a single one, they come from the expected Fisher information at the
+/// estimate, which exists also where the density has a kink, and hold where the scatter is as modelled and samples are
+/// independent. Likelihoods, AIC and BIC are those of independent samples always.
 ///
 /// Samples without sigma_eps are taken as free of timing noise. So that the search meets no kink, every
 /// sample's timing error is widened, in quadrature, to b sqrt(p/n), b the local scatter: about the standard error of
