@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t kFewestOfRecording = 3;
 constexpr std::size_t kFewestBetweenDrops = 10;  // degrees of freedom; below, F would have next to no power
+constexpr std::size_t kMany = 100;               // recordings: rows in a third of the time from there on
 constexpr double kSearch = 0.02;                 // of the whitened gradient: the likelihood ratio is good to 1e-3
 
 /// Samples of the recordings that can be compared, in order of speed.
@@ -174,7 +175,7 @@ std::optional<Agreement> agreement(const std::vector<RestitutionSamples>& record
   return result;
 }
 
-RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled) {
+RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled, bool is_one_of_many) {
   RecordingFit row;
   row.recording = samples.front().recording;
   std::set<std::int64_t> drops;
@@ -193,6 +194,11 @@ RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, cons
   if (config.node_speeds_mps.empty()) config.node_speeds_mps = {v[v.size() / 2]};
   config.n_goodness = config.n_bootstrap = 0;
   config.compare_laws = false;
+  if (is_one_of_many) {
+    constexpr std::size_t kWidthKnown = 30;  // below, fit_law takes one term without a choice
+    config.intervals = IntervalMethod::covariance;
+    if (config.n_scatter_terms == 0 && samples.size() >= kWidthKnown) config.n_scatter_terms = 2;
+  }
   LawFit fit = fit_law(samples, config);
   row.n = fit.n;
   row.n_outliers = fit.outliers.size();
@@ -231,7 +237,9 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
   Recordings result;
   result.rows.resize(recordings.size());
   with_threads(0, [&] {
-    parallel_for(recordings.size(), 0, [&](std::size_t k) { result.rows[k] = row_of(recordings[k], config, pooled); });
+    parallel_for(recordings.size(), 0, [&](std::size_t k) {
+      result.rows[k] = row_of(recordings[k], config, pooled, recordings.size() > kMany);
+    });
     if (const auto found = agreement(recordings, config, pooled)) {
       result.test = found->test;
       add_offsets(found->offsets, recordings, result.rows);
