@@ -51,7 +51,7 @@ std::size_t largest(const Groups& groups, const MayBe& may_be) {
 }
 
 Compared compared(const std::vector<RestitutionSamples>& recordings) {
-  constexpr double kResolution = 1e-8;  // of eps, as in fit_law
+  constexpr double kEpsResolution = 1e-8;  // of eps, as in fit_law
   std::vector<std::pair<const RestitutionSample*, std::size_t>> places;
   Compared result;
   for (const RestitutionSamples& samples : recordings) {
@@ -65,7 +65,7 @@ Compared compared(const std::vector<RestitutionSamples>& recordings) {
   for (const auto& [sample, recording] : places) {
     result.data.v_mps.push_back(sample->v_mps);
     result.data.eps.push_back(sample->eps);
-    result.data.tau.push_back(hypot(sample->sigma_eps.value_or(0.0), kResolution));
+    result.data.tau.push_back(hypot(sample->sigma_eps.value_or(0.0), kEpsResolution));
     result.recordings.of_sample.push_back(recording);
     result.drops.of_sample.push_back(drops.try_emplace({recording, sample->drop}, drops.size()).first->second);
   }
