@@ -113,8 +113,8 @@ bool remove_outliers(const LawData& data, const LawModel& model, const Candidate
   std::vector<std::size_t> kept, lost;
   for (std::size_t k = 0; k < data.size(); ++k)
     (likelihood.probability_of_lost(fit.maximum.x, k) > 0.5 ? lost : kept).push_back(rows[k]);
-  // a curve that so few follow is none: a search of few samples may end beside all of them
-  if (lost.empty() || kept.size() < kFewest) return false;
+  // a curve that so few follow is none: a search of few samples may end beside nearly all of them
+  if (lost.empty() || kept.size() < std::max(kFewest, lost.size())) return false;
   rows = std::move(kept);
   outliers.insert(outliers.end(), lost.begin(), lost.end());
   return true;
