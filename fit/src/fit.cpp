@@ -57,7 +57,7 @@ RestitutionSamples without(const RestitutionSamples& samples, const std::vector<
 
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
-  constexpr double kSteps = 5.0;
+  constexpr double kSteps = 6.0;
   const auto step = [&](double done) {
     if (progress) progress(done, kSteps);
   };
@@ -83,6 +83,9 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
   result.budget = error_budget(kept, result.law, budget_config_of(samples, config.budget));
+  step(5.0);
+  // with the outliers of the pooled law: they may be all of one recording
+  if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
   step(kSteps);
   if (!result.law.nodes.empty())
     result.dem_export =

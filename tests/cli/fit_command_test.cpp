@@ -2,6 +2,8 @@
 // `restitution` and `fit` by hand and with bad samples.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
 
 #include "program.hpp"
 
@@ -100,6 +102,75 @@ TEST_F(FitCommand, FitsTheLawAndByTheMethodAskedFor) {
   expect_one_line_error(fit(table(2000, 0.2, 1.4), "--law-kind magic"), 2, {"--law-kind", "magic"});
 }
 
+TEST_F(FitCommand, OfTwoFilesIsThatOfOneFileWithAColumnRecording) {
+  const std::string a = table(190, 0.2, 1.4), b = table(285, 0.25, 1.3);
+  write("a.csv", a);
+  write("b.csv", b);
+  std::string both = "recording,drop,impact,v_mps,eps,sigma_eps\n";
+  for (const auto& [name, rows] : {std::pair{"a.csv", a}, std::pair{"b.csv", b}}) {
+    std::istringstream lines(rows.substr(rows.find('\n') + 1));
+    for (std::string line; std::getline(lines, line);) both += std::string(name) + "," + line + "\n";
+  }
+  const Result two = run("fit a.csv b.csv --out two.json --goodness-replicates 0");
+  fit(both, "--goodness-replicates 0");
+  EXPECT_EQ(content_of(folder_ / "two.json"), content_of(folder_ / "f.json"));
+  EXPECT_THAT(two.out, testing::HasSubstr("the 2 recordings agree (p = "));
+  EXPECT_THAT(two.out, testing::HasSubstr("a.csv: 190 samples, eps("));
+  EXPECT_EQ(found().at("recordings").at(1).at("recording"), "b.csv");
+  EXPECT_EQ(found().at("recordings").at(1).at("n"), 285);
+  EXPECT_THAT(content_of(folder_ / "two.json.meta.json"), testing::HasSubstr("b.csv"));
+}
+
+TEST_F(FitCommand, OfUnlikeBallsWarnsFirstAndNamesThem) {
+  write("a.csv", table(190, 0.2, 1.4));
+  write("b.csv", table(190, 0.2, 1.4, -0.02));
+  const Result result = run("fit a.csv b.csv --out f.json --goodness-replicates 0");
+  EXPECT_THAT(result.err, testing::StartsWith("warning: the 2 recordings do not agree (p = "));
+  EXPECT_THAT(result.err, testing::ContainsRegex("eps at 0.6 m/s runs from 0.9[0-9]* .b.csv. to 0.9[0-9]* .a.csv."));
+  EXPECT_LT(found().at("recordings_test").at("p_value").get<double>(), 1e-10);
+  EXPECT_EQ(found().at("answers").at(1).at("question"), "Do the recordings agree?");
+}
+
+TEST_F(FitCommand, OfSeveralFilesOneThatIsFaultyIsNamedAndNothingIsWritten) {
+  write("a.csv", table(190, 0.2, 1.4));
+  write("b.csv", "v_mps,eps\n0.5,0.98\n0.4,high\n");
+  expect_one_line_error(run("fit a.csv b.csv --out f.json"), 3, {"b.csv", "line 3", "eps"});
+  expect_one_line_error(run("fit a.csv none.csv --out f.json"), 3, {"none.csv", "no such file"});
+  expect_one_line_error(run("fit a.csv b.csv --out b.csv --force"), 2, {"b.csv"});
+  EXPECT_THAT(files(), testing::ElementsAre("a.csv", "b.csv"));
+}
+
+TEST_F(FitCommand, FilesOfTheSameNameOrWithTheSameDropAreRecordingsOfTheirOwn) {
+  fs::create_directories(folder_ / "x");
+  fs::create_directories(folder_ / "y");
+  write("x/s.csv", table(95, 0.2, 1.4));
+  write("y/s.csv", table(96, 0.2, 1.4));
+  run("fit x/s.csv y/s.csv --out f.json --quiet --goodness-replicates 0");
+  EXPECT_EQ(found().at("recordings").at(0).at("recording"), "x/s.csv");
+  EXPECT_EQ(found().at("recordings").at(1).at("recording"), "y/s.csv");
+  const auto named = [](std::string rows) {
+    std::string text;
+    std::istringstream lines(rows);
+    for (std::string line; std::getline(lines, line);)
+      text += (text.empty() ? "recording," : "drop.wav,") + line + "\n";
+    return text;
+  };
+  write("x/s.csv", named(table(95, 0.2, 1.4)));
+  write("y/s.csv", named(table(96, 0.2, 1.4)));
+  const Result result = run("fit x/s.csv y/s.csv --out f.json --force --goodness-replicates 0");
+  EXPECT_THAT(result.err, testing::HasSubstr("drop.wav: several files have the same drop of this recording"));
+  EXPECT_EQ(found().at("recordings").at(1).at("recording"), "drop.wav (y/s.csv)");
+}
+
+TEST_F(FitCommand, TheSameSamplesTwiceCountOnce) {
+  write("a.csv", table(190, 0.2, 1.4));
+  write("b.csv", table(190, 0.2, 1.4));
+  const Result result = run("fit a.csv b.csv --out f.json --goodness-replicates 0");
+  EXPECT_THAT(result.err, testing::HasSubstr("b.csv: the same samples as a.csv (by content); counted once"));
+  EXPECT_EQ(found().at("n_used"), 190);
+  EXPECT_TRUE(found().at("recordings").empty());
+}
+
 /// Onsets of one drop of constant eps.
 std::string onsets(int n) {
   std::string text = "drop,impact,t_s,sigma_t_s\n";
@@ -124,6 +195,23 @@ TEST_F(FitCommand, SamplesSayWhatWasTakenOutAndTheBudgetBelievesThem) {
   const auto effects = found().at("budget").at("effects");
   EXPECT_EQ(effects[0].at("state"), "taken out");
   EXPECT_EQ(effects[1].at("state"), "not taken out");
+}
+
+TEST_F(FitCommand, RecordingsAreKeptFromTheOnsetsToTheFitInEveryFormat) {
+  const std::string drop = onsets(90);
+  std::string both = "recording,drop,impact,t_s,sigma_t_s\n";
+  for (const char* name : {"a.wav", "b.wav"}) {
+    std::istringstream lines(drop.substr(drop.find('\n') + 1));
+    for (std::string line; std::getline(lines, line);) both += std::string(name) + "," + line + "\n";
+  }
+  write("o.csv", both);
+  for (const std::string format : {"csv", "jsonl", "h5"}) {
+    EXPECT_EQ(run("restitution o.csv --out s." + format).exit_code, 0);
+    run("fit s." + format + " --out f.json --force --quiet --goodness-replicates 0");
+    ASSERT_EQ(found().at("recordings").size(), 2u) << format;
+    EXPECT_EQ(found().at("recordings").at(0).at("recording"), "a.wav");
+    EXPECT_EQ(found().at("recordings").at(1).at("n"), 88);
+  }
 }
 
 TEST_F(FitCommand, TravelTimeIsTakenOutWherePositionsAreKnown) {

@@ -4,6 +4,8 @@
 #include <gsl/gsl_cdf.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace bouncelab::fit {
 namespace {
 
@@ -26,6 +28,17 @@ TEST(Distributions, StudentsTIsThatOfGsl) {
       const double expected = gsl_cdf_tdist_P(t, nu);
       EXPECT_NEAR(student_t_below(t, nu), expected, kTolerance * expected) << nu << " " << t;
     }
+}
+
+TEST(Distributions, FishersFIsThatOfGsl) {
+  for (const double d1 : {1.0, 4.0, 19.0, 300.0})
+    for (const double d2 : {1.0, 10.0, 75.0, 15000.0})
+      for (const double f : {1e-3, 0.5, 1.0, 2.0, 12.0}) {
+        const double expected = gsl_cdf_fdist_Q(f, d1, d2);
+        EXPECT_NEAR(f_survival(f, d1, d2), expected, kTolerance * (1.0 + expected)) << d1 << " " << d2 << " " << f;
+      }
+  EXPECT_EQ(f_survival(0.0, 3.0, 5.0), 1.0);
+  EXPECT_EQ(f_survival(HUGE_VAL, 3.0, 5.0), 0.0);
 }
 
 TEST(Distributions, QuantileOfStudentsTIsThatOfGsl) {

@@ -296,5 +296,15 @@ TEST(LawFit, RejectsBrokenContracts) {
   EXPECT_THROW(fit_law(samples, {}), InvalidArgument);
 }
 
+TEST(LawFit, ASearchOfEightSamplesThatEndsBesideThemKeepsEnoughForALaw) {
+  testing::SyntheticRun run;
+  run.seed = 556;  // the search goes astray there
+  run.below_at_1mps = 6e-3;
+  run.above_at_1mps = 2e-3;
+  const LawFit fit = fit_law(testing::independent_samples(run, 8, 0.2, 1.4, 2e-4), {});
+  EXPECT_EQ(fit.n + fit.outliers.size(), 8u);
+  EXPECT_GE(fit.n, 3u);
+}
+
 }  // namespace
 }  // namespace bouncelab::fit

@@ -59,6 +59,7 @@ function figures() {
 function tables() {
   truthTable();
   lawTable();
+  recordingsTable();
   otherFits();
   histogramTables();
   timingTable();

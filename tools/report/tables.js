@@ -42,6 +42,19 @@ function lawTable() {
   if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
 }
 
+/// Do several recordings agree, and the law of each.
+function recordingsTable() {
+  const all = (fit && fit.recordings) || [], test = fit && fit.recordings_test;
+  const far = r => r.offset && r.offset.se > 0 ? Math.abs(r.offset.value) / r.offset.se : 0;
+  const most = 50, shown = all.length > most ? [...all].sort((a, b) => far(b) - far(a)).slice(0, most) : all;
+  const nodes = (law && law.nodes) || [];
+  const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
+  table('Recordings', ['recording', 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
+        shown.map(r => [r.recording || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
+        (test ? `Each alone. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
+        (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
+}
+
 function otherFits() {
   if (!law || !law.nodes) return;
   const others = [['as above', law], ['least squares (follows the mean)', fit.law_least_squares], ['least absolute deviations (median)', fit.law_least_absolute],

@@ -79,6 +79,13 @@ double student_t_below(double t, double nu) {
   return t > 0.0 ? 1.0 - tail : tail;
 }
 
+double f_survival(double f, double d1, double d2) {
+  if (!(f > 0.0)) return f <= 0.0 ? 1.0 : f;
+  if (std::isinf(f)) return 0.0;
+  const double sum = d2 + d1 * f;
+  return incomplete_beta(0.5 * d2, 0.5 * d1, d2 / sum, d1 * f / sum);
+}
+
 double student_t_quantile(double p, double nu) {
   double lo = 0.0, hi = 1.0;
   while (student_t_below(hi, nu) < p && hi < 1e300) hi *= 2.0;

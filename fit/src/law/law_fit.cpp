@@ -131,12 +131,14 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers) {
   const LawLikelihood likelihood(data, model, fit.family);
-  std::vector<std::size_t> kept;
+  std::vector<std::size_t> kept, lost;
   for (std::size_t k = 0; k < data.size(); ++k)
-    (likelihood.probability_of_lost(fit.maximum.x, k) > 0.5 ? outliers : kept).push_back(rows[k]);
-  const bool any = kept.size() < rows.size();
+    (likelihood.probability_of_lost(fit.maximum.x, k) > 0.5 ? lost : kept).push_back(rows[k]);
+  // a curve that so few follow is none: a search of few samples may end beside nearly all of them
+  if (lost.empty() || kept.size() < std::max(kFewest, lost.size())) return false;
   rows = std::move(kept);
-  return any;
+  outliers.insert(outliers.end(), lost.begin(), lost.end());
+  return true;
 }
 
 std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, FitStatus& status) {

@@ -15,6 +15,11 @@ std::string joined(const std::vector<std::string>& parts, const char* separator 
   return text;
 }
 
+std::string sentence(std::string text) {
+  text.front() = text.front() == 't' ? 'T' : text.front();
+  return text + ".";
+}
+
 std::string describe_nodes(const LawFit& law) {
   std::vector<std::string> nodes;
   for (const NodeEstimate& node : law.nodes)
@@ -133,11 +138,14 @@ std::string in_dem(const FitResult& r) {
 
 std::vector<Finding> findings_of(const FitResult& result) {
   if (!usable(result)) return {};
-  return {{"What are the constants?", constants(result)},
-          {"How sure is that?", certainty(result.law)},
-          {"What limits it?", limits(result)},
-          {"Is the scatter Gaussian?", gaussian(result.histograms)},
-          {"How do I use it in a DEM code?", in_dem(result)}};
+  std::vector<Finding> findings{{"What are the constants?", constants(result)},
+                                {"How sure is that?", certainty(result.law)},
+                                {"What limits it?", limits(result)},
+                                {"Is the scatter Gaussian?", gaussian(result.histograms)},
+                                {"How do I use it in a DEM code?", in_dem(result)}};
+  if (std::string agreement = in_words(result.recordings); !agreement.empty())
+    findings.insert(findings.begin() + 1, {"Do the recordings agree?", sentence(agreement)});
+  return findings;
 }
 
 }  // namespace bouncelab::fit

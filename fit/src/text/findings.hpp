@@ -15,7 +15,8 @@ std::string describe(const Ball& ball);
 /// @param used  the samples that were fitted
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used);
 
-/// The five questions that a reader brings, answered in a sentence or two from the numbers of the result.
+/// The questions that a reader brings (five; with several recordings a sixth, whether they agree), answered in a
+/// sentence or two from the numbers of the result.
 std::vector<Finding> findings_of(const FitResult& result);
 
 }  // namespace bouncelab::fit

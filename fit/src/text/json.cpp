@@ -20,6 +20,7 @@ Json json_of(const ScatterModel& s);
 Json json_of(const DropCount& d);
 Json json_of(const TimingNoise& t);
 Json json_of(const DemExport& h);
+Json json_of(const RecordingsTest& t);
 template <class T>
 Json json_of(const std::optional<T>& x) {
   return x ? json_of(*x) : Json(nullptr);
@@ -77,9 +78,9 @@ Json json_of(const ScatterModel& s) {
           {"log_above", s.log_above}};
 }
 
-Json nodes_of(const LawFit& fit) {
+Json nodes_of(const std::vector<NodeEstimate>& estimates) {
   Json nodes = Json::array();
-  for (const NodeEstimate& node : fit.nodes)
+  for (const NodeEstimate& node : estimates)
     nodes.push_back({{"v_mps", node.v_mps},
                      {"eps", json_of(node.eps.value)},
                      {"se", json_of(node.eps.se)},
@@ -128,7 +129,7 @@ Json json_of(const LawFit& fit) {
   j["correlation"] = json_of(fit.correlation);
   j["covariance"] = json_of(fit.covariance);
   j["condition_number"] = json_of(fit.condition_number);
-  j["nodes"] = nodes_of(fit);
+  j["nodes"] = nodes_of(fit.nodes);
   j["node_correlation"] = json_of(fit.node_correlation);
   j["scatter"] = json_of(fit.scatter);
   j["loglik"] = json_of(fit.loglik);
@@ -244,11 +245,44 @@ Json json_of(const DemExport& h) {
           {"snippets", snippets}};
 }
 
+Json json_of(const RecordingsTest& t) {
+  return {{"n_recordings", t.n_recordings},
+          {"likelihood_ratio", json_of(t.likelihood_ratio)},
+          {"f", json_of(t.f)},
+          {"ndf", json_of(t.ndf)},
+          {"ndf_within", json_of(t.ndf_within)},
+          {"within", to_string(t.within)},
+          {"p_value", json_of(t.p_value)}};
+}
+
+Json json_of(const RecordingFit& r) {
+  Json j{{"recording", r.recording},
+         {"status", to_string(r.status)},
+         {"message", r.message},
+         {"law", to_string(r.kind)},
+         {"n", r.n},
+         {"n_outliers", r.n_outliers},
+         {"n_drops", r.n_drops},
+         {"v_lo_mps", r.v_lo_mps},
+         {"v_hi_mps", r.v_hi_mps},
+         {"offset", json_of(r.offset)},
+         {"nodes", nodes_of(r.nodes)}};
+  Json names = Json::array();
+  for (const NamedEstimate& p : r.parameters) {
+    j[p.name] = json_of(p.estimate);
+    names.push_back(p.name);
+  }
+  j["parameters"] = names;
+  return j;
+}
+
 }  // namespace
 
 std::string to_json(const FitResult& result, int indent) {
   Json histograms = Json::array();
   for (const HistogramFit& h : result.histograms) histograms.push_back(json_of(h));
+  Json recordings = Json::array();
+  for (const RecordingFit& r : result.recordings.rows) recordings.push_back(json_of(r));
   Json answers = Json::array();
   for (const Finding& a : result.findings) answers.push_back({{"question", a.question}, {"answer", a.answer}});
   const Json j{{"status", to_string(result.status)},
@@ -257,6 +291,8 @@ std::string to_json(const FitResult& result, int indent) {
                {"n_used", result.n_used},
                {"n_left_out", result.n_left_out},
                {"law", json_of(result.law)},
+               {"recordings_test", json_of(result.recordings.test)},
+               {"recordings", recordings},
                {"law_least_squares", json_of(result.law_least_squares)},
                {"law_least_absolute", json_of(result.law_least_absolute)},
                {"law_comparison", comparison_of(result.law.comparison)},

@@ -153,6 +153,7 @@ std::string describe(const Ball& ball) {
 
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used) {
   std::vector<std::string> warnings;
+  if (disagree(result.recordings)) warnings.push_back(in_words(result.recordings));
   warn_of_law(result.law, warnings);
   warn_of_timing(result.budget, warnings);
   warn_of_samples(used, warnings);

@@ -110,6 +110,7 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
   fit::FitConfig fit_config;
   fit_config.law.node_speeds_mps = config.node_speeds_mps;
   fit_config.budget = budget_config_of(loop.simulation);
+  fit_config.compare_recordings = false;  // each drop is one, all of the same ball
   loop.samples_direct = direct_samples(loop.rough.impacts);
   loop.samples_true = samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
   loop.samples_sound = samples_of(onsets_of(loop.rough.drops));

@@ -79,7 +79,7 @@ Constants times_to_constants(const AnalyzeOptions& options, const fs::path& fold
   restitution.out = folder / "samples.csv";
   constants.samples = clock.time("restitution", [&] { return run_restitution(restitution, run); });
   FitOptions fit = options.fit;
-  fit.samples = restitution.out;
+  fit.samples = {restitution.out};
   fit.out = folder / "fit.json";
   constants.fit = clock.time("fit", [&] { return as_stage(run_fit(fit, run)); });
   return constants;

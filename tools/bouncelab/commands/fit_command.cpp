@@ -3,9 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
 #include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/printable.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "files/provenance.hpp"
+#include "files/sample_files.hpp"
 #include "files/table_file.hpp"
 #include "progress_line.hpp"
 
@@ -21,6 +27,38 @@ std::string with_error(const fit::Estimate& e) {
   return fit::in_words(e.value, e.se) + (e.identified ? "" : " (not identifiable)");
 }
 
+/// How far a recording is off the curve of all, in standard errors.
+double distance(const fit::RecordingFit& row) {
+  return row.offset && row.offset->se && *row.offset->se > 0.0 ? std::abs(row.offset->value) / *row.offset->se : 0.0;
+}
+
+std::string describe(const fit::RecordingFit& row) {
+  std::string text =
+      fmt::format("  {}: {} samples", row.recording.empty() ? "(no name)" : printable(row.recording), row.n);
+  for (const fit::NodeEstimate& node : row.nodes)
+    text += fmt::format(", eps({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
+  if (row.nodes.empty()) text += "; " + row.message;
+  return text + "\n";
+}
+
+/// Whether the recordings agree, and a line for each; of many those that are furthest off.
+std::string describe(const fit::Recordings& recordings) {
+  constexpr std::size_t kMostLines = 20;
+  if (recordings.rows.empty()) return {};
+  std::vector<const fit::RecordingFit*> rows;
+  for (const fit::RecordingFit& row : recordings.rows) rows.push_back(&row);
+  if (rows.size() > kMostLines)
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const auto* a, const auto* b) { return distance(*a) > distance(*b); });
+  // where they do not agree, a warning says it
+  std::string text = disagree(recordings) ? "each recording alone:\n" : in_words(recordings) + ":\n";
+  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += describe(*rows[k]);
+  if (rows.size() > kMostLines)
+    text += fmt::format("  ... and {} more that differ less; all are in the results under \"recordings\"\n",
+                        rows.size() - kMostLines);
+  return text;
+}
+
 /// The result in a few lines, for people.
 std::string describe(const fit::FitResult& result) {
   std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.status));
@@ -33,30 +71,33 @@ std::string describe(const fit::FitResult& result) {
     if (h.slope_rising && h.slope_falling)
       text += fmt::format("p(eps) at {:.2g} m/s: slopes {} rising, {} falling; {}\n", h.v_mps,
                           with_error(*h.slope_rising), with_error(*h.slope_falling), h.verdict);
-  return text;
+  return text + describe(result.recordings);
 }
+
+std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
 
 }  // namespace
 
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
-  check_files(run, {options.samples}, {options.out, options.table});
-  const RestitutionSamples samples = samples_from_table(read_table(options.samples, sample_columns()), options.samples);
+  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
+  const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
+  Stage<fit::FitResult> stage;
+  Outcome& outcome = stage.outcome;
+  const RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
   fit::FitConfig config = options.config;
   config.law.seed = run.common.seed;
   config.n_threads = run.common.n_threads;
-  Stage<fit::FitResult> stage;
   stage.result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   const fit::FitResult& result = stage.result;
-  Outcome& outcome = stage.outcome;
-  write_text(run, options.out, to_json(result), {options.samples});
+  write_text(run, options.out, to_json(result), files);
   if (!options.table.empty() && !result.law.curve.empty())
-    write_table(run, options.table, fit::law_table(result.law), {options.samples});
+    write_table(run, options.table, fit::law_table(result.law), files);
   if (run.common.json) outcome.json = without_newline(to_json(result, 2));
   outcome.text = describe(result);
-  outcome.warnings = result.warnings;
+  outcome.warnings = joined(outcome.warnings, result.warnings);
   if (result.status != fit::FitStatus::ok) {
     outcome.exit_code = kNotUsable;
-    outcome.error = input_name(options.samples) + ": " + result.law.message;
+    outcome.error = input_name(files.front()) + more_files(files.size()) + ": " + result.law.message;
     std::erase(outcome.warnings, result.law.message);
   }
   return stage;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bouncelab/fit/fit.hpp"
 #include "command.hpp"
@@ -9,7 +10,7 @@
 namespace bouncelab::cli {
 
 struct FitOptions {
-  std::string samples;
+  std::vector<std::string> samples;  ///< files
   std::string out;
   std::string table;  ///< empty: none
   fit::FitConfig config;

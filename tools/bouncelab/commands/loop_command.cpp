@@ -66,7 +66,7 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   FitOptions fit;
   fit.config.law.node_speeds_mps = config.node_speeds_mps;
   fit.config.budget = loop::budget_config_of(config.simulation);
-  fit.samples = samples;
+  fit.samples = {samples.string()};
   fit.out = fit_json;
   Stage<fit::FitResult> fitted = as_stage(run_fit(fit, run));
   fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);

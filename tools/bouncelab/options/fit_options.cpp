@@ -64,8 +64,16 @@ Command add_fit_command(CLI::App& app) {
   auto options = std::make_shared<FitOptions>();
   CLI::App* command = app.add_subcommand("fit",
                                          "The law eps(v) and the histograms p(eps) from coefficients of restitution\n"
-                                         "Example: bouncelab fit samples.csv --out fit.json");
-  command->add_option("samples", options->samples, "Samples; columns v_mps and eps are enough")->required();
+                                         "Example: bouncelab fit samples.csv --out fit.json\n"
+                                         "         bouncelab fit ball_a.csv ball_b.csv --out fit.json");
+  command
+      ->add_option(
+          "samples", options->samples,
+          "Samples; columns v_mps and eps are enough. Recordings, by the column `recording` or else by the name "
+          "of the file, are tested for agreement; where two files have the same drop of the same recording, "
+          "they are two recordings")
+      ->required()
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--out", options->out, "Results, .json")->required();
   command->add_option("--table", options->table, "Also the law as a table v_mps, eps, lo95, hi95");
   add_fit_options(*command, *options);

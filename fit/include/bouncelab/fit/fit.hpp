@@ -18,6 +18,7 @@
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
+#include "bouncelab/fit/recordings.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::fit {
@@ -28,6 +29,7 @@ struct FitConfig {
   HistogramConfig histograms;
   BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
+  bool compare_recordings = true;       ///< fill FitResult::recordings where there are several
   int n_threads = 0;                    ///< 0: all cores; the result does not depend on it
 };
 
@@ -44,6 +46,7 @@ struct FitResult {
   LawFit law_viscoelastic;
   std::vector<HistogramFit> histograms;
   DensityPicture density;
+  Recordings recordings;
   ErrorBudget budget;
   std::optional<DemExport> dem_export;
   std::vector<std::string> warnings;  ///< in words, most important first

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+
+namespace bouncelab::fit {
+
+/// What a difference between recordings is measured by.
+enum class WithinUnit {
+  samples,  ///< by the scatter of the samples, as if all were independent: there are too few drops
+  drops,    ///< by how the drops within the recordings differ: holds also where impacts of a drop go together
+};
+/// The words of fit.json: "samples", "drops".
+const char* to_string(WithinUnit unit);
+
+/// Do several recordings follow one curve? The likelihood ratio of "one curve and one scatter for all" against "the
+/// same, but each recording's eps off by a constant of its own", as an analysis of variance: for normal scatter
+///
+///   F = [exp(L1/n) - 1] / ndf : 1 / ndf_within                  samples
+///   F = [exp(L1/n) - 1] / ndf : [1 - exp(-L2/n)] / ndf_within   drops; L2: a constant for each drop against L1
+///
+/// is exactly that of Fisher's F test of residual sums of squares (n samples), also where samples are few.
+struct RecordingsTest {
+  std::size_t n_recordings = 0;   ///< compared: those of three samples or more
+  double likelihood_ratio = 0.0;  ///< L1, twice the difference of the log-likelihoods
+  double f = 0.0;                 ///< F by ndf and ndf_within degrees of freedom if all recordings follow one curve
+  double ndf = 0.0, ndf_within = 0.0;
+  double p_value = 1.0;
+  WithinUnit within = WithinUnit::samples;  ///< drops from ten degrees of freedom between drops on
+};
+
+/// The law of one recording alone.
+struct RecordingFit {
+  std::string recording;
+  std::size_t n = 0;  ///< samples fitted, its own outliers left out
+  std::size_t n_outliers = 0;
+  std::size_t n_drops = 0;
+  double v_lo_mps = 0.0, v_hi_mps = 0.0;  ///< of its samples
+  FitStatus status = FitStatus::too_few_samples;
+  std::string message;  ///< in words, empty where all is well
+  LawKind kind = LawKind::series;
+  std::vector<NodeEstimate> nodes;  ///< the pooled fit's where its speeds reach; else its median speed
+  std::vector<NamedEstimate> parameters;
+  std::optional<Estimate> offset;  ///< of its eps from the curve of all, mean over all samples 0; by the test
+};
+
+struct Recordings {
+  std::optional<RecordingsTest> test;  ///< absent where fewer than two recordings can be compared
+  std::vector<RecordingFit> rows;      ///< in order of appearance; empty where there is one recording
+};
+
+/// The rows and the test. Of more than 100 recordings the rows' intervals are by covariance and, from 30 samples on,
+/// the scatter goes as a power of v: they take a third of the time.
+/// @param samples  finite, v > 0: those of the pooled fit with its outliers, which may be all of one recording
+/// @param config   of the pooled fit; its replicates and comparisons are not made again
+/// @param pooled   that fit: nodes, form of the scatter
+Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled);
+
+/// Do they agree, in a sentence: with p, and where they do not (p < 0.01) with the least and the greatest eps. Empty
+/// where there is one recording.
+std::string in_words(const Recordings& recordings);
+/// p < 0.01
+bool disagree(const Recordings& recordings);
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/recordings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "law/distributions.hpp"
+#include "law/law_likelihood.hpp"
+#include "law/maximise.hpp"
+#include "law/offsets.hpp"
+#include "law/start_values.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+constexpr std::size_t kFewestOfRecording = 3;
+constexpr std::size_t kFewestBetweenDrops = 10;  // degrees of freedom; below, F would have next to no power
+constexpr std::size_t kMany = 100;               // recordings: rows in a third of the time from there on
+constexpr double kSearch = 0.02;                 // of the whitened gradient: the likelihood ratio is good to 1e-3
+
+/// Samples of the recordings that can be compared, in order of speed.
+struct Compared {
+  LawData data;
+  Groups one, recordings, drops;
+};
+
+std::vector<RestitutionSamples> by_recording(const RestitutionSamples& samples) {
+  std::map<std::string, std::size_t> numbers;
+  std::vector<RestitutionSamples> groups;
+  for (const RestitutionSample& s : samples) {
+    const std::size_t number = numbers.try_emplace(s.recording, groups.size()).first->second;
+    if (number == groups.size()) groups.emplace_back();
+    groups[number].push_back(s);
+  }
+  return groups;
+}
+
+/// The largest of those that `may_be`.
+template <class MayBe>
+std::size_t largest(const Groups& groups, const MayBe& may_be) {
+  std::vector<std::size_t> n(groups.n_groups, 0);
+  for (std::size_t k = 0; k < groups.of_sample.size(); ++k)
+    if (may_be(k)) ++n[groups.of_sample[k]];
+  return static_cast<std::size_t>(std::max_element(n.begin(), n.end()) - n.begin());
+}
+
+Compared compared(const std::vector<RestitutionSamples>& recordings) {
+  constexpr double kEpsResolution = 1e-8;  // of eps, as in fit_law
+  std::vector<std::pair<const RestitutionSample*, std::size_t>> places;
+  Compared result;
+  for (const RestitutionSamples& samples : recordings) {
+    if (samples.size() < kFewestOfRecording) continue;
+    for (const RestitutionSample& s : samples) places.emplace_back(&s, result.recordings.n_groups);
+    ++result.recordings.n_groups;
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first->v_mps < b.first->v_mps; });
+  std::map<std::pair<std::size_t, std::int64_t>, std::size_t> drops;
+  for (const auto& [sample, recording] : places) {
+    result.data.v_mps.push_back(sample->v_mps);
+    result.data.eps.push_back(sample->eps);
+    result.data.tau.push_back(hypot(sample->sigma_eps.value_or(0.0), kEpsResolution));
+    result.recordings.of_sample.push_back(recording);
+    result.drops.of_sample.push_back(drops.try_emplace({recording, sample->drop}, drops.size()).first->second);
+  }
+  result.data.drop = result.drops.of_sample;
+  result.drops.n_groups = drops.size();
+  result.one = {std::vector<std::size_t>(places.size(), 0), 1, 0};
+  if (places.empty()) return result;
+  const std::size_t reference = largest(result.recordings, [](std::size_t) { return true; });
+  result.recordings.reference = reference;
+  // so that offsets by recording are among those by drop
+  result.drops.reference =
+      largest(result.drops, [&](std::size_t k) { return result.recordings.of_sample[k] == reference; });
+  return result;
+}
+
+ScatterFamily family_of(const LawFit& pooled) {
+  const ScatterKind kind = pooled.method == LawMethod::asymmetric_laplace ? ScatterKind::normal_laplace
+                           : pooled.method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
+                                                                          : ScatterKind::normal;
+  return {kind, pooled.scatter->log_below.size(), pooled.scatter->v_ref_mps};
+}
+
+/// Of one curve and one scatter, and of offsets by recording or drop beside them.
+struct Likelihoods {
+  double one = 0.0, by_recording = 0.0, by_drop = 0.0;
+  std::vector<OffsetLikelihood::Offset> offsets;  ///< by recording
+  Eigen::VectorXd q;
+};
+
+/// Curve and size of the scatter at their best beside the offsets. The shape of the scatter stays that of one curve:
+/// for few samples its parameters would follow what the offsets make of the residuals, and F would be too large.
+double with_offsets(OffsetLikelihood& offsets, const Eigen::VectorXd& one) {
+  const LawLikelihood& likelihood = offsets.likelihood();
+  const ScatterFamily& scatter = likelihood.scatter();
+  const Eigen::Index n_law = likelihood.model().n_parameters();
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(one.size(), n_law + 1);
+  directions.topLeftCorner(n_law, n_law).setIdentity();
+  directions(n_law, n_law) = 1.0;
+  if (scatter.is_two_sided()) directions(n_law + static_cast<Eigen::Index>(scatter.n_terms), n_law) = 1.0;
+  const LogLikelihood function = [&](const Eigen::VectorXd& y, Eigen::VectorXd* gradient) {
+    const double value = offsets(one + directions * y, gradient);
+    if (gradient) *gradient = (directions.transpose() * *gradient).eval();
+    return value;
+  };
+  const Maximum maximum = maximise(function, Eigen::VectorXd::Zero(n_law + 1),
+                                   directions.transpose() * likelihood.information(one) * directions, kSearch);
+  function(maximum.x, nullptr);
+  return maximum.loglik;
+}
+
+std::optional<Likelihoods> likelihoods(const Compared& samples, const LawModel& model, const ScatterFamily& family) {
+  LawData data = samples.data;
+  const Eigen::VectorXd start = start_values(data, model, family);
+  if (start.size() == 0) return std::nullopt;
+  if (family.kind != ScatterKind::normal)
+    widen(data, LawLikelihood(data, model, family), start,
+          std::sqrt(static_cast<double>(model.n_parameters()) / static_cast<double>(data.size())));
+  const LawLikelihood likelihood(data, model, family);
+  const Maximum one = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, start,
+                               likelihood.information(start), kSearch);
+  OffsetLikelihood recordings(data, samples.recordings, model, family);
+  const double by_recording = with_offsets(recordings, one.x);
+  Likelihoods result{one.loglik, by_recording, by_recording, recordings.offsets(), one.x.head(model.n_parameters())};
+  if (samples.drops.n_groups >= samples.recordings.n_groups + kFewestBetweenDrops) {
+    OffsetLikelihood drops(data, samples.drops, model, family);
+    result.by_drop = with_offsets(drops, one.x);
+  }
+  return result;
+}
+
+struct Agreement {
+  RecordingsTest test;
+  std::vector<OffsetLikelihood::Offset> offsets;
+};
+
+std::optional<Agreement> agreement(const std::vector<RestitutionSamples>& recordings, const LawFitConfig& config,
+                                   const LawFit& pooled) {
+  const Compared samples = compared(recordings);
+  if (samples.recordings.n_groups < 2 || !pooled.scatter) return std::nullopt;
+  const std::vector<int> orders(
+      config.orders.begin(),
+      config.orders.begin() + static_cast<std::ptrdiff_t>(std::min(config.orders.size(), pooled.parameters.size())));
+  const LawModel model = make_law_model(pooled.kind, orders, samples.data.v_mps);
+  const auto found = likelihoods(samples, model, family_of(pooled));
+  if (!found) return std::nullopt;
+  const auto rank_of = [&](const Groups& groups) { return rank_with_offsets(samples.data, model, found->q, groups); };
+  const std::size_t rank = rank_of(samples.one), rank_1 = rank_of(samples.recordings), rank_2 = rank_of(samples.drops);
+  const std::size_t n = samples.data.size();
+  if (rank_1 <= rank || rank_1 >= n) return std::nullopt;
+  Agreement result;
+  RecordingsTest& test = result.test;
+  test.n_recordings = samples.recordings.n_groups;
+  test.likelihood_ratio = std::max(0.0, 2.0 * (found->by_recording - found->one));
+  test.ndf = static_cast<double>(rank_1 - rank);
+  const double between = expm1(test.likelihood_ratio / static_cast<double>(n)) / test.ndf;
+  if (rank_2 >= rank_1 + kFewestBetweenDrops && rank_2 < n) {
+    test.within = WithinUnit::drops;
+    test.ndf_within = static_cast<double>(rank_2 - rank_1);
+    const double ratio = std::max(0.0, 2.0 * (found->by_drop - found->by_recording));
+    test.f = between * test.ndf_within / -expm1(-ratio / static_cast<double>(n));
+  } else {
+    test.ndf_within = static_cast<double>(n - rank_1);
+    test.f = between * test.ndf_within;
+  }
+  test.p_value = f_survival(test.f, test.ndf, test.ndf_within);
+  result.offsets = found->offsets;
+  return result;
+}
+
+RecordingFit row_of(const RestitutionSamples& samples, LawFitConfig config, const LawFit& pooled, bool is_one_of_many) {
+  RecordingFit row;
+  row.recording = samples.front().recording;
+  std::set<std::int64_t> drops;
+  std::vector<double> v;
+  for (const RestitutionSample& s : samples) {
+    drops.insert(s.drop);
+    v.push_back(s.v_mps);
+  }
+  std::sort(v.begin(), v.end());
+  row.n_drops = drops.size();
+  row.v_lo_mps = v.front();
+  row.v_hi_mps = v.back();
+  config.node_speeds_mps.clear();
+  for (const NodeEstimate& node : pooled.nodes)
+    if (node.v_mps >= row.v_lo_mps && node.v_mps <= row.v_hi_mps) config.node_speeds_mps.push_back(node.v_mps);
+  if (config.node_speeds_mps.empty()) config.node_speeds_mps = {v[v.size() / 2]};
+  config.n_goodness = config.n_bootstrap = 0;
+  config.compare_laws = false;
+  if (is_one_of_many) {
+    constexpr std::size_t kWidthKnown = 30;  // below, fit_law takes one term without a choice
+    config.intervals = IntervalMethod::covariance;
+    if (config.n_scatter_terms == 0 && samples.size() >= kWidthKnown) config.n_scatter_terms = 2;
+  }
+  LawFit fit = fit_law(samples, config);
+  row.n = fit.n;
+  row.n_outliers = fit.outliers.size();
+  row.status = fit.status;
+  row.message = fit.message;
+  row.kind = fit.kind;
+  row.nodes = std::move(fit.nodes);
+  row.parameters = std::move(fit.parameters);
+  return row;
+}
+
+/// Offsets about their mean over all samples.
+void add_offsets(const std::vector<OffsetLikelihood::Offset>& offsets,
+                 const std::vector<RestitutionSamples>& recordings, std::vector<RecordingFit>& rows) {
+  double mean = 0.0, n = 0.0;
+  auto next = offsets.begin();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (recordings[k].size() < kFewestOfRecording) continue;
+    const auto size = static_cast<double>(recordings[k].size());
+    rows[k].offset = normal_estimate(next->value, next->se);
+    mean += size * next->value;
+    n += size;
+    ++next;
+  }
+  for (RecordingFit& row : rows)
+    if (row.offset) row.offset = normal_estimate(row.offset->value - mean / n, *row.offset->se);
+}
+
+}  // namespace
+
+const char* to_string(WithinUnit unit) { return unit == WithinUnit::drops ? "drops" : "samples"; }
+
+Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled) {
+  const std::vector<RestitutionSamples> recordings = by_recording(samples);
+  if (recordings.size() < 2) return {};
+  Recordings result;
+  result.rows.resize(recordings.size());
+  with_threads(0, [&] {
+    parallel_for(recordings.size(), 0, [&](std::size_t k) {
+      result.rows[k] = row_of(recordings[k], config, pooled, recordings.size() > kMany);
+    });
+    if (const auto found = agreement(recordings, config, pooled)) {
+      result.test = found->test;
+      add_offsets(found->offsets, recordings, result.rows);
+    }
+  });
+  return result;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/recordings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/fit/fit.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// One ball's recording.
+struct Ball {
+  std::string recording;
+  std::size_t n = 40;
+  double shift = 0.0;  ///< of eps from the common law
+  std::size_t n_drops = 1;
+  double sd_between_drops = 0.0;
+};
+
+RestitutionSamples samples_of(const std::vector<Ball>& balls, std::uint64_t seed) {
+  RestitutionSamples all;
+  for (std::size_t k = 0; k < balls.size(); ++k) {
+    const Ball& ball = balls[k];
+    testing::SyntheticRun run;
+    run.scatter = testing::Scatter::normal;
+    run.above_at_1mps = 2e-3;
+    run.seed = 1000 * seed + k;
+    RestitutionSamples samples = testing::independent_samples(run, ball.n, 0.2, 1.4, 1e-4);
+    Random random(run.seed, RandomStream::test, 1);
+    std::vector<double> of_drop;
+    for (std::size_t d = 0; d < ball.n_drops; ++d) of_drop.push_back(ball.sd_between_drops * random.normal());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const std::size_t drop = i * ball.n_drops / samples.size();
+      samples[i].recording = ball.recording;
+      samples[i].drop = static_cast<std::int64_t>(drop);
+      samples[i].eps += ball.shift + of_drop[drop];
+    }
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+  return all;
+}
+
+Recordings compared(const RestitutionSamples& samples) {
+  LawFitConfig config;
+  config.intervals = IntervalMethod::covariance;
+  return compare_recordings(samples, config, fit_law(samples, config));
+}
+
+/// Kolmogorov's distance of the p-values of so many experiments from the uniform distribution, over its scale.
+double distance_from_uniform(const std::vector<Ball>& balls, std::size_t n_experiments) {
+  std::vector<double> p;
+  for (std::uint64_t seed = 1; seed <= n_experiments; ++seed)
+    p.push_back(compared(samples_of(balls, seed)).test->p_value);
+  std::sort(p.begin(), p.end());
+  double distance = 0.0;
+  const auto n = static_cast<double>(p.size());
+  for (std::size_t k = 0; k < p.size(); ++k)
+    distance = std::max({distance, (static_cast<double>(k) + 1.0) / n - p[k], p[k] - static_cast<double>(k) / n});
+  return distance * std::sqrt(n);
+}
+
+constexpr double kOnceInAThousand = 1.95;  // of Kolmogorov's distribution
+
+TEST(Recordings, OfTwoEqualBallsAgreeWithAUniformP) {
+  EXPECT_LT(distance_from_uniform({{"a"}, {"b"}}, 60), kOnceInAThousand);
+}
+
+TEST(Recordings, OfFiveEqualBallsAndEightSamplesEachAgreeWithAUniformP) {
+  EXPECT_LT(distance_from_uniform({{"a", 8}, {"b", 8}, {"c", 8}, {"d", 8}, {"e", 8}}, 100), kOnceInAThousand);
+}
+
+TEST(Recordings, WhoseDropsDifferAgreeWithAUniformPWhereThereAreTenDrops) {
+  const double sd = 2e-3;  // as the scatter of the samples
+  EXPECT_LT(distance_from_uniform({{"a", 48, 0.0, 6, sd}, {"b", 48, 0.0, 6, sd}}, 60), kOnceInAThousand);
+  EXPECT_EQ(compared(samples_of({{"a", 48, 0.0, 6, sd}, {"b", 48, 0.0, 6, sd}}, 1)).test->within, WithinUnit::drops);
+}
+
+TEST(Recordings, OfTwoBallsThatDifferByAHundredthAreToldApart) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Recordings found = compared(samples_of({{"a"}, {"b", 40, 0.01}}, seed));
+    EXPECT_LT(found.test->p_value, 1e-4) << seed;
+    ASSERT_TRUE(found.rows.at(0).offset && found.rows.at(1).offset);
+    EXPECT_NEAR(found.rows[1].offset->value - found.rows[0].offset->value, 0.01, 4e-3) << seed;
+    EXPECT_THAT(in_words(found), ::testing::HasSubstr("do not agree"));
+  }
+}
+
+TEST(Recordings, OneThatIsFarFromAllOthersIsNotLeftOutAsOutliersInSilence) {
+  const RestitutionSamples samples = samples_of({{"a", 400}, {"b", 8, -0.2}}, 3);
+  FitConfig config;
+  config.n_goodness = 0;
+  const FitResult result = fit_all(samples, config);
+  EXPECT_TRUE(disagree(result.recordings));
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_THAT(result.warnings.front(), ::testing::HasSubstr("the 2 recordings do not agree"));
+  EXPECT_THAT(result.warnings.front(), ::testing::HasSubstr("(b) to "));
+}
+
+TEST(Recordings, RowIsTheFitOfThatRecordingAlone) {
+  const RestitutionSamples b = samples_of({{"b", 60}}, 7);
+  RestitutionSamples all = samples_of({{"a", 60}}, 8);
+  all.insert(all.end(), b.begin(), b.end());
+  LawFitConfig config;
+  const LawFit pooled = fit_law(all, config);
+  const Recordings found = compare_recordings(all, config, pooled);
+  ASSERT_EQ(found.rows.size(), 2u);
+  EXPECT_EQ(found.rows[1].recording, "b");
+  for (const NodeEstimate& node : pooled.nodes) config.node_speeds_mps.push_back(node.v_mps);
+  const LawFit alone = fit_law(b, config);
+  ASSERT_EQ(found.rows[1].nodes.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(found.rows[1].nodes[k].eps.value, alone.nodes[k].eps.value);
+    EXPECT_EQ(found.rows[1].nodes[k].eps.ci95->lo, alone.nodes[k].eps.ci95->lo);
+  }
+  EXPECT_EQ(found.rows[1].parameters.at(0).estimate.value, alone.parameters.at(0).estimate.value);
+}
+
+TEST(Recordings, OfOneThereIsNoTestAndNoRow) {
+  const Recordings found = compared(samples_of({{"a"}}, 1));
+  EXPECT_FALSE(found.test);
+  EXPECT_TRUE(found.rows.empty());
+  EXPECT_EQ(in_words(found), "");
+}
+
+TEST(Recordings, OfTwoSamplesHaveARowAndAreNotCompared) {
+  const Recordings found = compared(samples_of({{"a"}, {"b", 2}}, 1));
+  EXPECT_FALSE(found.test);
+  ASSERT_EQ(found.rows.size(), 2u);
+  EXPECT_EQ(found.rows[1].status, FitStatus::too_few_samples);
+  EXPECT_THAT(in_words(found), ::testing::HasSubstr("cannot be compared"));
+}
+
+TEST(Recordings, ResultDoesNotDependOnTheirOrder) {
+  RestitutionSamples samples = samples_of({{"a"}, {"b", 40, 0.002}, {"c", 30}}, 5);
+  const double p = compared(samples).test->p_value;
+  std::reverse(samples.begin(), samples.end());
+  EXPECT_NEAR(compared(samples).test->p_value, p, 0.02 * p);  // likelihoods within 1e-3 or so of their maxima
+}
+
+TEST(Recordings, AtSpeedsOfTheirOwnCannotBeToldFromTheCurve) {
+  RestitutionSamples samples = samples_of({{"a"}, {"b"}}, 5);
+  for (RestitutionSample& s : samples) s.v_mps = s.recording == "a" ? 0.3 : 0.9;
+  EXPECT_FALSE(compared(samples).test);
+}
+
+}  // namespace
+}  // namespace bouncelab::fit
