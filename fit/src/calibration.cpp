@@ -99,10 +99,10 @@ double timing_error(const CalibrationConfig& config, double v_mps) {
 }
 
 /// Speeds of the first seed, rising, the two or three beyond the lowest release left out: at most some 4000 of them.
-std::vector<double> speeds_of(const CalibrationConfig& config) {
+std::vector<double> speeds_of(const CalibrationConfig& config, const RestitutionSamples& samples) {
   constexpr std::size_t kEnough = 4000;
   std::vector<double> v;
-  for (const RestitutionSample& s : calibration_samples(config, 0))
+  for (const RestitutionSample& s : samples)
     if (s.v_mps < 0.99 * std::sqrt(kLowestHeight) * config.v_hi_mps) v.push_back(s.v_mps);
   std::sort(v.begin(), v.end());
   const std::size_t stride = std::max<std::size_t>(1, v.size() / kEnough);
@@ -112,10 +112,10 @@ std::vector<double> speeds_of(const CalibrationConfig& config) {
 }
 
 /// Cramer-Rao bounds at the truth if samples were independent: of the nodes, then of the constants.
-std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatter) {
+std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatter, const RestitutionSamples& samples) {
   constexpr Eigen::Index kTerms = 6;
   LawData data;
-  data.v_mps = speeds_of(config);
+  data.v_mps = speeds_of(config, samples);
   const auto n = static_cast<Eigen::Index>(data.size());
   Eigen::MatrixXd powers(n, kTerms), log_b(n, 2);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -157,7 +157,8 @@ std::vector<double> windows_of(const CalibrationConfig& config) {
 
 /// Cramer-Rao bounds of rising and falling slope in a window if samples were independent, peak and both slopes unknown,
 /// the drift inside it known.
-std::pair<double, double> slope_bounds(const CalibrationConfig& config, const LaplaceSides& sides, double v_mps) {
+std::pair<double, double> slope_bounds(const CalibrationConfig& config, const RestitutionSamples& samples,
+                                       const LaplaceSides& sides, double v_mps) {
   // as many as make the prior on the sides' ratio negligible
   constexpr std::size_t kCopies = 4000;
   const LawData data{std::vector(kCopies, v_mps), std::vector(kCopies, restitution(config.law, v_mps)),
@@ -166,7 +167,6 @@ std::pair<double, double> slope_bounds(const CalibrationConfig& config, const La
   const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, v_mps});
   Eigen::VectorXd theta(3);
   theta << data.eps[0], log(sides.b_below), log(sides.b_above);
-  const RestitutionSamples samples = calibration_samples(config, 0);
   const auto n = static_cast<double>(std::count_if(samples.begin(), samples.end(), [&](const RestitutionSample& s) {
     return std::abs(s.v_mps - v_mps) < 0.5 * kWindowWidth_mps;
   }));
@@ -207,11 +207,12 @@ std::vector<CalibrationRow> rows_of(const CalibrationConfig& config) {
   for (const int order : orders_of(config.law))
     rows.push_back({"A" + std::to_string(order), config.law.a[static_cast<std::size_t>(order)]});
   const Scatter scatter(config);
-  const std::vector<double> of_law = bounds(config, scatter);
+  const RestitutionSamples samples = calibration_samples(config, 0);  // their speeds
+  const std::vector<double> of_law = bounds(config, scatter, samples);
   for (std::size_t j = 0; j < rows.size(); ++j) rows[j].bound_independent = of_law[j];
   for (const double v : windows_of(config)) {
     const LaplaceSides sides = scatter.at(v);
-    const auto [rising, falling] = slope_bounds(config, sides, v);
+    const auto [rising, falling] = slope_bounds(config, samples, sides, v);
     const std::string speed = "(" + std::to_string(v).substr(0, 3) + ")";
     rows.push_back({"rising" + speed, 1.0 / sides.b_below, rising});
     rows.push_back({"falling" + speed, 1.0 / sides.b_above, falling});

@@ -58,10 +58,11 @@ constexpr std::size_t kSamplesPerParameter = 30;
 /// several terms need, besides, 30 samples for each parameter of law and scatter.
 bool is_identified(const LawModel& model, Eigen::Index i, const Estimate& a, double v_mps, double eps) {
   if (!a.se || !std::isfinite(*a.se)) return false;
-  if (3.0 * *a.se < std::abs(a.value) || model.kind != LawKind::series) return true;
+  const double se = std::max(*a.se, a.se_independent.value_or(0.0));
+  if (3.0 * se < std::abs(a.value) || model.kind != LawKind::series) return true;
   const int order = model.orders[static_cast<std::size_t>(i)];
   const double of_term = std::abs(kViscoelasticC[static_cast<std::size_t>(order)]) * pow(v_mps, 0.1 * order);
-  return *a.se * of_term < std::abs(1.0 - eps);
+  return se * of_term < std::abs(1.0 - eps);
 }
 
 /// Parameters tied to one that is not identified by a correlation above .99 are not identified either: the

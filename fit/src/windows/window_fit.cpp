@@ -88,7 +88,8 @@ Estimate slope_estimate(const WindowFit& fit, Eigen::Index side) {
   constexpr double kKnownToAFactor2 = 0.35;  // standard error of log b
   const QuantityError& error = fit.errors[static_cast<std::size_t>(side)];
   Estimate e = exponential_estimate(-fit.maximum.x[side], error, -1.0);
-  e.identified = error.se < kKnownToAFactor2;
+  // where the prior on the ratio of the sides decides, drops agree with each other
+  e.identified = std::max(error.se, error.se_independent.value_or(0.0)) < kKnownToAFactor2;
   return e;
 }
 
