@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/fit/restitution.hpp"
+#include "few_samples.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -127,14 +128,15 @@ TEST(LawFit, StatesTheCramerRaoBound) {
   run.above_at_1mps = run.below_at_1mps = 4e-4;
   LawFitConfig config = quick();
   config.kind = LawKind::constant;
-  const std::size_t n = 900;
+  config.n_scatter_terms = 1;
+  const std::size_t n = 1200;  // enough to see that there is no normal part
   auto samples = independent_samples(run, n, 0.999, 1.001, 0.0);
   for (auto& s : samples) s.drop = 0;  // the model's errors
   const auto fit = fit_law(samples, config);
-  ASSERT_EQ(fit.scatter->log_below.size(), 1u);  // BIC sees one speed
+  ASSERT_EQ(fit.scatter->normal_ratio, 0.0);
   const double b = std::sqrt(fit.scatter->below(1.0) * fit.scatter->above(1.0));
   // the smoothed kink costs about 1/sqrt(n) of it
-  EXPECT_NEAR(*fit.parameters[0].estimate.se / (b * std::sqrt(2.0 / n)), 1.0, 0.05);
+  EXPECT_NEAR(*fit.parameters[0].estimate.se_independent / (b * std::sqrt(2.0 / n)), 1.0, 0.05);
 }
 
 TEST(LawFit, FollowsThePeakWhereLeastSquaresFollowsTheMean) {
@@ -243,11 +245,74 @@ TEST(LawFit, DoesNotChangeWithTheOrderOfSamples) {
   EXPECT_EQ(fit.parameters[0].estimate.value, again.parameters[0].estimate.value);
 }
 
-TEST(LawFit, OfThreeSamplesIsTooFew) {
-  const auto fit = fit_law(independent_samples({}, 3, 0.2, 1.4, 0.0), {});
+TEST(LawFit, OfTwoSamplesIsTooFew) {
+  const auto fit = fit_law(independent_samples({}, 2, 0.2, 1.4, 0.0), {});
   EXPECT_EQ(fit.status, FitStatus::too_few_samples);
   EXPECT_TRUE(fit.parameters.empty());
   EXPECT_FALSE(fit.loglik);
+}
+
+TEST(LawFit, OfFewSamplesGivesTheLawTheyCanTell) {
+  for (const std::size_t n : {3u, 4u, 5u, 7u, 8u}) {
+    const auto fit = fit_law(testing::few_samples(testing::FewScatter::normal, n, 1), {});
+    ASSERT_NE(fit.status, FitStatus::too_few_samples) << n;
+    EXPECT_EQ(fit.kind, n < 5 ? LawKind::constant : LawKind::series);
+    EXPECT_EQ(fit.parameters.size(), n < 5 ? 1u : n < 8 ? 2u : 3u);
+    EXPECT_EQ(fit.notes.empty(), n >= 8) << n;
+    for (const NodeEstimate& node : fit.nodes) {
+      ASSERT_TRUE(node.eps.ci95) << n;
+      EXPECT_LT(node.eps.ci95->lo, node.eps.value);
+      EXPECT_GT(node.eps.ci95->hi, node.eps.value);
+    }
+  }
+}
+
+TEST(LawFit, IntervalsOfFewSamplesCoverWhateverTheScatter) {
+  // the short version of tests/bench/few_samples_coverage: 60 replicates, three speeds whose errors go together by a
+  // half: a share of .95 is known to .02, so .95 -+ three of them; pulls' sd to .07
+  const std::vector<double> speeds_mps{0.12, 0.3, 0.7};
+  for (const std::size_t n : {8u, 12u, 40u, 150u})
+    for (const testing::FewScatter scatter : {testing::FewScatter::normal, testing::FewScatter::laplace,
+                                              testing::FewScatter::asymmetric, testing::FewScatter::student_t3,
+                                              testing::FewScatter::one_lost}) {
+      Study at[3];
+      for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        LawFitConfig config;
+        config.node_speeds_mps = speeds_mps;
+        const auto fit = fit_law(testing::few_samples(scatter, n, seed), config);
+        ASSERT_EQ(fit.nodes.size(), 3u);
+        for (std::size_t j = 0; j < 3; ++j) at[j].add(fit.nodes[j].eps, testing::few_samples_eps(speeds_mps[j]));
+      }
+      const double in95 = (at[0].in95 + at[1].in95 + at[2].in95) / (at[0].n + at[1].n + at[2].n);
+      EXPECT_GT(in95, 0.89) << n << " " << testing::to_string(scatter);
+      if (n >= 40) {
+        EXPECT_NEAR((at[0].sd() + at[1].sd() + at[2].sd()) / 3.0, 1.0, 0.28) << n << " " << testing::to_string(scatter);
+      }
+    }
+}
+
+TEST(LawFit, OneLostBounceInFortyMovesTheCurveByLessThanAFifthOfItsError) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    RestitutionSamples samples = testing::few_samples(testing::FewScatter::normal, 40, seed);
+    const auto before = fit_law(samples, {});
+    RestitutionSample lost = samples[(7 * seed) % 40];
+    lost.eps = 0.5 * lost.eps;
+    samples.push_back(lost);
+    const auto after = fit_law(samples, {});
+    EXPECT_EQ(after.outliers, std::vector<std::size_t>{40});
+    for (std::size_t j = 0; j < 3; ++j)
+      EXPECT_LT(std::abs(after.nodes[j].eps.value - before.nodes[j].eps.value), 0.2 * *before.nodes[j].eps.se);
+  }
+}
+
+TEST(LawFit, DropsTheNormalPartWhereManySamplesDoNotAskForIt) {
+  // from 1,000 samples on by BIC: of two exponentials the kink is worth more than a rounded peak
+  const auto exponentials = fit_law(independent_samples({}, 4000, 0.2, 1.4, 0.0), quick());
+  EXPECT_EQ(exponentials.scatter->normal_ratio, 0.0);
+  SyntheticRun run;
+  run.scatter = Scatter::normal;
+  const auto normal = fit_law(independent_samples(run, 4000, 0.2, 1.4, 0.0), quick());
+  EXPECT_GT(normal.scatter->normal_ratio, 1.0);
 }
 
 TEST(LawFit, AtOneSpeedIsNotIdentifiable) {

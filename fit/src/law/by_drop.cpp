@@ -65,4 +65,16 @@ std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, cons
   return ErrorsByDrop{-(white * h.solve(scores))};
 }
 
+std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                             const Eigen::MatrixXd& white) {
+  constexpr double kSamplesPerParameter = 30.0;
+  const auto n = static_cast<double>(likelihood.data().size()), p = static_cast<double>(theta.size());
+  if (n < kSamplesPerParameter * p) return std::nullopt;
+  const Eigen::LLT<Eigen::MatrixXd> h(curvature(likelihood, theta, white));
+  if (h.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_sample(theta);
+  // each has p/n of what is known
+  return ErrorsByDrop{white * h.solve(scores) * (-n / (n - p))};
+}
+
 }  // namespace bouncelab::fit

@@ -45,4 +45,9 @@ struct ErrorsByDrop {
 std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
                                            const Eigen::MatrixXd& white);
 
+/// The same with single samples in the place of drops: errors that hold whatever the density of the scatter, if samples
+/// are independent. @return nullopt for fewer than 30 samples a parameter
+std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                             const Eigen::MatrixXd& white);
+
 }  // namespace bouncelab::fit

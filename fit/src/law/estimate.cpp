@@ -27,7 +27,17 @@ const char* to_string(FitStatus status) {
 
 const char* to_string(IntervalMethod method) { return method == IntervalMethod::profile ? "profile" : "covariance"; }
 
-const char* to_string(ErrorBasis basis) { return basis == ErrorBasis::by_drop ? "by_drop" : "independent_samples"; }
+const char* to_string(ErrorBasis basis) {
+  switch (basis) {
+    case ErrorBasis::independent_samples:
+      return "independent_samples";
+    case ErrorBasis::by_sample:
+      return "by_sample";
+    case ErrorBasis::by_drop:
+      return "by_drop";
+  }
+  return "unknown";
+}
 
 Estimate normal_estimate(double value, double se, double reach68, double reach95) {
   Estimate estimate;

@@ -53,34 +53,28 @@ LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_
 /// Of bounces that are lost: the ball hit something else, or an impact was missed.
 constexpr double kLostShare = 0.01;
 
-/// Scatter families to choose from by BIC: how their widths go with speed, and from 1000 samples on whether there is a
-/// normal part beside the exponentials (fewer may hide one, and without it the peak would be too sure of itself; of
-/// two pure exponentials it takes the information on the kink). Never whether the sides differ: a test that misses a
-/// difference would bias the peak by it.
-std::vector<ScatterFamily> scatter_families(const LawFitConfig& config, const LawData& data) {
-  const LawMethod method = config.method;
-  constexpr std::size_t kFew = 30, kMany = 1000;
-  const double v_ref = data.v_mps[data.size() / 2];
-  std::vector<std::size_t> n_terms{1, 2, 3};
-  if (config.n_scatter_terms > 0)
-    n_terms = {config.n_scatter_terms};
-  else if (data.size() >= kVeryMany)
-    n_terms = {3, 6};
-  else if (data.size() >= kMany)
-    n_terms = {3};
-  else if (data.size() < kFew)
-    n_terms = {1};
-  std::vector<ScatterFamily> families;
-  for (const std::size_t n : n_terms) {
-    if (method == LawMethod::asymmetric_laplace) {
-      families.push_back({ScatterKind::normal_laplace, n, v_ref, kLostShare});
-      if (data.size() >= kMany) families.push_back({ScatterKind::asymmetric_laplace, n, v_ref, kLostShare});
-    } else {
-      families.push_back({method == LawMethod::least_absolute ? ScatterKind::symmetric_laplace : ScatterKind::normal, n,
-                          v_ref});
-    }
+constexpr std::size_t kMany = 1000;  // enough to tell two exponentials from a rounded peak
+
+/// Numbers of terms in log b(v) to choose from by BIC; the first decides about the normal part, and has to follow the
+/// widths well: normal scatter of widths that go with speed, taken as one width, looks like exponentials.
+std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_t n) {
+  constexpr std::size_t kFew = 30;
+  if (config.n_scatter_terms > 0) return {config.n_scatter_terms};
+  if (n >= kVeryMany) return {3, 6};
+  if (n < kFew) return {1};
+  return {3, 2, 1};
+}
+
+ScatterFamily scatter_family(LawMethod method, std::size_t n_terms, double v_ref_mps) {
+  switch (method) {
+    case LawMethod::asymmetric_laplace:
+      return {ScatterKind::normal_laplace, n_terms, v_ref_mps, kLostShare};
+    case LawMethod::least_absolute:
+      return {ScatterKind::symmetric_laplace, n_terms, v_ref_mps};
+    case LawMethod::least_squares:
+      break;
   }
-  return families;
+  return {ScatterKind::normal, n_terms, v_ref_mps};
 }
 
 struct Candidate {
@@ -97,10 +91,9 @@ Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& s
   return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
 
-std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
+                     const Eigen::VectorXd& start) {
   Candidate candidate{family, data, {}};
-  const Eigen::VectorXd start = start_values(data, model, family);
-  if (start.size() == 0) return std::nullopt;
   if (family.is_two_sided()) {
     const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
     candidate.family.log_size = 0.5 * (start[below] + start[above]);
@@ -115,14 +108,29 @@ std::optional<Candidate> fit_family(const LawData& data, const LawModel& model, 
   return candidate;
 }
 
+bool is_better(const Candidate& a, const Candidate& b) {
+  return (a.maximum.converged && !b.maximum.converged) || (a.maximum.converged == b.maximum.converged && a.bic < b.bic);
+}
+
+/// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the exponentials
+/// (fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it takes the
+/// information on the kink). Never whether the sides differ: a test that misses a difference would bias the peak by it.
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
-  for (const ScatterFamily& family : scatter_families(config, data)) {
-    auto candidate = fit_family(data, model, family);
-    if (!candidate) return std::nullopt;
-    const bool better = !best || (candidate->maximum.converged && !best->maximum.converged) ||
-                        (candidate->maximum.converged == best->maximum.converged && candidate->bic < best->bic);
-    if (better) best = std::move(candidate);
+  for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
+    ScatterFamily family = scatter_family(config.method, n_terms, data.v_mps[data.size() / 2]);
+    if (best) family.kind = best->family.kind;  // whatever the widths do
+    Eigen::VectorXd start = start_values(data, model, family);
+    if (start.size() == 0) return std::nullopt;
+    const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kMany;
+    if (undecided) {
+      ScatterFamily exponentials = family;
+      exponentials.kind = ScatterKind::asymmetric_laplace;
+      best = fit_family(data, model, exponentials, start_values(data, model, exponentials));
+      if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
+    }
+    Candidate candidate = fit_family(data, model, family, start);
+    if (!best || is_better(candidate, *best)) best = std::move(candidate);
   }
   return best;
 }
@@ -304,6 +312,11 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
 double ScatterModel::below(double v_mps) const { return scale_at(log_below, log(v_mps / v_ref_mps)); }
 double ScatterModel::above(double v_mps) const { return scale_at(log_above, log(v_mps / v_ref_mps)); }
 double ScatterModel::normal(double v_mps) const { return normal_ratio * std::sqrt(below(v_mps) * above(v_mps)); }
+double ScatterModel::mean_minus_peak(double v_mps) const {
+  const double b = below(v_mps), a = above(v_mps);
+  const double offset = normal_ratio > 0.0 ? std::sqrt(a * b) * mode_offset(log(a / b), log(normal_ratio)).value : 0.0;
+  return a - b - offset;
+}
 
 LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
   LawFit fit;

@@ -26,7 +26,7 @@ double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * stati
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
   const double ratio = d * d / variance;
-  return {-0.5 * (ratio + log(2.0 * std::numbers::pi * variance)), d / variance, (ratio - 1.0) * s * s / variance, 0.0,
+  return {-0.5 * ratio, 1.0 / std::sqrt(2.0 * std::numbers::pi * variance), d / variance, (ratio - 1.0) * s * s / variance, 0.0,
           0.0};
 }
 
@@ -35,6 +35,28 @@ double polynomial(const double* c, std::size_t n, double x) {
   for (std::size_t k = n; k-- > 0;) sum = sum * x + c[k];
   return sum;
 }
+
+/// Of logarithms of densities, with one logarithm for many: a logarithm costs as much as all else of a sample.
+class LogSum {
+ public:
+  void add(const NormalLaplace& f) {
+    constexpr double kLeast = 1e-30, kMost = 1e30, kRange = 1e250;
+    sum_ += f.exponent;
+    if (!(f.factor > kLeast && f.factor < kMost)) {
+      sum_ += log(f.factor);
+      return;
+    }
+    product_ *= f.factor;
+    if (product_ < 1.0 / kRange || product_ > kRange) {
+      sum_ += log(product_);
+      product_ = 1.0;
+    }
+  }
+  double value() const { return sum_ + log(product_); }
+
+ private:
+  double sum_ = 0.0, product_ = 1.0;
+};
 
 void add_powers(double value, double x, std::size_t n, double* sums) {
   for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
@@ -159,24 +181,15 @@ LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::s
 
 NormalLaplace LawLikelihood::density_at(double d, const Scales& s) const {
   if (scatter_.kind == ScatterKind::normal) return normal_density(d, s.sides.b_below, s.tau);
-  NormalLaplace f = normal_laplace(d + s.size * s.peak.value, s.sides, s.tau, s.inverse_tau);
-  if (scatter_.kind == ScatterKind::normal_laplace) {
-    // by the scales with the normal part and the peak's offset going along; d_log_tau is by rho from here on
-    const double by_ratio = f.d_log_tau * s.normal_share, by_offset = -f.d_location * s.size;
-    const double of_both = 0.5 * (by_ratio + by_offset * s.peak.value);
-    f.d_log_below += of_both - by_offset * s.peak.d_asymmetry;
-    f.d_log_above += of_both + by_offset * s.peak.d_asymmetry;
-    f.d_log_tau = by_ratio + by_offset * s.peak.d_rho;
-  }
-  if (scatter_.lost_share > 0.0) {
-    const double odds_of_lost = odds_of_lost_density_ * exp(-f.log_density);
-    const double not_lost = 1.0 / (1.0 + odds_of_lost);
-    f.log_density += log1p(odds_of_lost);
-    f.d_location *= not_lost;
-    f.d_log_below *= not_lost;
-    f.d_log_above *= not_lost;
-    f.d_log_tau *= not_lost;
-  }
+  NormalLaplace f =
+      normal_laplace(d + s.size * s.peak.value, s.sides, s.tau, s.inverse_tau, odds_of_lost_density_);
+  if (scatter_.kind != ScatterKind::normal_laplace) return f;
+  // by the scales with the normal part and the peak's offset going along; d_log_tau is by rho from here on
+  const double by_ratio = f.d_log_tau * s.normal_share, by_offset = -f.d_location * s.size;
+  const double of_both = 0.5 * (by_ratio + by_offset * s.peak.value);
+  f.d_log_below += of_both - by_offset * s.peak.d_asymmetry;
+  f.d_log_above += of_both + by_offset * s.peak.d_asymmetry;
+  f.d_log_tau = by_ratio + by_offset * s.peak.d_rho;
   return f;
 }
 
@@ -197,14 +210,16 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
   std::vector<double> sums(n_blocks, 0.0);
   Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
   parallel_for(n_blocks, 0, [&](std::size_t block) {
+    LogSum sum;
     double* of_block = gradient ? gradients.col(static_cast<Eigen::Index>(block)).data() : nullptr;
     for (std::size_t k = block * kBlock; k < std::min(data_.size(), (block + 1) * kBlock); ++k) {
       std::array<double, kMostLawParameters> row;
       const double residual = data_.eps[k] - eps_of(theta, k, of_block ? row.data() : nullptr);
       const NormalLaplace f = density_at(residual, scales(theta, common, k));
-      sums[block] += f.log_density;
+      sum.add(f);
       if (of_block) add_score(f, k, row.data(), of_block);
     }
+    sums[block] = sum.value();
   });
   double sum = 0.0;
   for (const double s : sums) sum += s;
@@ -273,7 +288,7 @@ double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_
 
 double LawLikelihood::probability_of_lost(const Eigen::VectorXd& theta, std::size_t k) const {
   // the density with lost ones is f (1 + odds)
-  return std::min(1.0, odds_of_lost_density_ * exp(-density(theta, k).log_density));
+  return std::min(1.0, odds_of_lost_density_ * exp(-density(theta, k).log_density()));
 }
 
 Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
@@ -350,16 +365,26 @@ std::size_t LawLikelihood::n_drops() const {
 }
 
 Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
-  const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(samples.size()));
+  return scores_of(theta, samples_by_drop(data_.drop, n_drops()));
+}
+
+Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) const {
+  std::vector<std::vector<std::size_t>> samples;
+  for (std::size_t k = 0; k < data_.size(); ++k) samples.push_back({k});
+  return scores_of(theta, samples);
+}
+
+Eigen::MatrixXd LawLikelihood::scores_of(const Eigen::VectorXd& theta,
+                                         const std::vector<std::vector<std::size_t>>& groups) const {
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(groups.size()));
   const Shape common = shape(theta);
-  parallel_for(blocks_of_drops(samples.size()), 0, [&](std::size_t block) {
+  parallel_for(blocks_of_drops(groups.size()), 0, [&](std::size_t block) {
     std::array<double, kMostLawParameters> row;
-    for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
-      double* const of_drop = scores.col(static_cast<Eigen::Index>(d)).data();
-      for (const std::size_t k : samples[d]) {
+    for (std::size_t d = block * kDrops; d < std::min(groups.size(), (block + 1) * kDrops); ++d) {
+      double* const of_group = scores.col(static_cast<Eigen::Index>(d)).data();
+      for (const std::size_t k : groups[d]) {
         const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-        add_score(density_at(residual, scales(theta, common, k)), k, row.data(), of_drop);
+        add_score(density_at(residual, scales(theta, common, k)), k, row.data(), of_group);
       }
     }
   });

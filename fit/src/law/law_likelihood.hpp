@@ -69,6 +69,7 @@ class LawLikelihood {
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
   /// Gradients of each drop's log-likelihood, a column a drop.
   Eigen::MatrixXd scores_by_drop(const Eigen::VectorXd& theta) const;
+  Eigen::MatrixXd scores_by_sample(const Eigen::VectorXd& theta) const;
   /// Expected information of each drop, without the penalty; that of a sample taken from the nearest of those that
   /// information() is made of.
   std::vector<Eigen::MatrixXd> information_by_drop(const Eigen::VectorXd& theta) const;
@@ -104,6 +105,8 @@ class LawLikelihood {
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
   NormalLaplace density_at(double d, const Scales& scales) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
+  /// Gradients of the log-likelihoods of groups of samples, a column a group.
+  Eigen::MatrixXd scores_of(const Eigen::VectorXd& theta, const std::vector<std::vector<std::size_t>>& groups) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
   /// Derivatives of sample k's location, log b_below, log b_above, rho (rows) by theta.

@@ -208,8 +208,10 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   const double inflation = small_sample_inflation(fit);
   ParameterCovariance known{
       maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law), std::nullopt, {}};
-  const std::optional<ErrorsByDrop> by_drop = errors_by_drop(likelihood, maximum.x, white);
+  std::optional<ErrorsByDrop> by_drop = errors_by_drop(likelihood, maximum.x, white);
   fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
+  if (likelihood.n_drops() < kFewestDrops && (by_drop = errors_by_sample(likelihood, maximum.x, white)))
+    fit.drops.errors = ErrorBasis::by_sample;
   if (by_drop) {
     known.independent = std::move(known.covariance);
     known.covariance = by_drop->covariance().topLeftCorner(n_law, n_law);

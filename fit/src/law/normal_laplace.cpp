@@ -92,10 +92,10 @@ Parts parts(double a_tau, double c_tau, double z) {
 
 NormalLaplace pure_laplace(double d, double b_below, double b_above) {
   const double p_above = b_above / (b_below + b_above), p_below = 1.0 - p_above;
-  const double log_peak = -log(b_below + b_above);
-  if (d > 0.0) return {log_peak - d / b_above, 1.0 / b_above, -p_below, d / b_above - p_above, 0.0};
-  if (d < 0.0) return {log_peak + d / b_below, -1.0 / b_below, -d / b_below - p_below, -p_above, 0.0};
-  return {log_peak, 0.5 * (1.0 / b_above - 1.0 / b_below), -p_below, -p_above, 0.0};
+  const double peak = 1.0 / (b_below + b_above);
+  if (d > 0.0) return {-d / b_above, peak, 1.0 / b_above, -p_below, d / b_above - p_above, 0.0};
+  if (d < 0.0) return {d / b_below, peak, -1.0 / b_below, -d / b_below - p_below, -p_above, 0.0};
+  return {0.0, peak, 0.5 * (1.0 / b_above - 1.0 / b_below), -p_below, -p_above, 0.0};
 }
 
 Eigen::Matrix4d pure_laplace_information(double b_below, double b_above) {
@@ -116,7 +116,7 @@ void add_panel(Eigen::Matrix4d& sum, double lo, double hi, double b_below, doubl
       const NormalLaplace f =
           normal_laplace(middle + side * half * kGaussLegendre12Positive.nodes[k], b_below, b_above, tau);
       const Eigen::Vector4d score(f.d_location, f.d_log_below, f.d_log_above, f.d_log_tau);
-      sum += std::abs(half) * kGaussLegendre12Positive.weights[k] * exp(f.log_density) * score * score.transpose();
+      sum += std::abs(half) * kGaussLegendre12Positive.weights[k] * exp(f.log_density()) * score * score.transpose();
     }
   }
 }
@@ -147,17 +147,27 @@ LaplaceSides laplace_sides(double b_below, double b_above) {
           inverse * product};
 }
 
-NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau) {
+double NormalLaplace::log_density() const { return exponent + log(factor); }
+
+NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau, double background) {
+  constexpr double kVanished = -700.0;  // exp() of less is 0
   const double a_tau = tau * sides.inverse_above, c_tau = tau * sides.inverse_below, z = d * inverse_tau;
   const Parts f = parts(a_tau, c_tau, z);
+  double density = f.sum * sides.inverse_width, share = 1.0;  // over exp(exponent)
+  if (background > 0.0) {
+    if (f.exponent < kVanished) return {0.0, background, 0.0, 0.0, 0.0, 0.0};
+    const double sum = density + background * exp(-f.exponent);
+    share = density / sum;
+    density = sum;
+  }
   const double w1 = f.share_above, w2 = 1.0 - w1;
   const double d_location = w1 * sides.inverse_above - w2 * sides.inverse_below;
   // a_tau c_tau times (f + (b_above - b_below) f' - phi(z)/tau) / f
   const double curvature =
       a_tau * c_tau * (1.0 - (sides.b_above - sides.b_below) * d_location) - f.hazard * (a_tau + c_tau);
-  return {f.exponent + log(f.sum * sides.inverse_width), d_location,
-          -(1.0 - sides.p_above) - c_tau * ((c_tau + z) * w2 - f.hazard),
-          -sides.p_above - a_tau * ((a_tau - z) * w1 - f.hazard), curvature};
+  return {f.exponent, density, share * d_location,
+          -share * (1.0 - sides.p_above + c_tau * ((c_tau + z) * w2 - f.hazard)),
+          -share * (sides.p_above + a_tau * ((a_tau - z) * w1 - f.hazard)), share * curvature};
 }
 
 NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau) {

@@ -21,11 +21,13 @@ double mills_ratio(double u);
 /// of those on its two sides. Source: Reed & Jorgensen, Commun. Stat. Theory Methods 33, 1733 (2004),
 /// doi:10.1081/STA-120037438.
 struct NormalLaplace {
-  double log_density = 0.0;
+  /// The density is factor exp(exponent): of many, one logarithm of the product of the factors serves.
+  double exponent = 0.0, factor = 1.0;
   double d_location = 0.0;   ///< by the peak, i.e. -d/dd
   double d_log_below = 0.0;  ///< by log b_below
   double d_log_above = 0.0;  ///< by log b_above
   double d_log_tau = 0.0;    ///< by log tau, from f + (b_above - b_below) f' - b_above b_below f'' = phi(z)/tau
+  double log_density() const;
 };
 /// @param b_below, b_above  > 0
 /// @param tau               >= 0
@@ -40,8 +42,11 @@ struct LaplaceSides {
 };
 LaplaceSides laplace_sides(double b_below, double b_above);
 
-/// The same density where the sides or the timing error serve many samples. @param inverse_tau  1 / tau, tau > 0
-NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau);
+/// The same density, and a constant beside it, where the sides or the timing error serve many samples.
+/// @param inverse_tau  1 / tau, tau > 0
+/// @param background   added to the density, >= 0
+NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau,
+                             double background = 0.0);
 
 /// Distribution function of the same.
 double normal_laplace_cdf(double d, double b_below, double b_above, double tau);

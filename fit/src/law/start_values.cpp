@@ -134,14 +134,24 @@ Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const S
   }
   Eigen::VectorXd theta(law.size() + scatter.n_parameters());
   if (scatter.kind == ScatterKind::normal_laplace) {
-    // half of the variance to the exponentials, half to the normal part: both can be seen from there
-    Eigen::VectorXd less = Eigen::VectorXd::Zero(n_terms);
-    less[0] = 0.5 * std::numbers::ln2;
-    theta << law, below - less, above - less, 0.5 * std::numbers::ln2;
-  } else if (scatter.kind == ScatterKind::asymmetric_laplace)
+    Eigen::VectorXd exponentials(theta.size() - 1);
+    exponentials << law, below, above;
+    return with_normal_part(exponentials, scatter, law.size());
+  }
+  if (scatter.kind == ScatterKind::asymmetric_laplace)
     theta << law, below, above;
   else
     theta << law, 0.5 * (below + above);
+  return theta;
+}
+
+Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter,
+                                 Eigen::Index n_law) {
+  constexpr double kHalf = 0.5 * std::numbers::ln2;
+  Eigen::VectorXd theta(exponentials.size() + 1);
+  theta << exponentials, kHalf;
+  theta[n_law] -= kHalf;
+  theta[n_law + static_cast<Eigen::Index>(scatter.n_terms)] -= kHalf;
   return theta;
 }
 

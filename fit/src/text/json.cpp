@@ -72,10 +72,12 @@ Json json_of(const Matrix& m) {
 }
 
 Json json_of(const ScatterModel& s) {
-  return {{"form", "log b = sum_k c_k log(v/v_ref)^k, b the mean distance from the peak"},
+  return {{"form", "log b = sum_k c_k log(v/v_ref)^k, b the means of two exponentials; convolved with a normal of "
+                   "normal_ratio sqrt(b_below b_above)"},
           {"v_ref_mps", s.v_ref_mps},
           {"log_below", s.log_below},
-          {"log_above", s.log_above}};
+          {"log_above", s.log_above},
+          {"normal_ratio", s.normal_ratio}};
 }
 
 Json nodes_of(const std::vector<NodeEstimate>& estimates) {

@@ -110,7 +110,7 @@ std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd
     for (std::size_t j = 0; j < n_taus; ++j)
       sum += exp(
           normal_laplace(eps - theta[0], exp(theta[1]), exp(theta[2]), taus[(2 * j + 1) * taus.size() / (2 * n_taus)])
-              .log_density);
+              .log_density());
     curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
   }
   return curve;

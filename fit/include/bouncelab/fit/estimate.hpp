@@ -40,15 +40,16 @@ struct BootstrapErrors {
 /// are not independent; drops are.
 enum class ErrorBasis {
   independent_samples,  ///< the density of the scatter; true where samples are independent
+  by_sample,            ///< leave-one-out of samples: any scatter, but samples independent
   by_drop,              ///< leave-one-drop-out: whatever goes on within a drop
 };
-/// The words of fit.json: "independent_samples", "by_drop".
+/// The words of fit.json: "independent_samples", "by_sample", "by_drop".
 const char* to_string(ErrorBasis basis);
 
 /// The drops that samples come from.
 struct DropCount {
   std::size_t n = 0;
-  ErrorBasis errors = ErrorBasis::independent_samples;  ///< by drop from 10 drops on
+  ErrorBasis errors = ErrorBasis::independent_samples;  ///< by drop from 10 drops on, else by sample from 30 a parameter on
 };
 
 /// A number with its uncertainty. What is not known is absent.

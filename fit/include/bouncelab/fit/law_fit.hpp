@@ -17,8 +17,10 @@ enum class LawKind { series, viscoelastic, constant };
 
 /// What is assumed of the scatter about eps(v).
 enum class LawMethod {
-  /// Two exponentials of different slope with their common peak at eps(v), convolved with each sample's own normal
-  /// timing error (normal-Laplace). eps(v) is the peak.
+  /// Two exponentials of different slope, a normal part of free size (normal-Laplace: exponentials, a normal and
+  /// whatever lies between), each sample's own normal timing error, and one bounce in a hundred lost, its eps anywhere
+  /// from 0 to 2. eps(v) is the peak of the scatter without timing errors and lost ones; where the scatter is symmetric
+  /// also its mean.
   asymmetric_laplace,
   /// Weighted least squares; eps(v) is the mean.
   least_squares,
@@ -33,8 +35,8 @@ struct LawFitConfig {
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
   LawMethod method = LawMethod::asymmetric_laplace;
   IntervalMethod intervals = IntervalMethod::profile;  ///< of nodes and constants; the curve's band is by covariance
-  /// Terms of log b(v) on each side, 1 to 8; 0: by BIC among 1 to 3 below 1000 samples, 3 below 20,000, from there 3 or
-  /// 6 by BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
+  /// Terms of log b(v) on each side, 1 to 8; 0: 1 below 30 samples, 1 to 3 by BIC below 20,000, from there 3 or 6 by
+  /// BIC (AIC takes 6 too often: at 20,000 samples under noise 95 % intervals of A then cover 92.5 %).
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test; 0: none
   std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
@@ -44,7 +46,9 @@ struct LawFitConfig {
   std::vector<double> node_speeds_mps;
 };
 
-/// Mean distance from the peak, below and above, as functions of speed: log b = sum_k c_k x^k, x = log(v / v_ref).
+/// Two exponentials of mean b below and above the point where they join, as functions of speed: log b = sum_k c_k x^k,
+/// x = log(v / v_ref); convolved with a normal part. The law is the peak of the sum, which without a normal part is
+/// where the exponentials join.
 struct ScatterModel {
   double v_ref_mps = 1.0;
   std::vector<double> log_below;  ///< c_k of the lower (rising) side
@@ -54,6 +58,8 @@ struct ScatterModel {
   double below(double v_mps) const;
   double above(double v_mps) const;
   double normal(double v_mps) const;
+  /// From eps(v), the density's peak, to the mean.
+  double mean_minus_peak(double v_mps) const;
 };
 
 struct NodeEstimate {
@@ -95,7 +101,7 @@ struct LawFit {
   LawMethod method = LawMethod::asymmetric_laplace;
   std::size_t n = 0;  ///< samples used
   DropCount drops;    ///< of the samples used, and what the errors rest on
-  /// Indices of samples left out: further from the curve than any exponential tail can put one of n.
+  /// Indices of samples left out: more likely lost bounces than scatter.
   std::vector<std::size_t> outliers;
   std::size_t n_parameters = 0;            ///< of law and scatter together
   std::vector<NamedEstimate> parameters;   ///< A2, A4, A5 ... | gamma | eps
