@@ -117,7 +117,7 @@ TEST_F(Analyze, OfThreeImpactsAloneGivesTheOneRatioThatTheyHave) {
   write("three.wav", float_wav(bouncing(3, 0.75, 0.5), 44100));
   const Result result = run("analyze three.wav --out out");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, testing::HasSubstr("at least 10 are needed"));
+  EXPECT_THAT(result.err, testing::HasSubstr("at least 3 are needed"));
   const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
   EXPECT_EQ(summary["n_samples"], 1);
   EXPECT_NEAR(summary["eps_median"].get<double>(), 0.75, 1e-3);

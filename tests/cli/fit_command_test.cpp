@@ -38,8 +38,8 @@ class FitCommand : public ProgramTest {
   nlohmann::json found() const { return nlohmann::json::parse(content_of(folder_ / "f.json")); }
 };
 
-TEST_F(FitCommand, OfThreeSamplesSaysHowManyItNeedsAndWritesWhatItKnows) {
-  expect_one_line_error(fit(table(3, 0.2, 1.4), "--quiet"), 1, {"s.csv", "3 samples", "at least 10"});
+TEST_F(FitCommand, OfTwoSamplesSaysHowManyItNeedsAndWritesWhatItKnows) {
+  expect_one_line_error(fit(table(2, 0.2, 1.4), "--quiet"), 1, {"s.csv", "2 samples", "at least 3"});
   EXPECT_EQ(found().at("status"), "too_few_samples");
 }
 
