@@ -272,9 +272,9 @@ TEST(LawFit, IntervalsOfFewSamplesCoverWhateverTheScatter) {
   // half: a share of .95 is known to .02, so .95 -+ three of them; pulls' sd to .07
   const std::vector<double> speeds_mps{0.12, 0.3, 0.7};
   for (const std::size_t n : {8u, 12u, 40u, 150u})
-    for (const testing::FewScatter scatter : {testing::FewScatter::normal, testing::FewScatter::laplace,
-                                              testing::FewScatter::asymmetric, testing::FewScatter::student_t3,
-                                              testing::FewScatter::one_lost}) {
+    for (const testing::FewScatter scatter :
+         {testing::FewScatter::normal, testing::FewScatter::laplace, testing::FewScatter::asymmetric,
+          testing::FewScatter::student_t3, testing::FewScatter::one_lost}) {
       Study at[3];
       for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         LawFitConfig config;

@@ -30,7 +30,8 @@ TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
   for (const ScatterKind kind : {ScatterKind::normal_laplace, ScatterKind::asymmetric_laplace,
                                  ScatterKind::symmetric_laplace, ScatterKind::normal})
     for (const std::size_t n_terms : {1, 3}) {
-      const LawLikelihood likelihood(data, model, {kind, n_terms, 0.3, kind == ScatterKind::normal ? 0.0 : 0.01, std::log(0.001)});
+      const LawLikelihood likelihood(data, model,
+                                     {kind, n_terms, 0.3, kind == ScatterKind::normal ? 0.0 : 0.01, std::log(0.001)});
       Eigen::VectorXd theta = Eigen::VectorXd::Zero(likelihood.n_parameters());
       theta.head(2) << 0.949, 0.946;
       theta[2] = std::log(0.0015);
@@ -57,11 +58,12 @@ TEST(LawLikelihood, InformationIsTheMeanSquareOfTheScores) {
   Random random(3, RandomStream::test, 1);
   LawData data;
   constexpr int kDraws = 40000;
-  const double below = 0.0015, above = 0.001, rho = 0.2, tau = 0.0004, normal = std::sqrt(below * above) * std::exp(rho);
+  const double below = 0.0015, above = 0.001, rho = 0.2, tau = 0.0004,
+               normal = std::sqrt(below * above) * std::exp(rho);
   for (int k = 0; k < kDraws; ++k) {
     data.v_mps.push_back(0.5);
-    const double side = random.uniform() < above / (above + below) ? above * random.exponential()
-                                                                   : -below * random.exponential();
+    const double side =
+        random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
     data.eps.push_back(0.95 + side + normal * random.normal() + tau * random.normal() -
                        std::sqrt(below * above) * mode_offset(std::log(above / below), rho).value);
     data.tau.push_back(tau);

@@ -35,8 +35,8 @@ TEST(ModeOffset, DerivativesAreThoseOfItsValue) {
       const ModeOffset offset = mode_offset(asymmetry, rho);
       EXPECT_NEAR(offset.d_asymmetry,
                   (mode_offset(asymmetry + h, rho).value - mode_offset(asymmetry - h, rho).value) / (2 * h), 1e-8);
-      EXPECT_NEAR(offset.d_rho, (mode_offset(asymmetry, rho + h).value - mode_offset(asymmetry, rho - h).value) / (2 * h),
-                  1e-8);
+      EXPECT_NEAR(offset.d_rho,
+                  (mode_offset(asymmetry, rho + h).value - mode_offset(asymmetry, rho - h).value) / (2 * h), 1e-8);
     }
 }
 

@@ -80,7 +80,8 @@ TEST(NormalLaplace, IsAPureLaplaceFarFromThePeakAndForSmallTau) {
   // a convolved exponential tail is the tail times exp(tau^2 / (2 b^2))
   EXPECT_NEAR(normal_laplace(50.0, 1.0, 0.7, 0.2).log_density(), std::log(laplace(50.0, 1.0, 0.7)) + 0.5 * 0.04 / 0.49,
               1e-12);
-  EXPECT_NEAR(normal_laplace(-50.0, 1.0, 0.7, 0.2).log_density(), std::log(laplace(-50.0, 1.0, 0.7)) + 0.5 * 0.04, 1e-12);
+  EXPECT_NEAR(normal_laplace(-50.0, 1.0, 0.7, 0.2).log_density(), std::log(laplace(-50.0, 1.0, 0.7)) + 0.5 * 0.04,
+              1e-12);
   for (const double d : {-2.0, -0.1, 0.1, 2.0})
     EXPECT_NEAR(normal_laplace(d, 1.0, 0.7, 1e-9).log_density(), normal_laplace(d, 1.0, 0.7, 0.0).log_density(), 1e-12);
 }

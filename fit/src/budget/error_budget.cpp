@@ -75,8 +75,7 @@ BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& la
     const double below = law.scatter->below(row.v_mps), above = law.scatter->above(row.v_mps);
     row.spread_asperities =
         law.method == LawMethod::least_squares ? below : hypot(hypot(below, above), law.scatter->normal(row.v_mps));
-    row.mean_minus_peak =
-        law.method == LawMethod::asymmetric_laplace ? law.scatter->mean_minus_peak(row.v_mps) : 0.0;
+    row.mean_minus_peak = law.method == LawMethod::asymmetric_laplace ? law.scatter->mean_minus_peak(row.v_mps) : 0.0;
   }
   const auto point = std::min_element(law.curve.begin(), law.curve.end(), [&](const auto& a, const auto& b) {
     return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);

@@ -152,7 +152,8 @@ bool remove_outliers(const LawData& data, const LawModel& model, const Candidate
 std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, FitStatus& status) {
   if (data.size() < kFewest) {
     status = FitStatus::too_few_samples;
-    return std::to_string(data.size()) + (data.size() == 1 ? " sample: at least " : " samples: at least ") + std::to_string(kFewest) + " are needed";
+    return std::to_string(data.size()) + (data.size() == 1 ? " sample: at least " : " samples: at least ") +
+           std::to_string(kFewest) + " are needed";
   }
   const double lo = data.v_mps[data.size() / 20], hi = data.v_mps[data.size() - 1 - data.size() / 20];
   if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {

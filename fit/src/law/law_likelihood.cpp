@@ -26,8 +26,9 @@ double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * stati
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
   const double ratio = d * d / variance;
-  return {-0.5 * ratio, 1.0 / std::sqrt(2.0 * std::numbers::pi * variance), d / variance, (ratio - 1.0) * s * s / variance, 0.0,
-          0.0};
+  return {-0.5 * ratio, 1.0 / std::sqrt(2.0 * std::numbers::pi * variance),
+          d / variance, (ratio - 1.0) * s * s / variance,
+          0.0,          0.0};
 }
 
 double polynomial(const double* c, std::size_t n, double x) {
@@ -181,8 +182,7 @@ LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::s
 
 NormalLaplace LawLikelihood::density_at(double d, const Scales& s) const {
   if (scatter_.kind == ScatterKind::normal) return normal_density(d, s.sides.b_below, s.tau);
-  NormalLaplace f =
-      normal_laplace(d + s.size * s.peak.value, s.sides, s.tau, s.inverse_tau, odds_of_lost_density_);
+  NormalLaplace f = normal_laplace(d + s.size * s.peak.value, s.sides, s.tau, s.inverse_tau, odds_of_lost_density_);
   if (scatter_.kind != ScatterKind::normal_laplace) return f;
   // by the scales with the normal part and the peak's offset going along; d_log_tau is by rho from here on
   const double by_ratio = f.d_log_tau * s.normal_share, by_offset = -f.d_location * s.size;

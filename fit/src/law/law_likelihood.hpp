@@ -33,7 +33,8 @@ struct ScatterFamily {
   std::size_t n_terms = 3;
   double v_ref_mps = 1.0;
   double lost_share = 0.0;  ///< of bounces whose eps may be anything from 0 to 2; two-sided scatter only
-  std::optional<double> log_size = std::nullopt;  ///< log b at v_ref by a first look: the prior that keeps the scale from 0
+  std::optional<double> log_size =
+      std::nullopt;  ///< log b at v_ref by a first look: the prior that keeps the scale from 0
   bool is_two_sided() const { return kind == ScatterKind::normal_laplace || kind == ScatterKind::asymmetric_laplace; }
   Eigen::Index n_parameters() const;
 };
@@ -47,7 +48,8 @@ struct ScatterFamily {
 /// - the sides' ratio, d_k = c_above,k - c_below,k: normal about 0 with standard deviation 2^-(k+1/2), so a factor 2 at
 ///   v_ref, and varying slowly with speed;
 /// - rho: normal about 0 with standard deviation 2, a factor 7 either way;
-/// - the scale's size, where there was a first look: b^2 as from n samples and one more of that look. Without it the likelihood has no bound: a
+/// - the scale's size, where there was a first look: b^2 as from n samples and one more of that look. Without it the
+/// likelihood has no bound: a
 ///   curve through some samples, all others lost. Source: Chen, Tan & Zhang, Statistica Sinica 18, 443 (2008).
 class LawLikelihood {
  public:
@@ -91,8 +93,8 @@ class LawLikelihood {
   };
   /// What the scatter of all samples has in common at one theta.
   struct Shape {
-    double square_of_ratio = 0.0;   ///< of the normal part over sqrt(b_below b_above)
-    std::vector<ModeOffset> peaks;  ///< at knots of log speed
+    double square_of_ratio = 0.0;       ///< of the normal part over sqrt(b_below b_above)
+    std::vector<ModeOffset> peaks;      ///< at knots of log speed
     std::optional<LaplaceSides> sides;  ///< where they do not depend on the speed
   };
   Shape shape(const Eigen::VectorXd& theta) const;
@@ -118,10 +120,10 @@ class LawLikelihood {
   ScatterFamily scatter_;
   Eigen::Index n_law_;
   double odds_of_lost_density_ = 0.0;  ///< the density of lost bounces against the share of those that are not
-  std::vector<double> x_;  ///< log(v / v_ref)
+  std::vector<double> x_;              ///< log(v / v_ref)
   std::vector<double> inverse_tau_;
   double knot_distance_ = 1.0;  ///< in x
-  Eigen::MatrixXd basis_;  ///< a column a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
+  Eigen::MatrixXd basis_;       ///< a column a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
 };
 
 }  // namespace bouncelab::fit

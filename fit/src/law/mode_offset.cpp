@@ -24,8 +24,8 @@ LogRatio log_mills_ratio(double u) {
 
 }  // namespace
 
-/// f' = 0 where R(p - z) / b_above = R(q + z) / b_below, p = tau / b_above, q = tau / b_below, z = distance / tau: of its
-/// logarithm, which is nearly linear in z, by Newton's method. Derivatives by those of the equation.
+/// f' = 0 where R(p - z) / b_above = R(q + z) / b_below, p = tau / b_above, q = tau / b_below, z = distance / tau: of
+/// its logarithm, which is nearly linear in z, by Newton's method. Derivatives by those of the equation.
 ModeOffset mode_offset(double asymmetry, double rho) {
   constexpr double kMostRho = 8.0;  // from there on the mean of the exponentials, to 1e-6
   constexpr int kMost = 30;

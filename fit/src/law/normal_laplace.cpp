@@ -165,9 +165,12 @@ NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, do
   // a_tau c_tau times (f + (b_above - b_below) f' - phi(z)/tau) / f
   const double curvature =
       a_tau * c_tau * (1.0 - (sides.b_above - sides.b_below) * d_location) - f.hazard * (a_tau + c_tau);
-  return {f.exponent, density, share * d_location,
+  return {f.exponent,
+          density,
+          share * d_location,
           -share * (1.0 - sides.p_above + c_tau * ((c_tau + z) * w2 - f.hazard)),
-          -share * (sides.p_above + a_tau * ((a_tau - z) * w1 - f.hazard)), share * curvature};
+          -share * (sides.p_above + a_tau * ((a_tau - z) * w1 - f.hazard)),
+          share * curvature};
 }
 
 NormalLaplace normal_laplace(double d, double b_below, double b_above, double tau) {

@@ -58,9 +58,7 @@ Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& 
 }
 
 /// The mean distance of exponential scatter whose median distance is that of these.
-double mean_of_median(std::vector<double> distances) {
-  return upper_median(std::move(distances)) / std::numbers::ln2;
-}
+double mean_of_median(std::vector<double> distances) { return upper_median(std::move(distances)) / std::numbers::ln2; }
 
 /// Mean distances from the curve below (side -1) or above (side +1) in each bin, freed of what timing explains. By
 /// medians: lost bounces count little.

@@ -72,8 +72,9 @@ Json json_of(const Matrix& m) {
 }
 
 Json json_of(const ScatterModel& s) {
-  return {{"form", "log b = sum_k c_k log(v/v_ref)^k, b the means of two exponentials; convolved with a normal of "
-                   "normal_ratio sqrt(b_below b_above)"},
+  return {{"form",
+           "log b = sum_k c_k log(v/v_ref)^k, b the means of two exponentials; convolved with a normal of "
+           "normal_ratio sqrt(b_below b_above)"},
           {"v_ref_mps", s.v_ref_mps},
           {"log_below", s.log_below},
           {"log_above", s.log_above},

@@ -49,7 +49,8 @@ const char* to_string(ErrorBasis basis);
 /// The drops that samples come from.
 struct DropCount {
   std::size_t n = 0;
-  ErrorBasis errors = ErrorBasis::independent_samples;  ///< by drop from 10 drops on, else by sample from 30 a parameter on
+  ErrorBasis errors =
+      ErrorBasis::independent_samples;  ///< by drop from 10 drops on, else by sample from 30 a parameter on
 };
 
 /// A number with its uncertainty. What is not known is absent.
