@@ -53,7 +53,7 @@ LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_
 /// Of bounces that are lost: the ball hit something else, or an impact was missed.
 constexpr double kLostShare = 0.01;
 
-constexpr std::size_t kMany = 1000;  // enough to tell two exponentials from a rounded peak
+constexpr std::size_t kManySamples = 1000;  // enough to tell two exponentials from a rounded peak
 
 /// Numbers of terms in log b(v) to choose from by BIC; the first decides about the normal part, and has to follow the
 /// widths well: normal scatter of widths that go with speed, taken as one width, looks like exponentials.
@@ -122,7 +122,7 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
     if (best) family.kind = best->family.kind;  // whatever the widths do
     Eigen::VectorXd start = start_values(data, model, family);
     if (start.size() == 0) return std::nullopt;
-    const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kMany;
+    const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kManySamples;
     if (undecided) {
       ScatterFamily exponentials = family;
       exponentials.kind = ScatterKind::asymmetric_laplace;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kFewestOfRecording = 3;
 constexpr std::size_t kFewestBetweenDrops = 10;  // degrees of freedom; below, F would have next to no power
-constexpr std::size_t kMany = 100;               // recordings: rows in a third of the time from there on
+constexpr std::size_t kManyRecordings = 100;     // recordings: rows in a third of the time from there on
 constexpr double kSearch = 0.02;                 // of the whitened gradient: the likelihood ratio is good to 1e-3
 
 /// Samples of the recordings that can be compared, in order of speed.
@@ -238,7 +238,7 @@ Recordings compare_recordings(const RestitutionSamples& samples, const LawFitCon
   result.rows.resize(recordings.size());
   with_threads(0, [&] {
     parallel_for(recordings.size(), 0, [&](std::size_t k) {
-      result.rows[k] = row_of(recordings[k], config, pooled, recordings.size() > kMany);
+      result.rows[k] = row_of(recordings[k], config, pooled, recordings.size() > kManyRecordings);
     });
     if (const auto found = agreement(recordings, config, pooled)) {
       result.test = found->test;

@@ -105,10 +105,10 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
 
 std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
                                                std::size_t n_replicates, std::uint64_t seed) {
-  constexpr std::size_t kFewestDrops = 8;
+  constexpr std::size_t kFewestToDraw = 8;
   const LawData& data = likelihood.data();
   const std::size_t n_drops = data.size() == 0 ? 0 : *std::max_element(data.drop.begin(), data.drop.end()) + 1;
-  if (n_drops < kFewestDrops) return {};
+  if (n_drops < kFewestToDraw) return {};
   const Eigen::MatrixXd information = likelihood.information(maximum.x);
   std::vector<std::optional<Eigen::VectorXd>> found(n_replicates);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
