@@ -112,9 +112,14 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return (a.maximum.converged && !b.maximum.converged) || (a.maximum.converged == b.maximum.converged && a.bic < b.bic);
 }
 
-/// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the exponentials
-/// (fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it takes the
-/// information on the kink). Never whether the sides differ: a test that misses a difference would bias the peak by it.
+/// Whether the normal part is more than a rounding of the peak.
+bool is_large_part(const Candidate& candidate) { return candidate.maximum.x[candidate.maximum.x.size() - 1] > 0.0; }
+
+/// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
+/// exponentials. Fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it
+/// takes the information on the kink. One smaller than the exponentials is left out too: a rough ball's density is a
+/// little rounded, and where its exponentials join is nearer to eps(v) than the rounded peak (docs/physics.md). Never
+/// whether the sides differ: a test that misses a difference would bias the peak by it.
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
@@ -130,7 +135,7 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
       if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
     }
     Candidate candidate = fit_family(data, model, family, start);
-    if (!best || is_better(candidate, *best)) best = std::move(candidate);
+    if (!best || (is_better(candidate, *best) && (!undecided || is_large_part(candidate)))) best = std::move(candidate);
   }
   return best;
 }
