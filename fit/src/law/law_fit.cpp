@@ -112,7 +112,7 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return (a.maximum.converged && !b.maximum.converged) || (a.maximum.converged == b.maximum.converged && a.bic < b.bic);
 }
 
-/// Whether the normal part is more than a rounding of the peak.
+/// Whether the normal part is larger than the exponentials.
 bool is_large_part(const Candidate& candidate) { return candidate.maximum.x[candidate.maximum.x.size() - 1] > 0.0; }
 
 /// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
@@ -135,7 +135,8 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
       if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
     }
     Candidate candidate = fit_family(data, model, family, start);
-    if (!best || (is_better(candidate, *best) && (!undecided || is_large_part(candidate)))) best = std::move(candidate);
+    const bool rounds_the_peak = undecided && best && best->maximum.converged && !is_large_part(candidate);
+    if (!best || (is_better(candidate, *best) && !rounds_the_peak)) best = std::move(candidate);
   }
   return best;
 }

@@ -13,15 +13,10 @@
 namespace bouncelab::fit {
 namespace {
 
-// exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
 constexpr std::size_t kBlock = 4096;
-constexpr std::size_t kMostLawParameters = 8;  // orders 2, 4, 5 ... 10
+// exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
 constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
-constexpr double kPrecisionOfRatio = 0.25;  // of rho: a factor 7 either way is one standard deviation
-constexpr std::size_t kKnots = 64;          // of the peak's offset: a cubic between them is good to 1e-7 of the scale
-
-/// Precision of the sides' log ratio, its term of the k-th power of log speed: a variance of 1/2, 1/8 ...
-double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * static_cast<int>(k) + 1); }
+constexpr std::size_t kKnots = 64;  // of the peak's offset: a cubic between them is good to 1e-7 of the scale
 
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
@@ -61,15 +56,6 @@ class LogSum {
 
 void add_powers(double value, double x, std::size_t n, double* sums) {
   for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
-}
-
-constexpr std::size_t kDrops = 16;  // in a block of parallel work
-std::size_t blocks_of_drops(std::size_t n_drops) { return (n_drops + kDrops - 1) / kDrops; }
-
-std::vector<std::vector<std::size_t>> samples_by_drop(const std::vector<std::size_t>& drop, std::size_t n_drops) {
-  std::vector<std::vector<std::size_t>> samples(n_drops);
-  for (std::size_t k = 0; k < drop.size(); ++k) samples[drop[k]].push_back(k);
-  return samples;
 }
 
 }  // namespace
@@ -230,50 +216,6 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
   return sum - penalty(theta, gradient);
 }
 
-double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
-  if (!scatter_.is_two_sided()) return 0.0;
-  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
-  double sum = 0.0;
-  if (scatter_.log_size) {
-    const double weight = 1.0 / static_cast<double>(data_.size());
-    const double more = *scatter_.log_size - 0.5 * (theta[n_law_] + theta[n_law_ + n_terms]);
-    const double ratio = exp(std::min(2.0 * more, 600.0));
-    sum += weight * (ratio - 1.0 - 2.0 * more);
-    if (gradient) {
-      (*gradient)[n_law_] += weight * (ratio - 1.0);
-      (*gradient)[n_law_ + n_terms] += weight * (ratio - 1.0);
-    }
-  }
-  if (scatter_.kind == ScatterKind::normal_laplace) {
-    const double rho = theta[theta.size() - 1];
-    sum += 0.5 * kPrecisionOfRatio * rho * rho;
-    if (gradient) (*gradient)[theta.size() - 1] -= kPrecisionOfRatio * rho;
-  }
-  for (Eigen::Index k = 0; k < n_terms; ++k) {
-    const double d = theta[n_law_ + n_terms + k] - theta[n_law_ + k];
-    sum += 0.5 * precision_of_asymmetry(k) * d * d;
-    if (!gradient) continue;
-    (*gradient)[n_law_ + k] += precision_of_asymmetry(k) * d;
-    (*gradient)[n_law_ + n_terms + k] -= precision_of_asymmetry(k) * d;
-  }
-  return sum;
-}
-
-void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const {
-  if (!scatter_.is_two_sided()) return;
-  if (scatter_.kind == ScatterKind::normal_laplace)
-    information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
-  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
-  for (Eigen::Index k = 0; k < n_terms; ++k) {
-    const Eigen::Index below = n_law_ + k, above = below + n_terms;
-    const double curvature = precision_of_asymmetry(k);
-    information(below, below) += curvature;
-    information(above, above) += curvature;
-    information(below, above) -= curvature;
-    information(above, below) -= curvature;
-  }
-}
-
 NormalLaplace LawLikelihood::density(const Eigen::VectorXd& theta, std::size_t k) const {
   return density_at(data_.eps[k] - eps_of(theta, k, nullptr), scales(theta, k));
 }
@@ -289,106 +231,6 @@ double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_
 double LawLikelihood::probability_of_lost(const Eigen::VectorXd& theta, std::size_t k) const {
   // the density with lost ones is f (1 + odds)
   return std::min(1.0, odds_of_lost_density_ * exp(-density(theta, k).log_density()));
-}
-
-Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
-  const Scales s = scales(theta, k);
-  if (scatter_.kind == ScatterKind::normal) {
-    const double variance = square(s.sides.b_below) + square(s.tau), share = square(s.sides.b_below) / variance;
-    return Eigen::Vector4d(1.0 / variance, 2.0 * share * share, 0.0, 0.0).asDiagonal();
-  }
-  // of the point where the exponentials join and log tau, by the parameters
-  Eigen::Matrix4d by_parameters = Eigen::Matrix4d::Identity();
-  if (scatter_.kind == ScatterKind::normal_laplace) {
-    const ModeOffset& peak = s.peak;
-    by_parameters.row(0) << 1.0, -s.size * (0.5 * peak.value - peak.d_asymmetry),
-        -s.size * (0.5 * peak.value + peak.d_asymmetry), -s.size * peak.d_rho;
-    by_parameters.row(3) << 0.0, 0.5 * s.normal_share, 0.5 * s.normal_share, s.normal_share;
-  } else {
-    by_parameters.row(3).setZero();
-  }
-  return by_parameters.transpose() * normal_laplace_information(s.sides.b_below, s.sides.b_above, s.tau) *
-         by_parameters;
-}
-
-Eigen::MatrixXd LawLikelihood::design(const Eigen::VectorXd& theta, std::size_t k) const {
-  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
-  // predictors (rows): location, log b_below, log b_above, rho
-  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(4, n_parameters());
-  std::array<double, kMostLawParameters> row;
-  eps_of(theta, k, row.data());
-  for (Eigen::Index i = 0; i < n_law_; ++i) design(0, i) = row[static_cast<std::size_t>(i)];
-  const Eigen::Index of_above = n_law_ + (scatter_.is_two_sided() ? n_terms : 0);
-  for (Eigen::Index i = 0; i < n_terms; ++i)
-    design(1, n_law_ + i) = design(2, of_above + i) = power(x_[k], static_cast<int>(i));
-  if (scatter_.kind == ScatterKind::normal_laplace) design(3, n_parameters() - 1) = 1.0;
-  return design;
-}
-
-std::size_t LawLikelihood::information_stride() const {
-  constexpr std::size_t kEnough = 600;  // a stratified mean over so many speeds is good to a percent
-  return std::max<std::size_t>(1, data_.size() / kEnough);
-}
-
-Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
-  const std::size_t stride = information_stride();
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
-  std::size_t n = 0;
-  for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
-    const Eigen::MatrixXd at = design(theta, k);
-    sum.noalias() += at.transpose() * information_of(theta, k) * at;
-  }
-  sum *= static_cast<double>(data_.size()) / static_cast<double>(n);
-  add_penalty_curvature(theta, sum);
-  return sum;
-}
-
-std::vector<Eigen::MatrixXd> LawLikelihood::information_by_drop(const Eigen::VectorXd& theta) const {
-  const std::size_t stride = information_stride();
-  std::vector<Eigen::Matrix4d> of_samples;
-  for (std::size_t k = stride / 2; k < data_.size(); k += stride) of_samples.push_back(information_of(theta, k));
-  const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
-  std::vector<Eigen::MatrixXd> sums(samples.size(), Eigen::MatrixXd::Zero(n_parameters(), n_parameters()));
-  parallel_for(blocks_of_drops(samples.size()), 0, [&](std::size_t block) {
-    for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
-      for (const std::size_t k : samples[d]) {
-        const Eigen::MatrixXd at = design(theta, k);
-        sums[d].noalias() += at.transpose() * of_samples[std::min(k / stride, of_samples.size() - 1)] * at;
-      }
-    }
-  });
-  return sums;
-}
-
-std::size_t LawLikelihood::n_drops() const {
-  return data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
-}
-
-Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
-  return scores_of(theta, samples_by_drop(data_.drop, n_drops()));
-}
-
-Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) const {
-  std::vector<std::vector<std::size_t>> samples;
-  for (std::size_t k = 0; k < data_.size(); ++k) samples.push_back({k});
-  return scores_of(theta, samples);
-}
-
-Eigen::MatrixXd LawLikelihood::scores_of(const Eigen::VectorXd& theta,
-                                         const std::vector<std::vector<std::size_t>>& groups) const {
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(groups.size()));
-  const Shape common = shape(theta);
-  parallel_for(blocks_of_drops(groups.size()), 0, [&](std::size_t block) {
-    std::array<double, kMostLawParameters> row;
-    for (std::size_t d = block * kDrops; d < std::min(groups.size(), (block + 1) * kDrops); ++d) {
-      double* const of_group = scores.col(static_cast<Eigen::Index>(d)).data();
-      for (const std::size_t k : groups[d]) {
-        const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-        add_score(density_at(residual, scales(theta, common, k)), k, row.data(), of_group);
-      }
-    }
-  });
-  return scores;
 }
 
 ScatterModel LawLikelihood::scatter_model(const Eigen::VectorXd& theta) const {

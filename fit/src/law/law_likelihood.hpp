@@ -11,6 +11,8 @@
 
 namespace bouncelab::fit {
 
+inline constexpr std::size_t kMostLawParameters = 8;  ///< orders 2, 4, 5 ... 10
+
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
   std::vector<double> v_mps, eps;
