@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "memory/chains.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+bool same_drop(const RestitutionSample& a, const RestitutionSample& b) {
+  return a.drop == b.drop && a.recording == b.recording;
+}
+
+double gravity_of(const RestitutionSample& s) { return s.conditions.gravity_mps2.value_or(kDefaultGravity_mps2); }
+
+/// (1 + e)^2 v^2 of the impacts before one of speed v, number `impact` of its drop. Before the first impact of a clean
+/// release there is none; a thousandth of what an impact adds keeps logarithms finite.
+double s_before(double v_mps, std::int64_t impact, const RestitutionLaw& law) {
+  if (impact == 0) return 4e-3 * square(v_mps);
+  double sum = 0.0;
+  for (std::int64_t k = 0; k < impact; ++k) {
+    v_mps /= restitution(law, v_mps / restitution(law, v_mps));
+    sum += square((1.0 + restitution(law, v_mps)) * v_mps);
+  }
+  return sum;
+}
+
+/// Variances of the times of impacts, from what samples state of v and eps: with s_i the variance at impact i and T_i
+/// the interval before it, (2 sigma_v / g)^2 = s_i + s_{i-1} and (T_i sigma_eps)^2 = s_{i+1} + (1 + eps)^2 s_i +
+/// eps^2 s_{i-1}; three unknowns for two equations of one sample, and one more equation from the next.
+class TimeVariances {
+ public:
+  TimeVariances(const RestitutionSamples& samples, std::size_t begin, std::size_t end)
+      : samples_(samples), begin_(begin), end_(end) {}
+
+  /// Of the impact before the first sample, then of each sample, then of the one after the last [s^2].
+  std::vector<double> all() const {
+    std::vector<double> variances(end_ - begin_ + 2, 0.0);
+    for (std::size_t k = begin_; k < end_; ++k) variances[k - begin_ + 1] = here(k);
+    variances.front() = std::max(0.0, pair(begin_) - variances[1]);
+    const RestitutionSample& last = samples_[end_ - 1];
+    const std::size_t n = end_ - begin_;
+    variances.back() = std::max(0.0, of_eps(end_ - 1) - square(1.0 + last.eps) * variances[n] -
+                                         square(last.eps) * variances[n - 1]);
+    return variances;
+  }
+
+ private:
+  double pair(std::size_t k) const {
+    const double sigma = samples_[k].sigma_v_mps.value_or(0.0);
+    return sigma > 0.0 ? square(2.0 * sigma / gravity_of(samples_[k])) : 2.0 * alike(k);
+  }
+  double of_eps(std::size_t k) const {
+    const RestitutionSample& s = samples_[k];
+    return square(s.sigma_eps.value_or(0.0) * 2.0 * s.v_mps / gravity_of(s));
+  }
+  /// Were all three times as good as each other.
+  double alike(std::size_t k) const {
+    const double e = samples_[k].eps;
+    return of_eps(k) / (1.0 + square(1.0 + e) + square(e));
+  }
+  double here(std::size_t k) const {
+    const RestitutionSample& s = samples_[k];
+    if (k + 1 == end_ || !s.sigma_v_mps || !s.sigma_eps) return alike(k);
+    return std::clamp((of_eps(k) - pair(k + 1) - square(s.eps) * pair(k)) / (2.0 * s.eps), 0.0, pair(k));
+  }
+
+  const RestitutionSamples& samples_;
+  std::size_t begin_, end_;
+};
+
+Chain chain_of(const RestitutionSamples& samples, std::size_t begin, std::size_t end, const RestitutionLaw& law) {
+  Chain chain;
+  const std::vector<double> variances = TimeVariances(samples, begin, end).all();
+  for (std::size_t k = begin; k < end; ++k) {
+    const RestitutionSample& s = samples[k];
+    const double half_g = 0.5 * gravity_of(s), scale = square(half_g);
+    const double* v = &variances[k - begin];
+    chain.impacts.push_back(
+        {k, s.v_mps, s.eps * s.v_mps, scale * v[0], scale * v[1], scale * v[2], half_g / s.v_mps});
+  }
+  chain.s_before = s_before(samples[begin].v_mps, samples[begin].impact, law);
+  return chain;
+}
+
+}  // namespace
+
+Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_t>& left_out,
+                 const RestitutionLaw& law) {
+  Chains result;
+  result.ball_radius_m = Ball{}.radius_m;
+  const auto out = [&](std::size_t k) {
+    return !samples[k].flags.empty() || !(samples[k].eps > 0.0) ||
+           std::binary_search(left_out.begin(), left_out.end(), k);
+  };
+  for (std::size_t k = 0; k < samples.size();) {
+    if (k > 0 && !same_drop(samples[k - 1], samples[k])) ++result.n_drops;
+    if (out(k)) {
+      ++k;
+      continue;
+    }
+    std::size_t end = k + 1;
+    while (end < samples.size() && same_drop(samples[k], samples[end]) && !out(end) &&
+           samples[end].impact == samples[end - 1].impact + 1)
+      ++end;
+    if (samples[k].conditions.ball_radius_m) result.ball_radius_m = *samples[k].conditions.ball_radius_m;
+    Chain chain = chain_of(samples, k, end, law);
+    chain.drop = result.n_drops;
+    result.n_impacts += end - k;
+    result.chains.push_back(std::move(chain));
+    k = end;
+  }
+  if (!samples.empty()) ++result.n_drops;
+  return result;
+}
+
+Chains thinned_chains(const Chains& all, std::size_t n_most) {
+  const std::size_t stride = (all.n_impacts + n_most - 1) / n_most;
+  Chains few;
+  few.ball_radius_m = all.ball_radius_m;
+  few.n_drops = all.n_drops;
+  for (std::size_t c = 0; c < all.chains.size(); c += stride) {
+    few.chains.push_back(all.chains[c]);
+    few.n_impacts += all.chains[c].impacts.size();
+  }
+  return few;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "memory/jets.hpp"
+
+namespace bouncelab::fit {
+
+/// One impact of a ball whose reservoir w is known to within a normal error: v r plus the normal error of what was
+/// measured, in m/s. Without error v r = (1 + e)(f t_x sqrt(w) - v |t|^2), t two components of variance q.
+template <class T>
+struct EmissionInput {
+  T y;                   ///< measured speed after it less eps(v) v [m/s]
+  T noise_mean;          ///< of the measurement's error in y [m/s]
+  T noise_variance;      ///< [m^2/s^2]
+  T reservoir;           ///< mean of w, > 0 [m^2/s^2]
+  T reservoir_variance;  ///< [m^4/s^4]
+  T covariance;          ///< of the error in y with w [m^3/s^3]
+  T a;                   ///< variance of v r by w: q (1 + e)^2 f^2
+  T b;                   ///< mean of (1 + e) v |t|^2: 2 q (1 + e) v [m/s]
+};
+
+/// log of the density of y, and its derivatives by the means of error and reservoir.
+template <class T>
+struct Emission {
+  T log_density;
+  T by_noise;                    ///< d / d noise_mean
+  T by_reservoir;                ///< d / d reservoir
+  T curvature_by_noise;          ///< second derivatives
+  T curvature_by_reservoir;
+  T variance;                    ///< second derivative of the cumulant generating function at the saddlepoint
+  double saddlepoint = 0.0;      ///< s [s/m]
+};
+
+/// Cumulant generating function of y and its derivatives by s: given w
+///
+///   K(s) = A w - log(1 + b s) + mu s + S s^2 / 2,   A(s) = a s^2 / (2 (1 + b s))
+///
+/// and over a normal w of variance P and covariance C with the error + A^2 P / 2 + C s A.
+template <class T>
+struct Cumulants {
+  T k, k1, k2, k3, k4;
+  T a1, a2, a0;  ///< A and its derivatives
+
+  Cumulants(const EmissionInput<T>& in, const T& s) {
+    const T u = 1.0 + in.b * s, inverse = 1.0 / u, b = in.b * inverse, b2 = b * b;
+    const T inverse3 = inverse * inverse * inverse;
+    a0 = 0.5 * in.a * s * s * inverse;
+    a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
+    a2 = in.a * inverse3;
+    const T a3 = -3.0 * a2 * b, a4 = -4.0 * a3 * b;
+    const T& m = in.reservoir;
+    const T& p = in.reservoir_variance;
+    const T& c = in.covariance;
+    k = a0 * (m + 0.5 * p * a0 + c * s) - logarithm(u) + s * (in.noise_mean + 0.5 * in.noise_variance * s);
+    k1 = a1 * (m + p * a0 + c * s) + c * a0 - b + in.noise_mean + in.noise_variance * s;
+    k2 = a2 * (m + p * a0 + c * s) + a1 * (p * a1 + 2.0 * c) + b2 + in.noise_variance;
+    k3 = a3 * (m + p * a0 + c * s) + 3.0 * a2 * (p * a1 + c) - 2.0 * b2 * b;
+    k4 = a4 * (m + p * a0 + c * s) + 4.0 * a3 * (p * a1 + c) + 3.0 * p * a2 * a2 + 6.0 * b2 * b2;
+  }
+};
+
+template <int N>
+EmissionInput<double> values_of(const EmissionInput<Jet<N>>& in) {
+  return {in.y.a,          in.noise_mean.a, in.noise_variance.a, in.reservoir.a, in.reservoir_variance.a,
+          in.covariance.a, in.a.a,          in.b.a};
+}
+inline EmissionInput<double> values_of(const EmissionInput<double>& in) { return in; }
+
+/// Solves K'(s) = y: K' rises from -infinity at s = -1/b. Newton's steps, kept inside what is known to enclose it.
+inline double saddlepoint(const EmissionInput<double>& in) {
+  const double edge = -1.0 / in.b;
+  double lo = edge, hi = HUGE_VAL;
+  const double k2 = in.a * in.reservoir + in.b * in.b + in.noise_variance;
+  double s = (in.y - in.noise_mean + in.b) / k2;
+  if (s <= 0.7 * edge) s = 0.7 * edge;
+  for (int i = 0; i < 100; ++i) {
+    const double u = 1.0 + in.b * s, inverse = 1.0 / u, b = in.b * inverse;
+    const double a0 = 0.5 * in.a * s * s * inverse, a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
+    const double a2 = in.a * inverse * inverse * inverse;
+    const double mean = in.reservoir + in.reservoir_variance * a0 + in.covariance * s;
+    const double miss = a1 * mean + in.covariance * a0 - b + in.noise_mean + in.noise_variance * s - in.y;
+    const double slope =
+        a2 * mean + a1 * (in.reservoir_variance * a1 + 2.0 * in.covariance) + b * b + in.noise_variance;
+    (miss > 0.0 ? hi : lo) = s;
+    double next = slope > 0.0 ? s - miss / slope : s;
+    if (!(next > lo && next < hi) || !(slope > 0.0))
+      next = std::isinf(hi) ? s + 1.0 / std::sqrt(k2) : 0.5 * (lo + hi);
+    const double step = next - s;
+    s = next;
+    if (step * step * std::abs(slope) < 1e-14) break;
+  }
+  return s;
+}
+
+/// Saddlepoint approximation with its second-order term in the exponent: within .3 % of the density also where that is
+/// an exponential (w = 0). Source: Daniels, Ann. Math. Stat. 25, 631 (1954), doi:10.1214/aoms/1177728652.
+template <class T>
+Emission<T> emission(const EmissionInput<T>& in) {
+  Emission<T> out;
+  out.saddlepoint = saddlepoint(values_of(in));
+  T s(out.saddlepoint);
+  {
+    // one step with derivatives: of the solution by all it depends on
+    const Cumulants<T> c(in, s);
+    s -= (c.k1 - in.y) / value_of(c.k2);
+  }
+  const Cumulants<T> c(in, s);
+  const T inverse = 1.0 / c.k2, skew = c.k3 * inverse * inverse;
+  constexpr double kLogTwoPi = 1.8378770664093453;
+  out.log_density = c.k - s * in.y - 0.5 * (kLogTwoPi + logarithm(c.k2)) + 0.125 * c.k4 * inverse * inverse -
+                    (5.0 / 24.0) * skew * skew * c.k2;
+  out.by_noise = s + 0.5 * skew;
+  out.curvature_by_noise = -inverse;
+  // s moves by -A' / K'' with the reservoir
+  out.by_reservoir = c.a0 - 0.5 * inverse * (c.a2 - c.k3 * c.a1 * inverse);
+  const T wide = c.a2 * inverse;
+  out.curvature_by_reservoir = 0.5 * wide * wide - c.a1 * c.a1 * inverse;
+  out.variance = c.k2;
+  return out;
+}
+
+}  // namespace bouncelab::fit

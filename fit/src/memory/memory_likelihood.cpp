@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "memory/memory_likelihood.hpp"
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/parallel.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// Relative step for the slope of the law.
+constexpr double kStep = 1e-3;
+
+std::vector<double> speeds_of(const Chain& chain, double factor) {
+  std::vector<double> v;
+  for (const ChainImpact& m : chain.impacts) v.push_back(factor * m.v_mps);
+  return v;
+}
+
+/// Rows d eps / d q and d (d eps / d v) / d q at a chain's impacts, a column an impact.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_of(const Chain& chain, const LawModel& model,
+                                                    const Eigen::VectorXd& q) {
+  const std::vector<double> v = speeds_of(chain, 1.0), up = speeds_of(chain, 1.0 + kStep),
+                            down = speeds_of(chain, 1.0 - kStep);
+  Eigen::MatrixXd slope = (model.jacobian(up, q) - model.jacobian(down, q)).transpose();
+  for (Eigen::Index k = 0; k < slope.cols(); ++k) slope.col(k) /= 2.0 * kStep * v[static_cast<std::size_t>(k)];
+  return {model.jacobian(v, q).transpose(), slope};
+}
+
+}  // namespace
+
+MemoryLikelihood::MemoryLikelihood(const Chains& chains, const LawModel& model, bool with_release)
+    : chains_(chains), model_(model), n_law_(model.n_parameters()), with_release_(with_release) {
+  if (!model.is_linear()) return;
+  const Eigen::VectorXd anywhere = Eigen::VectorXd::Ones(n_law_);
+  for (const Chain& chain : chains.chains) {
+    LawRows rows;
+    std::tie(rows.eps_row, rows.slope_row) = rows_of(chain, model, anywhere);
+    linear_.push_back(std::move(rows));
+  }
+}
+
+MemoryLikelihood::LawRows MemoryLikelihood::law_rows(std::size_t chain, const Eigen::VectorXd& theta) const {
+  const Eigen::VectorXd q = theta.head(n_law_);
+  const Chain& c = chains_.chains[chain];
+  LawRows rows;
+  if (model_.is_linear()) {
+    rows = linear_[chain];
+    rows.eps = ((q.array() - 1.0).matrix().transpose() * rows.eps_row).array() + 1.0;
+    rows.slope = (q.array() - 1.0).matrix().transpose() * rows.slope_row;
+    return rows;
+  }
+  std::tie(rows.eps_row, rows.slope_row) = rows_of(c, model_, q);
+  rows.eps = model_.eps(speeds_of(c, 1.0), q).transpose();
+  rows.slope = (model_.eps(speeds_of(c, 1.0 + kStep), q) - model_.eps(speeds_of(c, 1.0 - kStep), q)).transpose();
+  for (Eigen::Index k = 0; k < rows.slope.size(); ++k)
+    rows.slope[k] /= 2.0 * kStep * c.impacts[static_cast<std::size_t>(k)].v_mps;
+  return rows;
+}
+
+std::vector<LawAt<double>> MemoryLikelihood::law_values(std::size_t chain, const Eigen::VectorXd& theta) const {
+  Eigen::RowVectorXd eps, slope;
+  if (model_.is_linear()) {
+    const Eigen::RowVectorXd q = (theta.head(n_law_).array() - 1.0).matrix().transpose();
+    eps = (q * linear_[chain].eps_row).array() + 1.0;
+    slope = q * linear_[chain].slope_row;
+  } else {
+    LawRows rows = law_rows(chain, theta);
+    eps = std::move(rows.eps);
+    slope = std::move(rows.slope);
+  }
+  std::vector<LawAt<double>> law;
+  for (Eigen::Index k = 0; k < eps.size(); ++k) law.push_back({eps[k], slope[k]});
+  return law;
+}
+
+MemoryParameters<double> MemoryLikelihood::parameters(const Eigen::VectorXd& theta) const {
+  return {exp(theta[n_law_]), theta[n_law_ + 1], with_release_ ? theta[n_law_ + 2] : 0.0, 1.0};
+}
+
+void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
+  plans_.assign(chains_.chains.size(), {});
+  const MemoryParameters<double> p = parameters(theta);
+  parallel_for(plans_.size(), 0, [&](std::size_t c) {
+    ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).plan(law_values(c, theta), plans_[c]);
+  });
+}
+
+template <int N>
+void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
+                             Eigen::MatrixXd* by_impact) const {
+  const LawRows rows = law_rows(chain, theta);
+  std::vector<LawAt<Jet<N>>> law(static_cast<std::size_t>(rows.eps.size()));
+  for (std::size_t k = 0; k < law.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    law[k].eps = Jet<N>(rows.eps[i]);
+    law[k].slope = Jet<N>(rows.slope[i]);
+    for (int j = 0; j < n_law_; ++j) {
+      law[k].eps.v[j] = rows.eps_row(j, i);
+      law[k].slope.v[j] = rows.slope_row(j, i);
+    }
+  }
+  const MemoryParameters<double> values = parameters(theta);
+  const int n = static_cast<int>(n_law_);
+  MemoryParameters<Jet<N>> p{Jet<N>(values.q), Jet<N>(values.keep), Jet<N>(values.release), Jet<N>(values.ratio)};
+  p.q.v[n] = values.q;
+  p.keep.v[n + 1] = 1.0;
+  if (n + 2 < N) p.release.v[n + 2] = 1.0;
+  if (n + 3 < N) p.ratio.v[n + 3] = values.ratio;
+  std::vector<Jet<N>> densities;
+  ChainFilter<Jet<N>> filter(chains_.chains[chain], chains_.ball_radius_m, p);
+  typename ChainFilter<Jet<N>>::Record record;
+  if (by_impact) record.log_densities = &densities;
+  const Jet<N> sum = filter.loglik(law, plans_[chain], record);
+  loglik = sum.a;
+  if (gradient) *gradient = sum.v.head(n_parameters());
+  if (!by_impact) return;
+  by_impact->resize(n_law_ + 4, static_cast<Eigen::Index>(densities.size()));
+  for (std::size_t k = 0; k < densities.size(); ++k)
+    by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_law_ + 4);
+}
+
+double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
+  const std::size_t n = chains_.chains.size();
+  std::vector<double> logliks(n, 0.0);
+  std::vector<Eigen::VectorXd> gradients(gradient ? n : 0);
+  const MemoryParameters<double> p = parameters(theta);
+  parallel_for(n, 0, [&](std::size_t c) {
+    if (!gradient) {
+      logliks[c] =
+          ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).loglik(law_values(c, theta), plans_[c]);
+    } else if (n_parameters() <= 4) {
+      score<4>(c, theta, logliks[c], &gradients[c], nullptr);
+    } else if (n_parameters() <= 6) {
+      score<6>(c, theta, logliks[c], &gradients[c], nullptr);
+    } else {
+      score<kMostMemoryLawParameters + 4>(c, theta, logliks[c], &gradients[c], nullptr);
+    }
+  });
+  double sum = 0.0;
+  for (const double one : logliks) sum += one;
+  if (!gradient) return sum;
+  gradient->setZero(n_parameters());
+  for (const Eigen::VectorXd& one : gradients) *gradient += one;
+  return sum;
+}
+
+Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta) const {
+  std::vector<Eigen::MatrixXd> by_chain(chains_.chains.size());
+  parallel_for(by_chain.size(), 0, [&](std::size_t c) {
+    double ignored = 0.0;
+    score<kMostMemoryLawParameters + 4>(c, theta, ignored, nullptr, &by_chain[c]);
+  });
+  Eigen::MatrixXd all(n_law_ + 4, static_cast<Eigen::Index>(chains_.n_impacts));
+  Eigen::Index begin = 0;
+  for (const Eigen::MatrixXd& one : by_chain) {
+    all.middleCols(begin, one.cols()) = one;
+    begin += one.cols();
+  }
+  return all;
+}
+
+Eigen::MatrixXd MemoryLikelihood::by_drop(const Eigen::MatrixXd& scores_by_impact) const {
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(scores_by_impact.rows(), static_cast<Eigen::Index>(chains_.n_drops));
+  Eigen::Index begin = 0;
+  for (const Chain& chain : chains_.chains) {
+    const auto n = static_cast<Eigen::Index>(chain.impacts.size());
+    columns.col(static_cast<Eigen::Index>(chain.drop)) += scores_by_impact.middleCols(begin, n).rowwise().sum();
+    begin += n;
+  }
+  return columns;
+}
+
+double MemoryLikelihood::anew(const Eigen::VectorXd& theta) const {
+  std::vector<double> result(chains_.chains.size());
+  const MemoryParameters<double> p = parameters(theta);
+  parallel_for(result.size(), 0, [&](std::size_t c) {
+    FilterPlan plan;
+    result[c] = ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).plan(law_values(c, theta), plan);
+  });
+  double sum = 0.0;
+  for (const double one : result) sum += one;
+  return sum;
+}
+
+ImpactRecord MemoryLikelihood::record(const Eigen::VectorXd& theta) const {
+  std::vector<ImpactRecord> by_chain(chains_.chains.size());
+  const MemoryParameters<double> p = parameters(theta);
+  parallel_for(by_chain.size(), 0, [&](std::size_t c) {
+    ChainFilter<double>::Record record;
+    record.transforms = &by_chain[c].transforms;
+    record.reservoirs = &by_chain[c].reservoirs_m2ps2;
+    ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).loglik(law_values(c, theta), plans_[c], record);
+  });
+  ImpactRecord all;
+  for (const ImpactRecord& one : by_chain) {
+    all.transforms.insert(all.transforms.end(), one.transforms.begin(), one.transforms.end());
+    all.reservoirs_m2ps2.insert(all.reservoirs_m2ps2.end(), one.reservoirs_m2ps2.begin(), one.reservoirs_m2ps2.end());
+  }
+  return all;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "memory/memory_tests.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "law/maximise.hpp"
+#include "law/replicates.hpp"
+#include "memory/memory_draws.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// Impacts that the test is made of at most.
+constexpr std::size_t kMostImpacts = 4000;
+
+double statistic(MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
+  likelihood.plan_at(theta);
+  return anderson_darling(likelihood.record(theta).transforms);
+}
+
+}  // namespace
+
+MemoryTest score_test(const Eigen::MatrixXd& scores, Eigen::Index n_fitted, Eigen::Index tested) {
+  const Eigen::MatrixXd fitted = scores.topRows(n_fitted);
+  const Eigen::VectorXd own = scores.row(tested).transpose();
+  const Eigen::VectorXd of_fitted = (fitted * fitted.transpose()).ldlt().solve(fitted * own);
+  const Eigen::VectorXd rest = own - fitted.transpose() * of_fitted;
+  MemoryTest test;
+  if (!(rest.squaredNorm() > 0.0)) return test;
+  test.z = rest.sum() / rest.norm();
+  test.p_value = erfc(std::abs(test.z) * 0.70710678118654752);
+  return test;
+}
+
+AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                             const Eigen::MatrixXd& information, std::size_t n_replicates,
+                                             std::uint64_t seed) {
+  const Chains design = thinned_chains(likelihood.chains(), kMostImpacts);
+  const LawModel& model = likelihood.model();
+  const bool with_release = likelihood.n_parameters() > likelihood.index_of_release();
+  const RestitutionLaw law = model.law(theta.head(model.n_parameters()));
+  const MemoryParameters<double> parameters = likelihood.parameters(theta);
+  // what a step finds has the error of all impacts, of which those of the design are a share
+  const double share =
+      static_cast<double>(design.n_impacts) / static_cast<double>(likelihood.chains().n_impacts);
+  const Eigen::MatrixXd white = whitening(information, 1e-9);
+
+  AndersonDarling result;
+  MemoryLikelihood observed(design, model, with_release);
+  result.a2 = statistic(observed, theta);
+  result.n_replicates = n_replicates;
+  std::vector<double> a2(n_replicates, 0.0);
+  parallel_for(n_replicates, 0, [&](std::size_t i) {
+    Random random(seed, RandomStream::bootstrap, (std::uint64_t{2} << 32U) + i);
+    Chains drawn = design;
+    for (Chain& chain : drawn.chains) chain = draw_chain(chain, law, parameters, design.ball_radius_m, random);
+    MemoryLikelihood again(drawn, model, with_release);
+    again.plan_at(theta);
+    Eigen::VectorXd score;
+    again(theta, &score);
+    Eigen::VectorXd others(theta.size());
+    for (double& x : others) x = random.normal();
+    const Eigen::VectorXd in_white = white.transpose() * score + std::sqrt(1.0 - share) * others;
+    a2[i] = statistic(again, theta + white * in_white);
+  });
+  const auto n_larger = std::count_if(a2.begin(), a2.end(), [&](double x) { return !(x < result.a2); });
+  result.p_value = (1.0 + static_cast<double>(n_larger)) / (1.0 + static_cast<double>(n_replicates));
+  return result;
+}
+
+}  // namespace bouncelab::fit

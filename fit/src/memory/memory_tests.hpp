@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+
+#include "bouncelab/fit/memory_fit.hpp"
+#include "memory/memory_likelihood.hpp"
+
+namespace bouncelab::fit {
+
+/// Score test of one more parameter at its value if the model holds: its score less what the others explain of it, over
+/// its standard error by the scores of all impacts.
+/// @param scores  by impact, a column each; rows: the n_fitted parameters that were fitted first, then others
+MemoryTest score_test(const Eigen::MatrixXd& scores, Eigen::Index n_fitted, Eigen::Index tested);
+
+/// Anderson-Darling on the probability transforms of up to 4,000 impacts (whole chains, evenly chosen), against samples
+/// drawn from the model; each has the parameters that one step of scoring finds for it.
+/// @param information  of all impacts about theta
+AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                             const Eigen::MatrixXd& information, std::size_t n_replicates,
+                                             std::uint64_t seed);
+
+}  // namespace bouncelab::fit
