@@ -36,11 +36,11 @@ struct Probability {
 };
 
 /// Strips of the plane parallel to the offset, at distance y = b sin psi from the disc's middle: given y the point lies
-/// inside where the other coordinate is between a - b cos psi and a + b cos psi. smooth in psi: 32 points of Gauss'
+/// inside where the other coordinate is between a - b cos psi and a + b cos psi. Smooth in psi: 24 points of Gauss'
 /// rule reach rounding. Strips beyond y = 10 hold 1e-23.
 Probability offset_disc(double a, double b) {
   constexpr double kReach = 10.0;
-  static const QuadratureRule rule = gauss_legendre(32, 0.0, 1.0);
+  static const QuadratureRule rule = gauss_legendre(24, 0.0, 1.0);
   Probability p{0.0, 2.0 * normal_above(b)};
   const double end = atan2(std::min(b, kReach), std::sqrt(std::max(0.0, b * b - kReach * kReach)));
   for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
