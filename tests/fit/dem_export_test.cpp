@@ -61,7 +61,8 @@ TEST(DemExport, WithRoughnessHasTheWholeLawAndTheSamplerWithMemory) {
     EXPECT_EQ(memory.program, "C++");
     EXPECT_THAT(memory.text, ::testing::HasSubstr("roughness_q = 2.5e-05;"));
     EXPECT_THAT(memory.text, ::testing::HasSubstr("double restitution_with_memory(double v_mps"));
-    const auto begin = memory.text.find("{ return ") + 9, end = memory.text.find("; }");
+    EXPECT_LT(memory.text.find("#include <cmath>"), memory.text.find("std::pow"));
+    const auto begin = memory.text.find("{ return ") + 9, end = memory.text.find("; }", begin);
     ASSERT_LT(begin, end);
     for (const double v : {0.25, 0.6, 1.3})  // ten digits are printed
       EXPECT_NEAR(value_of(memory.text.substr(begin, end - begin), v), restitution(*fit.law, v), 1e-9) << v;

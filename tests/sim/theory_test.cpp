@@ -214,9 +214,12 @@ TEST(Theory, OfAReleaseWithSpinNeedsItsReservoir) {
   EXPECT_THROW(expected_sides(e.config, e.q, 0.5), InvalidArgument);
 }
 
-TEST(Theory, RefusesSpeedsThatNoDropHas) {
+TEST(Theory, RefusesWhatNoDropFromRestDoes) {
   EXPECT_THROW(expected_sides({}, 1e-5, 1.4), InvalidArgument);
   EXPECT_THROW(expected_sides({}, 1e-5, 0.0), InvalidArgument);
+  SimulationConfig tilted;
+  tilted.tilt_rad = 0.01;
+  EXPECT_THROW(expected_sides(tilted, 1e-5, 0.5), InvalidArgument);
   SimulationConfig elastic;
   elastic.law = ConstantLaw{1.0};
   EXPECT_THROW(expected_sides(elastic, 1e-5, 0.5), InvalidArgument);

@@ -56,12 +56,11 @@ std::string in_cpp(const TableLaw&) { return {}; }  // no fit has one
 
 Snippet snippet_with_memory(const std::string& law, double q, const CurvePoint& slowest, const CurvePoint& fastest) {
   return {"C++", "coefficient of restitution against a plate, with one number of memory per grain",
-          formatted("// eps(v) fitted from %.3g to %.3g m/s\n", slowest.x, fastest.x) +
+          kSamplerText + formatted("\n// eps(v) fitted from %.3g to %.3g m/s\n", slowest.x, fastest.x) +
               "inline double eps_of_contact(double v) { return " + law + "; }\n" +
               formatted("const double roughness_q = %.6g;\n", q) +
               "// at each impact, w a number of the grain that begins as 0, z1 and z2 standard normal random numbers:\n"
-              "//   eps = bouncelab::restitution_with_memory(v, eps_of_contact, roughness_q, z1, z2, w);\n\n" +
-              kSamplerText};
+              "//   eps = bouncelab::restitution_with_memory(v, eps_of_contact, roughness_q, z1, z2, w);\n"};
 }
 
 }  // namespace

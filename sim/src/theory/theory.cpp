@@ -20,9 +20,9 @@ FluctuationSides expected_sides(const SimulationConfig& config, double q, double
   const auto refuse = [](const std::string& why) { throw InvalidArgument("expected scatter: " + why); };
   if (config.start_spin_radps != std::array<double, 3>{} || config.start_velocity_mps != std::array<double, 2>{})
     refuse("the ball is released with spin or sideways motion; release it at rest");
+  if (config.tilt_rad > 0.0) refuse("the plate is tilted, which drives the ball sideways; set the tilt to 0");
   if (config.air) refuse("air drag is on; switch it off");
-  const double g = config.gravity_mps2 * cos(config.tilt_rad);
-  const double slowest_release_mps = std::sqrt(2.0 * g * config.drop_height_min_m);
+  const double g = config.gravity_mps2, slowest_release_mps = std::sqrt(2.0 * g * config.drop_height_min_m);
   if (!(v_mps > 0.0 && v_mps < slowest_release_mps))
     refuse("speed " + std::to_string(v_mps) + " m/s is not between 0 and the " + std::to_string(slowest_release_mps) +
            " m/s of the lowest release");

@@ -5,18 +5,18 @@
 
 namespace bouncelab {
 
-/// The coefficient of restitution of a rough ball at one impact, given what its earlier impacts have stored in spin and
-/// sideways motion. docs/physics.md, section 7, derives all that stands here.
-///
-/// A ball that touches the plate with an asperity beside its lowest point turns vertical motion into spin and sideways
-/// motion, the reservoir, and back. Of the ball one number matters,
-///
-///   q = c s2,   s2: variance of each component of the contact's tangential offset over the ball's radius;
-///               c = 1/(1 + J/(m R^2)) without slip (5/7 for a solid ball), m R^2/J without friction (5/2),
-///
-/// and of its past the reservoir w = |u|^2/c [m^2/s^2], where the contact approaches at v + u . theta, theta its
-/// offset over R (without slip u is the speed sideways). v^2 + w is twice the kinetic energy per mass that impacts
-/// exchange. A ball released at rest has w = 0.
+// The coefficient of restitution of a rough ball at one impact, given what its earlier impacts have stored in spin and
+// sideways motion. docs/physics.md, section 7, derives all that stands here.
+//
+// A ball that touches the plate with an asperity beside its lowest point turns vertical motion into spin and sideways
+// motion, the reservoir, and back. Of the ball one number matters,
+//
+//   q = c s2,   s2: variance of each component of the contact's tangential offset over the ball's radius;
+//               c = 1/(1 + J/(m R^2)) without slip (5/7 for a solid ball), m R^2/J without friction (5/2),
+//
+// and of its past the reservoir w = |u|^2/c [m^2/s^2], where the contact approaches at v + u . theta, theta its
+// offset over R (without slip u is the speed sideways). v^2 + w is twice the kinetic energy per mass that impacts
+// exchange. A ball released at rest has w = 0.
 
 /// What an impact finds.
 struct ImpactConditions {
@@ -31,9 +31,10 @@ struct ImpactConditions {
 ///   r/(1 + eps) = f^2 w/(4 v^2) - q X,   f = 1 + v eps'/(1 + eps),
 ///   X noncentral chi-square, 2 degrees of freedom, lambda = (f - 2 q)^2 w/(4 q v^2)
 ///
-/// For w = 0 this is an exponential below 0 of mean distance 2 q (1 + eps); for w >> q v^2 nearly a normal of standard
-/// deviation (1 + eps) f sqrt(q w)/v. Assumes normal offsets and one asperity a contact; relative errors of order q and
-/// q w/v^2: meant for q < 1e-2 and q w < 0.1 v^2.
+/// f, for eps acts at the contact's speed; f - 2 q, for contacts that approach faster are more frequent. For w = 0 this
+/// is an exponential below 0 of mean distance 2 q (1 + eps); for w >> q v^2 nearly a normal of standard deviation (1 +
+/// eps) f sqrt(q w)/v. Assumes normal offsets and one asperity a contact; relative errors of order q and q w/v^2: meant
+/// for q < 1e-2 and q w < 0.1 v^2. A value; cheap to make.
 class Fluctuation {
  public:
   /// @param q   in (0, 0.1]

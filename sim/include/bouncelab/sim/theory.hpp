@@ -55,7 +55,8 @@ double contact_factor(const Ball& ball, const ContactModel& model);
 /// fluctuation_sides() at the S of drops without scatter.
 /// @param q      c s2, in (0, 0.1]
 /// @param v_mps  > 0 and below what the least height reaches
-/// @throws InvalidArgument where v is not, or the ball is released with spin or sideways motion, or drag is on
+/// @throws InvalidArgument where v is not, or the ball is released with spin or sideways motion, the plate is
+///         tilted, drag is on or the law does not slow the ball down
 FluctuationSides expected_sides(const SimulationConfig& config, double q, double v_mps);
 
 /// Probability transform of each impact given the drop's earlier ones: uniform and independent where the theory holds.
