@@ -136,6 +136,7 @@ TEST(Fluctuation, OfAHugeReservoirStaysFinite) {
     EXPECT_TRUE(std::isfinite(r) && std::isfinite(f.log_density(r)));
     EXPECT_NEAR(f.cdf(r), 0.5, 1e-6);  // lambda = 1e20: the offset's 1e10 standard deviations carry 1e-6 of one
     EXPECT_GE(f.reservoir_after(r), 0.0);
+    EXPECT_TRUE(std::isfinite(f.reservoir_sd(r)));
   }
 }
 
@@ -145,7 +146,7 @@ TEST(Fluctuation, KeepsTheEnergyButForTheDissipatedPart) {
   const Fluctuation f(q, {v, eps, slope, w});
   const double lo = f.quantile(0.30), hi = f.quantile(0.32);
   Random random(5, RandomStream::test, 0);
-  double sum = 0.0, sum2 = 0.0, expected = 0.0, weights = 0.0;
+  double sum = 0.0, sum2 = 0.0, squares = 0.0, expected = 0.0, weights = 0.0;
   for (int k = 0; k < 400000; ++k) {
     const double x = std::sqrt(q) * random.normal(), y = std::sqrt(q) * random.normal();
     const double approach = v + std::sqrt(w) * x;
@@ -157,6 +158,7 @@ TEST(Fluctuation, KeepsTheEnergyButForTheDissipatedPart) {
     const double error = after - f.reservoir_after(r);
     sum += weight * error;
     sum2 += weight * weight * error * error;
+    squares += weight * error * error;
     expected += weight * after;
     weights += weight;
   }
@@ -165,6 +167,22 @@ TEST(Fluctuation, KeepsTheEnergyButForTheDissipatedPart) {
   const double se = std::sqrt(sum2) / weights;
   EXPECT_LT(std::abs(sum) / weights, 4.0 * se);
   EXPECT_LT(se, 1e-3 * expected / weights);
+  // the scatter about it; 8000 values give a standard deviation to 1 %, of r in a narrow range
+  EXPECT_NEAR(std::sqrt(squares / weights) / f.reservoir_sd(0.5 * (lo + hi)), 1.0, 0.05);
+}
+
+TEST(Fluctuation, ReservoirIsKnownExactlyAfterAFirstImpactAndScattersSmoothlyWithItsSize) {
+  EXPECT_EQ(Fluctuation(2e-5, {0.6, 0.98, 0.0, 0.0}).reservoir_sd(-1e-4), 0.0);
+  // across the sizes between which its formula changes: r is the median, so that the offset's distance goes as sqrt(w)
+  double before = 0.0;
+  for (double lambda = 2900.0; lambda < 3200.0; lambda += 20.0) {
+    const Fluctuation f(1e-6, {0.6, 0.98, 0.0, lambda * 4.0 * 1e-6 * 0.36});
+    const double sd = f.reservoir_sd(f.quantile(0.5));
+    if (before > 0.0) {
+      EXPECT_NEAR(sd / before, 1.0, 1e-4) << lambda;  // tends to (1 - eps^2) v^2 q sqrt(2)
+    }
+    before = sd;
+  }
 }
 
 TEST(Fluctuation, AveragedOverAnExponentialReservoirIsExactlyTwoExponentials) {

@@ -204,6 +204,30 @@ TEST(Theory, RefusesImpactsOnTheWayUp) {
   EXPECT_THROW(probability_transforms(e.impacts, e.config.law, e.q), InvalidArgument);
 }
 
+TEST(Theory, ReservoirFromTheResidualsErrsAsItStates) {
+  const Experiment e = experiment(ConstantRadii{}, 71'378, 600);
+  double w = 0.0, variance = 0.0, square_error = 0.0, error = 0.0, stated = 0.0, n = 0.0;
+  for (std::size_t k = 0; k < e.impacts.rows.size(); ++k) {
+    const Impact& i = e.impacts.rows[k];
+    if (i.impact == 0) w = variance = 0.0;
+    const auto& energy_j = e.impacts.states[k].energy_j;
+    const double off = w - 2.0 * (energy_j[1] + energy_j[2]) / mass_kg(e.config.ball);
+    if (i.impact == 90) {
+      error += off;
+      square_error += off * off;
+      stated += variance;
+      n += 1.0;
+    }
+    const double eps = restitution(e.config.law, i.v_mps), r = i.eps_macro - eps;
+    const Fluctuation fluctuation(e.q, {i.v_mps, eps, restitution_slope(e.config.law, i.v_mps), w});
+    variance += fluctuation.reservoir_sd(r) * fluctuation.reservoir_sd(r);
+    w = fluctuation.reservoir_after(r);
+  }
+  // four standard errors of a mean and of a root mean square of 600 drops, these nearly normal
+  EXPECT_LT(std::abs(error / n), 4.0 * std::sqrt(stated / n / n));
+  EXPECT_NEAR(std::sqrt(square_error / stated), 1.0, 4.0 / std::sqrt(2.0 * n));
+}
+
 TEST(Theory, OfAReleaseWithSpinNeedsItsReservoir) {
   const double spin_radps = 20.0;
   const Experiment e = experiment(ConstantRadii{}, 71'378, 200, FrictionlessContact{}, spin_radps);

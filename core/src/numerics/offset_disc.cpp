@@ -59,6 +59,13 @@ Probability offset_disc(double a, double b) {
 double scaled_bessel_i0(double z) { return scaled_bessel(0, z); }
 double bessel_ratio(double z) { return scaled_bessel(1, z) / scaled_bessel(0, z); }
 
+double cosine_variance(double z) {
+  if (z < 1e-8) return 0.5;
+  if (z > 3e3) return (0.5 + 0.25 / z) / (z * z);  // the first two terms of what cancels below
+  const double ratio = bessel_ratio(z);
+  return 1.0 - ratio / z - ratio * ratio;
+}
+
 double probability_outside_disc(double a, double b) {
   const Probability p = offset_disc(a, b);
   return b > a ? p.outside : 1.0 - p.inside;

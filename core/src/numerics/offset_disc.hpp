@@ -11,6 +11,8 @@ namespace bouncelab {
 double scaled_bessel_i0(double z);
 /// I1(z)/I0(z), in [0, 1). @param z  >= 0; error 1e-14
 double bessel_ratio(double z);
+/// Variance of cos(phi) where phi has the density exp(-z cos phi)/(2 pi I0(z)). @param z  >= 0; relative error 1e-7
+double cosine_variance(double z);
 
 /// Probability that the point lies outside the disc (Marcum's Q function). Absolute error 1e-12; where b > a and the
 /// probability is above 1e-14, relative error 1e-8.

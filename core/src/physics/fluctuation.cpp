@@ -69,12 +69,19 @@ double Fluctuation::mean_square_offset(double r) const {
   return q_ * (square(a - b) + 2.0 * a * b * (1.0 - bessel_ratio(a * b)));
 }
 
+double Fluctuation::kick(double r) const { return (1.0 + at_.eps + r) * at_.v_mps; }
+
 double Fluctuation::reservoir_after(double r) const {
-  const double t2 = mean_square_offset(r), v = at_.v_mps;
-  const double p = (1.0 + at_.eps + r) * v;
-  const double y = r / (1.0 + at_.eps);
+  const double t2 = mean_square_offset(r), p = kick(r), y = r / (1.0 + at_.eps);
   const double x = (y + t2 + y * t2) / f_;  // the contact approaches at v (1 + x)
-  return std::max(0.0, at_.reservoir_m2ps2 - 2.0 * p * v * x + p * p * t2);
+  return std::max(0.0, at_.reservoir_m2ps2 - 2.0 * p * at_.v_mps * x + p * p * t2);
+}
+
+double Fluctuation::reservoir_sd(double r) const {
+  // |t|^2 depends on phi by 2 q a b cos(phi), and w' on |t|^2 linearly
+  const double z = centre_ * radius(r), p = kick(r);
+  const double slope = p * p - 2.0 * p * at_.v_mps * (1.0 + r / (1.0 + at_.eps)) / f_;
+  return std::abs(slope) * 2.0 * q_ * z * std::sqrt(cosine_variance(z));
 }
 
 double FluctuationSides::log_density(double r) const {
