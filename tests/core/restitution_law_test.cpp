@@ -35,6 +35,20 @@ TEST(RestitutionLaw, SeriesAgreesWithTheSumTermByTerm) {
   EXPECT_NEAR(restitution(law, 0.7), sum, 1e-14);
 }
 
+TEST(RestitutionLaw, SlopeIsTheDerivative) {
+  const TableLaw table{{0.2, 0.5, 1.0}, {0.99, 0.98, 0.96}};
+  for (const RestitutionLaw& law :
+       {RestitutionLaw{SeriesLaw{}},
+        RestitutionLaw{SeriesLaw{{0, 0, 0.1, 0, -0.2, 0.3, 0.05, 0.01, -0.02, 0.03, 0.04}}},
+        RestitutionLaw{ViscoelasticLaw{}}, RestitutionLaw{ConstantLaw{0.9}}, RestitutionLaw{table}})
+    for (const double v : {0.1, 0.3, 0.7, 1.3}) {
+      // central difference: error h^2/6 times the third derivative, of order eps'/v^2, and roundings 1e-16/h
+      const double h = 1e-4 * v;
+      const double difference = (restitution(law, v + h) - restitution(law, v - h)) / (2.0 * h);
+      EXPECT_NEAR(restitution_slope(law, v), difference, 1e-7 * std::abs(difference) + 1e-10) << describe(law) << v;
+    }
+}
+
 TEST(RestitutionLaw, ViscoelasticTendsToOneAtRestAndFollowsTheSeriesForSmallGamma) {
   EXPECT_EQ(restitution(ViscoelasticLaw{0.02}, 0.0), 1.0);
   // x = sqrt(gamma) v^0.1 = 0.01: the series with A_i = gamma^(i/2) up to C_10 leaves a rest of order x^5, whose Pade

@@ -4,6 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <string>
+
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -24,6 +29,44 @@ TEST(DemExport, FillsTheParameterOfEveryCodeWithEpsAtTheSpeedStated) {
   }
   EXPECT_THAT(handed->warning, ::testing::Not(::testing::HasSubstr("outside")));
   EXPECT_THAT(dem_export(fit, 5.0)->warning, ::testing::HasSubstr("outside the data"));
+}
+
+/// The value of "1 - 0.05 * std::pow(v, 0.2) + ..." and of a quotient of two such sums in brackets.
+double value_of(const std::string& expression, double v) {
+  if (const auto quotient = expression.find(") / ("); quotient != std::string::npos)
+    return value_of(expression.substr(1, quotient - 1), v) / value_of(expression.substr(quotient + 5), v);
+  std::istringstream in(expression);
+  double sum = 0.0, exponent = 0.0;
+  in >> sum;
+  char sign = 0;
+  for (double coefficient; in >> sign >> coefficient;) {
+    std::string text;
+    std::getline(in, text, ')');  // " * std::pow(v, 0.2"
+    EXPECT_EQ(std::sscanf(text.c_str(), " * std::pow(v, %lf", &exponent), 1) << text;
+    sum += (sign == '-' ? -1.0 : 1.0) * coefficient * std::pow(v, exponent);
+  }
+  return sum;
+}
+
+TEST(DemExport, WithRoughnessHasTheWholeLawAndTheSamplerWithMemory) {
+  const auto samples = testing::independent_samples({}, 2000, 0.2, 1.4, 0.0);
+  for (const LawKind kind : {LawKind::series, LawKind::viscoelastic}) {
+    LawFitConfig config;
+    config.kind = kind;
+    const LawFit fit = fit_law(samples, config);
+    const auto handed = dem_export(fit, 0.6, 2.5e-5);
+    ASSERT_TRUE(handed);
+    ASSERT_EQ(handed->snippets.size(), 5u);
+    const Snippet& memory = handed->snippets.back();
+    EXPECT_EQ(memory.program, "C++");
+    EXPECT_THAT(memory.text, ::testing::HasSubstr("roughness_q = 2.5e-05;"));
+    EXPECT_THAT(memory.text, ::testing::HasSubstr("double restitution_with_memory(double v_mps"));
+    EXPECT_LT(memory.text.find("#include <cmath>"), memory.text.find("std::pow"));
+    const auto begin = memory.text.find("{ return ") + 9, end = memory.text.find("; }", begin);
+    ASSERT_LT(begin, end);
+    for (const double v : {0.25, 0.6, 1.3})  // ten digits are printed
+      EXPECT_NEAR(value_of(memory.text.substr(begin, end - begin), v), restitution(*fit.law, v), 1e-9) << v;
+  }
 }
 
 TEST(DemExport, TableHasTheCurveAndItsBand) {

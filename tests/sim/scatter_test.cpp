@@ -8,9 +8,14 @@
 
 #include "../reference/brute_force.hpp"
 #include "bouncelab/sim/sim.hpp"
+#include "drop_statistics.hpp"
 
 namespace bouncelab::sim {
 namespace {
+
+using testing::Laplace;
+using testing::laplace;
+using testing::sd;
 
 struct Sample {
   std::int64_t drop;
@@ -38,41 +43,6 @@ std::vector<double> in_window(const std::vector<Sample>& samples, double v_mps, 
   return x;
 }
 
-double sd(const std::vector<double>& x) {
-  double sum = 0.0, sum2 = 0.0;
-  for (const double value : x) {
-    sum += value;
-    sum2 += value * value;
-  }
-  const auto n = static_cast<double>(x.size());
-  return std::sqrt(sum2 / n - sum / n * sum / n);
-}
-
-/// Maximum likelihood of the asymmetric Laplace density: the mode m minimises sqrt(L) + sqrt(U), L and U the sums of
-/// the distances below and above it; the mean scales follow.
-struct Laplace {
-  double mode, below, above;
-};
-Laplace laplace(const std::vector<double>& x) {
-  const auto n = static_cast<double>(x.size());
-  double total = 0.0;
-  for (const double value : x) total += value;
-  double sum_below = 0.0, best = INFINITY;
-  Laplace fit{};
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    const auto count = static_cast<double>(k);
-    const double lower = count * x[k] - sum_below, upper = (total - sum_below) - (n - count) * x[k];
-    if (std::sqrt(lower) + std::sqrt(upper) < best) {
-      best = std::sqrt(lower) + std::sqrt(upper);
-      // mean scales of the two sides: (L + sqrt(L U)) / n and (U + sqrt(L U)) / n
-      const double cross = std::sqrt(lower * upper);
-      fit = {x[k], (lower + cross) / n, (upper + cross) / n};
-    }
-    sum_below += x[k];
-  }
-  return fit;
-}
-
 /// Standard error of the mode from twenty groups of drops: the impacts of one drop share its spin.
 double mode_standard_error(const std::vector<Sample>& samples, double v_mps) {
   std::vector<double> modes;
@@ -81,7 +51,7 @@ double mode_standard_error(const std::vector<Sample>& samples, double v_mps) {
   return sd(modes) / std::sqrt(static_cast<double>(kGroups - 1));
 }
 
-class PaperSize : public testing::Test {
+class PaperSize : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { samples_ = new std::vector<Sample>(samples_of(UniformRadii{}, 2320)); }
   static void TearDownTestSuite() { delete samples_; }

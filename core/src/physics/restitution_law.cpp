@@ -35,6 +35,30 @@ double evaluate(const TableLaw& law, double v_mps) {
   return law.eps[k - 1] + share * (law.eps[k] - law.eps[k - 1]);
 }
 
+double slope(const SeriesLaw& law, double v_mps) {
+  const double root = pow(v_mps, 0.1);
+  double sum = 0.0;
+  for (std::size_t i = std::min(law.a.size(), kViscoelasticC.size()); i-- > 1;)
+    sum = (sum + 0.1 * static_cast<double>(i) * kViscoelasticC[i] * law.a[i]) * root;
+  return sum / v_mps;
+}
+
+double slope(const ViscoelasticLaw& law, double v_mps) {
+  const double x = std::sqrt(law.gamma) * pow(v_mps, 0.1);
+  const double denominator = 1.0 + x * (0.501086 + x * (1.15345 + x * (0.577977 + x * 0.532178)));
+  const double denominator_slope = 0.501086 + x * (2.0 * 1.15345 + x * (3.0 * 0.577977 + x * 4.0 * 0.532178));
+  return (0.501086 - viscoelastic_restitution(x) * denominator_slope) / denominator * 0.1 * x / v_mps;
+}
+
+double slope(const ConstantLaw&, double) { return 0.0; }
+
+double slope(const TableLaw& law, double v_mps) {
+  const auto above = std::upper_bound(law.v_mps.begin(), law.v_mps.end(), v_mps);
+  if (above == law.v_mps.begin() || above == law.v_mps.end()) return 0.0;
+  const auto k = static_cast<std::size_t>(above - law.v_mps.begin());
+  return (law.eps[k] - law.eps[k - 1]) / (law.v_mps[k] - law.v_mps[k - 1]);
+}
+
 void require(bool holds, const std::string& message) {
   if (!holds) throw InvalidArgument("restitution law: " + message);
 }
@@ -89,6 +113,10 @@ std::string text(const TableLaw& law) { return "table of " + std::to_string(law.
 
 double restitution(const RestitutionLaw& law, double v_mps) {
   return std::visit([v_mps](const auto& l) { return evaluate(l, v_mps); }, law);
+}
+
+double restitution_slope(const RestitutionLaw& law, double v_mps) {
+  return std::visit([v_mps](const auto& l) { return slope(l, v_mps); }, law);
 }
 
 void validate(const RestitutionLaw& law) {

@@ -55,6 +55,8 @@ T viscoelastic_restitution(const T& x) {
 
 /// eps(v). @param v_mps  normal impact speed, >= 0 [m/s]. Not clamped.
 double restitution(const RestitutionLaw& law, double v_mps);
+/// d eps/dv [s/m]; of a table that of the piece above v. @param v_mps  > 0 [m/s]
+double restitution_slope(const RestitutionLaw& law, double v_mps);
 
 /// Throws InvalidArgument unless every parameter of the law is finite and in its range.
 void validate(const RestitutionLaw& law);

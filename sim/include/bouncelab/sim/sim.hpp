@@ -10,4 +10,5 @@
 #include "bouncelab/sim/experiment.hpp"     // many drops: SimulationConfig -> Impacts
 #include "bouncelab/sim/flight.hpp"         // the first contact of a flight
 #include "bouncelab/sim/surface.hpp"        // asperities, drawn or read
+#include "bouncelab/sim/theory.hpp"         // the scatter in closed form
 #include "bouncelab/sim/vector3.hpp"        // vectors and rotations

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/fluctuation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
+#include "numerics/offset_disc.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void check_fluctuation(double q, const ImpactConditions& at) {
+  const auto require = [](bool good, const char* what, double value, const char* range) {
+    if (!good) throw InvalidArgument("fluctuation: " + (what + (" = " + std::to_string(value))) + " is not " + range);
+  };
+  require(q > 0.0 && q <= 0.1, "q", q, "in (0, 0.1]");
+  require(at.v_mps > 0.0 && std::isfinite(at.v_mps), "speed", at.v_mps, "positive and finite [m/s]");
+  require(at.eps > 0.0 && std::isfinite(at.eps), "eps", at.eps, "positive and finite");
+  require(std::abs(at.v_mps * at.eps_slope_spm) < 0.5, "slope of eps", at.eps_slope_spm, "below 1/(2 v) [s/m]");
+  require(at.reservoir_m2ps2 >= 0.0 && std::isfinite(at.reservoir_m2ps2), "reservoir", at.reservoir_m2ps2,
+          "finite and at least 0 [m^2/s^2]");
+}
+
+double speed_factor(const ImpactConditions& at) { return 1.0 + at.v_mps * at.eps_slope_spm / (1.0 + at.eps); }
+
+}  // namespace
+
+Fluctuation::Fluctuation(double q, const ImpactConditions& at) : at_(at), q_(q), f_(speed_factor(at)) {
+  check_fluctuation(q, at);
+  const double half_tilt = 0.5 * std::sqrt(at.reservoir_m2ps2) / at.v_mps;
+  top_ = square(f_ * half_tilt);
+  centre_ = (f_ - 2.0 * q) * half_tilt / std::sqrt(q);
+}
+
+double Fluctuation::highest() const { return (1.0 + at_.eps) * top_; }
+
+double Fluctuation::radius(double r) const { return std::sqrt(std::max(0.0, top_ - r / (1.0 + at_.eps)) / q_); }
+
+double Fluctuation::log_density(double r) const {
+  if (!(r <= highest())) return -kInfinity;
+  const double b = radius(r);
+  return -0.5 * square(b - centre_) + log(scaled_bessel_i0(centre_ * b) / (2.0 * q_ * (1.0 + at_.eps)));
+}
+
+double Fluctuation::cdf(double r) const {
+  if (std::isnan(r)) return r;
+  return r < highest() ? probability_outside_disc(centre_, radius(r)) : 1.0;
+}
+
+double Fluctuation::quantile(double p) const {
+  if (!(p > 0.0 && p < 1.0)) throw InvalidArgument("fluctuation: p = " + std::to_string(p) + " is not in (0, 1)");
+  return (1.0 + at_.eps) * (top_ - q_ * square(disc_radius(centre_, p)));
+}
+
+double Fluctuation::draw(Random& random) const {
+  const double x = centre_ + random.normal(), y = random.normal();
+  return (1.0 + at_.eps) * (top_ - q_ * (x * x + y * y));
+}
+
+double Fluctuation::mean_square_offset(double r) const {
+  // |t|^2 = q |a + b (cos phi, sin phi)|^2, and given b the angle phi has the density exp(-a b cos phi)/(2 pi I0(a b))
+  const double a = centre_, b = radius(r);
+  return q_ * (square(a - b) + 2.0 * a * b * (1.0 - bessel_ratio(a * b)));
+}
+
+double Fluctuation::kick(double r) const { return (1.0 + at_.eps + r) * at_.v_mps; }
+
+double Fluctuation::reservoir_after(double r) const {
+  const double t2 = mean_square_offset(r), p = kick(r), y = r / (1.0 + at_.eps);
+  const double x = (y + t2 + y * t2) / f_;  // the contact approaches at v (1 + x)
+  return std::max(0.0, at_.reservoir_m2ps2 - 2.0 * p * at_.v_mps * x + p * p * t2);
+}
+
+double Fluctuation::reservoir_sd(double r) const {
+  // |t|^2 depends on phi by 2 q a b cos(phi), and w' on |t|^2 linearly
+  const double z = centre_ * radius(r), p = kick(r);
+  const double slope = p * p - 2.0 * p * at_.v_mps * (1.0 + r / (1.0 + at_.eps)) / f_;
+  return std::abs(slope) * 2.0 * q_ * z * std::sqrt(cosine_variance(z));
+}
+
+double FluctuationSides::log_density(double r) const {
+  const double side = r < 0.0 ? below : above;
+  if (r != 0.0 && !(side > 0.0)) return -kInfinity;
+  return (r == 0.0 ? 0.0 : -std::abs(r) / side) - log(below + above);
+}
+
+FluctuationSides fluctuation_sides(double q, const ImpactConditions& at, double path_m2ps2) {
+  check_fluctuation(q, at);
+  if (!(path_m2ps2 >= 0.0 && std::isfinite(path_m2ps2)))
+    throw InvalidArgument("fluctuation: path = " + std::to_string(path_m2ps2) +
+                          " is not finite and at least 0 [m^2/s^2]");
+  const double f = speed_factor(at), length = path_m2ps2 / square(at.v_mps);
+  const double half_difference = q * (1.0 - q * (f - q) * length), product = square(f * q) * length;
+  const double root = std::sqrt(square(half_difference) + product);
+  // the smaller one as product over the larger: without cancellation
+  const double larger = root + std::abs(half_difference);
+  const double smaller = product / larger;
+  const double below = half_difference >= 0.0 ? larger : smaller;
+  return {(1.0 + at.eps) * below, (1.0 + at.eps) * (half_difference >= 0.0 ? smaller : larger)};
+}
+
+}  // namespace bouncelab
