@@ -44,8 +44,8 @@ class TimeVariances {
     variances.front() = std::max(0.0, pair(begin_) - variances[1]);
     const RestitutionSample& last = samples_[end_ - 1];
     const std::size_t n = end_ - begin_;
-    variances.back() = std::max(0.0, of_eps(end_ - 1) - square(1.0 + last.eps) * variances[n] -
-                                         square(last.eps) * variances[n - 1]);
+    variances.back() =
+        std::max(0.0, of_eps(end_ - 1) - square(1.0 + last.eps) * variances[n] - square(last.eps) * variances[n - 1]);
     return variances;
   }
 
@@ -80,8 +80,7 @@ Chain chain_of(const RestitutionSamples& samples, std::size_t begin, std::size_t
     const RestitutionSample& s = samples[k];
     const double half_g = 0.5 * gravity_of(s), scale = square(half_g);
     const double* v = &variances[k - begin];
-    chain.impacts.push_back(
-        {k, s.v_mps, s.eps * s.v_mps, scale * v[0], scale * v[1], scale * v[2], half_g / s.v_mps});
+    chain.impacts.push_back({k, s.v_mps, s.eps * s.v_mps, scale * v[0], scale * v[1], scale * v[2], half_g / s.v_mps});
   }
   chain.s_before = s_before(samples[begin].v_mps, samples[begin].impact, law);
   return chain;

@@ -11,19 +11,19 @@ namespace bouncelab::fit {
 
 /// One impact as measured. Speeds are half of g times an interval (less what was corrected for).
 struct ChainImpact {
-  std::size_t sample = 0;         ///< which of the samples
-  double v_mps = 0.0;             ///< speed before it
-  double v_after_mps = 0.0;       ///< eps v
-  double timing_before = 0.0;     ///< variance of g/2 times the error of the time of the impact before [m^2/s^2]
-  double timing = 0.0;            ///< of this impact
-  double timing_after = 0.0;      ///< of the next
-  double height_mps = 0.0;        ///< g h / (2 v) for a height h of 1 m: what a contact's height does to speeds [1/s]
+  std::size_t sample = 0;      ///< which of the samples
+  double v_mps = 0.0;          ///< speed before it
+  double v_after_mps = 0.0;    ///< eps v
+  double timing_before = 0.0;  ///< variance of g/2 times the error of the time of the impact before [m^2/s^2]
+  double timing = 0.0;         ///< of this impact
+  double timing_after = 0.0;   ///< of the next
+  double height_mps = 0.0;     ///< g h / (2 v) for a height h of 1 m: what a contact's height does to speeds [1/s]
 };
 
 /// Successive impacts of one drop, none missing between them.
 struct Chain {
   std::vector<ChainImpact> impacts;
-  std::size_t drop = 0;      ///< number of its drop, from 0
+  std::size_t drop = 0;  ///< number of its drop, from 0
   /// Sum of (1 + e)^2 v^2 over the drop's impacts before the first of the chain, seen or not [m^2/s^2].
   double s_before = 0.0;
 };

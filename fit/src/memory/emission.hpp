@@ -26,12 +26,12 @@ struct EmissionInput {
 template <class T>
 struct Emission {
   T log_density;
-  T by_noise;                    ///< d / d noise_mean
-  T by_reservoir;                ///< d / d reservoir
-  T curvature_by_noise;          ///< second derivatives
+  T by_noise;            ///< d / d noise_mean
+  T by_reservoir;        ///< d / d reservoir
+  T curvature_by_noise;  ///< second derivatives
   T curvature_by_reservoir;
-  T variance;                    ///< second derivative of the cumulant generating function at the saddlepoint
-  double saddlepoint = 0.0;      ///< s [s/m]
+  T variance;                ///< second derivative of the cumulant generating function at the saddlepoint
+  double saddlepoint = 0.0;  ///< s [s/m]
 };
 
 /// Cumulant generating function of y and its derivatives by s: given w
@@ -64,8 +64,8 @@ struct Cumulants {
 
 template <int N>
 EmissionInput<double> values_of(const EmissionInput<Jet<N>>& in) {
-  return {in.y.a,          in.noise_mean.a, in.noise_variance.a, in.reservoir.a, in.reservoir_variance.a,
-          in.covariance.a, in.a.a,          in.b.a};
+  return {in.y.a, in.noise_mean.a, in.noise_variance.a, in.reservoir.a, in.reservoir_variance.a, in.covariance.a,
+          in.a.a, in.b.a};
 }
 inline EmissionInput<double> values_of(const EmissionInput<double>& in) { return in; }
 
@@ -86,8 +86,7 @@ inline double saddlepoint(const EmissionInput<double>& in) {
         a2 * mean + a1 * (in.reservoir_variance * a1 + 2.0 * in.covariance) + b * b + in.noise_variance;
     (miss > 0.0 ? hi : lo) = s;
     double next = slope > 0.0 ? s - miss / slope : s;
-    if (!(next > lo && next < hi) || !(slope > 0.0))
-      next = std::isinf(hi) ? s + 1.0 / std::sqrt(k2) : 0.5 * (lo + hi);
+    if (!(next > lo && next < hi) || !(slope > 0.0)) next = std::isinf(hi) ? s + 1.0 / std::sqrt(k2) : 0.5 * (lo + hi);
     const double step = next - s;
     s = next;
     if (step * step * std::abs(slope) < 1e-14) break;

@@ -32,9 +32,9 @@ struct MemoryParameters {
 /// of a chain are, and which are carried on together.
 struct FilterPlan {
   static constexpr std::uint8_t kDropped = 255;
-  std::size_t tightest = 0;              ///< the impact that allows the least first reservoir
-  double scale = 0.0;                    ///< mean of the first reservoir [m^2/s^2]
-  std::vector<double> above_least;       ///< first reservoirs less the least one allowed
+  std::size_t tightest = 0;                       ///< the impact that allows the least first reservoir
+  double scale = 0.0;                             ///< mean of the first reservoir [m^2/s^2]
+  std::vector<double> above_least;                ///< first reservoirs less the least one allowed
   std::vector<std::vector<std::uint8_t>> target;  ///< after each impact: where each component goes
 };
 
@@ -277,8 +277,7 @@ class ChainFilter {
     for (Component& c : components_) c.log_weight -= log_density;
     if (transforms) {
       // the weight of contacts shifts the distribution by f K'' / (v (1 + e))
-      transforms->push_back(
-          std::clamp(tail - spread * exp(value_of(log_density)) / (v * value_of(one_e)), 0.0, 1.0));
+      transforms->push_back(std::clamp(tail - spread * exp(value_of(log_density)) / (v * value_of(one_e)), 0.0, 1.0));
     }
     mean += gain * by_y - 2.0 * v * by_reservoir * by_speed;
     const T bend = gain2 - gain * gain;
@@ -332,8 +331,7 @@ class ChainFilter {
       if (value_of(c.log_weight) < kWithoutWeight) continue;
       const double w = exp(value_of(c.log_weight)), book = value_of(c.book), own = value_of(c.variance);
       const double both = weight + w, joint = (weight * mean + w * book) / both;
-      const double joint_spread =
-          (weight * (spread + square(mean - joint)) + w * (own + square(book - joint))) / both;
+      const double joint_spread = (weight * (spread + square(mean - joint)) + w * (own + square(book - joint))) / both;
       const double room = joint - ahead.offset - ahead.slope * ahead.least;
       const bool together = last >= 0 && room > 0.0 && joint_spread < kNarrow * square(room);
       if (together) {

@@ -46,7 +46,8 @@ Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParam
   };
   double timing_before = std::sqrt(like.impacts.front().timing_before) * random.normal();
   double timing = std::sqrt(like.impacts.front().timing) * random.normal();
-  double height_before = -ball_radius_m / kNoSlip * parameters.q * random.exponential() * like.impacts.front().height_mps;
+  double height_before =
+      -ball_radius_m / kNoSlip * parameters.q * random.exponential() * like.impacts.front().height_mps;
   Rebound contact = rebound(v, w, law, parameters.q, random);
   double height = height_of(contact, like.impacts.front());
   for (std::size_t k = 0; k < chain.impacts.size(); ++k) {

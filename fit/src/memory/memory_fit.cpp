@@ -211,8 +211,7 @@ std::string objections(const MemoryFit& fit) {
     add("impacts taken as independent are likelier: these fluctuations do not remember as those of a rough ball do");
   if (fit.anderson_darling && fit.anderson_darling->p_value <= kRejected)
     add("the impacts do not scatter as the model says (Anderson-Darling test of the probability transforms)");
-  if (fit.mechanism.p_value < kRejected)
-    add("offset and width of the scatter want different roughness");
+  if (fit.mechanism.p_value < kRejected) add("offset and width of the scatter want different roughness");
   return text;
 }
 
@@ -251,8 +250,9 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   const Maximum maximum = search(likelihood, start);
   if (!std::isfinite(maximum.loglik) || !(maximum.gain_left < 0.5)) {
     fit.status = FitStatus::not_converged;
-    fit.message = "the search for the likeliest parameters did not converge: these fluctuations are not those of a "
-                  "rough ball's memory";
+    fit.message =
+        "the search for the likeliest parameters did not converge: these fluctuations are not those of a "
+        "rough ball's memory";
     return fit;
   }
   const Eigen::MatrixXd scores = likelihood.scores_by_impact(maximum.x);
@@ -271,9 +271,8 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   for (const double u : transforms)
     fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
   if (config.n_goodness > 0)
-    fit.anderson_darling =
-        anderson_darling_with_memory(likelihood, maximum.x, scores.topRows(n) * scores.topRows(n).transpose(),
-                                     config.n_goodness, config.seed);
+    fit.anderson_darling = anderson_darling_with_memory(
+        likelihood, maximum.x, scores.topRows(n) * scores.topRows(n).transpose(), config.n_goodness, config.seed);
   fit.message = objections(fit);
   fit.holds = fit.message.empty();
   fit.status = FitStatus::ok;

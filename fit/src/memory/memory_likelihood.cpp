@@ -160,8 +160,7 @@ Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta)
 }
 
 Eigen::MatrixXd MemoryLikelihood::by_drop(const Eigen::MatrixXd& scores_by_impact) const {
-  Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(scores_by_impact.rows(), static_cast<Eigen::Index>(chains_.n_drops));
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(scores_by_impact.rows(), static_cast<Eigen::Index>(chains_.n_drops));
   Eigen::Index begin = 0;
   for (const Chain& chain : chains_.chains) {
     const auto n = static_cast<Eigen::Index>(chain.impacts.size());

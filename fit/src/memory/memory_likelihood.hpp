@@ -15,8 +15,8 @@ inline constexpr int kMostMemoryLawParameters = 5;
 
 /// Of every impact given those before it in its chain, chain by chain.
 struct ImpactRecord {
-  std::vector<double> transforms;          ///< probability of less
-  std::vector<double> reservoirs_m2ps2;    ///< w after the impact, mean given all up to it
+  std::vector<double> transforms;        ///< probability of less
+  std::vector<double> reservoirs_m2ps2;  ///< w after the impact, mean given all up to it
 };
 
 /// Log-likelihood of all chains: theta = (law's coordinates, log q, keep[, release in m^2/s^2]).

@@ -46,8 +46,7 @@ AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood,
   const RestitutionLaw law = model.law(theta.head(model.n_parameters()));
   const MemoryParameters<double> parameters = likelihood.parameters(theta);
   // what a step finds has the error of all impacts, of which those of the design are a share
-  const double share =
-      static_cast<double>(design.n_impacts) / static_cast<double>(likelihood.chains().n_impacts);
+  const double share = static_cast<double>(design.n_impacts) / static_cast<double>(likelihood.chains().n_impacts);
   const Eigen::MatrixXd white = whitening(information, 1e-9);
 
   AndersonDarling result;

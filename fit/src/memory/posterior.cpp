@@ -34,8 +34,7 @@ Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre,
     const Eigen::VectorXd y = z / std::sqrt(chi2 / kFreedom);
     const auto column = static_cast<Eigen::Index>(k);
     result.draws.col(column) = centre + spread * y;
-    const double log_proposal =
-        -0.5 * (kFreedom + static_cast<double>(p)) * log1p(y.squaredNorm() / kFreedom);
+    const double log_proposal = -0.5 * (kFreedom + static_cast<double>(p)) * log1p(y.squaredNorm() / kFreedom);
     const double value = log_density(result.draws.col(column));
     log_weight[column] = std::isfinite(value) ? value - log_proposal : -HUGE_VAL;
   });
@@ -101,8 +100,8 @@ Posterior normal_draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covar
 
 Posterior sample_posterior(const LogDensity& log_density, const Eigen::VectorXd& centre,
                            const Eigen::MatrixXd& covariance, std::size_t n_draws, std::uint64_t seed) {
-  constexpr int kMostRounds = 8;
-  constexpr double kEnough = 0.25;  // of the draws: the round's mean and covariance are good enough to draw by
+  constexpr int kMostRounds = 5;
+  constexpr double kEnough = 0.15;  // of the draws: the round's mean and covariance are good enough to draw by
   Eigen::VectorXd about = centre;
   Eigen::MatrixXd spread = covariance;
   const auto root = [](const Eigen::MatrixXd& m) { return whitening(m.inverse(), 1e-12); };

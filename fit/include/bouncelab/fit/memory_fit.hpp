@@ -17,19 +17,19 @@ namespace bouncelab::fit {
 
 struct MemoryFitConfig {
   LawKind kind = LawKind::series;
-  std::vector<int> orders{2, 4, 5};      ///< of the series: distinct, at most 5 of them
-  std::vector<double> node_speeds_mps;   ///< empty: as in LawFitConfig
-  std::size_t n_draws = 1500;            ///< of the posterior, where there are few drops
-  std::size_t n_goodness = 99;           ///< replicates of the Anderson-Darling test; 0: none
-  std::uint64_t seed = 1;                ///< of draws and replicates
+  std::vector<int> orders{2, 4, 5};     ///< of the series: distinct, at most 5 of them
+  std::vector<double> node_speeds_mps;  ///< empty: as in LawFitConfig
+  std::size_t n_draws = 1500;           ///< of the posterior, where there are few drops
+  std::size_t n_goodness = 99;          ///< replicates of the Anderson-Darling test; 0: none
+  std::uint64_t seed = 1;               ///< of draws and replicates
 };
 
 /// What the variance q of the contacts' offset says of the surface, q = c s2 (docs/physics.md). Not the number of
 /// asperities, nor their radii, nor the rule of contact: every line is a surface that would scatter the same.
 struct Roughness {
-  Estimate q;                         ///< c times the variance, per component, of the contact's tangential offset over R
-  double s2_no_slip = 0.0;            ///< q / (5/7), contacts of a solid ball that stick
-  double s2_frictionless = 0.0;       ///< q / (5/2)
+  Estimate q;                    ///< c times the variance, per component, of the contact's tangential offset over R
+  double s2_no_slip = 0.0;       ///< q / (5/7), contacts of a solid ball that stick
+  double s2_frictionless = 0.0;  ///< q / (5/2)
   double rms_tilt_no_slip_deg = 0.0;  ///< root mean square angle of the contact's normal
   double n_constant_radii = 0.0;      ///< asperities of one radius, no slip
   double lambda_exponential = 0.0;    ///< mean radius over R where radii are exponential, no slip
@@ -43,31 +43,32 @@ struct MemoryTest {
 };
 
 /// eps(v) from fluctuations that remember: the energy that earlier bounces of a drop took out of the vertical motion
-/// sits in a reservoir w (sideways motion and spin), and sets how much the next bounce may scatter (docs/physics.md, 7).
-/// Twenty drops so analysed say about as much as thousands of independent impacts; it holds only where the scatter is that of
-/// a rough ball, which the tests judge.
+/// sits in a reservoir w (sideways motion and spin), and sets how much the next bounce may scatter (docs/physics.md,
+/// 7). Twenty drops so analysed say about as much as thousands of independent impacts; it holds only where the scatter
+/// is that of a rough ball, which the tests judge.
 struct MemoryFit {
   FitStatus status = FitStatus::too_few_samples;
-  std::string message;        ///< in words, empty where all is well
-  std::size_t n = 0;          ///< impacts used
-  std::size_t n_drops = 0;    ///< they are of
-  std::size_t n_chains = 0;   ///< pieces of drops without a missing impact
+  std::string message;                    ///< in words, empty where all is well
+  std::size_t n = 0;                      ///< impacts used
+  std::size_t n_drops = 0;                ///< they are of
+  std::size_t n_chains = 0;               ///< pieces of drops without a missing impact
   std::vector<NamedEstimate> parameters;  ///< A2, A4, A5 ... | gamma | eps
   Matrix covariance;                      ///< of `parameters`
   std::vector<NodeEstimate> nodes;
   Matrix node_correlation;
-  std::vector<CurvePoint> curve;      ///< eps(v), x in m/s
+  std::vector<CurvePoint> curve;  ///< eps(v), x in m/s
   std::optional<RestitutionLaw> law;
   Roughness roughness;
-  Estimate keep;                      ///< share of the reservoir that outlasts a bounce; 1 without losses
+  Estimate keep;                          ///< share of the reservoir that outlasts a bounce; 1 without losses
   std::optional<Estimate> release_m2ps2;  ///< mean reservoir at the release; absent where the drops show none
   double loglik = 0.0;
-  std::optional<double> loglik_independent;  ///< of the same impacts by two exponentials, where given
+  std::optional<double> loglik_independent;         ///< of the same impacts by two exponentials, where given
   std::optional<AndersonDarling> anderson_darling;  ///< of the probability transforms
   std::array<double, 20> transform_counts{};        ///< impacts by twentieths of the transform
-  MemoryTest leak;       ///< keep = 1
-  MemoryTest release;    ///< no reservoir at the release (by the first impacts; q from the product of the slopes)
-  MemoryTest mechanism;  ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
+  MemoryTest leak;                                  ///< keep = 1
+  MemoryTest release;  ///< no reservoir at the release (by the first impacts; q from the product of the slopes)
+  MemoryTest
+      mechanism;  ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
   /// The model passes: transforms and mechanism with p above .01, and likelier than independent samples.
   bool holds = false;
 };
