@@ -19,6 +19,7 @@ namespace {
 sim::ContactModel contact_model(const SimulateOptions& options) {
   if (options.contact == "frictionless") return sim::FrictionlessContact{};
   if (options.contact == "coulomb") return sim::CoulombContact{options.mu};
+  if (options.contact == "stronge") return sim::StrongeContact{options.mu};
   return sim::PaperContact{options.beta};
 }
 
