@@ -8,9 +8,11 @@ namespace bouncelab::sim {
 
 /// Impulse of a rigid collision with Coulomb friction and energetic restitution, followed in the normal impulse p:
 ///
-///   dv/dp = K (f, 1),   slip: f = -mu s/|s|,   stick: f keeps s = 0 (while |f| <= mu),   s: slip, the tangential part
-///   of v ends where restitution has done eps^2 of the normal work of compression:
-///     int_{v_z > 0} v_z dp = -eps^2 int_{v_z < 0} v_z dp
+///   dv/dp = K (f, 1),   slip: f = -mu s/|s|,   stick: f keeps s = 0 (while |f| <= mu),   s: v without its normal part
+///
+/// until restitution has done eps^2 of the normal work of compression,
+///
+///   int_{v_z > 0} v_z dp = -eps^2 int_{v_z < 0} v_z dp
 ///
 /// The slip turns while it lasts. f is constant within a step and opposes the step's mean slip (implicit midpoint
 /// rule), so that each step's work is known exactly: friction's is never positive, at any length of step, and the
