@@ -28,8 +28,8 @@ struct SimulationConfig {
   Ball ball;
   RestitutionLaw law = SeriesLaw{};
   ContactModel contact = PaperContact{};
-  /// Offsets of the contact averaged over the patch that Hertz' smooth ball would have at the impact's speed on this material;
-  /// absent: one asperity bears each impact, as in the paper. docs/physics.md, section 7.
+  /// Offsets of the contact averaged over the patch that Hertz' smooth ball would have at the impact's speed on this
+  /// material; absent: one asperity bears each impact, as in the paper. docs/physics.md, section 7.
   std::optional<Material> patch_plate;
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0
   double tilt_rad = 0.0;                       ///< of the plate, in [0, pi/2)
