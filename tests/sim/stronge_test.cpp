@@ -95,6 +95,22 @@ TEST(Stronge, CreatesNoEnergyInThreeHundredThousandApproaches) {
   RecordProperty("coulomb_creates", n_coulomb_creates);
 }
 
+TEST(Stronge, EndsAndCreatesNoEnergyWhereFrictionJamsTheContact) {
+  // mu tan(offset) beyond K_zz: while the contact slips, friction drives it into the plate
+  const Ball ball;
+  double worst = -1.0;
+  for (std::uint64_t k = 0; k < 20'000; ++k) {
+    Approach a = random_approach(k);
+    a.mu *= k % 2 == 0 ? 10.0 : 1000.0;
+    if (!approaches(a)) continue;
+    const Motion after = collide(ball, ConstantLaw{a.eps}, StrongeContact{a.mu}, a.lever_m, a.motion).after;
+    EXPECT_GT(contact_velocity(after, a.lever_m).z, -1e-14) << k;
+    const ImpactEnergy energy = impact_energy(ball, a.motion, after);
+    worst = std::max(worst, energy.after.total_j() / energy.before.total_j() - 1.0);
+  }
+  EXPECT_LT(worst, 5e-15);  // rounding, as above
+}
+
 TEST(Stronge, FollowsItsDefinition) {
   const Ball ball;
   int n_turning = 0;
