@@ -36,7 +36,7 @@ TEST(MemoryCalibration, DrawsConditionsInTheLinearRegimeAndMeetsEveryRadiusLawWi
   MemoryCalibrationConfig config;
   std::set<std::pair<std::size_t, std::string>> met;
   std::size_t n_drag = 0, n_sound = 0, n_spin = 0;
-  for (std::size_t k = 0; k < 60; ++k) {
+  for (std::size_t k = 0; k < 30; ++k) {
     const MemoryConditions c = memory_conditions(config, k);
     met.insert({c.radius_law.index(), describe(c.contact)});
     const sim::ContactOffset offset = contact_offset(c.radius_law, static_cast<double>(c.n_asperities));
@@ -53,10 +53,11 @@ TEST(MemoryCalibration, DrawsConditionsInTheLinearRegimeAndMeetsEveryRadiusLawWi
     n_spin += c.release_spin_radps > 0.0;
   }
   EXPECT_EQ(met.size(), 30U);
-  // halves and a quarter of 60 within four standard deviations, 15 and 13
-  EXPECT_NEAR(static_cast<double>(n_drag), 30.0, 15.0);
-  EXPECT_NEAR(static_cast<double>(n_sound), 30.0, 15.0);
-  EXPECT_NEAR(static_cast<double>(n_spin), 15.0, 13.0);
+  // halves of 30 within four standard deviations, 11; a quarter: some, and not all
+  EXPECT_NEAR(static_cast<double>(n_drag), 15.0, 11.0);
+  EXPECT_NEAR(static_cast<double>(n_sound), 15.0, 11.0);
+  EXPECT_GE(n_spin, 1U);
+  EXPECT_LE(n_spin, 17U);
   EXPECT_EQ(memory_conditions(config, 7).seed, memory_conditions(config, 7).seed);
   EXPECT_NE(memory_conditions(config, 7).seed, memory_conditions(config, 8).seed);
 }
@@ -90,7 +91,9 @@ TEST(MemoryCalibration, FindsTheTruthThatWentInAndItsTablesAddUp) {
       ASSERT_TRUE(q.with_memory && q.with_memory->se) << q.name;
       // 21 correlated numbers of fixed seeds: 5 standard errors, since with 3 drops the posterior is no normal one
       EXPECT_LT(std::abs(q.with_memory->value - q.truth), 5.0 * *q.with_memory->se) << q.name;
-      EXPECT_EQ(q.independent.has_value(), q.name != "q");
+      // of three drops the independent fit need not know all constants
+      if (q.name == "q") EXPECT_FALSE(q.independent);
+      if (q.name.starts_with("eps")) EXPECT_TRUE(q.independent);
     }
     EXPECT_EQ(e.quantities.back().truth, e.conditions.q);
   }
@@ -137,6 +140,9 @@ TEST(MemoryCalibration, CountsAFitThatCouldNotBeMadeAndIsTheSameOnAnyNumberOfThr
   config.n_drops_min = config.n_drops_max = 1;  // of 12 impacts: too few
   config.n_impacts = 12;
   config.n_threads = 1;
+  // millions of asperities take long to draw
+  const auto large = [&](std::size_t k) { return memory_conditions(config, k).n_asperities > 400'000; };
+  while (large(0) || large(1)) ++config.seed;
   const std::vector<MemoryExperiment> one = calibrate_memory(config);
   const MemoryCalibrationGroup any = memory_calibration_groups(one).front();
   EXPECT_EQ(any.n, 2U);

@@ -19,6 +19,8 @@ constexpr double kLargestQ = 7e-5;  // beyond it speeds leave those of a smooth 
 constexpr double kLeastMeanRadius = 3e-6, kLargestMeanRadius = 5e-5;
 /// Asperities above a point of the sphere: exp(-7) of contacts are the smooth sphere's.
 constexpr double kCover = 7.0;
+/// Of normal and lognormal radii, no slip; frictionless contacts scatter more and take less.
+constexpr double kLeastWidth = 0.01, kLargestWidth = 0.1, kNoSlip = 5.0 / 7.0;
 constexpr double kShareWithSpin = 0.25, kLeastSpin_radps = 2.0, kMostSpin_radps = 20.0;
 
 void check_calibration(const MemoryCalibrationConfig& config) {
@@ -61,13 +63,15 @@ MemoryConditions memory_conditions(const MemoryCalibrationConfig& config, std::s
   conditions.contact = contacts[number % contacts.size()];
   conditions.radius_law = laws[number % laws.size()];
   const double c = sim::contact_factor(Ball{}, conditions.contact);
-  double fewest = kFewestAsperities;
+  const double width = log_uniform(random, kLeastWidth, kLargestWidth * std::min(1.0, kNoSlip / c));
+  if (auto* normal = std::get_if<sim::NormalRadii>(&conditions.radius_law)) normal->sd = width * normal->mean;
+  if (auto* lognormal = std::get_if<sim::LognormalRadii>(&conditions.radius_law)) lognormal->sigma = width;
+  double covered = kFewestAsperities;
   if (auto* exponential = std::get_if<sim::ExponentialRadii>(&conditions.radius_law)) {
     exponential->mean = log_uniform(random, kLeastMeanRadius, std::min(kLargestMeanRadius, kLargestQ / c));
-    fewest = std::max(fewest, 2.0 * kCover / exponential->mean);
-  } else {
-    fewest = fewest_asperities(conditions.radius_law, c);
+    covered = std::max(covered, 2.0 * kCover / exponential->mean);
   }
+  const double fewest = std::max(covered, fewest_asperities(conditions.radius_law, c));
   conditions.n_asperities = std::llround(log_uniform(random, fewest, kMostAsperities));
   conditions.q = c * sim::contact_offset(conditions.radius_law, static_cast<double>(conditions.n_asperities)).variance;
   const double drops =

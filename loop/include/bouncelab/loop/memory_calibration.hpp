@@ -31,8 +31,8 @@ struct MemoryCalibrationConfig {
 /// Of one experiment. Radius laws and rules of contact take turns, so that every 30 experiments each meets each; all
 /// else is drawn.
 struct MemoryConditions {
-  /// Constant 1e-3, uniform 0.5e-3 to 1.5e-3, normal 1e-3 with standard deviation 1e-4, lognormal of median 1e-3 and
-  /// sigma 0.1, or exponential of a mean from 3e-6 to 5e-5.
+  /// Constant 1e-3, uniform 0.5e-3 to 1.5e-3, normal of mean 1e-3 and lognormal of median 1e-3 with a relative width
+  /// from 0.01 to 0.1 (0.03 where frictionless), exponential of a mean from 3e-6 to 5e-5; both drawn log-uniformly.
   sim::RadiusLaw radius_law;
   std::int64_t n_asperities = 0;  ///< log-uniform from 3e4 to 1e7; where q stays below 7e-5 and the sphere is covered
   /// Paper's with beta 1, 0.5 and 0.9; frictionless; Coulomb's and Stronge's with mu = 0.2.
