@@ -81,8 +81,7 @@ TEST(MemoryCalibration, FindsTheTruthThatWentInAndItsTablesAddUp) {
   MemoryConditions by_sound = small_conditions(3);
   by_sound.sound = true;
   std::vector<MemoryExperiment> experiments;
-  for (const MemoryConditions& c : {in_air, by_sound})
-    experiments.push_back(run_memory_experiment(c, 96));
+  for (const MemoryConditions& c : {in_air, by_sound}) experiments.push_back(run_memory_experiment(c, 96));
   for (const MemoryExperiment& e : experiments) {
     ASSERT_EQ(e.status, fit::FitStatus::ok) << e.message;
     EXPECT_GE(e.n_used, 3U * 94U - 6U);  // two samples go with each impact missed
