@@ -11,6 +11,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/flight.hpp"
+#include "contact/patch.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -64,6 +65,15 @@ Impact impact_row(std::int64_t drop, std::int64_t impact, double t_s, const Moti
           .v_contact_mps = collision.v_contact_mps,
           .eps_contact = collision.eps_contact,
           .asperity = asperity};
+}
+
+/// The lever that an impact acts on: the asperity's, or the patch's where that is asked for. A ball that spins so fast
+/// that the patch's point already rises is struck by the asperity alone.
+Vector3 lever_of(const SimulationConfig& config, const Envelope& envelope, const FirstContact& contact) {
+  if (!config.patch_plate) return contact.lever_m;
+  const Vector3 lever_m = patch_lever_m(config.ball, *config.patch_plate, envelope, contact);
+  const Motion& motion = contact.state.motion;
+  return (motion.velocity_mps + cross(motion.spin_radps, lever_m)).z < 0.0 ? lever_m : contact.lever_m;
 }
 
 bool is_on_plate(const SimulationConfig& config, const BallState& state) {
@@ -181,7 +191,8 @@ DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelop
     t_s = t_next_s;
     left = contact.asperity;
     if (config.air) result.energy.drag_j += energy_j(config, state) - energy_j(config, contact.state);
-    const Collision collision = collide(config.ball, config.law, config.contact, contact.lever_m, contact.state.motion);
+    const Collision collision =
+        collide(config.ball, config.law, config.contact, lever_of(config, envelope, contact), contact.state.motion);
     result.impacts.rows.push_back(impact_row(drop, impact, t_s, contact.state.motion, collision, contact.asperity));
     if (config.with_state) result.impacts.states.push_back(impact_state(config.ball, contact.state, collision.after));
     result.energy.add(impact_energy(config.ball, contact.state.motion, collision.after));

@@ -83,6 +83,26 @@ TEST(Sweeps, APointComesBackFromItsRecordBitByBit) {
   EXPECT_THROW(point_from_record("{}"), InvalidArgument);
 }
 
+TEST(Sweeps, CountTheDropsThatMadeAllTheirImpactsAndTestTheExponentials) {
+  LoopResult loop = loop_with(100, 0, 0.97, 500);
+  loop.simulation.n_drops = 4;
+  loop.simulation.first_drop = 10;
+  loop.simulation.n_impacts_max = 2;
+  for (const std::int64_t drop : {10, 10, 11, 13, 13}) {  // drop 12 missed the plate
+    Impact impact;
+    impact.drop = drop;
+    loop.rough.impacts.rows.push_back(impact);
+  }
+  fit::HistogramFit window;
+  window.v_mps = 0.6;
+  window.p_value = 0.25;
+  loop.direct.histograms = {window};
+  const Table table = to_table({sweep_point({}, loop, {0.6})});
+  EXPECT_EQ((*table.reals("share_complete"))[0], 0.5);
+  EXPECT_EQ((*table.reals("p_exponentials_0.6_simulation"))[0], 0.25);
+  EXPECT_TRUE(std::isnan((*table.reals("p_exponentials_0.3_simulation"))[0]));  // no such window
+}
+
 TEST(Sweeps, AsATableHaveAColumnForEachSettingAndNumber) {
   const SweepPoint found = sweep_point({{"snr-db", "30"}}, loop_with(100, 0, 0.97, 500), {0.6});
   const SweepPoint lost = sweep_point({{"snr-db", "0"}}, loop_with(0, 0, 0.97, 500), {0.6});

@@ -42,6 +42,8 @@ Physics physics_of(const std::string& impacts_file) {
   const auto text = [&](const char* key) { return meta.at("parameters").at(key).get<std::string>(); };
   if (text("contact") != "paper")
     throw FileError(name, "contact is '" + text("contact") + "'; the brute-force twin knows `paper` only");
+  if (meta.at("parameters").value("contact-patch", "false") != "false")
+    throw FileError(name, "the contact patch is on; the brute-force twin knows single asperities only");
   if (text("drag") != "false") throw FileError(name, "drag is on; the brute-force twin knows free flight only");
   Physics physics;
   physics.ball.radius_m = std::stod(text("radius"));

@@ -76,13 +76,26 @@ TEST(Simulate, EnergyLedgerClosesForEveryContactModel) {
   config.start_spin_radps = {100.0, 50.0, -80.0};
   config.start_velocity_mps = {0.05, -0.02};
   const Surface surface = small_surface(config);
-  for (const ContactModel& model :
-       {ContactModel{PaperContact{}}, ContactModel{FrictionlessContact{}}, ContactModel{CoulombContact{0.2}}}) {
+  for (const ContactModel& model : {ContactModel{PaperContact{}}, ContactModel{FrictionlessContact{}},
+                                    ContactModel{CoulombContact{0.2}}, ContactModel{StrongeContact{0.2}}}) {
     config.contact = model;
     const EnergyLedger energy = simulate(config, surface).energy;
     EXPECT_LT(std::abs(energy.closure()), 1e-12) << describe(model);
     EXPECT_GT(energy.dissipated_j, 0.5 * energy.released_j);
   }
+}
+
+TEST(Simulate, LosslessRestitutionWithFrictionCreatesEnergyByNewtonsRuleAndNoneByStronges) {
+  SimulationConfig config = small_config();
+  config.law = ConstantLaw{1.0};
+  const Surface surface = small_surface(config);
+  config.contact = StrongeContact{0.02};  // so small that many impacts of this rough ball slide
+  const SimulationResult energetic = simulate(config, surface);
+  EXPECT_EQ(energetic.energy.n_creating, 0);
+  EXPECT_GT(energetic.energy.dissipated_j, 0.0);
+  EXPECT_LT(std::abs(energetic.energy.closure()), 1e-12);  // as above: 600 roundings
+  config.contact = CoulombContact{0.02};
+  EXPECT_GT(simulate(config, surface).energy.n_creating, 0);
 }
 
 TEST(Simulate, EnergyOfEachImpactBalancesAndTheImpactsAddUpToTheRun) {

@@ -14,13 +14,26 @@ double mass_kg(const Ball& ball) {
 
 double moment_of_inertia_kgm2(const Ball& ball) { return 0.4 * mass_kg(ball) * ball.radius_m * ball.radius_m; }
 
-double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mps) {
+namespace {
+
+/// 15 m / (16 E* sqrt R): the greatest compression is (this v^2)^(2/5) [m^(5/2) s^2/m^2].
+double hertz_scale(const Ball& ball, const Material& plate) {
   const auto compliance = [](const Material& m) {
     return (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus_pa;
   };
   const double effective_modulus_pa = 1.0 / (compliance(ball.material) + compliance(plate));
-  const double scale = 15.0 * mass_kg(ball) / (16.0 * effective_modulus_pa * std::sqrt(ball.radius_m));
-  return 2.943 * pow(scale, 0.4) * pow(v_mps, -0.2);
+  return 15.0 * mass_kg(ball) / (16.0 * effective_modulus_pa * std::sqrt(ball.radius_m));
+}
+
+}  // namespace
+
+double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mps) {
+  return 2.943 * pow(hertz_scale(ball, plate), 0.4) * pow(v_mps, -0.2);
+}
+
+double hertz_patch_radius_m(const Ball& ball, const Material& plate, double v_mps) {
+  if (v_mps == 0.0) return 0.0;
+  return std::sqrt(ball.radius_m * pow(hertz_scale(ball, plate) * v_mps * v_mps, 0.4));
 }
 
 }  // namespace bouncelab

@@ -63,10 +63,19 @@ class Values {
   std::vector<SweepValue> all;
 };
 
+/// Drops that made all impacts that were asked for: those of others left the plate, came to rest or ran out of time.
+std::size_t n_complete(const LoopResult& loop) {
+  std::vector<std::int64_t> n_impacts(static_cast<std::size_t>(loop.simulation.n_drops), 0);
+  for (const Impact& impact : loop.rough.impacts.rows)
+    ++n_impacts[static_cast<std::size_t>(impact.drop - loop.simulation.first_drop)];
+  return static_cast<std::size_t>(std::count(n_impacts.begin(), n_impacts.end(), loop.simulation.n_impacts_max));
+}
+
 std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
   const detection::OnsetScore& score = loop.rough.score;
   Values values;
   values.add_count("n_impacts", score.n_true);
+  values.add_share("share_complete", n_complete(loop), static_cast<std::size_t>(loop.simulation.n_drops));
   values.add_share("recall", score.n_found, score.n_true);
   values.add_share("precision", score.n_found, score.n_found + score.n_invented);
   values.add("time_rms_within_drops_s", score.rms_within_drops_s);
@@ -87,6 +96,10 @@ std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<doub
       values.add_estimate(text_of("slope_rising_%.1f", v) + suffix, window ? &*window->slope_rising : nullptr);
       values.add_estimate(text_of("slope_falling_%.1f", v) + suffix, window ? &*window->slope_falling : nullptr);
     }
+  for (const double v : {0.3, 0.6, 1.0}) {
+    const fit::HistogramFit* window = window_at(loop.direct, v);
+    values.add(text_of("p_exponentials_%.1f_simulation", v), window ? window->p_value : std::nullopt);
+  }
   const std::optional<fit::Estimate>& exponent = loop.sound.budget.width_exponent;
   values.add_estimate("width_exponent", exponent ? &*exponent : nullptr);
   return values.all;

@@ -6,28 +6,19 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "contact/mobility.hpp"
+#include "contact/stronge.hpp"
 
 namespace bouncelab::sim {
 namespace {
 
 constexpr Vector3 kNormal{0, 0, 1};
 
-/// Response of the contact point's velocity to an impulse: K = a I - r r^T / J, a = 1/m + |r|^2/J.
-struct Mobility {
-  Mobility(const Ball& ball, Vector3 lever_m)
-      : r(lever_m), m(mass_kg(ball)), j(moment_of_inertia_kgm2(ball)), a(1.0 / m + norm2(r) / j) {}
-
-  Vector3 velocity_change(Vector3 impulse) const { return a * impulse - (dot(r, impulse) / j) * r; }
-  Vector3 impulse_for(Vector3 change) const { return (1.0 / a) * (change + (m / j * dot(r, change)) * r); }
-
-  Vector3 r;
-  double m, j, a;
-};
-
 /// What the contact point's velocity was and what its normal part must become.
 struct Demand {
   Vector3 v_before;
   double normal_change;  ///< (1 + eps) |v_c.n|
+  double eps;
 };
 
 Vector3 impulse(const PaperContact& model, const Mobility& k, const Demand& d) {
@@ -50,15 +41,22 @@ Vector3 impulse(const CoulombContact& model, const Mobility& k, const Demand& d)
   return impulse_along(edge_of_cone, k, d);
 }
 
+Vector3 impulse(const StrongeContact& model, const Mobility& k, const Demand& d) {
+  return stronge_impulse(k, d.v_before, model.mu, d.eps);
+}
+
+void check_friction(double mu) {
+  if (!(mu >= 0.0 && std::isfinite(mu)))
+    throw InvalidArgument("contact: mu = " + std::to_string(mu) + " must be finite and not negative");
+}
+
 void check(const PaperContact& model) {
   if (!(model.beta >= -1.0 && model.beta <= 1.0))
     throw InvalidArgument("contact: beta = " + std::to_string(model.beta) + " is outside [-1, 1]");
 }
 void check(const FrictionlessContact&) {}
-void check(const CoulombContact& model) {
-  if (!(model.mu >= 0.0 && std::isfinite(model.mu)))
-    throw InvalidArgument("contact: mu = " + std::to_string(model.mu) + " must be finite and not negative");
-}
+void check(const CoulombContact& model) { check_friction(model.mu); }
+void check(const StrongeContact& model) { check_friction(model.mu); }
 
 std::string text(const PaperContact& model) {
   std::ostringstream out;
@@ -69,6 +67,11 @@ std::string text(const FrictionlessContact&) { return "frictionless"; }
 std::string text(const CoulombContact& model) {
   std::ostringstream out;
   out << "coulomb, mu = " << model.mu;
+  return out.str();
+}
+std::string text(const StrongeContact& model) {
+  std::ostringstream out;
+  out << "stronge, mu = " << model.mu;
   return out.str();
 }
 
@@ -88,7 +91,7 @@ Collision collide(const Ball& ball, const RestitutionLaw& law, const ContactMode
   const Vector3 v_contact = before.velocity_mps + cross(before.spin_radps, lever_m);
   const double approach_mps = -v_contact.z;
   const double eps = restitution(law, std::abs(approach_mps));
-  const Demand demand{v_contact, (1.0 + eps) * approach_mps};
+  const Demand demand{v_contact, (1.0 + eps) * approach_mps, eps};
   const Vector3 p = std::visit([&](const auto& m) { return impulse(m, mobility, demand); }, model);
   const Motion after{before.velocity_mps + (1.0 / mobility.m) * p,
                      before.spin_radps + (1.0 / mobility.j) * cross(lever_m, p)};

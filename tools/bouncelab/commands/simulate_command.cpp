@@ -19,6 +19,7 @@ namespace {
 sim::ContactModel contact_model(const SimulateOptions& options) {
   if (options.contact == "frictionless") return sim::FrictionlessContact{};
   if (options.contact == "coulomb") return sim::CoulombContact{options.mu};
+  if (options.contact == "stronge") return sim::StrongeContact{options.mu};
   return sim::PaperContact{options.beta};
 }
 
@@ -65,6 +66,7 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
   config.law = restitution_law_from_text(options.restitution_law);
   config.contact = contact_model(options);
   if (options.drag) config.air = Air{};
+  if (options.contact_patch) config.patch_plate = kGlass;
   config.drop_height_min_m = options.height_m.front();
   config.drop_height_max_m = options.height_m.back();
   copy(options.plate_m, config.plate_size_m);

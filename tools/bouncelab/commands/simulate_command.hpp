@@ -22,6 +22,7 @@ struct SimulateOptions {
   double beta = 1.0;
   double mu = 0.2;
   bool drag = false;
+  bool contact_patch = false;
   std::vector<double> height_m{0.09, 0.10};
   std::vector<double> start_m{0.0, 0.0}, velocity_mps{0.0, 0.0}, spin_radps{0.0, 0.0, 0.0};
   std::vector<double> plate_m;  ///< empty: no edge

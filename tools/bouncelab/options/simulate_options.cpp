@@ -47,9 +47,12 @@ void add_simulate_options(CLI::App& app, SimulateOptions& o) {
   app.add_option("--surface", o.surface_file, "Read the asperities from a table (ux,uy,uz,radius_m) instead");
   app.add_option("--law", o.restitution_law,
                  "eps(v): series:A2=X,A4=Y,..., viscoelastic:GAMMA, constant:EPS, table:FILE.csv (v_mps,eps)");
-  app.add_option("--contact", o.contact, "Contact model")->check(CLI::IsMember({"paper", "frictionless", "coulomb"}));
+  app.add_option("--contact", o.contact, "Contact model")
+      ->check(CLI::IsMember({"paper", "frictionless", "coulomb", "stronge"}));
   app.add_option("--beta", o.beta, "Tangential restitution of the paper's contact model")->check(within(-1.0, 1.0));
-  app.add_option("--mu", o.mu, "Coefficient of friction of the Coulomb model")->check(within(0.0, 1e3));
+  app.add_option("--mu", o.mu, "Coefficient of friction of the coulomb and stronge models")->check(within(0.0, 1e3));
+  app.add_flag("--contact-patch", o.contact_patch,
+               "Offset of each contact averaged over the Hertzian area of contact on glass at the impact's speed");
   add_drop_options(app, o);
 }
 

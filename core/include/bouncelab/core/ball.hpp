@@ -39,4 +39,12 @@ double moment_of_inertia_kgm2(const Ball& ball);
 /// doi:10.1017/CBO9781139171731.
 double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mps);
 
+/// Radius of the area of contact at greatest compression, of the smooth elastic ball on a half-space [m]:
+///
+///   a = sqrt(R delta),   delta = (15 m v^2 / (16 E* sqrt R))^(2/5): m v^2 / 2 = (8/15) E* sqrt(R) delta^(5/2)
+///
+/// @param v_mps  normal impact speed, >= 0 [m/s]
+/// Source: Johnson, Contact Mechanics (1985), 4.2 and 11.4, doi:10.1017/CBO9781139171731.
+double hertz_patch_radius_m(const Ball& ball, const Material& plate, double v_mps);
+
 }  // namespace bouncelab

@@ -18,11 +18,19 @@ struct PaperContact {
 /// The impulse is parallel to the plate's normal.
 struct FrictionlessContact {};
 /// Stick (v_c'.t = 0) where the impulse this needs lies in the cone |P_t| <= mu P_n; else the tangential impulse is the
-/// sticking one shortened to mu P_n, with P_n such that v_c'.n = -eps v_c.n still holds.
+/// sticking one shortened to mu P_n, with P_n such that v_c'.n = -eps v_c.n still holds. Newton's restitution: where
+/// the contact is eccentric it can create energy (docs/physics.md).
 struct CoulombContact {
   double mu = 0.2;  ///< >= 0
 };
-using ContactModel = std::variant<PaperContact, FrictionlessContact, CoulombContact>;
+/// Coulomb friction at every instant of the contact, and energetic restitution: the normal force returns eps^2 of the
+/// work that it took, int_{v_c.n > 0} v_c.n dP_n = -eps^2 int_{v_c.n < 0} v_c.n dP_n. Creates no energy for eps <= 1.
+/// v_c'.n = -eps v_c.n holds where friction does not change on the way, not in general.
+/// Source: Stronge, Proc. R. Soc. A 431, 169 (1990), doi:10.1098/rspa.1990.0125.
+struct StrongeContact {
+  double mu = 0.2;  ///< >= 0
+};
+using ContactModel = std::variant<PaperContact, FrictionlessContact, CoulombContact, StrongeContact>;
 
 /// @throws InvalidArgument where a parameter is out of its range
 void validate(const ContactModel& model);
@@ -48,7 +56,8 @@ struct Collision {
 ///   v_c = v_G + omega x r_c,   v_G' = v_G + P/m,   omega' = omega + (r_c x P)/J,   v_c'.n = -eps(|v_c.n|) v_c.n
 ///   [ I/m + (|r_c|^2 I - r_c r_c^T)/J ] P = v_c' - v_c
 ///
-/// The 3x3 system is inverted in closed form (Sherman-Morrison): a^-1 (I + (m/J) r_c r_c^T), a = 1/m + |r_c|^2/J.
+/// (StrongeContact: eps(|v_c.n|) is the energetic coefficient in place of the last.) The 3x3 system is inverted in
+/// closed form (Sherman-Morrison): a^-1 (I + (m/J) r_c r_c^T), a = 1/m + |r_c|^2/J.
 /// @param lever_m  r_c, from the centre to the point of contact [m]
 /// @param before   approaching: v_c.n < 0
 /// Nothing is clamped: v_G'.n may exceed |v_G.n| or be negative. Source: Montaine et al. (2011), eqs. 6-10,

@@ -28,6 +28,9 @@ struct SimulationConfig {
   Ball ball;
   RestitutionLaw law = SeriesLaw{};
   ContactModel contact = PaperContact{};
+  /// Offsets of the contact averaged over the patch that Hertz' smooth ball would have at the impact's speed on this
+  /// material; absent: one asperity bears each impact, as in the paper. docs/physics.md, section 7.
+  std::optional<Material> patch_plate;
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0
   double tilt_rad = 0.0;                       ///< of the plate, in [0, pi/2)
   /// A drop ends where the ball comes down beyond the edge. Without bounds by default: a rough ball wanders off a plate

@@ -2,7 +2,7 @@
 /// Start here: a rough ball bouncing on a plate. make_surface, then simulate; the rest is what these are made of.
 #pragma once
 
-#include "bouncelab/sim/contact.hpp"        // the collision: paper, frictionless, Coulomb
+#include "bouncelab/sim/contact.hpp"        // the collision: paper, frictionless, Coulomb, Stronge
 #include "bouncelab/sim/drag.hpp"           // drag
 #include "bouncelab/sim/energy.hpp"         // where the energy went
 #include "bouncelab/sim/energy_shares.hpp"  // vertical, horizontal, rotational, against bounce number
