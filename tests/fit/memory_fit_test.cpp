@@ -19,6 +19,7 @@ struct Drops {
   int n = 12, impacts = 60;
   double q = 2e-5;
   double kept = 1.0;      ///< of the reservoir by each bounce
+  double release = 0.0;   ///< mean reservoir at the release
   bool memory = true;     ///< else each impact has the reservoir of another drop's
   double timing_s = 0.0;  ///< standard deviation of the times
 };
@@ -30,6 +31,7 @@ RestitutionSamples drawn(const Drops& drops, std::uint64_t seed) {
   for (int drop = 0; drop < drops.n; ++drop) {
     Random random(seed, RandomStream::test, static_cast<std::uint64_t>(drop));
     double v = 1.4 * std::sqrt(random.uniform(0.9, 1.0)), w = 0.0, mean_w = 0.0;
+    if (drops.release > 0.0) w = drops.release * random.exponential();
     std::vector<double> times{0.0};
     for (int k = 0; k < drops.impacts + 2; ++k) {
       if (!drops.memory) w = mean_w * random.exponential();
@@ -129,6 +131,20 @@ TEST(MemoryFit, SeesALeak) {
   ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
   EXPECT_LT(std::abs(z_of(fit.keep, 0.97)), 4.0);
   EXPECT_LT(fit.leak.p_value, 0.01);
+}
+
+TEST(MemoryFit, SeesARelease) {
+  Drops drops;
+  drops.timing_s = 2e-7;
+  drops.release = 5e-3;  // a first impact adds 3e-4
+  const MemoryFit fit = fitted(drawn(drops, 7)).memory;
+  ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
+  ASSERT_TRUE(fit.release_m2ps2);
+  // twelve exponential variables: their mean is known to .29
+  EXPECT_GT(fit.release_m2ps2->value, 1.5e-3);
+  EXPECT_LT(fit.release_m2ps2->value, 2e-2);
+  EXPECT_LT(std::abs(z_of(fit.nodes[0].eps, restitution(SeriesLaw{}, 0.6))), 4.0);
+  EXPECT_LT(std::abs(z_of(fit.roughness.q, 2e-5)), 4.0);
 }
 
 TEST(MemoryFit, ScatterThatDoesNotRememberFailsItsTest) {

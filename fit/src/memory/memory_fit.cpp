@@ -23,6 +23,7 @@ constexpr std::size_t kFewestImpacts = 60, kShortestLongest = 10;
 /// drop's reservoir is almost empty, are seen: intervals are the posterior's under a flat prior.
 constexpr std::size_t kManyDrops = 200;
 constexpr std::size_t kFewImpacts = 8000;
+constexpr double kReleaseSeen = 0.05;  // of the test of a release at rest: below, what it left is fitted
 constexpr double kZ95 = 1.959963984540054;
 
 std::vector<double> speeds_of(const RestitutionSamples& samples) {
@@ -215,6 +216,44 @@ std::string objections(const MemoryFit& fit) {
   return text;
 }
 
+bool found(const Maximum& maximum) { return std::isfinite(maximum.loglik) && maximum.gain_left < 0.5; }
+
+/// Of balls at rest when released.
+double mean_first_reservoir(const Chains& chains, double q) {
+  double sum = 0.0;
+  for (const Chain& chain : chains.chains) sum += 2.0 * q * chain.s_before;
+  return sum / static_cast<double>(chains.chains.size());
+}
+
+/// What the maximum says, how well it is known, and whether the model may be believed.
+void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Maximum& maximum, const MemoryFitConfig& config,
+              const std::vector<double>& speeds) {
+  const Eigen::MatrixXd scores = likelihood.scores_by_impact(maximum.x);
+  const Eigen::Index n = likelihood.n_parameters();
+  fit.mechanism = score_test(likelihood, scores, scores.rows() - 1);
+  fit.loglik = likelihood.anew(maximum.x);
+  const Posterior posterior = uncertainty(likelihood, maximum, scores, config);
+  describe_law(fit, likelihood.model(), posterior, config.node_speeds_mps, speeds);
+  fit.roughness = roughness_of(posterior, likelihood.index_of_q());
+  const auto estimate = [&](Eigen::Index i) {
+    return estimate_of(posterior, [i](const Eigen::VectorXd& theta) { return theta[i]; });
+  };
+  fit.keep = estimate(likelihood.index_of_keep());
+  if (n > likelihood.index_of_release()) fit.release_m2ps2 = estimate(likelihood.index_of_release());
+  fit.leak.z = (fit.keep.value - 1.0) / *fit.keep.se;
+  fit.leak.p_value = erfc(std::abs(fit.leak.z) * 0.70710678118654752);
+  const std::vector<double> transforms = likelihood.record(maximum.x).transforms;
+  for (const double u : transforms)
+    fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
+  if (config.n_goodness > 0) {
+    const Eigen::MatrixXd of_fitted = scores.topRows(n);
+    fit.anderson_darling = anderson_darling_with_memory(likelihood, maximum.x, of_fitted * of_fitted.transpose(),
+                                                        config.n_goodness, config.seed);
+  }
+  fit.message = objections(fit);
+  fit.holds = fit.message.empty();
+}
+
 }  // namespace
 
 MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independent, const MemoryFitConfig& config) {
@@ -248,34 +287,28 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
     if (std::isfinite(there.loglik)) start = there.x;
   }
   const Maximum maximum = search(likelihood, start);
-  if (!std::isfinite(maximum.loglik) || !(maximum.gain_left < 0.5)) {
+  if (!found(maximum)) {
     fit.status = FitStatus::not_converged;
     fit.message =
         "the search for the likeliest parameters did not converge: these fluctuations are not those of a "
         "rough ball's memory";
     return fit;
   }
-  const Eigen::MatrixXd scores = likelihood.scores_by_impact(maximum.x);
-  const Eigen::Index n = likelihood.n_parameters();
-  fit.release = score_test(likelihood, scores, n);
-  fit.mechanism = score_test(likelihood, scores, n + 1);
-  fit.loglik = likelihood.anew(maximum.x);
   fit.loglik_independent = loglik_independent(chains, independent);
-  const Posterior posterior = uncertainty(likelihood, maximum, scores, config);
-  describe_law(fit, model, posterior, config.node_speeds_mps, speeds);
-  fit.roughness = roughness_of(posterior, likelihood.index_of_q());
-  fit.keep = estimate_of(posterior, [&](const Eigen::VectorXd& theta) { return theta[likelihood.index_of_keep()]; });
-  fit.leak.z = (fit.keep.value - 1.0) / *fit.keep.se;
-  fit.leak.p_value = erfc(std::abs(fit.leak.z) * 0.70710678118654752);
-  const std::vector<double> transforms = likelihood.record(maximum.x).transforms;
-  for (const double u : transforms)
-    fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
-  if (config.n_goodness > 0)
-    fit.anderson_darling = anderson_darling_with_memory(
-        likelihood, maximum.x, scores.topRows(n) * scores.topRows(n).transpose(), config.n_goodness, config.seed);
-  fit.message = objections(fit);
-  fit.holds = fit.message.empty();
+  fit.release = score_test(likelihood, likelihood.scores_by_impact(maximum.x), likelihood.n_parameters());
   fit.status = FitStatus::ok;
+  // balls that were released with spin or sideways motion
+  if (fit.release.z > 0.0 && fit.release.p_value < kReleaseSeen) {
+    MemoryLikelihood moving(chains, model, true);
+    Eigen::VectorXd with_release(maximum.x.size() + 1);
+    with_release << maximum.x, mean_first_reservoir(chains, exp(maximum.x[likelihood.index_of_q()]));
+    const Maximum there = search(moving, with_release);
+    if (found(there)) {
+      describe(fit, moving, there, config, speeds);
+      return fit;
+    }
+  }
+  describe(fit, likelihood, maximum, config, speeds);
   return fit;
 }
 

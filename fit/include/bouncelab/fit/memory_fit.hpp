@@ -60,7 +60,7 @@ struct MemoryFit {
   std::optional<RestitutionLaw> law;
   Roughness roughness;
   Estimate keep;                          ///< share of the reservoir that outlasts a bounce; 1 without losses
-  std::optional<Estimate> release_m2ps2;  ///< mean reservoir at the release; absent where the drops show none
+  std::optional<Estimate> release_m2ps2;  ///< mean reservoir at the release, fitted where the test sees one
   double loglik = 0.0;
   std::optional<double> loglik_independent;         ///< of the same impacts by two exponentials, where given
   std::optional<AndersonDarling> anderson_darling;  ///< of the probability transforms
