@@ -74,7 +74,8 @@ TEST(ContactFactor, IsThatOfTheCollision) {
   const Ball ball;
   for (const ContactModel& model :
        {ContactModel{PaperContact{}}, ContactModel{PaperContact{0.0}}, ContactModel{FrictionlessContact{}},
-        ContactModel{CoulombContact{0.2}}, ContactModel{CoulombContact{0.0}}}) {
+        ContactModel{CoulombContact{0.2}}, ContactModel{CoulombContact{0.0}}, ContactModel{StrongeContact{0.2}},
+        ContactModel{StrongeContact{0.0}}}) {
     const double theta = 1e-3;
     const Vector3 lever{theta * ball.radius_m, 0.0, -ball.radius_m};
     const Collision c = collide(ball, ConstantLaw{0.9}, model, lever, {{0.0, 0.0, -1.0}, {}});

@@ -12,7 +12,9 @@ namespace bouncelab::sim {
 double contact_factor(const Ball& ball, const ContactModel& model) {
   const double k = mass_kg(ball) * square(ball.radius_m) / moment_of_inertia_kgm2(ball);
   const auto* coulomb = std::get_if<CoulombContact>(&model);
-  const bool slips = std::holds_alternative<FrictionlessContact>(model) || (coulomb && coulomb->mu == 0.0);
+  const auto* stronge = std::get_if<StrongeContact>(&model);
+  const bool slips = std::holds_alternative<FrictionlessContact>(model) || (coulomb && coulomb->mu == 0.0) ||
+                     (stronge && stronge->mu == 0.0);
   return slips ? k : k / (1.0 + k);
 }
 
