@@ -35,7 +35,7 @@ TEST_F(RoughnessCommand, FindsThatOfTheSimulatedBall) {
   EXPECT_NEAR(r.at("s2_no_slip").get<double>() / r.at("q").get<double>(), 1.4, 1e-12);
   EXPECT_EQ(found("r.json").at("holds"), true);
   EXPECT_THAT(content_of(folder_ / "r.json.meta.json"), testing::HasSubstr("s.csv"));
-  expect_one_line_error(run("roughness s.csv --out r.json"), 2, {"r.json", "--force"});
+  expect_one_line_error(run("roughness s.csv --out r.json"), 3, {"r.json", "--force"});
   expect_one_line_error(run("roughness s.csv --inertia-factor 0"), 2, {"--inertia-factor", "0.001 to 1"});
 }
 
