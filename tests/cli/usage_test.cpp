@@ -15,8 +15,8 @@ TEST_F(Usage, HelpNamesEveryCommand) {
 }
 
 TEST_F(Usage, EveryCommandHasHelpWithAnExample) {
-  for (const char* command :
-       {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit", "roughness", "report"}) {
+  for (const char* command : {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit",
+                              "roughness", "report"}) {
     const Result help = run(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_THAT(help.out, testing::HasSubstr("Example")) << command;
