@@ -10,13 +10,13 @@ TEST_F(Usage, HelpNamesEveryCommand) {
   const Result help = run("--help");
   EXPECT_EQ(help.exit_code, 0);
   for (const char* command :
-       {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit", "report"})
+       {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit", "roughness", "report"})
     EXPECT_THAT(help.out, testing::HasSubstr(command));
 }
 
 TEST_F(Usage, EveryCommandHasHelpWithAnExample) {
-  for (const char* command :
-       {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit", "report"}) {
+  for (const char* command : {"loop", "analyze", "simulate", "synthesize", "detect", "convert", "restitution", "fit",
+                              "roughness", "report"}) {
     const Result help = run(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_THAT(help.out, testing::HasSubstr("Example")) << command;
