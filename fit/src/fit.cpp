@@ -44,6 +44,16 @@ LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod metho
   return config;
 }
 
+MemoryFitConfig with_memory(const FitConfig& config, const LawFit& main) {
+  MemoryFitConfig memory;
+  memory.kind = config.law.kind;
+  memory.orders = config.law.orders;
+  memory.seed = config.law.seed;
+  memory.n_goodness = config.n_goodness;
+  for (const NodeEstimate& node : main.nodes) memory.node_speeds_mps.push_back(node.v_mps);
+  return memory;
+}
+
 RestitutionSamples without(const RestitutionSamples& samples, const std::vector<std::size_t>& outliers) {
   RestitutionSamples kept;
   auto next = outliers.begin();
@@ -57,39 +67,49 @@ RestitutionSamples without(const RestitutionSamples& samples, const std::vector<
 
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
-  constexpr double kSteps = 6.0;
-  const auto step = [&](double done) {
-    if (progress) progress(done, kSteps);
+  const double n_steps = config.memory ? 7.0 : 6.0;
+  double n_done = 0.0;
+  const auto step = [&] {
+    if (progress) progress(n_done, n_steps);
+    n_done += 1.0;
   };
   FitResult result;
   const RestitutionSamples used = usable_samples(samples, result);
-  step(0.0);
+  step();
   LawFitConfig main = config.law;
   main.n_goodness = config.n_goodness;
   main.compare_laws = true;
   result.law = fit_law(used, main);
-  step(1.0);
+  step();
+  if (config.memory) {
+    // the impacts as they followed each other, outliers among them: where one is missing a chain ends
+    result.memory = fit_memory(used, result.law, with_memory(config, result.law));
+    step();
+  }
   // what the law cannot explain would widen every other fit
   const RestitutionSamples kept = without(used, result.law.outliers);
   const auto other = [&](LawKind kind, LawMethod method) {
     return fit_law(kept, alternative(config.law, kind, method, result.law));
   };
   result.law_least_squares = other(config.law.kind, LawMethod::least_squares);
-  step(2.0);
+  step();
   result.law_least_absolute = other(config.law.kind, LawMethod::least_absolute);
-  step(3.0);
+  step();
   result.law_viscoelastic = other(LawKind::viscoelastic, config.law.method);
-  step(4.0);
+  step();
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
   result.budget = error_budget(kept, result.law, budget_config_of(samples, config.budget));
-  step(5.0);
+  step();
   // with the outliers of the pooled law: they may be all of one recording
   if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
-  step(kSteps);
-  if (!result.law.nodes.empty())
+  step();
+  if (!result.law.nodes.empty()) {
+    const double v_mps = config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps);
+    const bool remembers = result.memory && result.memory->holds;
     result.dem_export =
-        dem_export(result.law, config.dem_speed_mps.value_or(result.law.nodes[result.law.nodes.size() / 2].v_mps));
+        dem_export(result.law, v_mps, remembers ? std::optional(result.memory->roughness.q.value) : std::nullopt);
+  }
   result.status = result.law.status;
   result.n_used = result.law.n;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();

@@ -12,12 +12,13 @@ namespace bouncelab::cli {
 namespace {
 
 /// An option whose values have names; the first of them is the default.
-template <class Value>
-void add_choice(CLI::App& app, const std::string& name, Value& value,
+/// @param set  takes the value chosen
+template <class Value, class Set>
+void add_choice(CLI::App& app, const std::string& name, Set set,
                 const std::vector<std::pair<std::string, Value>>& choices, const std::string& help) {
-  const auto choose = [&value, choices](const std::string& text) {
+  const auto choose = [set, choices](const std::string& text) {
     for (const auto& [choice, meaning] : choices)
-      if (choice == text) value = meaning;
+      if (choice == text) set(meaning);
   };
   std::vector<std::string> names;
   for (const auto& choice : choices) names.push_back(choice.first);
@@ -34,16 +35,28 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
   app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
       ->check(within(2, 10))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  add_choice(app, "--law-kind", options.config.law.kind,
-             {{"series", fit::LawKind::series},
-              {"viscoelastic", fit::LawKind::viscoelastic},
-              {"constant", fit::LawKind::constant}},
-             "Form of the law");
-  add_choice(app, "--method", options.config.law.method,
-             {{"asymmetric-laplace", fit::LawMethod::asymmetric_laplace},
-              {"least-squares", fit::LawMethod::least_squares},
-              {"least-absolute", fit::LawMethod::least_absolute}},
-             "asymmetric-laplace (eps(v) is the peak), least-squares (the mean) or least-absolute (the median)");
+  add_choice<fit::LawKind>(
+      app, "--law-kind", [&options](fit::LawKind kind) { options.config.law.kind = kind; },
+      {{"series", fit::LawKind::series},
+       {"viscoelastic", fit::LawKind::viscoelastic},
+       {"constant", fit::LawKind::constant}},
+      "Form of the law");
+  struct Method {
+    fit::LawMethod law;
+    bool memory = false;
+  };
+  add_choice<Method>(
+      app, "--method",
+      [&options](Method method) {
+        options.config.law.method = method.law;
+        options.config.memory = method.memory;
+      },
+      {{"asymmetric-laplace", {fit::LawMethod::asymmetric_laplace}},
+       {"least-squares", {fit::LawMethod::least_squares}},
+       {"least-absolute", {fit::LawMethod::least_absolute}},
+       {"memory", {fit::LawMethod::asymmetric_laplace, true}}},
+      "asymmetric-laplace (eps(v) is the peak), least-squares (the mean), least-absolute (the median) or memory: "
+      "asymmetric-laplace, and beside it the likelihood of each impact given the drop's earlier ones");
   app.add_option("--bootstrap", options.config.law.n_bootstrap, "Replicates of the bootstrap by drop, 0 = none")
       ->check(within(0, 100000));
   app.add_option("--goodness-replicates", options.config.n_goodness,

@@ -18,6 +18,7 @@
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/fit/recordings.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
@@ -25,7 +26,8 @@ namespace bouncelab::fit {
 
 struct FitConfig {
   LawFitConfig law;             ///< the main fit; the others use its nodes
-  std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none
+  std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none; likewise with memory
+  bool memory = false;          ///< fill FitResult::memory: same form of law, same nodes as the main fit
   HistogramConfig histograms;
   BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
@@ -44,6 +46,7 @@ struct FitResult {
   LawFit law;                                     ///< as configured; by default the asymmetric Laplace
   LawFit law_least_squares, law_least_absolute;
   LawFit law_viscoelastic;
+  std::optional<MemoryFit> memory;  ///< where asked for; the main law is what it is without
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   Recordings recordings;
@@ -58,6 +61,7 @@ struct FitResult {
 
 /// Fits everything. Left out and counted: samples with a flag, not finite, with v <= 0.
 /// @param progress  called between the fits, in steps of one
+/// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});
 
 /// Is there a curve eps(v) worth using? (`ok` and `not_identifiable`: the curve is known although A may not be.)
