@@ -1,35 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/fit.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "bouncelab/core/parallel.hpp"
 #include "text/findings.hpp"
+#include "usable_samples.hpp"
 
 namespace bouncelab::fit {
 namespace {
-
-/// Why a sample cannot be used; empty: it can. The first flag names the reason.
-std::string reason_to_leave_out(const RestitutionSample& s) {
-  if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) return "not_finite";
-  if (!(s.v_mps > 0.0)) return "speed_not_positive";
-  return std::string(s.flags.first_word());
-}
-
-RestitutionSamples usable_samples(const RestitutionSamples& samples, FitResult& result) {
-  RestitutionSamples used;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const std::string reason = reason_to_leave_out(samples[k]);
-    if (reason.empty()) {
-      used.push_back(samples[k]);
-      continue;
-    }
-    ++result.n_left_out[reason];
-    result.first_left_out.try_emplace(reason, k + 1);
-  }
-  return used;
-}
 
 LawFitConfig alternative(const LawFitConfig& main, LawKind kind, LawMethod method, const LawFit& fitted) {
   LawFitConfig config = main;
@@ -74,7 +51,8 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     n_done += 1.0;
   };
   FitResult result;
-  const RestitutionSamples used = usable_samples(samples, result);
+  LeftOut left_out;
+  const RestitutionSamples used = usable_samples(samples, left_out);
   step();
   LawFitConfig main = config.law;
   main.n_goodness = config.n_goodness;
@@ -112,6 +90,8 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   }
   result.status = result.law.status;
   result.n_used = result.law.n;
+  result.n_left_out = left_out.n;
+  result.first_left_out = left_out.first;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
   result.warnings = warnings_of(result, used);
   result.findings = findings_of(result);

@@ -69,13 +69,26 @@ EmissionInput<double> values_of(const EmissionInput<Jet<N>>& in) {
 }
 inline EmissionInput<double> values_of(const EmissionInput<double>& in) { return in; }
 
+/// K'(s) alone.
+template <class T>
+T first_cumulant(const EmissionInput<T>& in, const T& s) {
+  const T u = 1.0 + in.b * s, inverse = 1.0 / u;
+  const T a0 = 0.5 * in.a * s * s * inverse, a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
+  return a1 * (in.reservoir + in.reservoir_variance * a0 + in.covariance * s) + in.covariance * a0 - in.b * inverse +
+         in.noise_mean + in.noise_variance * s;
+}
+
+struct Saddlepoint {
+  double s, curvature;  ///< K''(s)
+};
 /// Solves K'(s) = y: K' rises from -infinity at s = -1/b. Newton's steps, kept inside what is known to enclose it.
-inline double saddlepoint(const EmissionInput<double>& in) {
+inline Saddlepoint saddlepoint(const EmissionInput<double>& in) {
   const double edge = -1.0 / in.b;
   double lo = edge, hi = HUGE_VAL;
   const double k2 = in.a * in.reservoir + in.b * in.b + in.noise_variance;
   double s = (in.y - in.noise_mean + in.b) / k2;
   if (s <= 0.7 * edge) s = 0.7 * edge;
+  double curvature = k2;
   for (int i = 0; i < 100; ++i) {
     const double u = 1.0 + in.b * s, inverse = 1.0 / u, b = in.b * inverse;
     const double a0 = 0.5 * in.a * s * s * inverse, a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
@@ -89,9 +102,10 @@ inline double saddlepoint(const EmissionInput<double>& in) {
     if (!(next > lo && next < hi) || !(slope > 0.0)) next = std::isinf(hi) ? s + 1.0 / std::sqrt(k2) : 0.5 * (lo + hi);
     const double step = next - s;
     s = next;
+    curvature = slope;
     if (step * step * std::abs(slope) < 1e-14) break;
   }
-  return s;
+  return {s, curvature};
 }
 
 /// Saddlepoint approximation with its second-order term in the exponent: within .3 % of the density also where that is
@@ -99,13 +113,10 @@ inline double saddlepoint(const EmissionInput<double>& in) {
 template <class T>
 Emission<T> emission(const EmissionInput<T>& in) {
   Emission<T> out;
-  out.saddlepoint = saddlepoint(values_of(in));
-  T s(out.saddlepoint);
-  {
-    // one step with derivatives: of the solution by all it depends on
-    const Cumulants<T> c(in, s);
-    s -= (c.k1 - in.y) / value_of(c.k2);
-  }
+  const Saddlepoint found = saddlepoint(values_of(in));
+  out.saddlepoint = found.s;
+  // one step with derivatives: of the solution by all it depends on
+  const T s = found.s - (first_cumulant(in, T(found.s)) - in.y) / found.curvature;
   const Cumulants<T> c(in, s);
   const T inverse = 1.0 / c.k2, skew = c.k3 * inverse * inverse;
   constexpr double kLogTwoPi = 1.8378770664093453;

@@ -220,19 +220,22 @@ class ChainFilter {
     s.template topLeftCorner<3, 3>() = covariance_;
     s(3, 3) = height_next;
     s(4, 4) = T(m.timing_after);
-    Eigen::Matrix<T, 5, 1> mean = Eigen::Matrix<T, 5, 1>::Zero(), in_y, in_speed;
+    Eigen::Matrix<T, 5, 1> mean = Eigen::Matrix<T, 5, 1>::Zero();
     mean.template head<3>() = errors_;
-    in_y << e + v * law.slope, inverse_e, T(-1.0), T(-1.0), T(1.0);
-    in_speed << T(1.0), T(2.0), T(0.0), T(0.0), T(0.0);
-    const Eigen::Matrix<T, 5, 1> by_y = s * in_y, by_speed = s * in_speed;
+    // y has (e + v e') d + H/e - D - H' + D', the book of energies d + 2 H
+    const T by_d = e + v * law.slope;
+    const auto in_y = [&](const auto& x) -> T { return by_d * x(0) + inverse_e * x(1) - x(2) - x(3) + x(4); };
+    const auto in_speed = [](const auto& x) -> T { return x(0) + 2.0 * x(1); };
+    const Eigen::Matrix<T, 5, 1> by_y = s.col(0) * by_d + s.col(1) * inverse_e - s.col(2) - s.col(3) + s.col(4);
+    const Eigen::Matrix<T, 5, 1> by_speed = s.col(0) + s.col(1) + s.col(1);
     EmissionInput<T> in;
     in.y = y;
-    in.noise_mean = in_y.dot(mean);
+    in.noise_mean = in_y(mean);
     in.a = p_.q * square_of(one_e * f);
     in.b = 2.0 * p_.q * p_.ratio * one_e * v;
-    in.noise_variance = in_y.dot(by_y) + square_of(kResolution * in.b);
-    const T speed_mean = in_speed.dot(mean), speed_variance = in_speed.dot(by_speed);
-    in.covariance = -2.0 * v * in_speed.dot(by_y);
+    in.noise_variance = in_y(by_y) + square_of(kResolution * in.b);
+    const T speed_mean = in_speed(mean), speed_variance = in_speed(by_speed);
+    in.covariance = -2.0 * v * in_speed(by_y);
 
     // approached faster, more often: the weight of a contact (docs/physics.md)
     const T flux = 1.0 + y / (v * one_e) + 2.0 * p_.q;
@@ -280,16 +283,17 @@ class ChainFilter {
       transforms->push_back(std::clamp(tail - spread * exp(value_of(log_density)) / (v * value_of(one_e)), 0.0, 1.0));
     }
     mean += gain * by_y - 2.0 * v * by_reservoir * by_speed;
-    const T bend = gain2 - gain * gain;
-    s += bend * by_y * by_y.transpose();
+    const Eigen::Matrix<T, 5, 1> bent = by_y * T(gain2 - gain * gain);
+    s += bent * by_y.transpose();
     // d' = -H' - D' + H/e + D
-    Eigen::Matrix<T, 3, 5> next = Eigen::Matrix<T, 3, 5>::Zero();
-    next(0, 1) = inverse_e;
-    next(0, 2) = T(1.0);
-    next(0, 3) = next(0, 4) = T(-1.0);
-    next(1, 3) = next(2, 4) = T(1.0);
-    errors_ = next * mean;
-    covariance_ = next * s * next.transpose();
+    errors_ << mean(1) * inverse_e + mean(2) - mean(3) - mean(4), mean(3), mean(4);
+    const Eigen::Matrix<T, 5, 1> with_d = s.col(1) * inverse_e + s.col(2) - s.col(3) - s.col(4);
+    covariance_(0, 0) = with_d(1) * inverse_e + with_d(2) - with_d(3) - with_d(4);
+    covariance_(0, 1) = covariance_(1, 0) = with_d(3);
+    covariance_(0, 2) = covariance_(2, 0) = with_d(4);
+    covariance_(1, 1) = s(3, 3);
+    covariance_(1, 2) = covariance_(2, 1) = s(3, 4);
+    covariance_(2, 2) = s(4, 4);
     // the leak
     const T lost = 1.0 - p_.keep, error_after = 2.0 * after * (errors_(0) + 2.0 * errors_(1));
     for (Component& c : components_) {

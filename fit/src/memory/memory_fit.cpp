@@ -257,8 +257,8 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   }
   const Eigen::MatrixXd scores = likelihood.scores_by_impact(maximum.x);
   const Eigen::Index n = likelihood.n_parameters();
-  fit.release = score_test(scores, n, n);
-  fit.mechanism = score_test(scores, n, n + 1);
+  fit.release = score_test(likelihood, scores, n);
+  fit.mechanism = score_test(likelihood, scores, n + 1);
   fit.loglik = likelihood.anew(maximum.x);
   fit.loglik_independent = loglik_independent(chains, independent);
   const Posterior posterior = uncertainty(likelihood, maximum, scores, config);

@@ -8,6 +8,8 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "law/by_drop.hpp"
+#include "law/distributions.hpp"
 #include "law/maximise.hpp"
 #include "law/replicates.hpp"
 #include "memory/memory_draws.hpp"
@@ -25,15 +27,20 @@ double statistic(MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
 
 }  // namespace
 
-MemoryTest score_test(const Eigen::MatrixXd& scores, Eigen::Index n_fitted, Eigen::Index tested) {
-  const Eigen::MatrixXd fitted = scores.topRows(n_fitted);
+MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores, Eigen::Index tested) {
+  const Eigen::MatrixXd fitted = scores.topRows(likelihood.n_parameters());
   const Eigen::VectorXd own = scores.row(tested).transpose();
   const Eigen::VectorXd of_fitted = (fitted * fitted.transpose()).ldlt().solve(fitted * own);
-  const Eigen::VectorXd rest = own - fitted.transpose() * of_fitted;
+  const Eigen::MatrixXd rest = own.transpose() - of_fitted.transpose() * fitted;
+  const Eigen::MatrixXd by_drop = likelihood.by_drop(rest);
+  const auto n = static_cast<double>(by_drop.cols());
+  const bool enough = likelihood.chains().n_drops >= kFewestDrops;
+  const double variance = enough ? by_drop.squaredNorm() * n / (n - 1.0) : rest.squaredNorm();
   MemoryTest test;
-  if (!(rest.squaredNorm() > 0.0)) return test;
-  test.z = rest.sum() / rest.norm();
-  test.p_value = erfc(std::abs(test.z) * 0.70710678118654752);
+  if (!(variance > 0.0)) return test;
+  test.z = rest.sum() / std::sqrt(variance);
+  test.p_value =
+      enough ? 2.0 * student_t_below(-std::abs(test.z), n - 1.0) : erfc(std::abs(test.z) * 0.70710678118654752);
   return test;
 }
 

@@ -11,9 +11,9 @@
 namespace bouncelab::fit {
 
 /// Score test of one more parameter at its value if the model holds: its score less what the others explain of it, over
-/// its standard error by the scores of all impacts.
+/// its standard error; by how drops differ from 10 drops on (Student's t), else by the scores of all impacts.
 /// @param scores  by impact, a column each; rows: the n_fitted parameters that were fitted first, then others
-MemoryTest score_test(const Eigen::MatrixXd& scores, Eigen::Index n_fitted, Eigen::Index tested);
+MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores, Eigen::Index tested);
 
 /// Anderson-Darling on the probability transforms of up to 4,000 impacts (whole chains, evenly chosen), against samples
 /// drawn from the model; each has the parameters that one step of scoring finds for it.

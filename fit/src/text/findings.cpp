@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/fit/roughness.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
 
@@ -20,9 +21,9 @@ std::string sentence(std::string text) {
   return text + ".";
 }
 
-std::string describe_nodes(const LawFit& law) {
+std::string describe_nodes(const std::vector<NodeEstimate>& estimates) {
   std::vector<std::string> nodes;
-  for (const NodeEstimate& node : law.nodes)
+  for (const NodeEstimate& node : estimates)
     nodes.push_back(formatted("eps(%.3g m/s) = ", node.v_mps) + in_words(node.eps.value, node.eps.se));
   return joined(nodes);
 }
@@ -38,7 +39,7 @@ std::string constants(const FitResult& r) {
   if (!unknown.empty())
     text += (text.empty() ? "" : "; ") + joined(unknown) + " cannot be known from these " + std::to_string(r.law.n) +
             " impacts";
-  text += ". The curve: " + describe_nodes(r.law) + ".";
+  text += ". The curve: " + describe_nodes(r.law.nodes) + ".";
   if (!r.law_viscoelastic.parameters.empty()) {
     const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
     text += " With one dissipation parameter: gamma = " + in_words(gamma.value, gamma.se) + ".";
@@ -127,11 +128,18 @@ std::string gaussian(const std::vector<HistogramFit>& histograms) {
          "Their slopes differ (95 %) in " + of(n_unequal) + " windows.";
 }
 
+std::string remembers(const MemoryFit& memory) {
+  if (!memory.holds) return "No, or not so that it could be used: " + in_words(memory) + ".";
+  return "Yes: " + in_words(memory) + ". The curve so: " + describe_nodes(memory.nodes) +
+         ". The surface: " + in_words(memory.roughness) + ".";
+}
+
 std::string in_dem(const FitResult& r) {
   if (!r.dem_export) return "Not at all: eps is not between 0 and 1 there.";
   return formatted("Codes with a constant coefficient: eps = %s at %.2g m/s; choose the speed of your collisions. ",
                    in_words(r.dem_export->eps, r.dem_export->se).c_str(), r.dem_export->v_mps) +
-         "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and eps(v) as a table, are at the end.";
+         "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and eps(v) as a table, are at the end" +
+         (r.memory && r.memory->holds ? "; so is C++ whose fluctuations remember." : ".");
 }
 
 }  // namespace
@@ -145,6 +153,7 @@ std::vector<Finding> findings_of(const FitResult& result) {
                                 {"How do I use it in a DEM code?", in_dem(result)}};
   if (std::string agreement = in_words(result.recordings); !agreement.empty())
     findings.insert(findings.begin() + 1, {"Do the recordings agree?", sentence(agreement)});
+  if (result.memory) findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(*result.memory)});
   return findings;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bouncelab/fit/fit.hpp"
+#include "usable_samples.hpp"
 
 namespace bouncelab::fit {
 
@@ -15,8 +16,11 @@ std::string describe(const Ball& ball);
 /// @param used  the samples that were fitted
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used);
 
-/// The questions that a reader brings (five; with several recordings a sixth, whether they agree), answered in a
-/// sentence or two from the numbers of the result.
+/// Of the samples alone, whatever is fitted to them.
+std::vector<std::string> warnings_of(const RestitutionSamples& used, const LeftOut& left_out);
+
+/// The questions that a reader brings (five; with several recordings whether they agree, with memory whether the
+/// fluctuations remember), answered in a sentence or two from the numbers of the result.
 std::vector<Finding> findings_of(const FitResult& result);
 
 }  // namespace bouncelab::fit

@@ -147,6 +147,51 @@ Json json_of(const LawFit& fit) {
   return j;
 }
 
+Json tests_of(const MemoryFit& m) {
+  return {{"leak_z", json_of(m.leak.z)},           {"leak_p", json_of(m.leak.p_value)},
+          {"release_z", json_of(m.release.z)},     {"release_p", json_of(m.release.p_value)},
+          {"mechanism_z", json_of(m.mechanism.z)}, {"mechanism_p", json_of(m.mechanism.p_value)}};
+}
+
+Json json_of(const MemoryFit& m) {
+  const bool fitted = m.status == FitStatus::ok;
+  Json j{{"status", to_string(m.status)}, {"message", m.message},  {"holds", m.holds}, {"n", m.n},
+         {"n_drops", m.n_drops},          {"n_chains", m.n_chains}};
+  Json names = Json::array();
+  for (const NamedEstimate& p : m.parameters) {
+    j[p.name] = json_of(p.estimate);
+    names.push_back(p.name);
+  }
+  j["parameters"] = names;
+  j["covariance"] = json_of(m.covariance);
+  j["nodes"] = nodes_of(m.nodes);
+  j["node_correlation"] = json_of(m.node_correlation);
+  j["leak"] = fitted ? json_of(leak_of(m)) : Json(nullptr);
+  j["release_m2ps2"] = json_of(m.release_m2ps2);
+  j["loglik"] = fitted ? json_of(m.loglik) : Json(nullptr);
+  j["loglik_independent"] = json_of(m.loglik_independent);
+  j["anderson_darling"] = json_of(m.anderson_darling);
+  j["transform_counts"] = m.transform_counts;
+  j["tests"] = fitted ? tests_of(m) : Json(nullptr);
+  j["curve"] = curve_of(m.curve);
+  return j;
+}
+
+Json roughness_of(const MemoryFit& m, const Roughness& r, double inertia_factor) {
+  return {{"q", json_of(r.q.value)},
+          {"q_se", json_of(r.q.se)},
+          {"q_ci95", json_of(r.q.ci95)},
+          {"inertia_factor", inertia_factor},
+          {"s2_no_slip", json_of(r.s2_no_slip)},
+          {"s2_frictionless", json_of(r.s2_frictionless)},
+          {"rms_tilt_no_slip_deg", json_of(r.rms_tilt_no_slip_deg)},
+          {"n_constant_radii", json_of(r.n_constant_radii)},
+          {"lambda_exponential", json_of(r.lambda_exponential)},
+          {"width_uniform_1e6", json_of(r.width_uniform_1e6)},
+          {"leak", json_of(leak_of(m))},
+          {"mechanism_p", json_of(m.mechanism.p_value)}};
+}
+
 Json json_of(const ShapeFit& shape) {
   Json parameters = Json::object();
   for (const NamedEstimate& p : shape.parameters) parameters[p.name] = json_of(p.estimate);
@@ -288,26 +333,48 @@ std::string to_json(const FitResult& result, int indent) {
   for (const RecordingFit& r : result.recordings.rows) recordings.push_back(json_of(r));
   Json answers = Json::array();
   for (const Finding& a : result.findings) answers.push_back({{"question", a.question}, {"answer", a.answer}});
-  const Json j{{"status", to_string(result.status)},
-               {"warnings", result.warnings},
-               {"answers", answers},
-               {"n_used", result.n_used},
-               {"n_left_out", result.n_left_out},
-               {"law", json_of(result.law)},
-               {"recordings_test", json_of(result.recordings.test)},
-               {"recordings", recordings},
-               {"law_least_squares", json_of(result.law_least_squares)},
-               {"law_least_absolute", json_of(result.law_least_absolute)},
-               {"law_comparison", comparison_of(result.law.comparison)},
-               {"law_viscoelastic", json_of(result.law_viscoelastic)},
-               {"histograms", histograms},
-               {"budget", json_of(result.budget)},
-               {"hand_off", json_of(result.dem_export)},
-               {"density",
-                {{"v_edges_mps", result.density.v_edges_mps},
-                 {"eps_edges", result.density.eps_edges},
-                 {"counts", result.density.counts},
-                 {"n_outside", result.density.n_outside}}}};
+  Json j{{"status", to_string(result.status)},
+         {"warnings", result.warnings},
+         {"answers", answers},
+         {"n_used", result.n_used},
+         {"n_left_out", result.n_left_out},
+         {"law", json_of(result.law)},
+         {"recordings_test", json_of(result.recordings.test)},
+         {"recordings", recordings},
+         {"law_least_squares", json_of(result.law_least_squares)},
+         {"law_least_absolute", json_of(result.law_least_absolute)},
+         {"law_comparison", comparison_of(result.law.comparison)},
+         {"law_viscoelastic", json_of(result.law_viscoelastic)},
+         {"histograms", histograms},
+         {"budget", json_of(result.budget)},
+         {"hand_off", json_of(result.dem_export)},
+         {"density",
+          {{"v_edges_mps", result.density.v_edges_mps},
+           {"eps_edges", result.density.eps_edges},
+           {"counts", result.density.counts},
+           {"n_outside", result.density.n_outside}}}};
+  if (const std::optional<MemoryFit>& memory = result.memory) {
+    j["memory"] = json_of(*memory);
+    j["roughness"] =
+        memory->status == FitStatus::ok ? roughness_of(*memory, memory->roughness, kSolidBallInertia) : Json(nullptr);
+  }
+  return j.dump(indent) + "\n";
+}
+
+std::string to_json(const RoughnessResult& result, int indent) {
+  const MemoryFit& m = result.memory;
+  Json j{{"status", to_string(m.status)},
+         {"message", m.message},
+         {"holds", m.holds},
+         {"warnings", result.warnings},
+         {"n", m.n},
+         {"n_drops", m.n_drops},
+         {"n_chains", m.n_chains},
+         {"n_left_out", result.n_left_out}};
+  const bool fitted = m.status == FitStatus::ok;
+  j["roughness"] = fitted ? roughness_of(m, result.surface, result.inertia_factor) : Json(nullptr);
+  j["tests"] = fitted ? tests_of(m) : Json(nullptr);
+  j["anderson_darling"] = json_of(m.anderson_darling);
   return j.dump(indent) + "\n";
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/fit/roughness.hpp"
 #include "law/by_drop.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
@@ -101,15 +102,15 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
 
 /// Rows that a flag of the detector or of the intervals excludes were counted where the flag was set. Rows that are
 /// excluded by their values, or by a word that nothing of ours writes, were not.
-void warn_of_rows_left_out(const FitResult& result, std::vector<std::string>& warnings) {
-  for (const auto& [reason, first] : result.first_left_out) {
+void warn_of_rows_left_out(const LeftOut& left_out, std::vector<std::string>& warnings) {
+  for (const auto& [reason, first] : left_out.first) {
     const std::optional<Flag> flag = flag_named(reason);
     if (flag && *flag != Flag::not_finite) continue;
     std::string in_words = "flag " + reason;
     if (flag) in_words = "not finite";
     if (reason == "speed_not_positive") in_words = "speed not positive";
-    warnings.push_back(formatted("%zu of the samples left out: %s; the first is number %zu",
-                                 result.n_left_out.at(reason), in_words.c_str(), first));
+    warnings.push_back(formatted("%zu of the samples left out: %s; the first is number %zu", left_out.n.at(reason),
+                                 in_words.c_str(), first));
   }
 }
 
@@ -151,13 +152,21 @@ std::string describe(const Ball& ball) {
   return formatted("a ball of %.3g mm radius and %.4g kg/m^3", 1e3 * ball.radius_m, ball.material.density_kgpm3);
 }
 
+std::vector<std::string> warnings_of(const RestitutionSamples& used, const LeftOut& left_out) {
+  std::vector<std::string> warnings;
+  warn_of_samples(used, warnings);
+  warn_of_rows_left_out(left_out, warnings);
+  return warnings;
+}
+
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used) {
   std::vector<std::string> warnings;
   if (disagree(result.recordings)) warnings.push_back(in_words(result.recordings));
+  if (result.memory && !result.memory->holds) warnings.push_back(in_words(*result.memory));
   warn_of_law(result.law, warnings);
   warn_of_timing(result.budget, warnings);
-  warn_of_samples(used, warnings);
-  warn_of_rows_left_out(result, warnings);
+  const std::vector<std::string> of_samples = warnings_of(used, {result.n_left_out, result.first_left_out});
+  warnings.insert(warnings.end(), of_samples.begin(), of_samples.end());
   warn_of_mixed_conditions(used, warnings);
   warn_of_shifts(result.budget, warnings);
   return warnings;

@@ -10,6 +10,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/fit/json.hpp"
+#include "bouncelab/fit/roughness.hpp"
 #include "files/provenance.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"
@@ -59,11 +60,29 @@ std::string describe(const fit::Recordings& recordings) {
   return text;
 }
 
+/// eps(v) at the nodes, by both likelihoods where there are two.
+std::string describe_nodes(const fit::FitResult& result) {
+  std::string text;
+  for (std::size_t k = 0; k < result.law.nodes.size(); ++k) {
+    const fit::NodeEstimate& node = result.law.nodes[k];
+    text += fmt::format("eps({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
+    if (result.memory && k < result.memory->nodes.size())
+      text += "; with memory " + with_error(result.memory->nodes[k].eps);
+    text += "\n";
+  }
+  return text;
+}
+
+/// Nothing where memory was not asked for; where it does not hold a warning says so.
+std::string describe(const std::optional<fit::MemoryFit>& memory) {
+  if (!memory || memory->status != fit::FitStatus::ok) return {};
+  return (memory->holds ? in_words(*memory) + "\n" : "") + "roughness: " + in_words(memory->roughness) + "\n";
+}
+
 /// The result in a few lines, for people.
 std::string describe(const fit::FitResult& result) {
   std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.status));
-  for (const fit::NodeEstimate& node : result.law.nodes)
-    text += fmt::format("eps({:.3g} m/s) = {}\n", node.v_mps, with_error(node.eps));
+  text += describe_nodes(result) + describe(result.memory);
   for (const fit::LawFit* law : {&result.law, &result.law_viscoelastic})
     for (const fit::NamedEstimate& p : law->parameters)
       text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));

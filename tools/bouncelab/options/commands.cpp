@@ -41,9 +41,16 @@ std::optional<std::vector<std::string>> handed_on(const std::string& command, co
 // in the order of --help, which is that of the data
 const std::vector<CommandName>& all_commands() {
   static const std::vector<CommandName> all{
-      {"simulate", add_simulate_command}, {"synthesize", add_synthesize_command},   {"detect", add_detect_command},
-      {"convert", add_convert_command},   {"restitution", add_restitution_command}, {"fit", add_fit_command},
-      {"report", add_report_command},     {"calibrate", add_calibrate_command},     {"analyze", add_analyze_command},
+      {"simulate", add_simulate_command},
+      {"synthesize", add_synthesize_command},
+      {"detect", add_detect_command},
+      {"convert", add_convert_command},
+      {"restitution", add_restitution_command},
+      {"fit", add_fit_command},
+      {"roughness", add_roughness_command},
+      {"report", add_report_command},
+      {"calibrate", add_calibrate_command},
+      {"analyze", add_analyze_command},
       {"loop", add_loop_command},
   };
   return all;

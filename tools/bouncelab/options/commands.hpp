@@ -29,6 +29,7 @@ Command add_detect_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);
 Command add_restitution_command(CLI::App& app);
 Command add_fit_command(CLI::App& app);
+Command add_roughness_command(CLI::App& app);
 Command add_report_command(CLI::App& app);
 Command add_calibrate_command(CLI::App& app);
 Command add_analyze_command(CLI::App& app);

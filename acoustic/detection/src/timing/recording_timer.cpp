@@ -162,7 +162,8 @@ Onset to_onset(const TimedImpact& from, double log_odds_of_track, const ContactC
   onset.impact = from.impact;
   onset.t_s = from.fit.t_s - contact.delay_s;
   onset.sigma_t_s = hypot(hypot(from.fit.sigma_s, from.doubt_s), contact.sigma_s);
-  if (peak) {
+  // a doubtful impact may fit best upside down: then its amplitude is not known
+  if (peak && from.fit.amplitude > 0.0) {
     onset.amplitude = from.fit.amplitude * *peak;
     if (noise_variance > 0.0) onset.snr_db = 20.0 * log10(*onset.amplitude / std::sqrt(noise_variance));
   }

@@ -4,11 +4,15 @@
 #include <string>
 
 #include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/roughness.hpp"
 
 namespace bouncelab::fit {
 
 /// fit.json: everything of a FitResult, numbers with 17 digits, null where a value is not known.
 /// @param indent  spaces for each level
 std::string to_json(const FitResult& result, int indent = 1);
+
+/// What the command `roughness` writes, in the same manner.
+std::string to_json(const RoughnessResult& result, int indent = 1);
 
 }  // namespace bouncelab::fit

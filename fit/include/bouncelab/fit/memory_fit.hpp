@@ -38,7 +38,7 @@ struct Roughness {
 
 /// A test of the model on the data it was fitted to.
 struct MemoryTest {
-  double z = 0.0;        ///< standard normal if the model holds
+  double z = 0.0;        ///< deviation over its standard error
   double p_value = 1.0;  ///< two-sided
 };
 

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/memory_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/restitution_with_memory.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// What drops are made of; their law is the paper's.
+struct Drops {
+  int n = 12, impacts = 60;
+  double q = 2e-5;
+  double kept = 1.0;      ///< of the reservoir by each bounce
+  bool memory = true;     ///< else each impact has the reservoir of another drop's
+  double timing_s = 0.0;  ///< standard deviation of the times
+};
+
+RestitutionSamples drawn(const Drops& drops, std::uint64_t seed) {
+  const RestitutionLaw law = SeriesLaw{};
+  const auto eps = [&](double v) { return restitution(law, v); };
+  RestitutionSamples samples;
+  for (int drop = 0; drop < drops.n; ++drop) {
+    Random random(seed, RandomStream::test, static_cast<std::uint64_t>(drop));
+    double v = 1.4 * std::sqrt(random.uniform(0.9, 1.0)), w = 0.0, mean_w = 0.0;
+    std::vector<double> times{0.0};
+    for (int k = 0; k < drops.impacts + 2; ++k) {
+      if (!drops.memory) w = mean_w * random.exponential();
+      mean_w += 2.0 * drops.q * (1.0 + eps(v)) * (1.0 + eps(v)) * v * v;
+      v *= restitution_with_memory(v, eps, drops.q, random.normal(), random.normal(), w);
+      w *= drops.kept;
+      times.push_back(times.back() + 2.0 * v / 9.81);
+    }
+    for (double& t : times) t += drops.timing_s * random.normal();
+    for (std::size_t k = 1; k + 1 < times.size(); ++k) {
+      RestitutionSample s;
+      const double before = times[k] - times[k - 1], after = times[k + 1] - times[k];
+      s.drop = drop;
+      s.impact = static_cast<std::int64_t>(k);
+      s.t_s = times[k];
+      s.v_mps = 0.5 * 9.81 * before;
+      s.eps = after / before;
+      if (drops.timing_s > 0.0) {
+        s.sigma_v_mps = 0.5 * 9.81 * drops.timing_s * std::sqrt(2.0);
+        s.sigma_eps = drops.timing_s * std::sqrt(1.0 + (1.0 + s.eps) * (1.0 + s.eps) + s.eps * s.eps) / before;
+      }
+      s.conditions.gravity_mps2 = 9.81;
+      s.conditions.ball_radius_m = 1e-6;  // contacts of the drawn drops have no height
+      samples.push_back(s);
+    }
+  }
+  return samples;
+}
+
+struct Fits {
+  LawFit independent;
+  MemoryFit memory;
+};
+
+Fits fitted(const RestitutionSamples& samples, std::size_t n_draws = 150, std::size_t n_goodness = 0) {
+  LawFitConfig law;
+  law.intervals = IntervalMethod::covariance;
+  law.node_speeds_mps = {0.6, 1.2};
+  Fits fits;
+  fits.independent = fit_law(samples, law);
+  MemoryFitConfig config;
+  config.node_speeds_mps = law.node_speeds_mps;
+  config.n_draws = n_draws;
+  config.n_goodness = n_goodness;
+  fits.memory = fit_memory(samples, fits.independent, config);
+  return fits;
+}
+
+double z_of(const Estimate& e, double truth) { return (e.value - truth) / *e.se; }
+
+TEST(MemoryFit, FindsWhatWentIn) {
+  Drops drops;
+  drops.timing_s = 2e-7;
+  const auto [independent, fit] = fitted(drawn(drops, 1), 300, 9);
+  ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
+  for (std::size_t k = 0; k < fit.nodes.size(); ++k) {
+    const NodeEstimate& node = fit.nodes[k];
+    EXPECT_LT(std::abs(z_of(node.eps, restitution(SeriesLaw{}, node.v_mps))), 4.0);
+    // of long drops ten times less than of independent samples; these are of sixty impacts
+    EXPECT_LT(*node.eps.se, 0.25 * independent.nodes[k].eps.se_independent.value());
+    EXPECT_LT(node.eps.ci95->lo, node.eps.value);
+    EXPECT_GT(node.eps.ci95->hi, node.eps.value);
+  }
+  EXPECT_LT(std::abs(z_of(fit.roughness.q, 2e-5)), 4.0);
+  EXPECT_LT(*fit.roughness.q.se, 0.1 * fit.roughness.q.value);
+  EXPECT_LT(std::abs(fit.leak.z), 4.0);
+  EXPECT_LT(std::abs(fit.mechanism.z), 4.0);
+  EXPECT_LT(std::abs(fit.release.z), 4.0);
+  EXPECT_TRUE(fit.holds) << fit.message;
+  EXPECT_GT(fit.loglik, *fit.loglik_independent);
+}
+
+TEST(MemoryFit, PullsAreThoseOfAStandardNormal) {
+  double sum = 0.0;
+  constexpr int kSets = 6;
+  Drops drops;
+  drops.n = 5;
+  drops.impacts = 40;
+  drops.timing_s = 2e-7;
+  for (int set = 0; set < kSets; ++set) {
+    const MemoryFit fit = fitted(drawn(drops, 100 + static_cast<std::uint64_t>(set))).memory;
+    ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
+    const double z = z_of(fit.nodes[0].eps, restitution(SeriesLaw{}, 0.6));
+    sum += z * z;
+  }
+  // chi-square of 6 degrees of freedom: outside these once in 5,000 on either side; a standard error that is twice too
+  // small or large would be seen in eight of ten
+  EXPECT_LT(sum, 26.0);
+  EXPECT_GT(sum, 0.3);
+}
+
+TEST(MemoryFit, SeesALeak) {
+  Drops drops;
+  drops.n = 6;
+  drops.kept = 0.97;
+  const MemoryFit fit = fitted(drawn(drops, 2)).memory;
+  ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
+  EXPECT_LT(std::abs(z_of(fit.keep, 0.97)), 4.0);
+  EXPECT_LT(fit.leak.p_value, 0.01);
+}
+
+TEST(MemoryFit, ScatterThatDoesNotRememberFailsItsTest) {
+  Drops drops;
+  drops.n = 6;
+  drops.memory = false;
+  const MemoryFit fit = fitted(drawn(drops, 3)).memory;
+  EXPECT_FALSE(fit.holds);
+  EXPECT_FALSE(fit.message.empty());
+}
+
+TEST(MemoryFit, WithOneConstantAndWithGamma) {
+  const RestitutionSamples samples = drawn({}, 4);
+  const LawFit independent = fit_law(samples, {});
+  MemoryFitConfig config;
+  config.kind = LawKind::viscoelastic;
+  config.n_draws = 100;
+  config.n_goodness = 0;
+  const MemoryFit fit = fit_memory(samples, independent, config);
+  ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
+  ASSERT_EQ(fit.parameters.size(), 1u);
+  EXPECT_EQ(fit.parameters[0].name, "gamma");
+  // the gamma that reproduces the paper's fit to 3.7e-4 rms of 1 - eps = .02
+  EXPECT_NEAR(fit.parameters[0].estimate.value, 0.02072, 0.02 * 0.02072);
+}
+
+TEST(MemoryFit, ResultDoesNotDependOnTheThreads) {
+  const RestitutionSamples samples = drawn({4, 40}, 5);
+  const LawFit independent = fit_law(samples, {});
+  MemoryFitConfig config;
+  config.n_draws = 60;
+  config.n_goodness = 3;
+  MemoryFit one, many;
+  with_threads(1, [&] { one = fit_memory(samples, independent, config); });
+  with_threads(3, [&] { many = fit_memory(samples, independent, config); });
+  ASSERT_EQ(one.status, many.status);
+  EXPECT_EQ(one.loglik, many.loglik);
+  ASSERT_EQ(one.nodes.size(), many.nodes.size());
+  for (std::size_t k = 0; k < one.nodes.size(); ++k) EXPECT_EQ(one.nodes[k].eps.value, many.nodes[k].eps.value);
+  EXPECT_EQ(one.anderson_darling->p_value, many.anderson_darling->p_value);
+}
+
+TEST(MemoryFit, SaysWhatItNeeds) {
+  const RestitutionSamples samples = drawn({2, 12}, 6);
+  const MemoryFit fit = fit_memory(samples, fit_law(samples, {}), {});
+  EXPECT_EQ(fit.status, FitStatus::too_few_samples);
+  EXPECT_NE(fit.message.find("60 impacts"), std::string::npos);
+  MemoryFitConfig config;
+  config.orders = {2, 4, 5, 6, 7, 8};
+  EXPECT_THROW(fit_memory(samples, fit_law(samples, {}), config), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace bouncelab::fit

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bouncelab/fit/roughness.hpp"
+#include "command.hpp"
+
+namespace bouncelab::cli {
+
+struct RoughnessOptions {
+  std::vector<std::string> samples;  ///< files
+  std::string out;                   ///< empty: none
+  fit::RoughnessConfig config;
+};
+
+/// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.
+Outcome run_roughness(const RoughnessOptions& options, const Run& run);
+
+}  // namespace bouncelab::cli
