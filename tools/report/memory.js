@@ -9,7 +9,7 @@ function drawTransforms(parent, counts) {
   const half = 1.96 * Math.sqrt(n * share * (1 - share));
   const outside = counts.map(count => Math.abs(count - expected) > half);
   const level = (y, dash) => ({type: 'line', xref: 'paper', x0: 0, x1: 1, y0: y, y1: y, line: {color: ink, width: 1, dash}});
-  const low = Math.min(...counts, expected - half), high = Math.max(...counts, expected + half), margin = 0.08 * (high - low);
+  const low = Math.min(expected - half, ...counts.map(c => c - Math.sqrt(c))), high = Math.max(expected + half, ...counts.map(c => c + Math.sqrt(c))), margin = 0.06 * (high - low);
   draw(parent, 'low', [{x: counts.map((_, k) => (k + 0.5) * share), y: counts, type: 'scatter', mode: 'markers',
                         error_y: {type: 'data', array: counts.map(Math.sqrt), thickness: 1, width: 0, color: grey},
                         marker: {size: 7, color: counts.map((_, k) => outside[k] ? red : blue)},
@@ -49,7 +49,7 @@ function memoryTests(m) {
   if (known(m.loglik) && known(m.loglik_independent))
     rows.push(['ln L above that of independent impacts', number(m.loglik - m.loglik_independent, 4), '',
                m.loglik > m.loglik_independent ? 'memory explains the scatter better' : 'independent impacts explain the scatter better']);
-  table('', ['test', 'value', 'p', 'in words'], rows.map(row => [...row.slice(0, 3), element('span', {class: 'words'}, row[3])]));
+  table('', ['test', 'value', 'p', element('span', {class: 'words'}, 'in words')], rows.map(row => [...row.slice(0, 3), element('span', {class: 'words'}, row[3])]));
 }
 
 /// eps(v) taken as independent and with memory, side by side.

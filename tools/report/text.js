@@ -39,7 +39,7 @@ function number(value, digits = 5) {
 function significant(value) {
   if (!known(value)) return '–';
   const size = Math.abs(value);
-  if (size === 0 || (size >= 1e-3 && size < 1e5)) return String(+value.toPrecision(3));
+  if (size === 0 || (size >= 1e-2 && size < 1e5)) return String(+value.toPrecision(3));
   const [mantissa, exponent] = value.toExponential(2).split('e');
   return `${mantissa}·10${[...String(+exponent)].map(c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[+c]).join('')}`;
 }
