@@ -50,7 +50,7 @@ function drawSlopes(parent, histograms, theory) {
                                   marker: {size: 12, color, symbol: 'circle-open', line: {width: 1.4}}, hovertemplate: `%{x} m/s<br>${side}, without sound %{y:.4g}<extra></extra>`});
   const lines = expected.length ? [line('rising', blue), line('falling', orange)] : [];
   const rings = other.length ? [open('rising', blue), open('falling', orange)] : [];
-  draw(parent, 'low', [...lines, ...rings, trace('slope_rising', 'rising', blue), trace('slope_falling', 'falling', orange)],
+  draw(parent, 'low', [...lines, ...rings, trace('slope_rising', theory && !narrow ? 'rising, sound' : 'rising', blue), trace('slope_falling', theory && !narrow ? 'falling, sound' : 'falling', orange)],
        {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('slope of log p(ε)')});
   const ratio = expected.length ? [{x: expected.map(s => s.v_mps), y: expected.map(s => s.falling / s.rising), mode: 'lines', type: 'scatter', line: {color: ink, width: 1.6}, hoverinfo: 'skip'}] : [];
   draw(parent, 'low', [...ratio, trace('slope_ratio', 'falling / rising', ink)],
