@@ -35,6 +35,16 @@ TEST(LoopScores, PutTheTruthBesideBothMeasurements) {
   EXPECT_EQ(score.truth_curve[0].eps, restitution(truth, 0.5));
 }
 
+TEST(LoopScores, PutBothLikelihoodsSideBySide) {
+  fit::FitResult sound = fit_with(0.98, 0.05);
+  sound.memory.emplace();
+  sound.memory->nodes = {{0.6, fit::normal_estimate(0.981, 1e-4)}};
+  const LoopScore score = score_loop(3, {}, SeriesLaw{}, fit_with(0.97, 0.04), sound);
+  EXPECT_EQ(score.nodes[0].eps.from_sound->value, 0.98);
+  EXPECT_EQ(score.nodes[0].eps_with_memory.from_sound->value, 0.981);
+  EXPECT_FALSE(score.nodes[0].eps_with_memory.from_true_times);
+}
+
 TEST(LoopScores, LeaveOutWhatIsNotKnown) {
   const LoopScore score = score_loop(1, {}, ConstantLaw{0.9}, {}, fit_with(0.98, 0.05));
   EXPECT_FALSE(score.nodes[0].eps.from_true_times);

@@ -64,6 +64,9 @@ std::string loop_text(const loop::LoopScore& score, const SecondsByStage& second
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const loop::ComparedNode& n : score.nodes)
     text += row(fmt::format("eps at {:g} m/s", n.v_mps), fmt::format("{:.6f}", n.truth), n.eps);
+  for (const loop::ComparedNode& n : score.nodes)
+    if (n.eps_with_memory.from_sound || n.eps_with_memory.from_true_times)
+      text += row(fmt::format("with memory at {:g} m/s", n.v_mps), fmt::format("{:.6f}", n.truth), n.eps_with_memory);
   for (const loop::ComparedConstant& c : score.constants)
     text += row(c.name, c.truth ? fmt::format("{:g}", *c.truth) : "-", c.value);
   for (const loop::ComparedSlopes& s : score.slopes) {

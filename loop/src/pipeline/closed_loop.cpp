@@ -114,12 +114,14 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
   loop.samples_direct = direct_samples(loop.rough.impacts);
   loop.samples_true = samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
   loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
-  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result) {
-    result = fit::fit_all(samples, fit_config);
+  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
+    fit::FitConfig this_config = fit_config;
+    this_config.memory = memory;
+    result = fit::fit_all(samples, this_config);
   };
   if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, 4.0);
-  std::vector<std::function<void()>> fits{[&] { fit(loop.samples_sound, loop.sound); },
-                                          [&] { fit(loop.samples_true, loop.true_times); },
+  std::vector<std::function<void()>> fits{[&] { fit(loop.samples_sound, loop.sound, config.with_memory); },
+                                          [&] { fit(loop.samples_true, loop.true_times, config.with_memory); },
                                           [&] { fit(loop.samples_direct, loop.direct); }};
   if (!loop.smooth.drops.empty())
     fits.emplace_back([&] { fit(samples_of(onsets_of(loop.smooth.drops)), loop.smooth_sound); });

@@ -17,6 +17,13 @@ std::optional<fit::Estimate> eps_at(const fit::FitResult& fit, double v_mps) {
   return node != nullptr ? std::optional(node->eps) : std::nullopt;
 }
 
+std::optional<fit::Estimate> eps_with_memory(const fit::FitResult& fit, double v_mps) {
+  if (!fit.memory) return std::nullopt;
+  for (const fit::NodeEstimate& node : fit.memory->nodes)
+    if (node.v_mps == v_mps) return node.eps;
+  return std::nullopt;
+}
+
 std::optional<fit::Estimate> parameter(const fit::FitResult& fit, const std::string& name) {
   const fit::Estimate* found = parameter_named(fit, name);
   return found != nullptr ? std::optional(*found) : std::nullopt;
@@ -37,8 +44,10 @@ LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, c
   score.n_samples = sound.n_used;
   score.onsets = onsets;
   for (const fit::NodeEstimate& node : sound.law.nodes)
-    score.nodes.push_back(
-        {node.v_mps, restitution(truth, node.v_mps), {eps_at(true_times, node.v_mps), eps_at(sound, node.v_mps)}});
+    score.nodes.push_back({node.v_mps,
+                           restitution(truth, node.v_mps),
+                           {eps_at(true_times, node.v_mps), eps_at(sound, node.v_mps)},
+                           {eps_with_memory(true_times, node.v_mps), eps_with_memory(sound, node.v_mps)}});
   for (const std::size_t i : {2, 4, 5}) {
     const std::string name = "A" + std::to_string(i);
     score.constants.push_back({name, constant_of(truth, i), {parameter(true_times, name), parameter(sound, name)}});

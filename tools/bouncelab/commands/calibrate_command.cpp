@@ -3,6 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
+
+#include "bouncelab/core/error.hpp"
+#include "files/table_file.hpp"
+#include "json/calibration_json.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
@@ -19,9 +25,91 @@ std::string table_of(const fit::CalibrationResult& result) {
   return text + fmt::format("{} fits did not converge\n", result.n_failed);
 }
 
+std::string number(const char* format, std::optional<double> value) {
+  return value ? fmt::format(fmt::runtime(format), *value) : "-";
+}
+
+/// What the fit with memory states against what it misses, quantity by quantity.
+std::string quantities_table(const loop::MemoryCalibrationGroup& group) {
+  std::string text = fmt::format("{:9} {:>4} {:>6} {:>6} {:>6} {:>6} {:>9} {:>9} {:>8}\n", "", "n", "pull", "sd", "c68",
+                                 "c95", "rms", "rms ind.", "gain");
+  for (const loop::MemoryCalibrationRow& r : group.rows)
+    text += fmt::format("{:9} {:>4} {:>6} {:>6} {:>6} {:>6} {:>9} {:>9} {:>8}\n", r.quantity, r.n,
+                        number("{:.2f}", r.pull_mean), number("{:.2f}", r.pull_sd), number("{:.3f}", r.coverage68),
+                        number("{:.3f}", r.coverage95), number("{:.2e}", r.rms_error),
+                        number("{:.2e}", r.rms_error_independent), number("{:.3g}", r.gain));
+  return text;
+}
+
+const loop::MemoryCalibrationRow* row_named(const loop::MemoryCalibrationGroup& group, const std::string& quantity) {
+  for (const loop::MemoryCalibrationRow& r : group.rows)
+    if (r.quantity == quantity) return &r;
+  return nullptr;
+}
+
+std::string group_line(const loop::MemoryCalibrationGroup& group) {
+  std::string line =
+      fmt::format("{:8} {:18} {:>4} {:>6} {:>6}", group.family, group.name, group.n, group.n_failed, group.n_holds);
+  for (const char* quantity : {"eps", "q"}) {
+    const loop::MemoryCalibrationRow none, *found = row_named(group, quantity), &r = found ? *found : none;
+    line += fmt::format(" {:>6} {:>5} {:>5} {:>5}", number("{:.2f}", r.pull_mean), number("{:.2f}", r.pull_sd),
+                        number("{:.2f}", r.coverage68), number("{:.2f}", r.coverage95));
+  }
+  for (const char* quantity : {"eps_025", "eps_060", "eps_120"}) {
+    const loop::MemoryCalibrationRow* r = row_named(group, quantity);
+    line += fmt::format(" {:>7}", number("{:.3g}", r ? r->gain : std::nullopt));
+  }
+  return line + "\n";
+}
+
+std::string memory_text(const std::vector<loop::MemoryCalibrationGroup>& groups) {
+  const auto& any = groups.at(0);
+  const auto& passed = groups.at(1);
+  std::string text = fmt::format("{} experiments, {} without a fit; the test of the model passes in {}\n", any.n,
+                                 any.n_failed, any.n_holds);
+  text += "\nWhere the test passes:\n" + quantities_table(passed);
+  text += "\nAll fits:\n" + quantities_table(any);
+  text += fmt::format(
+      "\nWhere the test passes, by group; gain: mean square error of the fit to independent impacts over "
+      "that with memory\n{:27} {:>4} {:>6} {:>6} {:^24} {:^24} {:^23}\n",
+      "", "", "", "", "eps, three speeds", "q", "gain of eps at");
+  text += fmt::format("{:27} {:>4} {:>6} {:>6}", "", "n", "no fit", "passed");
+  for (int k = 0; k < 2; ++k) text += fmt::format(" {:>6} {:>5} {:>5} {:>5}", "pull", "sd", "c68", "c95");
+  text += fmt::format(" {:>7} {:>7} {:>7}\n", ".25", ".6", "1.2");
+  for (std::size_t k = 3; k < groups.size(); ++k) text += group_line(groups[k]);
+  return text;
+}
+
+Outcome run_memory_calibration(const CalibrateOptions& options, const Run& run) {
+  if (!options.out.empty()) check_files(run, {}, {options.out});
+  loop::MemoryCalibrationConfig config = options.with_memory;
+  config.seed = run.common.seed;
+  config.n_threads = run.common.n_threads;
+  const auto drops = [&](std::size_t k) {
+    const double n = options.drops[k];
+    if (n != std::floor(n)) throw InvalidArgument(fmt::format("--drops {:g}: must be an integer", n));
+    return static_cast<std::int64_t>(n);
+  };
+  config.n_drops_min = drops(0);
+  config.n_drops_max = drops(1);
+  const std::vector<loop::MemoryExperiment> experiments =
+      loop::calibrate_memory(config, progress_line(run, "calibrate", "experiments"));
+  const std::vector<loop::MemoryCalibrationGroup> groups = loop::memory_calibration_groups(experiments);
+  if (!options.out.empty()) write_table(run, options.out, to_table(experiments));
+  Outcome outcome;
+  outcome.text = memory_text(groups);
+  outcome.json = memory_calibration_json(groups);
+  if (groups.front().n_failed == groups.front().n) {
+    outcome.exit_code = kNotUsable;
+    outcome.error = "no experiment gave a fit with memory: " + experiments.front().message;
+  }
+  return outcome;
+}
+
 }  // namespace
 
 Outcome run_calibrate(const CalibrateOptions& options, const Run& run) {
+  if (options.memory) return run_memory_calibration(options, run);
   fit::CalibrationConfig config = options.config;
   config.seed = run.common.seed;
   config.n_threads = run.common.n_threads;

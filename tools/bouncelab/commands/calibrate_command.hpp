@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "bouncelab/fit/calibration.hpp"
+#include "bouncelab/loop/memory_calibration.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {
@@ -9,6 +13,10 @@ namespace bouncelab::cli {
 struct CalibrateOptions {
   fit::CalibrationConfig config;
   bool covariance_intervals = false;
+  bool memory = false;
+  loop::MemoryCalibrationConfig with_memory;
+  std::vector<double> drops{5.0, 100.0};  ///< least and largest number
+  std::string out;                        ///< table of experiments; empty: none
 };
 
 Outcome run_calibrate(const CalibrateOptions& options, const Run& run);

@@ -68,7 +68,7 @@ loop::LoopResult run_journaled(const LoopOptions& options, const Run& run, loop:
                                loop::RunJournal& journal) {
   loop::LoopConfig config = loop_config(options, run.common);
   config.surface = surface_from_file(options.simulate, config.simulation.ball);
-  config.with_smooth_ball = true;
+  config.with_smooth_ball = config.with_memory = true;
   if (config.sound_folder) {
     fs::create_directories(*config.sound_folder);
     remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already

@@ -136,11 +136,16 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
   add_score(score.onsets, summary);
   summary["n_samples"] = score.n_samples;
   summary["eps_nodes"] = Json::array();
-  for (const loop::ComparedNode& node : score.nodes)
+  for (const loop::ComparedNode& node : score.nodes) {
     summary["eps_nodes"].push_back({{"v_mps", node.v_mps},
                                     {"truth", node.truth},
                                     {"from_true_times", value_and_error(node.eps.from_true_times, "eps")},
                                     {"from_sound", value_and_error(node.eps.from_sound, "eps")}});
+    const loop::Compared& memory = node.eps_with_memory;
+    if (!memory.from_sound && !memory.from_true_times) continue;
+    summary["eps_nodes"].back()["from_true_times_with_memory"] = value_and_error(memory.from_true_times, "eps");
+    summary["eps_nodes"].back()["from_sound_with_memory"] = value_and_error(memory.from_sound, "eps");
+  }
   summary["constants"] = constants_of(score);
   summary["slopes"] = slopes_of(score);
   summary["truth_curve"] = Json::array();

@@ -21,6 +21,7 @@ struct ComparedNode {
   double v_mps = 0.0;
   double truth = 0.0;  ///< eps(v) of the law simulated
   Compared eps;
+  Compared eps_with_memory;  ///< absent where there was no fit with memory
 };
 
 struct ComparedConstant {
