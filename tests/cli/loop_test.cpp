@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -24,6 +25,15 @@ TEST_F(Loop, WhatWentInComesOutWithinTheErrorsStated) {
     // 4 standard errors: three nodes, one fixed seed
     EXPECT_NEAR(found["eps"].get<double>(), node["truth"].get<double>(), 4 * found["se"].get<double>()) << node;
   }
+  // the closed form beside it: of the impacts simulated, whether or not they were found
+  const Json& theory = summary["theory"];
+  EXPECT_EQ(theory["n_transforms"], n_impacts);
+  int n_counted = 0;
+  for (const Json& n : theory["transform_counts"]) n_counted += n.get<int>();
+  EXPECT_EQ(n_counted, n_impacts);
+  // uniform radii of width 1e-3: s2 = (1/2) sqrt(pi w/N), stated to three digits
+  EXPECT_NEAR(theory["offset_variance"].get<double>(), 0.5 * std::sqrt(3.14159 * 1e-3 / 1e5), 1e-7);
+  EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("\"transform_counts\":["));
   for (const char* name :
        {"impacts.csv", "truth.csv", "onsets.csv", "samples.csv", "fit.json", "wave.json", "report.html"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;

@@ -97,6 +97,7 @@ TEST_F(PaperLoop, AShortRunFindsItsImpactsAndSaysWhatItConcludes) {
   const Json paper = Json::parse(content_of(folder_ / "out" / "paper.json"));
   EXPECT_EQ(paper["conclusions"].size(), 5u);
   EXPECT_EQ(paper["energy_shares"]["impact"].size(), 40u);
+  EXPECT_EQ(summary["theory"]["n_transforms"], 22 * 40);
   // a smooth ball scatters by the detector's errors alone, far below the asperities' part
   EXPECT_TRUE(paper["conclusions"][3]["holds"].get<bool>()) << paper["conclusions"][3];
 }

@@ -19,6 +19,7 @@ BOUNCELAB_ASSET(law_figures, BOUNCELAB_SCRIPTS "/law_figures.js")
 BOUNCELAB_ASSET(scatter_figures, BOUNCELAB_SCRIPTS "/scatter_figures.js")
 BOUNCELAB_ASSET(sound_figures, BOUNCELAB_SCRIPTS "/sound_figures.js")
 BOUNCELAB_ASSET(diagnostics, BOUNCELAB_SCRIPTS "/diagnostics.js")
+BOUNCELAB_ASSET(memory, BOUNCELAB_SCRIPTS "/memory.js")
 BOUNCELAB_ASSET(paper, BOUNCELAB_SCRIPTS "/paper.js")
 BOUNCELAB_ASSET(sweep, BOUNCELAB_SCRIPTS "/sweep.js")
 BOUNCELAB_ASSET(tables, BOUNCELAB_SCRIPTS "/tables.js")
@@ -31,7 +32,7 @@ std::string asset_script() {
   std::string script;
   for (const std::string_view part :
        {asset_text(), asset_plot(), asset_law_figures(), asset_scatter_figures(), asset_sound_figures(),
-        asset_diagnostics(), asset_paper(), asset_sweep(), asset_tables(), asset_page()})
+        asset_diagnostics(), asset_memory(), asset_paper(), asset_sweep(), asset_tables(), asset_page()})
     script += part;
   return script;
 }

@@ -31,7 +31,7 @@ function figures() {
                  (few ? 'Points: samples, with the error that timing alone gives them.' : 'Colour: number of samples in each cell, on a logarithmic scale.') + ' Line and band: the fitted law with its 95% interval. Zoom with the mouse.'));
   if (law && (law.residuals || []).length > 1)
     drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does. Below: mean distance from ε(v) over the one that the fit expects, with its standard error.'), law.residuals);
-  const histograms = (fit && fit.histograms) || [];
+  const histograms = (fit && fit.histograms) || [], theory = summary && summary.theory;
   const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
   if (shown.length) {
     const parent = figure('histograms', 'Distribution of ε at fixed speed',
@@ -39,11 +39,15 @@ function figures() {
     parent.classList.add('grid');
     for (const h of shown) drawHistogram(parent, h);
     if (shown.length > 1)
-      drawSlopes(figure('slopes', 'Slopes of p(ε) against speed', 'Slopes of the two exponentials, timing noise taken out, with 95% intervals. Below: their ratio; 1 would be a symmetric p(ε).'), shown);
+      drawSlopes(figure('slopes', 'Slopes of p(ε) against speed', 'Slopes of the two exponentials, timing noise taken out, with 95% intervals.' +
+                        (theory ? ` Lines: the closed form, without a fitted parameter, from the surface simulated. Open circles: ${data.simulation ? 'the simulation, without sound' : 'from the true times'}.` : '') +
+                        ' Below: their ratio; 1 would be a symmetric p(ε).'), shown, theory);
   } else if (histograms.length) {
     add('h2', {}, 'Distribution of ε at fixed speed');
     add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
   }
+  theorySection(theory);
+  if (fit.memory) memorySection(fit.memory, fit.roughness);
   const budget = fit && fit.budget;
   if (budget && (budget.rows || []).length > 1) {
     drawEnergy(figure('energy', 'Scatter against speed', 'Standard deviation of ε − ε(v), all of it and by cause. An energy given at random to rotation makes it go as 1/v.'), budget);

@@ -28,15 +28,32 @@ const errorsOf = (list, color) => ({
   type: 'data', symmetric: false, array: list.map(e => e.ci95 ? e.ci95[1] - e.value : null), arrayminus: list.map(e => e.ci95 ? e.value - e.ci95[0] : null),
   thickness: 1.2, width: 3, color});
 
+/// Slopes without sound, where there are any: of the simulation, or from its true times.
+function slopesWithoutSound() {
+  if (data.simulation)
+    return (data.simulation.histograms || []).filter(h => h.slope_rising && h.slope_falling)
+        .map(h => ({v_mps: h.v_mps, rising: h.slope_rising, falling: h.slope_falling}));
+  return ((summary && summary.slopes) || []).map(s => ({v_mps: s.v_mps, ...s.from_true_times})).filter(s => s.rising && known(s.rising.value) && s.falling && known(s.falling.value));
+}
+
 /// Slopes of p(eps) and their ratio against speed.
-function drawSlopes(parent, histograms) {
+/// @param theory  of the simulation: lines; null for recordings
+function drawSlopes(parent, histograms, theory) {
   const used = histograms.filter(h => h.slope_rising && h.slope_falling && h.slope_ratio);
   const v = used.map(h => h.v_mps);
   const trace = (key, name, color) => ({x: v, y: used.map(h => h[key].value), mode: 'markers', type: 'scatter', name, marker: {size: 7, color},
                                         error_y: errorsOf(used.map(h => h[key]), color), hovertemplate: `%{x} m/s<br>${name} %{y:.4g}<extra></extra>`});
-  draw(parent, 'low', [trace('slope_rising', 'rising', blue), trace('slope_falling', 'falling', orange)],
+  const expected = (theory && theory.slopes) || [], other = theory ? slopesWithoutSound() : [];
+  const line = (side, color) => ({x: expected.map(s => s.v_mps), y: expected.map(s => s[side]), mode: 'lines', type: 'scatter', name: `${side}, theory`, line: {color, width: 1.6},
+                                  hovertemplate: `%{x} m/s<br>${side}, theory %{y:.4g}<extra></extra>`});
+  const open = (side, color) => ({x: other.map(s => s.v_mps), y: other.map(s => s[side].value), mode: 'markers', type: 'scatter', showlegend: false,
+                                  marker: {size: 12, color, symbol: 'circle-open', line: {width: 1.4}}, hovertemplate: `%{x} m/s<br>${side}, without sound %{y:.4g}<extra></extra>`});
+  const lines = expected.length ? [line('rising', blue), line('falling', orange)] : [];
+  const rings = other.length ? [open('rising', blue), open('falling', orange)] : [];
+  draw(parent, 'low', [...lines, ...rings, trace('slope_rising', theory && !narrow ? 'rising, sound' : 'rising', blue), trace('slope_falling', theory && !narrow ? 'falling, sound' : 'falling', orange)],
        {showlegend: true, xaxis: speedAxis(), yaxis: logAxis('slope of log p(ε)')});
-  draw(parent, 'low', [trace('slope_ratio', 'falling / rising', ink)],
+  const ratio = expected.length ? [{x: expected.map(s => s.v_mps), y: expected.map(s => s.falling / s.rising), mode: 'lines', type: 'scatter', line: {color: ink, width: 1.6}, hoverinfo: 'skip'}] : [];
+  draw(parent, 'low', [...ratio, trace('slope_ratio', 'falling / rising', ink)],
        {showlegend: false, xaxis: speedAxis(), yaxis: axis('falling slope / rising slope'),
         shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 1, y1: 1, line: {color: red, width: 1.4}}]});
 }

@@ -35,6 +35,14 @@ function number(value, digits = 5) {
   const size = Math.abs(value);
   return size >= 1e5 || (size < 1e-4 && size > 0) ? value.toExponential(Math.max(0, digits - 2)) : String(+value.toPrecision(digits));
 }
+/// Three digits, of large and small numbers as powers of ten.
+function significant(value) {
+  if (!known(value)) return '–';
+  const size = Math.abs(value);
+  if (size === 0 || (size >= 1e-2 && size < 1e5)) return String(+value.toPrecision(3));
+  const [mantissa, exponent] = value.toExponential(2).split('e');
+  return `${mantissa}·10${[...String(+exponent)].map(c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[+c]).join('')}`;
+}
 function interval(range) {
   if (!Array.isArray(range) || !known(range[0]) || !known(range[1])) return '–';
   const decimals = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(Math.max(range[1] - range[0], 1e-12)))));

@@ -150,6 +150,12 @@ LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, Fin
   });
   split_sound_stage(loop);
   timed(loop, "restitution_and_fit", [&] { fit_everything(loop, config, progress); });
+  timed(loop, "theory", [&] {
+    const sim::ContactOffset offset =
+        contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
+                          config.n_asperities, config.n_threads);
+    loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
+  });
   return loop;
 }
 

@@ -94,6 +94,16 @@ Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const
   return clock.time("detect", [&] { return run_detect(detect, run).outcome; });
 }
 
+std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const loop::LoopConfig& config,
+                                             const LoopFiles& files, const fit::FitResult& sound) {
+  const std::optional<sim::Surface> surface = surface_from_file(options.simulate, config.simulation.ball);
+  const sim::ContactOffset offset = loop::contact_offset_of(config.simulation.ball, surface ? &*surface : nullptr,
+                                                            sim::radius_law_from_text(options.simulate.radius_law),
+                                                            options.simulate.n_asperities, config.simulation.n_threads);
+  const Impacts impacts = impacts_from_table(read_table(files.impacts, impact_columns()), files.impacts.string());
+  return loop::scatter_theory(config.simulation, offset, impacts, sound.histograms);
+}
+
 /// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
 Outcome run_through_files(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config;  // what is wrong with it is said before the work
@@ -124,7 +134,9 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
                                                  detection::score_onsets(read_onsets(files.truth), found),
                                                  config.simulation.law, from_truth.result, from_sound.result);
   const Outcome& fitted = from_sound.outcome;
-  const std::string summary = loop_summary_json(score, clock.seconds(), fitted.warnings);
+  std::optional<loop::ScatterTheory> theory;
+  clock.time("theory", [&] { theory = theory_of(options, config, files, from_sound.result); });
+  const std::string summary = loop_summary_json(score, clock.seconds(), fitted.warnings, theory);
   write_text(run, files.summary, summary + "\n", {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
   const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
   return {fitted.exit_code, summary, loop_text(score, clock.seconds()) + shown.text, fitted.warnings, fitted.error};

@@ -97,7 +97,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
     write_tables(result, folder, own);
     write_fits(result, folder, own);
     write_text(own, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
-    write_summary(loop_summary_json(score, {}, result.sound.warnings));
+    write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory));
   });
   const Outcome shown = clock.time("report", [&] {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, own);
@@ -105,7 +105,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock.seconds());
   Outcome outcome;
-  outcome.json = loop_summary_json(score, {}, result.sound.warnings, work);
+  outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, work);
   write_summary(outcome.json);
   journal->remove();
   outcome.warnings = result.sound.warnings;

@@ -109,6 +109,14 @@ Json json_of(const std::vector<sim::EnergyShares>& shares) {
   return json;
 }
 
+Json json_of(const loop::ScatterTheory& theory) {
+  Json slopes = Json::array();
+  for (const loop::ExpectedSlopes& s : theory.slopes)
+    slopes.push_back({{"v_mps", s.v_mps}, {"n", s.n}, {"rising", s.rising}, {"falling", s.falling}});
+  return {{"q", theory.q},    {"contact_factor", theory.contact_factor}, {"offset_variance", theory.offset_variance},
+          {"slopes", slopes}, {"n_transforms", theory.n_transforms},     {"transform_counts", theory.transform_counts}};
+}
+
 Json json_of(const loop::SweepPoint& point) {
   Json json{{"settings", Json::object()}, {"values", Json::object()}};
   for (const auto& [option, value] : point.settings) json["settings"][option] = value;
@@ -121,7 +129,8 @@ Json json_of(const loop::SweepPoint& point) {
 }  // namespace
 
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
-                              const std::vector<std::string>& warnings, const std::optional<LoopWork>& work) {
+                              const std::vector<std::string>& warnings,
+                              const std::optional<loop::ScatterTheory>& theory, const std::optional<LoopWork>& work) {
   Json summary;
   summary["n_drops"] = score.n_drops;
   add_score(score.onsets, summary);
@@ -142,6 +151,7 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
   summary["truth_curve"] = Json::array();
   for (const loop::LawPoint& point : score.truth_curve)
     summary["truth_curve"].push_back({{"v_mps", point.v_mps}, {"eps", point.eps}});
+  if (theory) summary["theory"] = json_of(*theory);
   summary["seconds"] = object_of(work ? work->wall_s : seconds);
   summary["warnings"] = warnings;
   if (work) {

@@ -23,8 +23,11 @@ struct LoopWork {
 /// summary.json of `loop`.
 /// @param seconds  by stage, of a loop through files
 /// @param work     of a loop through memory, in place of `seconds`
+/// @param theory   of its scatter, where it applies
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
-                              const std::vector<std::string>& warnings, const std::optional<LoopWork>& work = {});
+                              const std::vector<std::string>& warnings,
+                              const std::optional<loop::ScatterTheory>& theory,
+                              const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
 /// against speed; energy shares against bounce number.
 std::string paper_json(const loop::LoopResult& loop, const loop::PaperResult& paper);

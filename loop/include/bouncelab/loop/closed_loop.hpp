@@ -16,6 +16,7 @@
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/loop/drops.hpp"
 #include "bouncelab/loop/run_journal.hpp"
+#include "bouncelab/loop/scatter_theory.hpp"
 #include "bouncelab/sim/energy_shares.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
@@ -59,6 +60,7 @@ struct LoopResult {
   RestitutionSamples samples_true;        ///< eq. 2 of the paper from the true times
   RestitutionSamples samples_sound;       ///< eq. 2 of the paper from the detected times
   fit::FitResult direct, true_times, sound, smooth_sound;
+  std::optional<ScatterTheory> theory;                              ///< of the rough ball, in the windows of `sound`
   std::vector<std::pair<std::string, double>> wall_s, processor_s;  ///< by stage, in order
 };
 

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/scatter_theory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "bouncelab/loop/closed_loop.hpp"
+#include "short_loop.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+constexpr std::int64_t kAsperities = 100'000;  // constant radii: s2 = 2/N = 2e-5, well inside the linear regime
+const sim::RadiusLaw kRadii = sim::ConstantRadii{1e-3};
+
+sim::SimulationConfig rough_drops(std::int64_t n_drops) {
+  sim::SimulationConfig config;
+  config.n_drops = n_drops;
+  config.n_impacts_max = 80;
+  config.n_threads = 2;
+  return config;
+}
+
+std::vector<fit::HistogramFit> windows_at(const std::vector<double>& centres_mps) {
+  std::vector<fit::HistogramFit> windows(centres_mps.size());
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    windows[k].v_mps = centres_mps[k];
+    windows[k].v_lo_mps = centres_mps[k] - 0.05;
+    windows[k].v_hi_mps = centres_mps[k] + 0.05;
+  }
+  return windows;
+}
+
+TEST(ScatterTheories, MeanDistancesAreThoseOfTheImpactsSimulated) {
+  const sim::SimulationConfig config = rough_drops(150);
+  const Impacts impacts = sim::simulate(config, sim::make_surface(config.ball, kAsperities, kRadii, 3)).impacts;
+  const auto windows = windows_at({0.4, 0.6, 1.0});
+  const auto theory =
+      scatter_theory(config, contact_offset_of(config.ball, nullptr, kRadii, kAsperities), impacts, windows);
+  ASSERT_TRUE(theory);
+  EXPECT_NEAR(theory->q, 5.0 / 7.0 * 2.0 / kAsperities, 1e-14);  // the integral of s2 is good to 1e-9
+  ASSERT_EQ(theory->slopes.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    // p(eps) is below/(below + above) exp(r/below)/below and likewise above: the mean of |r| over both sides is
+    // (below^2 + above^2)/(below + above)
+    double sum = 0.0;
+    std::size_t n = 0;
+    for (const Impact& impact : impacts.rows)
+      if (impact.v_mps >= windows[k].v_lo_mps && impact.v_mps < windows[k].v_hi_mps) {
+        sum += std::abs(impact.eps_macro - restitution(config.law, impact.v_mps));
+        ++n;
+      }
+    EXPECT_EQ(theory->slopes[k].n, n);
+    const double below = 1.0 / theory->slopes[k].rising, above = 1.0 / theory->slopes[k].falling;
+    EXPECT_GT(below, above);
+    const double expected = (below * below + above * above) / (below + above);
+    // |r| of n impacts is known to 1/sqrt(n), about 3 %; impacts of a drop share their reservoir, which makes it up to
+    // 1.65 times as much; two of these, and one per cent that the window's width moves the mean
+    EXPECT_NEAR(sum / static_cast<double>(n), expected, (3.3 / std::sqrt(static_cast<double>(n)) + 0.01) * expected);
+  }
+}
+
+TEST(ScatterTheories, TransformsOfImpactsAreUniform) {
+  const sim::SimulationConfig config = rough_drops(100);
+  const Impacts impacts = sim::simulate(config, sim::make_surface(config.ball, kAsperities, kRadii, 3)).impacts;
+  const auto theory = [&](std::int64_t n_asperities) {
+    return scatter_theory(config, contact_offset_of(config.ball, nullptr, kRadii, n_asperities), impacts, {});
+  };
+  const auto chi2 = [](const ScatterTheory& t) {
+    const double expected = static_cast<double>(t.n_transforms) / 20.0;
+    double sum = 0.0;
+    for (const std::size_t n : t.transform_counts) sum += std::pow(static_cast<double>(n) - expected, 2) / expected;
+    return sum;
+  };
+  const auto right = theory(kAsperities), wrong = theory(kAsperities * 3 / 2);
+  ASSERT_TRUE(right && wrong);
+  EXPECT_EQ(right->n_transforms, impacts.rows.size());
+  EXPECT_EQ(std::accumulate(right->transform_counts.begin(), right->transform_counts.end(), std::size_t{0}),
+            right->n_transforms);
+  EXPECT_LT(chi2(*right), 43.8);   // 19 degrees of freedom: p = .001
+  EXPECT_GT(chi2(*wrong), 100.0);  // of a surface with half as many asperities again: far beyond any chance
+}
+
+TEST(ScatterTheories, OfASurfaceGivenAndOfItsLawAgree) {
+  const sim::SimulationConfig config = rough_drops(1);
+  const sim::Surface surface = sim::make_surface(config.ball, 20'000, kRadii, 5);
+  const sim::ContactOffset drawn = contact_offset_of(config.ball, &surface, kRadii, 1, 2);
+  // the mean over one surface of 20,000 caps of areas that scatter by about their mean: 1/sqrt(20,000) times 1 to 2
+  EXPECT_NEAR(drawn.variance, 2.0 / 20'000, 0.04 * 2.0 / 20'000);
+}
+
+TEST(ScatterTheories, SayNothingWhereTheyDoNotApply) {
+  const Impacts none;
+  const auto of = [&](const auto& change, double s2 = 2e-5) {
+    sim::SimulationConfig config = rough_drops(1);
+    change(config);
+    return scatter_theory(config, {s2, 2.0, 0.0}, none, {}).has_value();
+  };
+  EXPECT_TRUE(of([](auto&) {}));
+  EXPECT_FALSE(of([](auto& c) { c.start_spin_radps = {0, 20, 0}; }));
+  EXPECT_FALSE(of([](auto& c) { c.start_velocity_mps = {0.1, 0}; }));
+  EXPECT_FALSE(of([](auto& c) { c.tilt_rad = 0.01; }));
+  EXPECT_FALSE(of([](auto& c) { c.patch_plate = kGlass; }));
+  EXPECT_FALSE(of([](auto&) {}, 0.0));  // smooth
+  EXPECT_FALSE(of([](auto&) {}, 0.2));  // q = .14
+}
+
+TEST(ScatterTheories, StandBesideTheLoop) {
+  const LoopConfig config = short_loop(4, 60);
+  const LoopResult loop = run_loop(config);
+  ASSERT_TRUE(loop.theory);
+  EXPECT_EQ(loop.theory->n_transforms, 4u * 60u);
+  EXPECT_GT(loop.theory->q, 0.0);
+}
+
+}  // namespace
+}  // namespace bouncelab::loop
