@@ -70,5 +70,26 @@ TEST(Chains, AreCutWhereASampleIsLeftOut) {
   EXPECT_NEAR(chains.chains[1].s_before, sum, 1e-6);
 }
 
+TEST(Chains, AreCutWhereSpeedsJump) {
+  // two drops in a table that does not name them
+  RestitutionSamples samples = samples_of(onsets_of(30));
+  RestitutionSamples second = samples_of(onsets_of(20));
+  for (RestitutionSample& s : second) s.impact += samples.back().impact;
+  samples.insert(samples.end(), second.begin(), second.end());
+  const Chains chains = chains_of(samples, {}, ConstantLaw{0.98});
+  ASSERT_EQ(chains.chains.size(), 2u);
+  EXPECT_EQ(chains.chains[1].impacts.size(), 18u);
+}
+
+TEST(Chains, LeaveOutTheFirstImpactOfABallAtRest) {
+  RestitutionConfig config;
+  config.drop_height_m = 0.1;
+  const RestitutionSamples samples = restitution_samples(onsets_of(20), config).samples;
+  ASSERT_EQ(samples.front().impact, 0);
+  const Chains chains = chains_of(samples, {}, ConstantLaw{0.98});
+  ASSERT_EQ(chains.chains.size(), 1u);
+  EXPECT_EQ(chains.chains[0].impacts.size(), samples.size() - 1);
+}
+
 }  // namespace
 }  // namespace bouncelab::fit

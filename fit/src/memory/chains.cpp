@@ -17,10 +17,8 @@ bool same_drop(const RestitutionSample& a, const RestitutionSample& b) {
 
 double gravity_of(const RestitutionSample& s) { return s.conditions.gravity_mps2.value_or(kDefaultGravity_mps2); }
 
-/// (1 + e)^2 v^2 of the impacts before one of speed v, number `impact` of its drop. Before the first impact of a clean
-/// release there is none; a thousandth of what an impact adds keeps logarithms finite.
+/// (1 + e)^2 v^2 of the impacts before one of speed v, number `impact` of its drop.
 double s_before(double v_mps, std::int64_t impact, const RestitutionLaw& law) {
-  if (impact == 0) return 4e-3 * square(v_mps);
   double sum = 0.0;
   for (std::int64_t k = 0; k < impact; ++k) {
     v_mps /= restitution(law, v_mps / restitution(law, v_mps));
@@ -73,6 +71,14 @@ class TimeVariances {
   std::size_t begin_, end_;
 };
 
+/// Whether b is the next impact of a. Tables may number their rows where they know nothing of drops; but no flight
+/// changes the speed so much.
+bool follows(const RestitutionSample& a, const RestitutionSample& b) {
+  constexpr double kMost = 1.5;
+  const double ratio = b.v_mps / (a.eps * a.v_mps);
+  return b.impact == a.impact + 1 && ratio < kMost && ratio * kMost > 1.0;
+}
+
 Chain chain_of(const RestitutionSamples& samples, std::size_t begin, std::size_t end, const RestitutionLaw& law) {
   Chain chain;
   const std::vector<double> variances = TimeVariances(samples, begin, end).all();
@@ -92,8 +98,10 @@ Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_
                  const RestitutionLaw& law) {
   Chains result;
   result.ball_radius_m = Ball{}.radius_m;
+  // the first impact of a ball at rest cannot scatter above eps(v) at all: an edge, which a height of release that is
+  // a little off would put at the wrong place
   const auto out = [&](std::size_t k) {
-    return !samples[k].flags.empty() || !(samples[k].eps > 0.0) ||
+    return samples[k].impact == 0 || !samples[k].flags.empty() || !(samples[k].eps > 0.0) ||
            std::binary_search(left_out.begin(), left_out.end(), k);
   };
   for (std::size_t k = 0; k < samples.size();) {
@@ -104,7 +112,7 @@ Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_
     }
     std::size_t end = k + 1;
     while (end < samples.size() && same_drop(samples[k], samples[end]) && !out(end) &&
-           samples[end].impact == samples[end - 1].impact + 1)
+           follows(samples[end - 1], samples[end]))
       ++end;
     if (samples[k].conditions.ball_radius_m) result.ball_radius_m = *samples[k].conditions.ball_radius_m;
     Chain chain = chain_of(samples, k, end, law);

@@ -9,6 +9,9 @@
 
 namespace bouncelab::fit {
 
+/// c of contacts that do not slip, solid ball: q = c s2.
+inline constexpr double kNoSlip = 5.0 / 7.0;
+
 /// One impact as measured. Speeds are half of g times an interval (less what was corrected for).
 struct ChainImpact {
   std::size_t sample = 0;      ///< which of the samples
@@ -35,7 +38,7 @@ struct Chains {
   double ball_radius_m = 0.0;
 };
 
-/// Cuts the samples of each drop where one is missing or left out.
+/// Cuts the samples of each drop where one is missing or left out; impact 0, which a ball meets at rest, is.
 /// @param samples   ordered by recording, drop, time
 /// @param left_out  samples that are more likely lost bounces than scatter, rising
 /// @param law       for speeds of impacts that were not seen

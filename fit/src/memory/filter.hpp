@@ -94,7 +94,6 @@ class ChainFilter {
   }
 
  private:
-  static constexpr double kNoSlip = 5.0 / 7.0;
   struct Component {
     T log_weight, book, variance;
   };

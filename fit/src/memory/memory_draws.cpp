@@ -9,8 +9,6 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kNoSlip = 5.0 / 7.0;
-
 /// What one contact makes of a ball of vertical speed v and reservoir w.
 struct Rebound {
   double v_after_mps, reservoir_m2ps2, offset_square;

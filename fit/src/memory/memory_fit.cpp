@@ -17,7 +17,7 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kNoSlip = 5.0 / 7.0, kFrictionless = 5.0 / 2.0;
+constexpr double kFrictionless = 5.0 / 2.0;
 constexpr std::size_t kFewestImpacts = 60, kShortestLongest = 10;
 /// From so many drops on the likelihood is smooth over a standard error of its maximum. With fewer its corners, where a
 /// drop's reservoir is almost empty, are seen: intervals are the posterior's under a flat prior.
