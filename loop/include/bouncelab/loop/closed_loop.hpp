@@ -32,7 +32,7 @@ struct LoopConfig {
   std::optional<sim::Surface> surface;   ///< given: instead of drawing asperities
   synthesis::SynthesisConfig synthesis;  ///< one channel
   bool with_smooth_ball = false;  ///< also the same ball without asperities, kRoughDropsPerSmoothDrop times fewer
-  bool with_memory = false;  ///< also the fit with memory, to the true and to the detected times
+  bool with_memory = false;       ///< also the fit with memory, to the true and to the detected times
   std::optional<std::filesystem::path> sound_folder;  ///< as DropRecording::folder
   /// Speeds at which truth and results are compared [m/s]: slow, middle and fast impacts of a drop from 10 cm.
   std::vector<double> node_speeds_mps{0.25, 0.6, 1.2};
