@@ -54,13 +54,11 @@ Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParam
     m.v_mps = v + height + timing - height_before - timing_before;
     const double v_after = contact.v_after_mps, scale = v / v_after;
     const double timing_next = std::sqrt(m.timing_after) * random.normal();
-    // the next contact's height is part of the speed it is approached with
-    double next_height = 0.0, next_v = v_after;
-    Rebound next{};
     w = parameters.keep * contact.reservoir_m2ps2;
-    next = rebound(v_after, w, law, parameters.q, random);
-    next_height = -0.5 * ball_radius_m / kNoSlip * next.offset_square * m.height_mps * scale;
-    next_v = v_after - 2.0 * (next_height - height * scale);
+    Rebound next = rebound(v_after, w, law, parameters.q, random);
+    const double next_height = -0.5 * ball_radius_m / kNoSlip * next.offset_square * m.height_mps * scale;
+    // the next contact's height is part of the speed it is approached with
+    const double next_v = v_after - 2.0 * (next_height - height * scale);
     m.v_after_mps = v_after + height * scale - next_height - timing + timing_next;
     // at the speed that height leaves
     next.v_after_mps += next_v - v_after;
