@@ -170,7 +170,7 @@ Table to_table(const std::vector<MemoryExperiment>& experiments) {
   column("anderson_darling_p", [&](const E& e) { return e.anderson_darling_p.value_or(kUnknown); });
   for (const auto& [name, test] :
        {std::pair{"mechanism_p", &E::mechanism}, {"release_p", &E::release}, {"leak_p", &E::leak}})
-    column(name, [&](const E& e) { return e.*test ? (e.*test)->p_value : kUnknown; });
+    column(name, [test = test](const E& e) { return e.*test ? (e.*test)->p_value : kUnknown; });
   column("keep", [&](const E& e) { return e.keep ? e.keep->value : kUnknown; });
   column("se_keep", [&](const E& e) { return e.keep ? e.keep->se.value_or(kUnknown) : kUnknown; });
   using Part = std::function<double(const fit::Estimate&)>;
