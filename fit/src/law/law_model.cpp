@@ -38,6 +38,16 @@ void check_orders(const std::vector<int>& orders) {
 
 }  // namespace
 
+double log_gamma_through(double v_mps, double eps) {
+  double lo = -40.0, hi = 10.0;  // eps falls with gamma
+  for (int i = 0; i < 80; ++i) {
+    const double log_gamma = 0.5 * (lo + hi);
+    const bool too_bouncy = viscoelastic_restitution(exp(0.5 * log_gamma) * pow(v_mps, 0.1)) > eps;
+    (too_bouncy ? lo : hi) = log_gamma;
+  }
+  return lo;
+}
+
 std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power) {
   const double value = exp(0.5 * log_gamma) * tenth_power;
   ceres::Jet<double, 1> x(value);

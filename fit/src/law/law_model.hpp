@@ -41,6 +41,9 @@ struct LawModel {
 /// @throws InvalidArgument where orders are repeated or have no coefficient
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps);
 
+/// log gamma of the viscoelastic law that has this eps at this speed. @param eps  in (0, 1)
+double log_gamma_through(double v_mps, double eps);
+
 /// eps and d eps / d log gamma. @param tenth_power  v^(1/10)
 std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power);
 

@@ -11,22 +11,11 @@
 #include "law/by_drop.hpp"
 #include "law/goodness.hpp"
 #include "law/profile.hpp"
+#include "law/result_matrix.hpp"
 #include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {
-
-Matrix to_matrix(const Eigen::MatrixXd& m) {
-  Matrix rows(static_cast<std::size_t>(m.rows()));
-  for (Eigen::Index i = 0; i < m.rows(); ++i)
-    for (Eigen::Index j = 0; j < m.cols(); ++j) rows[static_cast<std::size_t>(i)].push_back(m(i, j));
-  return rows;
-}
-
-Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd inverse_se = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  return inverse_se.asDiagonal() * covariance * inverse_se.asDiagonal();
-}
 
 /// n / (n - p): what p fitted parameters take from the scatter that errors are judged by.
 double small_sample_inflation(const LawFit& fit) {

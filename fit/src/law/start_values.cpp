@@ -37,14 +37,7 @@ Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& 
   if (model.kind == LawKind::viscoelastic) {
     const SpeedBin& middle = bins[bins.size() / 2];
     if (!(middle.median_eps < 1.0) || middle.median_eps < 0.05) return {};
-    double lo = -40.0, hi = 10.0;  // of log gamma; eps falls with gamma
-    for (int i = 0; i < 80; ++i) {
-      const double log_gamma = 0.5 * (lo + hi);
-      const bool too_bouncy =
-          viscoelastic_restitution(exp(0.5 * log_gamma) * pow(middle.v_mps, 0.1)) > middle.median_eps;
-      (too_bouncy ? lo : hi) = log_gamma;
-    }
-    return Eigen::VectorXd::Constant(1, lo);
+    return Eigen::VectorXd::Constant(1, log_gamma_through(middle.v_mps, middle.median_eps));
   }
   std::vector<double> v;
   Eigen::VectorXd eps(static_cast<Eigen::Index>(bins.size()));

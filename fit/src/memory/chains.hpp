@@ -5,12 +5,10 @@
 #include <vector>
 
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/roughness.hpp"
 #include "law/law_model.hpp"
 
 namespace bouncelab::fit {
-
-/// c of contacts that do not slip, solid ball: q = c s2.
-inline constexpr double kNoSlip = 5.0 / 7.0;
 
 /// One impact as measured. Speeds are half of g times an interval (less what was corrected for).
 struct ChainImpact {
@@ -36,6 +34,12 @@ struct Chains {
   std::size_t n_drops = 0;
   std::size_t n_impacts = 0;
   double ball_radius_m = 0.0;
+
+  /// Standard deviation of the heights of contacts, R s2: as if without slip, of a solid ball [m].
+  template <class T>
+  T height_sd_m(const T& q) const {
+    return ball_radius_m * (1.0 + kSolidBallInertia) * q;
+  }
 };
 
 /// Cuts the samples of each drop where one is missing or left out; impact 0, which a ball meets at rest, is.

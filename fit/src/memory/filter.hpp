@@ -54,7 +54,7 @@ template <class T>
 class ChainFilter {
  public:
   ChainFilter(const Chain& chain, double ball_radius_m, const MemoryParameters<T>& parameters)
-      : chain_(chain), p_(parameters), height_variance_(square_of(ball_radius_m / kNoSlip * p_.q)) {}
+      : chain_(chain), p_(parameters), height_variance_(square_of(ball_radius_m * (1.0 + kSolidBallInertia) * p_.q)) {}
 
   /// Where asked for, of each impact given those before it.
   struct Record {

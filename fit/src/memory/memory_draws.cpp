@@ -40,12 +40,12 @@ Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParam
   double w = mean * random.exponential(), v = like.impacts.front().v_mps;
   // errors are in speeds, of half of g times a time; the drawn speeds differ too little to scale them anew
   const auto height_of = [&](const Rebound& contact, const ChainImpact& m) {
-    return -0.5 * ball_radius_m / kNoSlip * contact.offset_square * m.height_mps;
+    return -0.5 * ball_radius_m * (1.0 + kSolidBallInertia) * contact.offset_square * m.height_mps;
   };
   double timing_before = std::sqrt(like.impacts.front().timing_before) * random.normal();
   double timing = std::sqrt(like.impacts.front().timing) * random.normal();
-  double height_before =
-      -ball_radius_m / kNoSlip * parameters.q * random.exponential() * like.impacts.front().height_mps;
+  double height_before = -ball_radius_m * (1.0 + kSolidBallInertia) * parameters.q * random.exponential() *
+                         like.impacts.front().height_mps;
   Rebound contact = rebound(v, w, law, parameters.q, random);
   double height = height_of(contact, like.impacts.front());
   for (std::size_t k = 0; k < chain.impacts.size(); ++k) {
@@ -56,7 +56,8 @@ Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParam
     const double timing_next = std::sqrt(m.timing_after) * random.normal();
     w = parameters.keep * contact.reservoir_m2ps2;
     Rebound next = rebound(v_after, w, law, parameters.q, random);
-    const double next_height = -0.5 * ball_radius_m / kNoSlip * next.offset_square * m.height_mps * scale;
+    const double next_height =
+        -0.5 * ball_radius_m * (1.0 + kSolidBallInertia) * next.offset_square * m.height_mps * scale;
     // the next contact's height is part of the speed it is approached with
     const double next_v = v_after - 2.0 * (next_height - height * scale);
     m.v_after_mps = v_after + height * scale - next_height - timing + timing_next;

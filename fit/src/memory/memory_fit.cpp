@@ -9,7 +9,9 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/fit/roughness.hpp"
 #include "law/maximise.hpp"
+#include "law/result_matrix.hpp"
 #include "memory/memory_likelihood.hpp"
 #include "memory/memory_tests.hpp"
 #include "memory/posterior.hpp"
@@ -17,14 +19,12 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kFrictionless = 5.0 / 2.0;
 constexpr std::size_t kFewestImpacts = 60, kShortestLongest = 10;
 /// From so many drops on the likelihood is smooth over a standard error of its maximum. With fewer its corners, where a
 /// drop's reservoir is almost empty, are seen: intervals are the posterior's under a flat prior.
 constexpr std::size_t kManyDrops = 200;
 constexpr std::size_t kFewImpacts = 8000;
 constexpr double kReleaseSeen = 0.05;  // of the test of a release at rest: below, what it left is fitted
-constexpr double kZ95 = 1.959963984540054;
 
 std::vector<double> speeds_of(const RestitutionSamples& samples) {
   std::vector<double> v;
@@ -52,14 +52,8 @@ Eigen::VectorXd first_theta(const Chains& chains, const LawModel& model, const L
   Eigen::VectorXd theta = Eigen::VectorXd::Zero(n_parameters);
   const Eigen::Index n_law = model.n_parameters();
   if (model.kind == LawKind::viscoelastic) {
-    // the gamma whose curve passes in the middle
-    const double v = chains.chains.front().impacts.front().v_mps, eps = restitution(*independent.law, v);
-    double lo = log(1e-8), hi = log(10.0);
-    for (int i = 0; i < 60; ++i) {
-      const double middle = 0.5 * (lo + hi);
-      (viscoelastic_of_log_gamma(middle, pow(v, 0.1)).first > eps ? lo : hi) = middle;
-    }
-    theta[0] = lo;
+    const double v = chains.chains.front().impacts.front().v_mps;
+    theta[0] = log_gamma_through(v, restitution(*independent.law, v));
   } else if (model.kind == LawKind::constant) {
     theta[0] = restitution(*independent.law, chains.chains.front().impacts.front().v_mps);
   } else {
@@ -137,29 +131,10 @@ Estimate estimate_of(const Posterior& posterior, const std::function<double(cons
   return e;
 }
 
-Matrix to_matrix(const Eigen::MatrixXd& m) {
-  Matrix rows(static_cast<std::size_t>(m.rows()));
-  for (Eigen::Index i = 0; i < m.rows(); ++i)
-    for (Eigen::Index j = 0; j < m.cols(); ++j) rows[static_cast<std::size_t>(i)].push_back(m(i, j));
-  return rows;
-}
-
 /// Covariance of functions of the parameters, by their derivatives at the mean.
 Eigen::MatrixXd covariance_of(const Posterior& posterior, const Eigen::MatrixXd& jacobian) {
   const Eigen::Index n = jacobian.cols();
   return jacobian * posterior.covariance.topLeftCorner(n, n) * jacobian.transpose();
-}
-
-Roughness roughness_of(const Posterior& posterior, Eigen::Index index_of_q) {
-  Roughness r;
-  r.q = estimate_of(posterior, [&](const Eigen::VectorXd& theta) { return exp(theta[index_of_q]); });
-  r.s2_no_slip = r.q.value / kNoSlip;
-  r.s2_frictionless = r.q.value / kFrictionless;
-  r.rms_tilt_no_slip_deg = std::sqrt(2.0 * r.s2_no_slip) * 57.29577951308232;
-  r.n_constant_radii = 2.0 / r.s2_no_slip;
-  r.lambda_exponential = r.s2_no_slip;
-  r.width_uniform_1e6 = 4e6 * square(r.s2_no_slip) / 3.14159265358979324;
-  return r;
 }
 
 void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& posterior, std::vector<double> node_speeds,
@@ -178,8 +153,7 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
   if (node_speeds.empty()) node_speeds = spread_speeds(speeds, 3);
   for (const double v : node_speeds) fit.nodes.push_back({v, estimate_of(posterior, eps_at(v))});
   const Eigen::MatrixXd nodes = covariance_of(posterior, model.jacobian(node_speeds, q));
-  const Eigen::VectorXd inverse_se = nodes.diagonal().cwiseSqrt().cwiseInverse();
-  fit.node_correlation = to_matrix(inverse_se.asDiagonal() * nodes * inverse_se.asDiagonal());
+  fit.node_correlation = to_matrix(correlation_of(nodes));
   constexpr int kPoints = 40;
   const auto [lo, hi] = std::minmax_element(speeds.begin(), speeds.end());
   std::vector<double> grid;
@@ -187,9 +161,8 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
   const Eigen::VectorXd eps = model.eps(grid, q);
   const Eigen::MatrixXd rows = model.jacobian(grid, q);
   for (Eigen::Index k = 0; k <= kPoints; ++k) {
-    const double se = std::sqrt(covariance_of(posterior, rows.row(k))(0, 0));
-    fit.curve.push_back(
-        {grid[static_cast<std::size_t>(k)], eps[k], Interval{eps[k] - kZ95 * se, eps[k] + kZ95 * se}, se});
+    const Estimate here = normal_estimate(eps[k], std::sqrt(covariance_of(posterior, rows.row(k))(0, 0)));
+    fit.curve.push_back({grid[static_cast<std::size_t>(k)], here.value, here.ci95, here.se});
   }
   fit.law = model.law(q);
 }
@@ -234,15 +207,17 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Maximum&
   fit.loglik = likelihood.anew(maximum.x);
   const Posterior posterior = uncertainty(likelihood, maximum, scores, config);
   describe_law(fit, likelihood.model(), posterior, config.node_speeds_mps, speeds);
-  fit.roughness = roughness_of(posterior, likelihood.index_of_q());
   const auto estimate = [&](Eigen::Index i) {
     return estimate_of(posterior, [i](const Eigen::VectorXd& theta) { return theta[i]; });
   };
+  const Estimate q =
+      estimate_of(posterior, [&](const Eigen::VectorXd& theta) { return exp(theta[likelihood.index_of_q()]); });
+  fit.roughness = equivalent_surfaces(q, kSolidBallInertia);
   fit.keep = estimate(likelihood.index_of_keep());
   if (n > likelihood.index_of_release()) fit.release_m2ps2 = estimate(likelihood.index_of_release());
   fit.leak.z = (fit.keep.value - 1.0) / *fit.keep.se;
-  fit.leak.p_value = erfc(std::abs(fit.leak.z) * 0.70710678118654752);
-  const std::vector<double> transforms = likelihood.record(maximum.x).transforms;
+  fit.leak.p_value = two_sided(fit.leak.z);
+  const std::vector<double> transforms = likelihood.transforms(maximum.x);
   for (const double u : transforms)
     fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
   if (config.n_goodness > 0) {

@@ -182,20 +182,15 @@ double MemoryLikelihood::anew(const Eigen::VectorXd& theta) const {
   return sum;
 }
 
-ImpactRecord MemoryLikelihood::record(const Eigen::VectorXd& theta) const {
-  std::vector<ImpactRecord> by_chain(chains_.chains.size());
+std::vector<double> MemoryLikelihood::transforms(const Eigen::VectorXd& theta) const {
+  std::vector<std::vector<double>> by_chain(chains_.chains.size());
   const MemoryParameters<double> p = parameters(theta);
   parallel_for(by_chain.size(), 0, [&](std::size_t c) {
-    ChainFilter<double>::Record record;
-    record.transforms = &by_chain[c].transforms;
-    record.reservoirs = &by_chain[c].reservoirs_m2ps2;
-    ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).loglik(law_values(c, theta), plans_[c], record);
+    ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p)
+        .loglik(law_values(c, theta), plans_[c], {.transforms = &by_chain[c]});
   });
-  ImpactRecord all;
-  for (const ImpactRecord& one : by_chain) {
-    all.transforms.insert(all.transforms.end(), one.transforms.begin(), one.transforms.end());
-    all.reservoirs_m2ps2.insert(all.reservoirs_m2ps2.end(), one.reservoirs_m2ps2.begin(), one.reservoirs_m2ps2.end());
-  }
+  std::vector<double> all;
+  for (const std::vector<double>& one : by_chain) all.insert(all.end(), one.begin(), one.end());
   return all;
 }
 

@@ -13,12 +13,6 @@ namespace bouncelab::fit {
 
 inline constexpr int kMostMemoryLawParameters = 5;
 
-/// Of every impact given those before it in its chain, chain by chain.
-struct ImpactRecord {
-  std::vector<double> transforms;        ///< probability of less
-  std::vector<double> reservoirs_m2ps2;  ///< w after the impact, mean given all up to it
-};
-
 /// Log-likelihood of all chains: theta = (law's coordinates, log q, keep[, release in m^2/s^2]).
 class MemoryLikelihood {
  public:
@@ -41,7 +35,8 @@ class MemoryLikelihood {
   Eigen::MatrixXd scores_by_impact(const Eigen::VectorXd& theta) const;
   /// Sums of them over the impacts of each drop.
   Eigen::MatrixXd by_drop(const Eigen::MatrixXd& scores_by_impact) const;
-  ImpactRecord record(const Eigen::VectorXd& theta) const;
+  /// Probability of less at every impact, given those before it, chain by chain.
+  std::vector<double> transforms(const Eigen::VectorXd& theta) const;
 
   const Chains& chains() const { return chains_; }
   const LawModel& model() const { return model_; }

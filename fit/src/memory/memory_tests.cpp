@@ -22,10 +22,12 @@ constexpr std::size_t kMostImpacts = 4000;
 
 double statistic(MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
   likelihood.plan_at(theta);
-  return anderson_darling(likelihood.record(theta).transforms);
+  return anderson_darling(likelihood.transforms(theta));
 }
 
 }  // namespace
+
+double two_sided(double z) { return erfc(std::abs(z) * 0.70710678118654752); }
 
 MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores, Eigen::Index tested) {
   const Eigen::MatrixXd fitted = scores.topRows(likelihood.n_parameters());
@@ -39,8 +41,7 @@ MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd&
   MemoryTest test;
   if (!(variance > 0.0)) return test;
   test.z = rest.sum() / std::sqrt(variance);
-  test.p_value =
-      enough ? 2.0 * student_t_below(-std::abs(test.z), n - 1.0) : erfc(std::abs(test.z) * 0.70710678118654752);
+  test.p_value = enough ? 2.0 * student_t_below(-std::abs(test.z), n - 1.0) : two_sided(test.z);
   return test;
 }
 

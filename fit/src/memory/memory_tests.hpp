@@ -10,6 +10,9 @@
 
 namespace bouncelab::fit {
 
+/// Probability that a standard normal is farther from 0.
+double two_sided(double z);
+
 /// Score test of one more parameter at its value if the model holds: its score less what the others explain of it, over
 /// its standard error; by how drops differ from 10 drops on (Student's t), else by the scores of all impacts.
 /// @param scores  by impact, a column each; rows: the n_fitted parameters that were fitted first, then others
