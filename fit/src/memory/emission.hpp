@@ -132,4 +132,32 @@ Emission<T> emission(const EmissionInput<T>& in) {
   return out;
 }
 
+/// Probability of less than y: Lugannani & Rice, Adv. Appl. Prob. 12, 475 (1980), doi:10.2307/1426607.
+template <class T>
+double probability_below(const EmissionInput<T>& in, const Emission<T>& em) {
+  const EmissionInput<double> x = values_of(in);
+  const Cumulants<double> c(x, em.saddlepoint), zero(x, 0.0);
+  const double s = em.saddlepoint, fall = 2.0 * (s * x.y - c.k);
+  const double w = (s < 0.0 ? -1.0 : 1.0) * std::sqrt(std::max(0.0, fall)), u = s * std::sqrt(c.k2);
+  const double below = 0.5 * erfc(-w * 0.70710678118654752);
+  const double density = 0.3989422804014327 * exp(-0.5 * w * w);
+  // 1/w - 1/u is a small difference near the mean: its limit there
+  const double near = std::abs(u) < 1e-3 ? -zero.k3 / (6.0 * power(std::sqrt(zero.k2), 3)) : 1.0 / w - 1.0 / u;
+  return std::clamp(below + density * near, 0.0, 1.0);
+}
+
+/// Mean of |t|^2 given v r and w: t lies on a circle about the point f sqrt(w)/(2 v), by von Mises' density.
+/// @param reach   (f / (2 v))^2 [s^2/m^2]
+/// @param y_by_v  y / (v (1 + e))
+template <class T>
+T mean_offset_square(const T& w, const T& reach, const T& y_by_v, const T& q) {
+  const T centre = root(reach * w);
+  const T radius = root(rounded_positive<T>(reach * w - y_by_v, square_of(1e-2 * q)));
+  const T kappa = centre * radius / q;
+  const T r = root(kappa * kappa + 2.25);
+  // 1 - I1/I0, to 3 %: Amos, Math. Comp. 28, 239 (1974), doi:10.1090/S0025-5718-1974-0333287-7
+  const T rest = (0.5 + 2.25 / (r + kappa)) / (0.5 + r);
+  return square_of(centre - radius) + 2.0 * centre * radius * rest;
+}
+
 }  // namespace bouncelab::fit

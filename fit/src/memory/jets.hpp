@@ -40,6 +40,11 @@ Jet<N> root(const Jet<N>& x) {
   return Jet<N>(value, x.v / (2.0 * value));
 }
 
+template <class T>
+T square_of(const T& x) {
+  return x * x;
+}
+
 /// max(x, 0) with its corner rounded over +-width: (x + sqrt(x^2 + width^2)) / 2, without cancellation below 0.
 /// @param square  of the width, > 0
 template <class T>

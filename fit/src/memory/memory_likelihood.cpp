@@ -80,9 +80,7 @@ MemoryParameters<double> MemoryLikelihood::parameters(const Eigen::VectorXd& the
 void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
   plans_.assign(chains_.chains.size(), {});
   const MemoryParameters<double> p = parameters(theta);
-  parallel_for(plans_.size(), 0, [&](std::size_t c) {
-    ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).plan(law_values(c, theta), plans_[c]);
-  });
+  parallel_for(plans_.size(), 0, [&](std::size_t c) { filter(c, p).plan(law_values(c, theta), plans_[c]); });
 }
 
 template <int N>
@@ -107,10 +105,7 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
   if (n + 2 < N) p.release.v[n + 2] = 1.0;
   if (n + 3 < N) p.ratio.v[n + 3] = values.ratio;
   std::vector<Jet<N>> densities;
-  ChainFilter<Jet<N>> filter(chains_.chains[chain], chains_.ball_radius_m, p);
-  typename ChainFilter<Jet<N>>::Record record;
-  if (by_impact) record.log_densities = &densities;
-  const Jet<N> sum = filter.loglik(law, plans_[chain], record);
+  const Jet<N> sum = filter(chain, p).loglik(law, plans_[chain], {.log_densities = by_impact ? &densities : nullptr});
   loglik = sum.a;
   if (gradient) *gradient = sum.v.head(n_parameters());
   if (!by_impact) return;
@@ -126,8 +121,7 @@ double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorX
   const MemoryParameters<double> p = parameters(theta);
   parallel_for(n, 0, [&](std::size_t c) {
     if (!gradient) {
-      logliks[c] =
-          ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).loglik(law_values(c, theta), plans_[c]);
+      logliks[c] = filter(c, p).loglik(law_values(c, theta), plans_[c]);
     } else if (n_parameters() <= 4) {
       score<4>(c, theta, logliks[c], &gradients[c], nullptr);
     } else if (n_parameters() <= 6) {
@@ -175,7 +169,7 @@ double MemoryLikelihood::anew(const Eigen::VectorXd& theta) const {
   const MemoryParameters<double> p = parameters(theta);
   parallel_for(result.size(), 0, [&](std::size_t c) {
     FilterPlan plan;
-    result[c] = ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p).plan(law_values(c, theta), plan);
+    result[c] = filter(c, p).plan(law_values(c, theta), plan);
   });
   double sum = 0.0;
   for (const double one : result) sum += one;
@@ -186,8 +180,7 @@ std::vector<double> MemoryLikelihood::transforms(const Eigen::VectorXd& theta) c
   std::vector<std::vector<double>> by_chain(chains_.chains.size());
   const MemoryParameters<double> p = parameters(theta);
   parallel_for(by_chain.size(), 0, [&](std::size_t c) {
-    ChainFilter<double>(chains_.chains[c], chains_.ball_radius_m, p)
-        .loglik(law_values(c, theta), plans_[c], {.transforms = &by_chain[c]});
+    filter(c, p).loglik(law_values(c, theta), plans_[c], {.transforms = &by_chain[c]});
   });
   std::vector<double> all;
   for (const std::vector<double>& one : by_chain) all.insert(all.end(), one.begin(), one.end());

@@ -46,6 +46,10 @@ class MemoryLikelihood {
     Eigen::RowVectorXd eps, slope;       ///< an entry an impact
     Eigen::MatrixXd eps_row, slope_row;  ///< a column an impact
   };
+  template <class T>
+  ChainFilter<T> filter(std::size_t chain, const MemoryParameters<T>& parameters) const {
+    return {chains_.chains[chain], chains_.height_sd_m(parameters.q), parameters};
+  }
   template <int N>
   void score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
              Eigen::MatrixXd* by_impact) const;

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "bouncelab/core/elementary.hpp"
+#include "memory/chains.hpp"
+#include "memory/component_sum.hpp"
+#include "memory/jets.hpp"
+#include "memory/memory_parameters.hpp"
+
+namespace bouncelab::fit {
+
+/// First reservoirs that a chain is followed from.
+struct FirstNodes {
+  std::size_t tightest = 0;         ///< the impact that allows the least first reservoir
+  double scale = 0.0;               ///< mean of the first reservoir [m^2/s^2]
+  std::vector<double> above_least;  ///< first reservoirs less the least one allowed, rising [m^2/s^2]
+};
+
+/// The reservoir before the first impact of a chain: exponential, and not less than the impacts allow. An impact with
+/// y = v' - e v > 0 needs a reservoir of 4 v y / (1 + e) before it, which by the book of energies is the first one less
+/// what was dissipated and given back until then.
+template <class T>
+class FirstReservoir {
+ public:
+  /// All but the parameters have to outlive it. @param height_variance  of the heights of contacts [m^2]
+  FirstReservoir(const Chain& chain, const std::vector<LawAt<T>>& law, const MemoryParameters<T>& parameters,
+                 const T& height_variance)
+      : chain_(chain), law_(law), p_(parameters), height_variance_(height_variance) {}
+
+  FirstNodes nodes() const {
+    constexpr double kFirst = 1e-3, kLast = 25.0;  // of the mean: what lies outside weighs 1e-3 times a mean density
+    constexpr std::size_t kNodes = 27;
+    FirstNodes nodes;
+    nodes.scale = value_of(mean());
+    double highest = -HUGE_VAL, softness = 0.0;
+    follow(chain_.impacts.size(), [&](std::size_t i, const Bound& bound) {
+      const double least = value_of(bound.least) - 4.0 * bound.softness;
+      if (least <= highest) return;
+      highest = least;
+      nodes.tightest = i;
+      softness = bound.softness;
+    });
+    const double first = std::max(kFirst * nodes.scale, 0.2 * softness);
+    const double last = kLast * nodes.scale + 10.0 * softness;
+    for (std::size_t k = 0; k < kNodes; ++k)
+      nodes.above_least.push_back(first * pow(last / first, static_cast<double>(k) / (kNodes - 1)));
+    return nodes;
+  }
+
+  /// The density of the first reservoir, as a sum of those at the nodes.
+  void components(const FirstNodes& nodes, std::vector<Component<T>>& components) const {
+    T least(0.0);
+    follow(nodes.tightest + 1, [&](std::size_t i, const Bound& bound) {
+      if (i == nodes.tightest)
+        least = rounded_positive<T>(bound.least - 4.0 * bound.softness, T(square(1e-3 * nodes.scale)));
+    });
+    const T all_mean = mean(), log_mean = logarithm(all_mean);  // not finite where the mean is negative: outside
+    const std::size_t n = nodes.above_least.size();
+    const double step = log(nodes.above_least.back() / nodes.above_least.front()) / static_cast<double>(n - 1);
+    components.clear();
+    for (std::size_t k = 0; k < n; ++k) {
+      // trapezoids in the logarithm, and what lies below the first node
+      const double t = nodes.above_least[k];
+      const double width = t * (k == 0 ? 1.0 + 0.5 * step : k + 1 == n ? 0.5 * step : step);
+      const T w = least + t;
+      components.push_back({log(width) - w / all_mean - log_mean, w, T(0.0)});
+    }
+  }
+
+  /// Before each impact the least book of energies that it and later impacts allow [m^2/s^2].
+  std::vector<double> least_books() const {
+    std::vector<double> slope, offset, least;
+    follow(chain_.impacts.size(), [&](std::size_t, const Bound& bound) {
+      slope.push_back(value_of(bound.slope));
+      offset.push_back(value_of(bound.offset));
+      least.push_back(value_of(bound.least));
+    });
+    std::vector<double> books(least.size());
+    double highest = -HUGE_VAL;
+    for (std::size_t i = least.size(); i-- > 0;) {
+      highest = std::max(highest, least[i]);
+      books[i] = offset[i] + slope[i] * highest;
+    }
+    return books;
+  }
+
+ private:
+  /// What one impact says of the first reservoir.
+  struct Bound {
+    T least;
+    double softness = 0.0;  ///< standard deviation of `least`
+    T slope, offset;        ///< the reservoir before the impact is offset + slope times the first one
+  };
+
+  T mean() const { return 2.0 * p_.q * chain_.s_before + p_.release; }
+
+  /// Follows the book of energies over the first impacts; look(i, bound) at each.
+  template <class Look>
+  void follow(std::size_t n_impacts, Look&& look) const {
+    T slope(1.0), offset(0.0);
+    for (std::size_t i = 0; i < n_impacts; ++i) {
+      const ChainImpact& m = chain_.impacts[i];
+      const T& e = law_[i].eps;
+      const T y = m.v_after_mps - e * m.v_mps;
+      const double timing = m.timing_before + m.timing, height = square(m.height_mps) * value_of(height_variance_);
+      const double d_variance = timing + 2.0 * height;
+      const double y_variance = 4.0 * d_variance;
+      // 4 v y / (1 + e), where that is positive
+      const double soft_y = y_variance + square(0.1 * value_of(p_.q) * m.v_mps);
+      const T need = 4.0 * m.v_mps / (1.0 + e) * rounded_positive<T>(y, T(soft_y));
+      const double softness =
+          std::sqrt(square(2.0 * m.v_mps) * (d_variance + 4.0 * height) + square(2.0 * m.v_mps) * y_variance);
+      look(i, Bound{(need - offset) / slope, softness, slope, offset});
+      const T loss = (1.0 - e) / (1.0 + e) * square(m.v_mps + m.v_after_mps) * (1.0 + 2.0 * p_.q);
+      offset = p_.keep * (offset + square(m.v_mps) - square(m.v_after_mps) - loss);
+      slope *= p_.keep;
+    }
+  }
+
+  const Chain& chain_;
+  const std::vector<LawAt<T>>& law_;
+  MemoryParameters<T> p_;
+  T height_variance_;
+};
+
+}  // namespace bouncelab::fit
