@@ -4,13 +4,14 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "memory/chains.hpp"
-#include "memory/filter.hpp"
+#include "memory/memory_parameters.hpp"
 
 namespace bouncelab::fit {
 
-/// A chain as the model would have it: the first speed and all errors as in `like`, contacts, heights and timing errors
-/// drawn.
+/// A chain as the model would have it: the first speed and all errors as in `like`; the first reservoir, impacts
+/// (restitution_with_memory), heights of contacts and timing errors drawn. Heights are exponential and independent.
+/// @param height_sd_m  their standard deviation, Chains::height_sd_m
 Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParameters<double>& parameters,
-                 double ball_radius_m, Random& random);
+                 double height_sd_m, Random& random);
 
 }  // namespace bouncelab::fit

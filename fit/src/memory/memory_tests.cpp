@@ -55,6 +55,7 @@ AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood,
   const MemoryParameters<double> parameters = likelihood.parameters(theta);
   // what a step finds has the error of all impacts, of which those of the design are a share
   const double share = static_cast<double>(design.n_impacts) / static_cast<double>(likelihood.chains().n_impacts);
+  const double height_sd_m = design.height_sd_m(parameters.q);
   const Eigen::MatrixXd white = whitening(information, 1e-9);
 
   AndersonDarling result;
@@ -65,7 +66,7 @@ AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood,
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{2} << 32U) + i);
     Chains drawn = design;
-    for (Chain& chain : drawn.chains) chain = draw_chain(chain, law, parameters, design.ball_radius_m, random);
+    for (Chain& chain : drawn.chains) chain = draw_chain(chain, law, parameters, height_sd_m, random);
     MemoryLikelihood again(drawn, model, with_release);
     again.plan_at(theta);
     Eigen::VectorXd score;
