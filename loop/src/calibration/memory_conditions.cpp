@@ -20,7 +20,7 @@ constexpr double kLeastMeanRadius = 3e-6, kLargestMeanRadius = 5e-5;
 /// Asperities above a point of the sphere: exp(-7) of contacts are the smooth sphere's.
 constexpr double kCover = 7.0;
 /// Of normal and lognormal radii, no slip; frictionless contacts scatter more and take less.
-constexpr double kLeastWidth = 0.01, kLargestWidth = 0.1, kNoSlip = 5.0 / 7.0;
+constexpr double kLeastWidth = 0.01, kLargestWidth = 0.1;
 constexpr double kShareWithSpin = 0.25, kLeastSpin_radps = 2.0, kMostSpin_radps = 20.0;
 
 void check_calibration(const MemoryCalibrationConfig& config) {
@@ -63,7 +63,8 @@ MemoryConditions memory_conditions(const MemoryCalibrationConfig& config, std::s
   conditions.contact = contacts[number % contacts.size()];
   conditions.radius_law = laws[number % laws.size()];
   const double c = sim::contact_factor(Ball{}, conditions.contact);
-  const double width = log_uniform(random, kLeastWidth, kLargestWidth * std::min(1.0, kNoSlip / c));
+  const double no_slip = sim::contact_factor(Ball{}, sim::PaperContact{});
+  const double width = log_uniform(random, kLeastWidth, kLargestWidth * std::min(1.0, no_slip / c));
   if (auto* normal = std::get_if<sim::NormalRadii>(&conditions.radius_law)) normal->sd = width * normal->mean;
   if (auto* lognormal = std::get_if<sim::LognormalRadii>(&conditions.radius_law)) lognormal->sigma = width;
   double covered = kFewestAsperities;
