@@ -23,7 +23,7 @@ EmissionInput<double> input(double y, double reservoir, double noise) {
 }
 
 double density(double y, double reservoir, double noise) {
-  return std::exp(emission(input(y, reservoir, noise)).log_density);
+  return std::exp(emission(input(y, reservoir, noise)).log_density());
 }
 
 /// The same by quadrature: the density of the fluctuation, smeared by a normal. eps does not depend on the speed, and
@@ -75,15 +75,15 @@ TEST(Emission, DerivativesAreThoseOfTheDensity) {
         EmissionInput<double> up = input(y, reservoir, unit), down = up;
         change(up, step);
         change(down, -step);
-        return (emission(up).log_density - emission(down).log_density) / (2.0 * step);
+        return (emission(up).log_density() - emission(down).log_density()) / (2.0 * step);
       };
       const auto expect = [](double value, double reference) {
         EXPECT_NEAR(value, reference, 1e-4 * std::abs(reference) + 1e-6);
       };
-      expect(found.log_density.v[0], difference([](auto& x, double h) { x.y += h; }, 1e-4 * unit));
-      expect(found.log_density.v[1], difference([](auto& x, double h) { x.reservoir += h; }, 1e-4 * reservoir));
-      expect(found.log_density.v[2], difference([](auto& x, double h) { x.noise_variance += h; }, 1e-4 * square(unit)));
-      expect(found.log_density.v[3], difference([](auto& x, double h) { x.a += h; }, 1e-12));
+      expect(found.log_density().v[0], difference([](auto& x, double h) { x.y += h; }, 1e-4 * unit));
+      expect(found.log_density().v[1], difference([](auto& x, double h) { x.reservoir += h; }, 1e-4 * reservoir));
+      expect(found.log_density().v[2], difference([](auto& x, double h) { x.noise_variance += h; }, 1e-4 * square(unit)));
+      expect(found.log_density().v[3], difference([](auto& x, double h) { x.a += h; }, 1e-12));
       // those the filter is updated by leave out how the second-order term changes
       const double by_noise = difference([](auto& x, double h) { x.noise_mean += h; }, 1e-4 * unit);
       EXPECT_NEAR(found.by_noise.a, by_noise, 0.05 * std::abs(by_noise) + 0.3 / unit);
@@ -93,7 +93,7 @@ TEST(Emission, DerivativesAreThoseOfTheDensity) {
 TEST(Emission, ExtremesAreFinite) {
   for (const double y : {-1.0, -1e-2, 1e-2, 1.0})
     for (const double reservoir : {1e-12, 1e-6, 1.0})
-      EXPECT_TRUE(std::isfinite(emission(input(y, reservoir, 1e-9)).log_density)) << y << " " << reservoir;
+      EXPECT_TRUE(std::isfinite(emission(input(y, reservoir, 1e-9)).log_density())) << y << " " << reservoir;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace bouncelab::fit {
 /// One normal distribution of a sum: of the book of energies, given one first reservoir.
 template <class T>
 struct Component {
-  T log_weight;
+  T weight;
   T book;      ///< mean [m^2/s^2]
   T variance;  ///< [m^4/s^4]
 };
@@ -28,14 +28,15 @@ inline constexpr std::uint8_t kDropped = 255;
 template <class T>
 Targets targets_of(const std::vector<Component<T>>& components, double least_book) {
   constexpr double kNarrow = 0.005;
-  constexpr double kWithoutWeight = -14.0;
+  constexpr double kWithoutWeight = 1e-6;
   Targets target(components.size(), kDropped);
   int last = -1;
   double weight = 0.0, mean = 0.0, spread = 0.0;
   for (std::size_t k = 0; k < components.size(); ++k) {
     const Component<T>& c = components[k];
-    if (value_of(c.log_weight) < kWithoutWeight) continue;
-    const double w = exp(value_of(c.log_weight)), book = value_of(c.book), own = value_of(c.variance);
+    const double w = value_of(c.weight);
+    if (!(w > kWithoutWeight)) continue;
+    const double book = value_of(c.book), own = value_of(c.variance);
     const double both = weight + w, joint = (weight * mean + w * book) / both;
     const double joint_spread = (weight * (spread + square(mean - joint)) + w * (own + square(book - joint))) / both;
     const double room = joint - least_book;
@@ -59,20 +60,18 @@ Targets targets_of(const std::vector<Component<T>>& components, double least_boo
 template <class T>
 Component<T> joint_component(const std::vector<const Component<T>*>& parts) {
   if (parts.size() == 1) return *parts.front();
-  const Component<T>* heaviest = parts.front();
-  for (const Component<T>* c : parts)
-    if (value_of(c->log_weight) > value_of(heaviest->log_weight)) heaviest = c;
-  const T highest = heaviest->log_weight, origin = heaviest->book;
+  const T origin = parts.front()->book;
   T weight(0.0), mean(0.0), spread(0.0);
   for (const Component<T>* c : parts) {
-    const T w = exponential(c->log_weight - highest), book = c->book - origin;
-    weight += w;
-    mean += w * book;
-    spread += w * (c->variance + book * book);
+    const T book = c->book - origin, weighed = c->weight * book;
+    weight += c->weight;
+    mean += weighed;
+    spread += c->weight * c->variance + weighed * book;
   }
+  if (!(value_of(weight) > 0.0)) return *parts.front();
   const T inverse = 1.0 / weight;
   mean *= inverse;
-  return {highest + logarithm(weight), origin + mean, spread * inverse - mean * mean};
+  return {weight, origin + mean, spread * inverse - mean * mean};
 }
 
 /// Joins what has the same target.

@@ -22,16 +22,18 @@ struct EmissionInput {
   T b;                   ///< mean of (1 + e) v |t|^2: 2 q (1 + e) v [m/s]
 };
 
-/// log of the density of y, and its derivatives by the means of error and reservoir.
+/// The density of y, factor exp(exponent), and derivatives of its logarithm by the means of error and reservoir.
 template <class T>
 struct Emission {
-  T log_density;
+  T exponent, factor;
   T by_noise;            ///< d / d noise_mean
   T by_reservoir;        ///< d / d reservoir
   T curvature_by_noise;  ///< second derivatives
   T curvature_by_reservoir;
   T variance;                ///< second derivative of the cumulant generating function at the saddlepoint
   double saddlepoint = 0.0;  ///< s [s/m]
+
+  T log_density() const { return exponent + logarithm(factor); }
 };
 
 /// Cumulant generating function of y and its derivatives by s: given w
@@ -41,11 +43,12 @@ struct Emission {
 /// and over a normal w of variance P and covariance C with the error + A^2 P / 2 + C s A.
 template <class T>
 struct Cumulants {
-  T k, k1, k2, k3, k4;
+  T rest, u;  ///< K = rest - log u
+  T k1, k2, k3, k4;
   T a1, a2, a0;  ///< A and its derivatives
 
-  Cumulants(const EmissionInput<T>& in, const T& s) {
-    const T u = 1.0 + in.b * s, inverse = 1.0 / u, b = in.b * inverse, b2 = b * b;
+  Cumulants(const EmissionInput<T>& in, const T& s) : u(1.0 + in.b * s) {
+    const T inverse = 1.0 / u, b = in.b * inverse, b2 = b * b;
     const T inverse3 = inverse * inverse * inverse;
     a0 = 0.5 * in.a * s * s * inverse;
     a1 = 0.5 * in.a * s * (1.0 + u) * inverse * inverse;
@@ -54,7 +57,7 @@ struct Cumulants {
     const T& m = in.reservoir;
     const T& p = in.reservoir_variance;
     const T& c = in.covariance;
-    k = a0 * (m + 0.5 * p * a0 + c * s) - logarithm(u) + s * (in.noise_mean + 0.5 * in.noise_variance * s);
+    rest = a0 * (m + 0.5 * p * a0 + c * s) + s * (in.noise_mean + 0.5 * in.noise_variance * s);
     k1 = a1 * (m + p * a0 + c * s) + c * a0 - b + in.noise_mean + in.noise_variance * s;
     k2 = a2 * (m + p * a0 + c * s) + a1 * (p * a1 + 2.0 * c) + b2 + in.noise_variance;
     k3 = a3 * (m + p * a0 + c * s) + 3.0 * a2 * (p * a1 + c) - 2.0 * b2 * b;
@@ -103,7 +106,8 @@ inline Saddlepoint saddlepoint(const EmissionInput<double>& in) {
     const double step = next - s;
     s = next;
     curvature = slope;
-    if (step * step * std::abs(slope) < 1e-14) break;
+    // what is left is the square of that, and emission() makes one more step
+    if (step * step * std::abs(slope) < 1e-9) break;
   }
   return {s, curvature};
 }
@@ -114,14 +118,14 @@ template <class T>
 Emission<T> emission(const EmissionInput<T>& in) {
   Emission<T> out;
   const Saddlepoint found = saddlepoint(values_of(in));
-  out.saddlepoint = found.s;
   // one step with derivatives: of the solution by all it depends on
   const T s = found.s - (first_cumulant(in, T(found.s)) - in.y) / found.curvature;
+  out.saddlepoint = value_of(s);
   const Cumulants<T> c(in, s);
   const T inverse = 1.0 / c.k2, skew = c.k3 * inverse * inverse;
-  constexpr double kLogTwoPi = 1.8378770664093453;
-  out.log_density = c.k - s * in.y - 0.5 * (kLogTwoPi + logarithm(c.k2)) + 0.125 * c.k4 * inverse * inverse -
-                    (5.0 / 24.0) * skew * skew * c.k2;
+  constexpr double kInverseRootTwoPi = 0.3989422804014327;
+  out.exponent = c.rest - s * in.y + 0.125 * c.k4 * inverse * inverse - (5.0 / 24.0) * skew * skew * c.k2;
+  out.factor = kInverseRootTwoPi / (c.u * root(c.k2));
   out.by_noise = s + 0.5 * skew;
   out.curvature_by_noise = -inverse;
   // s moves by -A' / K'' with the reservoir
@@ -137,7 +141,7 @@ template <class T>
 double probability_below(const EmissionInput<T>& in, const Emission<T>& em) {
   const EmissionInput<double> x = values_of(in);
   const Cumulants<double> c(x, em.saddlepoint), zero(x, 0.0);
-  const double s = em.saddlepoint, fall = 2.0 * (s * x.y - c.k);
+  const double s = em.saddlepoint, fall = 2.0 * (s * x.y - c.rest + log(c.u));
   const double w = (s < 0.0 ? -1.0 : 1.0) * std::sqrt(std::max(0.0, fall)), u = s * std::sqrt(c.k2);
   const double below = 0.5 * erfc(-w * 0.70710678118654752);
   const double density = 0.3989422804014327 * exp(-0.5 * w * w);

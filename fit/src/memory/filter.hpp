@@ -54,7 +54,8 @@ class ChainFilter {
     begin(first_reservoir(law), plan);
     T sum(0.0);
     for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      const T log_density = impact(chain_.impacts[i], law[i], record.transforms);
+      T log_density = impact(chain_.impacts[i], law[i], record.transforms);
+      if (i == 0) log_density += log_start_;
       sum += log_density;
       if (record.log_densities) record.log_densities->push_back(log_density);
       if (i + 1 < chain_.impacts.size()) join(components_, plan.targets[i], joined_, parts_);
@@ -68,7 +69,7 @@ class ChainFilter {
     plan = {first.nodes(), {}};
     begin(first, plan);
     const std::vector<double> least_books = first.least_books();
-    T sum(0.0);
+    T sum = log_start_;
     for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
       sum += impact(chain_.impacts[i], law[i], nullptr);
       if (i + 1 == chain_.impacts.size()) break;
@@ -84,7 +85,7 @@ class ChainFilter {
   }
 
   void begin(const FirstReservoir<T>& first, const FilterPlan& plan) {
-    first.components(plan.first, components_);
+    log_start_ = first.components(plan.first, components_);
     errors_.begin(chain_.impacts.front(), height_variance_);
   }
 
@@ -117,8 +118,7 @@ class ChainFilter {
       in.reservoir = rounded_positive<T>(c.book - 2.0 * v * speed_mean, soft);
       emissions_.push_back(emission(in));
       const Emission<T>& em = emissions_.back();
-      if (transforms) tail += exp(value_of(c.log_weight)) * probability_below(in, em);
-      c.log_weight += em.log_density;
+      if (transforms) tail += value_of(c.weight) * probability_below(in, em);
       // book of energies: what came, what went, what the bounce dissipated
       const T offset = mean_offset_square(in.reservoir, reach, y / (v * one_e), p_.q);
       const T gain = em.by_reservoir, bend = c.variance * em.curvature_by_reservoir;
@@ -126,7 +126,6 @@ class ChainFilter {
       c.variance = (value_of(bend) < 0.0 ? c.variance / (1.0 - bend) : c.variance * (1.0 + bend)) + loss_variance;
     }
     const Together all = together();
-    for (Component<T>& c : components_) c.log_weight -= all.log_density;
     if (transforms) {
       // the weight of contacts shifts the distribution by f K'' / (v (1 + e))
       const double shift = all.variance * exp(value_of(all.log_density)) / (v * value_of(one_e));
@@ -143,20 +142,27 @@ class ChainFilter {
     return all.log_density + logarithm(flux);
   }
 
-  /// Log density of all components, whose weights have those of the impact in them, and its derivatives.
+  /// Log density of all components, and its derivatives.
   struct Together {
     T log_density, by_noise, curvature_by_noise, by_reservoir;
     double variance;  ///< mean of Emission::variance
   };
-  Together together() const {
-    T highest(-HUGE_VAL);
-    for (const Component<T>& c : components_)
-      if (value_of(c.log_weight) > value_of(highest)) highest = c.log_weight;
+  /// Gives the components' weights what the impact says of them.
+  Together together() {
+    // the exponent of the heaviest, to within a factor of two
+    constexpr double kLogTwo = 0.6931471805599453;
+    double highest = -HUGE_VAL;
+    for (std::size_t k = 0; k < components_.size(); ++k) {
+      const double weight = value_of(components_[k].weight);
+      if (weight > 0.0) highest = std::max(highest, value_of(emissions_[k].exponent) + kLogTwo * std::ilogb(weight));
+    }
     T sum(0.0), gain(0.0), gain2(0.0), by_reservoir(0.0);
     double variance = 0.0;
     for (std::size_t k = 0; k < components_.size(); ++k) {
       const Emission<T>& em = emissions_[k];
-      const T weight = exponential(components_[k].log_weight - highest);
+      const T& before = components_[k].weight;
+      const T weight = value_of(before) > 0.0 ? T(before * em.factor * exponential(em.exponent - highest)) : T(0.0);
+      components_[k].weight = weight;
       sum += weight;
       gain += weight * em.by_noise;
       gain2 += weight * (square_of(em.by_noise) + em.curvature_by_noise);
@@ -164,17 +170,24 @@ class ChainFilter {
       variance += value_of(weight) * value_of(em.variance);
     }
     const T inverse_sum = 1.0 / sum;
+    for (Component<T>& c : components_) {
+      c.weight *= inverse_sum;
+      if (!(value_of(c.weight) > kNoWeight)) c.weight = T(0.0);
+    }
     gain *= inverse_sum;
     return {highest + logarithm(sum), gain, gain2 * inverse_sum - gain * gain, by_reservoir * inverse_sum,
             variance / value_of(sum)};
   }
 
+  /// Less is none: what is divided by it, and by its square, stays finite.
+  static constexpr double kNoWeight = 1e-100;
   /// Error of y, in units of the mean of (1 + e) v |t|^2, that exact times are taken to have: v r has a greatest value.
   static constexpr double kResolution = 2e-3;
 
   const Chain& chain_;
   MemoryParameters<T> p_;
   T height_variance_;  ///< of the height of contacts [m^2]
+  T log_start_;        ///< log of what the first weights are to be multiplied by
   std::vector<Component<T>> components_, joined_;
   std::vector<const Component<T>*> parts_;
   std::vector<Emission<T>> emissions_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
@@ -53,13 +54,16 @@ class FirstReservoir {
   }
 
   /// The density of the first reservoir, as a sum of those at the nodes.
-  void components(const FirstNodes& nodes, std::vector<Component<T>>& components) const {
+  /// @returns log of what the weights are to be multiplied by, which may be less than a double holds; not a number
+  /// where
+  ///          the mean is not positive
+  T components(const FirstNodes& nodes, std::vector<Component<T>>& components) const {
     T least(0.0);
     follow(nodes.tightest + 1, [&](std::size_t i, const Bound& bound) {
       if (i == nodes.tightest)
         least = rounded_positive<T>(bound.least - 4.0 * bound.softness, T(square(1e-3 * nodes.scale)));
     });
-    const T all_mean = mean(), log_mean = logarithm(all_mean);  // not finite where the mean is negative: outside
+    const T all_mean = mean(), inverse_mean = 1.0 / all_mean;
     const std::size_t n = nodes.above_least.size();
     const double step = log(nodes.above_least.back() / nodes.above_least.front()) / static_cast<double>(n - 1);
     components.clear();
@@ -67,9 +71,9 @@ class FirstReservoir {
       // trapezoids in the logarithm, and what lies below the first node
       const double t = nodes.above_least[k];
       const double width = t * (k == 0 ? 1.0 + 0.5 * step : k + 1 == n ? 0.5 * step : step);
-      const T w = least + t;
-      components.push_back({log(width) - w / all_mean - log_mean, w, T(0.0)});
+      components.push_back({T(width) * inverse_mean * exponential(-t * inverse_mean), least + t, T(0.0)});
     }
+    return value_of(all_mean) > 0.0 ? T(-least * inverse_mean) : T(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// Before each impact the least book of energies that it and later impacts allow [m^2/s^2].
