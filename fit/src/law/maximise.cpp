@@ -37,7 +37,7 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
       Eigen::VectorXd by_x;
       ++n_;
       const double value = loglik_(start_ + whitening_ * y, &by_x);
-      if (!std::isfinite(value)) return false;
+      if (!std::isfinite(value) || !by_x.allFinite()) return false;
       last_ = {y, whitening_.transpose() * by_x, value};
     }
     *cost = at_start_ - last_.loglik;

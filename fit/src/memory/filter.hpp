@@ -43,40 +43,30 @@ class ChainFilter {
   ChainFilter(const Chain& chain, const T& height_sd_m, const MemoryParameters<T>& parameters)
       : chain_(chain), p_(parameters), height_variance_(square_of(height_sd_m)) {}
 
-  /// Where asked for, of each impact given those before it.
-  struct Record {
-    std::vector<T>* log_densities = nullptr;
-    std::vector<double>* transforms = nullptr;  ///< probabilities
-  };
-
-  /// @param law  at each impact
-  T loglik(const std::vector<LawAt<T>>& law, const FilterPlan& plan, const Record& record = {}) {
-    begin(first_reservoir(law), plan);
+  /// @param law            at each impact
+  /// @param log_densities  of each impact given those before it, where asked for
+  T loglik(const std::vector<LawAt<T>>& law, const FilterPlan& plan, std::vector<T>* log_densities = nullptr) {
+    begin(first_reservoir(law), plan.first);
     T sum(0.0);
     for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      T log_density = impact(chain_.impacts[i], law[i], record.transforms);
+      T log_density = impact(chain_.impacts[i], law[i], nullptr);
       if (i == 0) log_density += log_start_;
       sum += log_density;
-      if (record.log_densities) record.log_densities->push_back(log_density);
+      if (log_densities) log_densities->push_back(log_density);
       if (i + 1 < chain_.impacts.size()) join(components_, plan.targets[i], joined_, parts_);
     }
     return sum;
   }
 
   /// As loglik(), and makes the plan on the way.
-  T plan(const std::vector<LawAt<T>>& law, FilterPlan& plan) {
-    const FirstReservoir<T> first = first_reservoir(law);
-    plan = {first.nodes(), {}};
-    begin(first, plan);
-    const std::vector<double> least_books = first.least_books();
-    T sum = log_start_;
-    for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
-      sum += impact(chain_.impacts[i], law[i], nullptr);
-      if (i + 1 == chain_.impacts.size()) break;
-      plan.targets.push_back(targets_of(components_, least_books[i + 1]));
-      join(components_, plan.targets[i], joined_, parts_);
-    }
-    return sum;
+  T plan(const std::vector<LawAt<T>>& law, FilterPlan& plan) { return follow(law, plan, nullptr); }
+
+  /// Probability of less at every impact, given those before it.
+  std::vector<double> transforms(const std::vector<LawAt<T>>& law) {
+    FilterPlan ignored;
+    std::vector<double> transforms;
+    follow(law, ignored, &transforms);
+    return transforms;
   }
 
  private:
@@ -84,8 +74,27 @@ class ChainFilter {
     return {chain_, law, p_, height_variance_};
   }
 
-  void begin(const FirstReservoir<T>& first, const FilterPlan& plan) {
-    log_start_ = first.components(plan.first, components_);
+  T follow(const std::vector<LawAt<T>>& law, FilterPlan& plan, std::vector<double>* transforms) {
+    const FirstReservoir<T> first = first_reservoir(law);
+    plan = {first.nodes(transforms != nullptr), {}};
+    begin(first, plan.first);
+    const std::vector<double> least_books = first.least_books();
+    T sum = log_start_;
+    for (std::size_t i = 0; i < chain_.impacts.size(); ++i) {
+      sum += impact(chain_.impacts[i], law[i], transforms);
+      if (i + 1 == chain_.impacts.size()) break;
+      plan.targets.push_back(targets_of(components_, least_books[i + 1]));
+      join(components_, plan.targets[i], joined_, parts_);
+    }
+    return sum;
+  }
+
+  void begin(const FirstReservoir<T>& first, const FirstNodes& nodes) {
+    log_start_ = first.components(nodes, components_);
+    T sum(0.0);
+    for (const Component<T>& c : components_) sum += c.weight;
+    for (Component<T>& c : components_) c.weight *= 1.0 / sum;
+    log_start_ += logarithm(sum);
     errors_.begin(chain_.impacts.front(), height_variance_);
   }
 

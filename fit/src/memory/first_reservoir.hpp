@@ -20,6 +20,9 @@ struct FirstNodes {
   std::size_t tightest = 0;         ///< the impact that allows the least first reservoir
   double scale = 0.0;               ///< mean of the first reservoir [m^2/s^2]
   std::vector<double> above_least;  ///< first reservoirs less the least one allowed, rising [m^2/s^2]
+  /// The least one allowed less first reservoirs, rising: those that only later impacts exclude; empty where what comes
+  /// later may be known [m^2/s^2]
+  std::vector<double> below_least;
 };
 
 /// The reservoir before the first impact of a chain: exponential, and not less than the impacts allow. An impact with
@@ -33,7 +36,8 @@ class FirstReservoir {
                  const T& height_variance)
       : chain_(chain), law_(law), p_(parameters), height_variance_(height_variance) {}
 
-  FirstNodes nodes() const {
+  /// @param with_excluded  also reservoirs that later impacts exclude, as a prediction from earlier ones has to
+  FirstNodes nodes(bool with_excluded) const {
     constexpr double kFirst = 1e-3, kLast = 25.0;  // of the mean: what lies outside weighs 1e-3 times a mean density
     constexpr std::size_t kNodes = 27;
     FirstNodes nodes;
@@ -50,6 +54,11 @@ class FirstReservoir {
     const double last = kLast * nodes.scale + 10.0 * softness;
     for (std::size_t k = 0; k < kNodes; ++k)
       nodes.above_least.push_back(first * pow(last / first, static_cast<double>(k) / (kNodes - 1)));
+    if (with_excluded && highest > 2.0 * first) {
+      const auto n = static_cast<std::size_t>(std::ceil((kNodes - 1) * log(highest / first) / log(last / first)));
+      for (std::size_t k = 0; k <= n; ++k)
+        nodes.below_least.push_back(first * pow(highest / first, static_cast<double>(k) / static_cast<double>(n)));
+    }
     return nodes;
   }
 
@@ -64,15 +73,14 @@ class FirstReservoir {
         least = rounded_positive<T>(bound.least - 4.0 * bound.softness, T(square(1e-3 * nodes.scale)));
     });
     const T all_mean = mean(), inverse_mean = 1.0 / all_mean;
-    const std::size_t n = nodes.above_least.size();
-    const double step = log(nodes.above_least.back() / nodes.above_least.front()) / static_cast<double>(n - 1);
     components.clear();
-    for (std::size_t k = 0; k < n; ++k) {
-      // trapezoids in the logarithm, and what lies below the first node
-      const double t = nodes.above_least[k];
-      const double width = t * (k == 0 ? 1.0 + 0.5 * step : k + 1 == n ? 0.5 * step : step);
-      components.push_back({T(width) * inverse_mean * exponential(-t * inverse_mean), least + t, T(0.0)});
-    }
+    const auto add = [&](double from_least, double width) {
+      components.push_back(
+          {T(width) * inverse_mean * exponential(-from_least * inverse_mean), least + from_least, T(0.0)});
+    };
+    const std::vector<double> below = widths(nodes.below_least), above = widths(nodes.above_least);
+    for (std::size_t k = below.size(); k-- > 0;) add(-nodes.below_least[k], below[k]);
+    for (std::size_t k = 0; k < above.size(); ++k) add(nodes.above_least[k], above[k]);
     return value_of(all_mean) > 0.0 ? T(-least * inverse_mean) : T(std::numeric_limits<double>::quiet_NaN());
   }
 
@@ -100,6 +108,17 @@ class FirstReservoir {
     double softness = 0.0;  ///< standard deviation of `least`
     T slope, offset;        ///< the reservoir before the impact is offset + slope times the first one
   };
+
+  /// Of trapezoids in the logarithm; the first has what lies below it too.
+  static std::vector<double> widths(const std::vector<double>& nodes) {
+    std::vector<double> widths = nodes;
+    if (nodes.empty()) return widths;
+    const double step = log(nodes.back() / nodes.front()) / static_cast<double>(nodes.size() - 1);
+    for (double& w : widths) w *= step;
+    widths.front() = nodes.front() * (1.0 + 0.5 * step);
+    widths.back() *= 0.5;
+    return widths;
+  }
 
   T mean() const { return 2.0 * p_.q * chain_.s_before + p_.release; }
 

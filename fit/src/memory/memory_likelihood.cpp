@@ -105,7 +105,7 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
   if (n + 2 < N) p.release.v[n + 2] = 1.0;
   if (n + 3 < N) p.ratio.v[n + 3] = values.ratio;
   std::vector<Jet<N>> densities;
-  const Jet<N> sum = filter(chain, p).loglik(law, plans_[chain], {.log_densities = by_impact ? &densities : nullptr});
+  const Jet<N> sum = filter(chain, p).loglik(law, plans_[chain], by_impact ? &densities : nullptr);
   loglik = sum.a;
   if (gradient) *gradient = sum.v.head(n_parameters());
   if (!by_impact) return;
@@ -179,9 +179,7 @@ double MemoryLikelihood::anew(const Eigen::VectorXd& theta) const {
 std::vector<double> MemoryLikelihood::transforms(const Eigen::VectorXd& theta) const {
   std::vector<std::vector<double>> by_chain(chains_.chains.size());
   const MemoryParameters<double> p = parameters(theta);
-  parallel_for(by_chain.size(), 0, [&](std::size_t c) {
-    filter(c, p).loglik(law_values(c, theta), plans_[c], {.transforms = &by_chain[c]});
-  });
+  parallel_for(by_chain.size(), 0, [&](std::size_t c) { by_chain[c] = filter(c, p).transforms(law_values(c, theta)); });
   std::vector<double> all;
   for (const std::vector<double>& one : by_chain) all.insert(all.end(), one.begin(), one.end());
   return all;

@@ -20,8 +20,7 @@ namespace {
 /// Impacts that the test is made of at most.
 constexpr std::size_t kMostImpacts = 4000;
 
-double statistic(MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
-  likelihood.plan_at(theta);
+double statistic(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
   return anderson_darling(likelihood.transforms(theta));
 }
 
@@ -59,8 +58,7 @@ AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood,
   const Eigen::MatrixXd white = whitening(information, 1e-9);
 
   AndersonDarling result;
-  MemoryLikelihood observed(design, model, with_release);
-  result.a2 = statistic(observed, theta);
+  result.a2 = statistic(MemoryLikelihood(design, model, with_release), theta);
   result.n_replicates = n_replicates;
   std::vector<double> a2(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
