@@ -59,28 +59,33 @@ Eigen::VectorXd first_theta(const Chains& chains, const LawModel& model, const L
   return theta;
 }
 
-/// Information by the scores of all impacts.
-Eigen::MatrixXd information_of(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
-  const Eigen::MatrixXd scores = likelihood.scores_by_impact(theta).topRows(likelihood.n_parameters());
-  return scores * scores.transpose();
-}
+/// Where a search ended.
+struct Found {
+  Maximum maximum;
+  Eigen::MatrixXd scores;  ///< scores_by_impact() there
+};
 
 /// The plan is good near where it was made, so it is made anew where each search ended.
-Maximum search(MemoryLikelihood& likelihood, Eigen::VectorXd theta) {
+Found search(MemoryLikelihood& likelihood, Eigen::VectorXd theta) {
   constexpr int kMostRounds = 6;
-  Maximum maximum;
-  for (int round = 0; round < kMostRounds; ++round) {
-    likelihood.plan_at(theta);
-    const Eigen::MatrixXd information = information_of(likelihood, theta);
-    maximum = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, theta,
-                       information, 0.02);
-    if (!std::isfinite(maximum.loglik)) return maximum;
-    const Eigen::VectorXd step = maximum.x - theta;
-    theta = maximum.x;
-    if (step.dot(information * step) < 0.1 && round > 0) break;
-  }
+  // of a standard error: of 220,000 impacts a sum of logarithms is not known well enough for much less
+  constexpr double kTolerance = 0.05;
+  Found found;
   likelihood.plan_at(theta);
-  return maximum;
+  found.scores = likelihood.scores_by_impact(theta);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Eigen::MatrixXd fitted = found.scores.topRows(likelihood.n_parameters());
+    const Eigen::MatrixXd information = fitted * fitted.transpose();
+    found.maximum = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, theta,
+                             information, kTolerance);
+    if (!std::isfinite(found.maximum.loglik)) return found;
+    const Eigen::VectorXd step = found.maximum.x - theta;
+    theta = found.maximum.x;
+    likelihood.plan_at(theta);
+    found.scores = likelihood.scores_by_impact(theta);
+    if (step.dot(information * step) < 0.1) break;
+  }
+  return found;
 }
 
 /// log-likelihood of the same impacts, taken as independent, of their speeds after the impact.
@@ -92,7 +97,7 @@ double loglik_independent(const Chains& chains, const LawFit& independent) {
   return sum;
 }
 
-bool found(const Maximum& maximum) { return std::isfinite(maximum.loglik) && maximum.gain_left < 0.5; }
+bool succeeded(const Found& found) { return std::isfinite(found.maximum.loglik) && found.maximum.gain_left < 0.5; }
 
 /// Of balls at rest when released.
 double mean_first_reservoir(const Chains& chains, double q) {
@@ -130,11 +135,11 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
     // near the maximum by a part of the chains: of all, each step takes long
     const Chains few = thinned_chains(chains, kFewImpacts);
     MemoryLikelihood part(few, model, false);
-    const Maximum there = search(part, start);
-    if (std::isfinite(there.loglik)) start = there.x;
+    const Found there = search(part, start);
+    if (std::isfinite(there.maximum.loglik)) start = there.maximum.x;
   }
-  const Maximum maximum = search(likelihood, start);
-  if (!found(maximum)) {
+  const Found found = search(likelihood, start);
+  if (!succeeded(found)) {
     fit.status = FitStatus::not_converged;
     fit.message =
         "the search for the likeliest parameters did not converge: these fluctuations are not those of a "
@@ -142,20 +147,21 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
     return fit;
   }
   fit.loglik_independent = loglik_independent(chains, independent);
-  fit.release = score_test(likelihood, likelihood.scores_by_impact(maximum.x), likelihood.n_parameters());
+  fit.release = score_test(likelihood, found.scores, likelihood.n_parameters());
   fit.status = FitStatus::ok;
   // balls that were released with spin or sideways motion
   if (fit.release.z > 0.0 && fit.release.p_value < kReleaseSeen) {
     MemoryLikelihood moving(chains, model, true);
-    Eigen::VectorXd with_release(maximum.x.size() + 1);
-    with_release << maximum.x, mean_first_reservoir(chains, exp(maximum.x[likelihood.index_of_q()]));
-    const Maximum there = search(moving, with_release);
-    if (found(there)) {
-      describe(fit, moving, there.x, config, speeds);
+    const Eigen::VectorXd& at_rest = found.maximum.x;
+    Eigen::VectorXd with_release(at_rest.size() + 1);
+    with_release << at_rest, mean_first_reservoir(chains, exp(at_rest[likelihood.index_of_q()]));
+    const Found there = search(moving, with_release);
+    if (succeeded(there)) {
+      describe(fit, moving, there.maximum.x, there.scores, config, speeds);
       return fit;
     }
   }
-  describe(fit, likelihood, maximum.x, config, speeds);
+  describe(fit, likelihood, found.maximum.x, found.scores, config, speeds);
   return fit;
 }
 
