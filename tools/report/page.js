@@ -47,6 +47,7 @@ function figures() {
     add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
   }
   theorySection(theory);
+  reservoirSection(summary && summary.reservoir);
   if (fit.memory) memorySection(fit.memory, fit.roughness);
   const budget = fit && fit.budget;
   if (budget && (budget.rows || []).length > 1) {

@@ -117,6 +117,30 @@ Json json_of(const loop::ScatterTheory& theory) {
           {"slopes", slopes}, {"n_transforms", theory.n_transforms},     {"transform_counts", theory.transform_counts}};
 }
 
+Json json_of(const loop::ReservoirCheck& check) {
+  Json drops;
+  for (const loop::ReservoirOfDrop& d : check.drops) {
+    drops["drop"].push_back(d.drop);
+    drops["first_impact"].push_back(d.first_impact);
+    drops["last_impact"].push_back(d.last_impact);
+    drops["simulated_m2ps2"].push_back(d.simulated_m2ps2);
+    drops["sound_m2ps2"].push_back(d.sound.gain_m2ps2);
+    drops["own_se_m2ps2"].push_back(std::hypot(d.sound.timing_se_m2ps2, d.sound.offset_se_m2ps2));
+    drops["law_se_m2ps2"].push_back(known(d.sound.law_se_m2ps2));
+  }
+  return {{"law", check.with_memory ? "memory" : "independent"},
+          {"n_drops", check.drops.size()},
+          {"correlation", check.correlation},
+          {"rms_simulated_m2ps2", check.rms_simulated_m2ps2},
+          {"mean_difference_m2ps2", check.mean_difference_m2ps2},
+          {"rms_difference_m2ps2", check.rms_difference_m2ps2},
+          {"expected_law_m2ps2", known(check.expected_law_m2ps2)},
+          {"expected_timing_m2ps2", check.expected_timing_m2ps2},
+          {"expected_offset_m2ps2", check.expected_offset_m2ps2},
+          {"spin_share", check.spin_share},
+          {"drops", drops}};
+}
+
 Json json_of(const loop::SweepPoint& point) {
   Json json{{"settings", Json::object()}, {"values", Json::object()}};
   for (const auto& [option, value] : point.settings) json["settings"][option] = value;
@@ -130,7 +154,9 @@ Json json_of(const loop::SweepPoint& point) {
 
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
                               const std::vector<std::string>& warnings,
-                              const std::optional<loop::ScatterTheory>& theory, const std::optional<LoopWork>& work) {
+                              const std::optional<loop::ScatterTheory>& theory,
+                              const std::optional<loop::ReservoirCheck>& reservoir,
+                              const std::optional<LoopWork>& work) {
   Json summary;
   summary["n_drops"] = score.n_drops;
   add_score(score.onsets, summary);
@@ -152,6 +178,7 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
   for (const loop::LawPoint& point : score.truth_curve)
     summary["truth_curve"].push_back({{"v_mps", point.v_mps}, {"eps", point.eps}});
   if (theory) summary["theory"] = json_of(*theory);
+  if (reservoir) summary["reservoir"] = json_of(*reservoir);
   summary["seconds"] = object_of(work ? work->wall_s : seconds);
   summary["warnings"] = warnings;
   if (work) {
