@@ -36,6 +36,8 @@ function drawPaperHistograms(parent, title, fitted, range) {
                  marker: {size: 3.5, color}, hovertemplate: `${name}<br>ε = %{x:.4f}<br>p = %{y:.3g}<extra></extra>`});
     if (h.curve && h.curve.eps)
       traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color, width: 1.4}, hoverinfo: 'skip'});
+    const theory = expectedDensity(h);
+    if (theory) traces.push({x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color: ink, width: 1, dash: 'dash'}, hoverinfo: 'skip'});
   });
   draw(parent, '', traces, {title: {text: title, font: {size: 14}, x: 0.02, xanchor: 'left', y: 0.975, yanchor: 'top'}, margin: {l: 62, r: 8, t: 56, b: 96}, showlegend: true,
                             legend: below,
@@ -107,7 +109,8 @@ function paperSection(paper, simulation) {
     const heights = bins.flatMap(h => h.bins.counts.filter(c => c > 0).map(c => Math.log10(c / (h.n * (h.bins.eps_edges[1] - h.bins.eps_edges[0])))));
     const range = {eps: [Math.min(...bins.map(h => h.bins.eps_edges[0])), Math.max(...bins.map(h => h.bins.eps_edges.at(-1)))], p: [Math.min(...heights) - 0.1, Math.max(...heights) + 0.2]};
     const histogramsPlace = twoPlaces('paper-histograms', 'Distribution of ε at fixed speed: simulated, and detected in its sound',
-                                      'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each. The same axes.');
+                                      'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each, fitted. The same axes.' +
+                                      (bins.some(expectedDensity) ? ' Dashes: the closed form for the surface simulated, in both pictures the same; no parameter is fitted.' : ''));
     drawPaperHistograms(histogramsPlace, 'simulation', simulation, range);
     drawPaperHistograms(histogramsPlace, 'sound', fit, range);
   }
