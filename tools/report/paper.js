@@ -85,10 +85,9 @@ function conclusionsTable(conclusions) {
 function paperSlopes(windows) {
   const expected = (summary && summary.theory && summary.theory.slopes) || [];
   const theory = (w, side) => expected.length ? [number(Math.round((expected.find(s => Math.abs(s.v_mps - w.v_mps) < 1e-9) || {})[side]))] : [];
-  const column = name => expected.length ? [name] : [];
-  const cells = side => [measured(side.simulation.value, side.simulation.se), measured(side.sound.value, side.sound.se), side.ratio.toFixed(3)];
-  table('Slopes of p(ε): what measuring by sound adds', ['window', 'n simulation', 'n sound', ...column('rising, theory'), 'rising, simulation', 'rising, sound', 'ratio', ...column('falling, theory'), 'falling, simulation', 'falling, sound', 'ratio'],
-        windows.map(w => [`${number(w.v_mps, 2)} m/s`, number(w.n_simulation), number(w.n_sound), ...theory(w, 'rising'), ...cells(w.rising), ...theory(w, 'falling'), ...cells(w.falling)]));
+  const row = (head, w, side) => [...head, side, ...theory(w, side), measured(w[side].simulation.value, w[side].simulation.se), measured(w[side].sound.value, w[side].sound.se), w[side].ratio.toFixed(3)];
+  table('Slopes of p(ε): what measuring by sound adds', ['window', 'n simulation', 'n sound', 'side', ...(expected.length ? ['theory'] : []), 'simulation', 'sound', 'ratio'],
+        windows.flatMap(w => [row([`${number(w.v_mps, 2)} m/s`, number(w.n_simulation), number(w.n_sound)], w, 'rising'), row(['', '', ''], w, 'falling')]));
   add('p', {class: 'caption'}, 'Slopes per unit of ε, with standard errors. Simulation: macroscopic ε of every impact. Sound: eq. 2 on the times detected, the stated timing noise taken out. Ratio: sound over simulation.' + (expected.length ? ' Theory: the closed form of docs/physics.md, section 7, for the surface simulated; no parameter is fitted.' : ''));
 }
 

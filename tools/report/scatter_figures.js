@@ -22,7 +22,7 @@ function drawHistogram(parent, h) {
     traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
   const theory = expectedDensity(h);
   if (theory) {
-    const simulated = used.filter(k => theory.simulated_counts[k] > 0);
+    const simulated = x.map((_, k) => k).filter(k => theory.simulated_counts[k] > 0);
     traces.push({x: simulated.map(k => x[k]), y: simulated.map(k => theory.simulated_counts[k] / (theory.n_simulated * width)), type: 'scatter', mode: 'markers',
                  marker: {size: 9, color: ink, symbol: 'circle-open', line: {width: 1}}, text: simulated.map(k => theory.simulated_counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} simulated<extra></extra>'},
                 {x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', line: {color: green, width: 1.8, dash: 'dash'}, hoverinfo: 'skip'});
