@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paper, whole: its figures from the simulation and from the sound, side by side, and what it concludes.
 
-const below = {orientation: 'h', y: -0.18, yanchor: 'top', x: 0, font: {size: 11}};  // a legend that leaves the buttons alone
+const below = {orientation: 'h', y: narrow ? -0.24 : -0.18, yanchor: 'top', x: 0, font: {size: 11}, itemsizing: 'constant'};  // a legend that leaves the buttons alone
 const windowColours = ['#0b2545', '#1f5fa8', '#3a86c8', '#5aa9a0', '#8ab06a', '#d9a22b', '#d9722b', '#c0392b'];
 
 function twoPlaces(name, title, caption) {

@@ -55,7 +55,7 @@ function drawAll(dark) {
   const coloured = dark ? darkened : x => structuredClone(x);  // Plotly writes into what it is given
   for (const plot of plots)
     Plotly.react(plot.node, coloured(plot.data), coloured(plot.layout), {
-      responsive: true, displaylogo: false, displayModeBar: plot.kind.includes('small') ? false : 'hover',
+      responsive: true, displaylogo: false, displayModeBar: narrow || plot.kind.includes('small') ? false : 'hover',  // on a phone it would lie on the legend
       toImageButtonOptions: {format: 'svg', filename: 'bouncelab'}, modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
     });
 }

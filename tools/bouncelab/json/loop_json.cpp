@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "bouncelab/core/elementary.hpp"
 #include "json/json_text.hpp"
 
 namespace bouncelab::cli {
@@ -137,7 +138,7 @@ Json json_of(const loop::ReservoirCheck& check) {
     drops["last_impact"].push_back(d.last_impact);
     drops["simulated_m2ps2"].push_back(d.simulated_m2ps2);
     drops["sound_m2ps2"].push_back(d.sound.gain_m2ps2);
-    drops["own_se_m2ps2"].push_back(std::hypot(d.sound.timing_se_m2ps2, d.sound.offset_se_m2ps2));
+    drops["own_se_m2ps2"].push_back(hypot(d.sound.timing_se_m2ps2, d.sound.offset_se_m2ps2));
     drops["law_se_m2ps2"].push_back(known(d.sound.law_se_m2ps2));
   }
   return {{"law", check.with_memory ? "memory" : "independent"},
