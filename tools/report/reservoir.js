@@ -8,7 +8,7 @@ const root = list => Math.sqrt(list.reduce((sum, x) => sum + x * x, 0));
 /// Sound against simulation, drop by drop; below, their difference with the drop's own error and the band of the law's.
 function drawReservoir(parent, r) {
   const d = r.drops, x = d.simulated_m2ps2, difference = x.map((w, k) => d.sound_m2ps2[k] - w);
-  const top = 1.06 * Math.max(...x, ...d.sound_m2ps2), low = Math.min(0, 1.06 * Math.min(...x, ...d.sound_m2ps2));
+  const most = Math.max(...x, ...d.sound_m2ps2), least = Math.min(0, ...x, ...d.sound_m2ps2), margin = 0.04 * (most - least), top = most + margin, low = least - margin;
   const many = x.length > 300, marker = {size: many ? 4 : 7, color: blue, opacity: many ? 0.5 : 1};
   const what = d.drop.map((drop, k) => `drop ${drop}, impacts ${d.first_impact[k]} to ${d.last_impact[k]}`);
   draw(parent, '', [
