@@ -34,6 +34,23 @@ TEST_F(Loop, WhatWentInComesOutWithinTheErrorsStated) {
   // uniform radii of width 1e-3: s2 = (1/2) sqrt(pi w/N), stated to three digits
   EXPECT_NEAR(theory["offset_variance"].get<double>(), 0.5 * std::sqrt(3.14159 * 1e-3 / 1e5), 1e-7);
   EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("\"transform_counts\":["));
+  for (const Json& density : theory["densities"]) {
+    EXPECT_EQ(density["eps"].size(), density["density"].size());
+    int n_in_bins = 0;
+    for (const Json& n : density["simulated_counts"]) n_in_bins += n.get<int>();
+    EXPECT_LE(n_in_bins, density["n_simulated"].get<int>());
+  }
+  // the reservoir through files, where the table of impacts has no states
+  EXPECT_EQ(content_of(folder_ / "out" / "impacts.csv").find("wx_radps"), std::string::npos);
+  const Json& reservoir = summary["reservoir"];
+  EXPECT_EQ(reservoir["law"], "independent");
+  EXPECT_EQ(reservoir["n_drops"], 6);
+  EXPECT_EQ(reservoir["drops"]["sound_m2ps2"].size(), 6u);
+  // the drops' own errors and terms of second order are below 1 % of w; the law shifts all drops alike
+  EXPECT_GT(reservoir["correlation"].get<double>(), 0.99);
+  EXPECT_LT(reservoir["rms_difference_m2ps2"].get<double>(), 4 * reservoir["expected_law_m2ps2"].get<double>());
+  EXPECT_NEAR(reservoir["spin_share"].get<double>(), 2.0 / 7.0, 0.01);  // rolling, to first order in offsets of 1e-2
+  EXPECT_THAT(content_of(folder_ / "out" / "report.html"), testing::HasSubstr("\"sound_m2ps2\":["));
   for (const char* name :
        {"impacts.csv", "truth.csv", "onsets.csv", "samples.csv", "fit.json", "wave.json", "report.html"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;

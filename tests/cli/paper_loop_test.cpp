@@ -98,6 +98,8 @@ TEST_F(PaperLoop, AShortRunFindsItsImpactsAndSaysWhatItConcludes) {
   EXPECT_EQ(paper["conclusions"].size(), 5u);
   EXPECT_EQ(paper["energy_shares"]["impact"].size(), 40u);
   EXPECT_EQ(summary["theory"]["n_transforms"], 22 * 40);
+  EXPECT_EQ(summary["reservoir"]["law"], "memory");
+  EXPECT_EQ(summary["reservoir"]["n_drops"], 22);
   // a smooth ball scatters by the detector's errors alone, far below the asperities' part
   EXPECT_TRUE(paper["conclusions"][3]["holds"].get<bool>()) << paper["conclusions"][3];
 }

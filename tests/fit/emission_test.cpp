@@ -82,7 +82,8 @@ TEST(Emission, DerivativesAreThoseOfTheDensity) {
       };
       expect(found.log_density().v[0], difference([](auto& x, double h) { x.y += h; }, 1e-4 * unit));
       expect(found.log_density().v[1], difference([](auto& x, double h) { x.reservoir += h; }, 1e-4 * reservoir));
-      expect(found.log_density().v[2], difference([](auto& x, double h) { x.noise_variance += h; }, 1e-4 * square(unit)));
+      expect(found.log_density().v[2],
+             difference([](auto& x, double h) { x.noise_variance += h; }, 1e-4 * square(unit)));
       expect(found.log_density().v[3], difference([](auto& x, double h) { x.a += h; }, 1e-12));
       // those the filter is updated by leave out how the second-order term changes
       const double by_noise = difference([](auto& x, double h) { x.noise_mean += h; }, 1e-4 * unit);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "bouncelab/core/elementary.hpp"
+
 namespace bouncelab::cli {
 namespace {
 
@@ -50,6 +52,19 @@ std::string pair_text(const loop::SlopePair& pair) {
   return fmt::format("{} {}  {:>6.3f}", slope_cell(pair.simulation), slope_cell(pair.sound), pair.ratio);
 }
 
+std::string reservoir_text(const loop::ReservoirCheck& r) {
+  std::string text = fmt::format(
+      "\nEnergy in spin and sideways motion (twice, per mass; {:.0f}% of it spin) of {} drops, from sound against "
+      "simulated:\n"
+      "  correlation {:.6f}, rms difference {:.2g} of {:.2g} m2/s2; expected from timing and contact's offset {:.1g}",
+      100.0 * r.spin_share, r.drops.size(), r.correlation, r.rms_difference_m2ps2, r.rms_simulated_m2ps2,
+      hypot(r.expected_timing_m2ps2, r.expected_offset_m2ps2));
+  if (r.expected_law_m2ps2)
+    text += fmt::format(", from the law {} {:.2g}", r.with_memory ? "fitted with memory" : "of independent impacts",
+                        *r.expected_law_m2ps2);
+  return text + "\n";
+}
+
 /// A value of a sweep's point, formatted; "-" where it is not known.
 std::string cell(const loop::SweepPoint& point, const std::string& name, const char* format, double scale = 1.0) {
   for (const loop::SweepValue& v : point.values)
@@ -59,7 +74,8 @@ std::string cell(const loop::SweepPoint& point, const std::string& name, const c
 
 }  // namespace
 
-std::string loop_text(const loop::LoopScore& score, const SecondsByStage& seconds) {
+std::string loop_text(const loop::LoopScore& score, const std::optional<loop::ReservoirCheck>& reservoir,
+                      const SecondsByStage& seconds) {
   std::string text = onsets_text(score.onsets);
   text += "\n" + row("", {"truth", "from true times", "from sound"});
   for (const loop::ComparedNode& n : score.nodes)
@@ -73,6 +89,7 @@ std::string loop_text(const loop::LoopScore& score, const SecondsByStage& second
     text += row(fmt::format("rising slope at {:g} m/s", s.v_mps), "", s.rising);
     text += row(fmt::format("falling slope at {:g} m/s", s.v_mps), "", s.falling);
   }
+  if (reservoir) text += reservoir_text(*reservoir);
   text += "\nSeconds:";
   for (const auto& [stage, s] : seconds) text += fmt::format(" {} {:.1f}", stage, s);
   return text + "\n";

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,8 @@
 
 namespace bouncelab::cli {
 
-std::string loop_text(const loop::LoopScore& score, const SecondsByStage& seconds);
+std::string loop_text(const loop::LoopScore& score, const std::optional<loop::ReservoirCheck>& reservoir,
+                      const SecondsByStage& seconds);
 /// Slopes and conclusions.
 std::string paper_text(const loop::PaperResult& paper);
 /// Processor time by stage, per hour of sound and per impact; memory.

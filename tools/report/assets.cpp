@@ -20,6 +20,7 @@ BOUNCELAB_ASSET(scatter_figures, BOUNCELAB_SCRIPTS "/scatter_figures.js")
 BOUNCELAB_ASSET(sound_figures, BOUNCELAB_SCRIPTS "/sound_figures.js")
 BOUNCELAB_ASSET(diagnostics, BOUNCELAB_SCRIPTS "/diagnostics.js")
 BOUNCELAB_ASSET(memory, BOUNCELAB_SCRIPTS "/memory.js")
+BOUNCELAB_ASSET(reservoir, BOUNCELAB_SCRIPTS "/reservoir.js")
 BOUNCELAB_ASSET(paper, BOUNCELAB_SCRIPTS "/paper.js")
 BOUNCELAB_ASSET(sweep, BOUNCELAB_SCRIPTS "/sweep.js")
 BOUNCELAB_ASSET(tables, BOUNCELAB_SCRIPTS "/tables.js")
@@ -30,9 +31,9 @@ namespace bouncelab::report {
 
 std::string asset_script() {
   std::string script;
-  for (const std::string_view part :
-       {asset_text(), asset_plot(), asset_law_figures(), asset_scatter_figures(), asset_sound_figures(),
-        asset_diagnostics(), asset_memory(), asset_paper(), asset_sweep(), asset_tables(), asset_page()})
+  for (const std::string_view part : {asset_text(), asset_plot(), asset_law_figures(), asset_scatter_figures(),
+                                      asset_sound_figures(), asset_diagnostics(), asset_memory(), asset_reservoir(),
+                                      asset_paper(), asset_sweep(), asset_tables(), asset_page()})
     script += part;
   return script;
 }

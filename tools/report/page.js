@@ -35,7 +35,8 @@ function figures() {
   const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
   if (shown.length) {
     const parent = figure('histograms', 'Distribution of ε at fixed speed',
-                          'Points: normalised frequency with Poisson errors, logarithmic axis. Red: two exponentials, one rising, one falling, of different slope, as the timing noise blurs them. Grey dots: the normal that fits best.');
+                          'Points: normalised frequency with Poisson errors, logarithmic axis. Red: two exponentials, one rising, one falling, of different slope, as the timing noise blurs them. Grey dots: the normal that fits best.' +
+                          (theory && (theory.densities || []).length ? ' Green dashes: the closed form, nothing fitted, from the surface simulated and the drops’ own past. Open circles: the simulated ε, without sound.' : ''));
     parent.classList.add('grid');
     for (const h of shown) drawHistogram(parent, h);
     if (shown.length > 1)
@@ -47,6 +48,7 @@ function figures() {
     add('p', {class: 'caption'}, 'Too few samples at any one speed: ' + histograms.map(h => `${number(h.n)} at ${number(h.v_mps, 2)} m/s`).join(', ') + '.');
   }
   theorySection(theory);
+  reservoirSection(summary && summary.reservoir);
   if (fit.memory) memorySection(fit.memory, fit.roughness);
   const budget = fit && fit.budget;
   if (budget && (budget.rows || []).length > 1) {

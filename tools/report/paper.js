@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paper, whole: its figures from the simulation and from the sound, side by side, and what it concludes.
 
-const below = {orientation: 'h', y: -0.18, yanchor: 'top', x: 0, font: {size: 11}};  // a legend that leaves the buttons alone
+const below = {orientation: 'h', y: narrow ? -0.24 : -0.18, yanchor: 'top', x: 0, font: {size: 11}, itemsizing: 'constant'};  // a legend that leaves the buttons alone
 const windowColours = ['#0b2545', '#1f5fa8', '#3a86c8', '#5aa9a0', '#8ab06a', '#d9a22b', '#d9722b', '#c0392b'];
 
 function twoPlaces(name, title, caption) {
@@ -36,6 +36,8 @@ function drawPaperHistograms(parent, title, fitted, range) {
                  marker: {size: 3.5, color}, hovertemplate: `${name}<br>ε = %{x:.4f}<br>p = %{y:.3g}<extra></extra>`});
     if (h.curve && h.curve.eps)
       traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color, width: 1.4}, hoverinfo: 'skip'});
+    const theory = expectedDensity(h);
+    if (theory) traces.push({x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', legendgroup: name, showlegend: false, line: {color: ink, width: 1, dash: 'dash'}, hoverinfo: 'skip'});
   });
   draw(parent, '', traces, {title: {text: title, font: {size: 14}, x: 0.02, xanchor: 'left', y: 0.975, yanchor: 'top'}, margin: {l: 62, r: 8, t: 56, b: 96}, showlegend: true,
                             legend: below,
@@ -83,10 +85,9 @@ function conclusionsTable(conclusions) {
 function paperSlopes(windows) {
   const expected = (summary && summary.theory && summary.theory.slopes) || [];
   const theory = (w, side) => expected.length ? [number(Math.round((expected.find(s => Math.abs(s.v_mps - w.v_mps) < 1e-9) || {})[side]))] : [];
-  const column = name => expected.length ? [name] : [];
-  const cells = side => [measured(side.simulation.value, side.simulation.se), measured(side.sound.value, side.sound.se), side.ratio.toFixed(3)];
-  table('Slopes of p(ε): what measuring by sound adds', ['window', 'n simulation', 'n sound', ...column('rising, theory'), 'rising, simulation', 'rising, sound', 'ratio', ...column('falling, theory'), 'falling, simulation', 'falling, sound', 'ratio'],
-        windows.map(w => [`${number(w.v_mps, 2)} m/s`, number(w.n_simulation), number(w.n_sound), ...theory(w, 'rising'), ...cells(w.rising), ...theory(w, 'falling'), ...cells(w.falling)]));
+  const row = (head, w, side) => [...head, side, ...theory(w, side), measured(w[side].simulation.value, w[side].simulation.se), measured(w[side].sound.value, w[side].sound.se), w[side].ratio.toFixed(3)];
+  table('Slopes of p(ε): what measuring by sound adds', ['window', 'n simulation', 'n sound', 'side', ...(expected.length ? ['theory'] : []), 'simulation', 'sound', 'ratio'],
+        windows.flatMap(w => [row([`${number(w.v_mps, 2)} m/s`, number(w.n_simulation), number(w.n_sound)], w, 'rising'), row(['', '', ''], w, 'falling')]));
   add('p', {class: 'caption'}, 'Slopes per unit of ε, with standard errors. Simulation: macroscopic ε of every impact. Sound: eq. 2 on the times detected, the stated timing noise taken out. Ratio: sound over simulation.' + (expected.length ? ' Theory: the closed form of docs/physics.md, section 7, for the surface simulated; no parameter is fitted.' : ''));
 }
 
@@ -107,7 +108,8 @@ function paperSection(paper, simulation) {
     const heights = bins.flatMap(h => h.bins.counts.filter(c => c > 0).map(c => Math.log10(c / (h.n * (h.bins.eps_edges[1] - h.bins.eps_edges[0])))));
     const range = {eps: [Math.min(...bins.map(h => h.bins.eps_edges[0])), Math.max(...bins.map(h => h.bins.eps_edges.at(-1)))], p: [Math.min(...heights) - 0.1, Math.max(...heights) + 0.2]};
     const histogramsPlace = twoPlaces('paper-histograms', 'Distribution of ε at fixed speed: simulated, and detected in its sound',
-                                      'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each. The same axes.');
+                                      'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each, fitted. The same axes.' +
+                                      (bins.some(expectedDensity) ? ' Dashes: the closed form for the surface simulated, in both pictures the same; no parameter is fitted.' : ''));
     drawPaperHistograms(histogramsPlace, 'simulation', simulation, range);
     drawPaperHistograms(histogramsPlace, 'sound', fit, range);
   }

@@ -6,10 +6,22 @@ const ink = '#1b1f24', blue = '#1f5fa8', red = '#c0392b', orange = '#d9822b', gr
 const depth = [[0, '#dce8f2'], [0.25, '#9fc3df'], [0.5, '#4a90c2'], [0.75, '#1f5fa8'], [1, '#0b2545']];
 const narrow = window.innerWidth < 600;
 
+/// Pictures are described in the colours of a light page; on a dark one each is drawn as its counterpart here.
+const darkColours = new Map(Object.entries({
+  [ink]: '#e4e8ec', [blue]: '#6db0f2', [red]: '#ff7b6b', [orange]: '#f0a560', [green]: '#5cc796', [grey]: '#7f8b97', '#8b949e': '#67727d', '#eef1f4': '#272e36', white: '#14181d',
+  '#dce8f2': '#18344f', '#9fc3df': '#24609a', '#4a90c2': '#468fc9', '#0b2545': '#e3f0fc',  // many samples: bright
+}));
+const darkFills = [['rgba(31,95,168,', 'rgba(109,176,242,'], ['rgba(192,57,43,', 'rgba(255,123,107,']];
+const darkColour = text => darkColours.get(text) || darkFills.reduce((t, [light, dark]) => t.replace(light, dark), text);
+const darkened = x => typeof x === 'string' ? darkColour(x) : Array.isArray(x) ? x.map(darkened) :
+    x && typeof x === 'object' ? Object.fromEntries(Object.entries(x).map(([key, value]) => [key, darkened(value)])) : x;
+const darkPage = window.matchMedia('(prefers-color-scheme: dark)');
+
 function layout(extra) {
   const base = {
     font: {family: 'system-ui, "DejaVu Sans", sans-serif', size: narrow ? 11 : 13, color: ink},
-    margin: {l: narrow ? 52 : 68, r: narrow ? 8 : 18, t: 26, b: narrow ? 70 : 50}, paper_bgcolor: 'white', plot_bgcolor: 'white',
+    margin: {l: narrow ? 52 : 68, r: narrow ? 8 : 18, t: 26, b: narrow ? 70 : 50}, paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
+    modebar: {bgcolor: 'rgba(0,0,0,0)', color: grey, activecolor: ink},
     hoverlabel: {font: {size: 12}}, legend: {orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0, font: {size: narrow ? 10 : 12}},
   };
   return Object.assign(base, extra);
@@ -32,43 +44,49 @@ function decadesIfMany(traces) {
 const speedAxis = extra => logAxis('normal impact speed v (m/s)', extra);
 
 // Drawn once the whole page stands: a plot takes the size that its place has by then.
-const pending = [];
+const plots = [];
 function draw(parent, kind, traces, plotLayout) {
   const node = element('div', {class: 'plot ' + kind});
   parent.append(node);
-  pending.push(() => Plotly.newPlot(node, traces, layout(plotLayout), {
-    responsive: true, displaylogo: false, displayModeBar: kind.includes('small') ? false : 'hover',
-    toImageButtonOptions: {format: 'svg', filename: 'bouncelab'}, modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
-  }));
+  plots.push({node, kind, data: traces, layout: layout(plotLayout)});
   return node;
+}
+function drawAll(dark) {
+  const coloured = dark ? darkened : x => structuredClone(x);  // Plotly writes into what it is given
+  for (const plot of plots)
+    Plotly.react(plot.node, coloured(plot.data), coloured(plot.layout), {
+      responsive: true, displaylogo: false, displayModeBar: narrow || plot.kind.includes('small') ? false : 'hover',  // on a phone it would lie on the legend
+      toImageButtonOptions: {format: 'svg', filename: 'bouncelab'}, modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
+    });
 }
 
 /// A figure with its title, its caption and what saves it. `name` is its file name and its address: #only=name shows
 /// this figure and nothing else, on a page of its size.
 function figure(name, title, caption) {
-  const plots = element('div', {class: 'plots'});
+  const places = element('div', {class: 'plots'});
   const save = (label, hint, action) => {
     const button = element('button', {type: 'button', title: hint}, label);
     button.addEventListener('click', action);
     return button;
   };
-  const section = element('section', {class: 'figure', id: name}, element('h2', {}, title), element('p', {class: 'caption'}, caption), plots,
+  const section = element('section', {class: 'figure', id: name}, element('h2', {}, title), element('p', {class: 'caption'}, caption), places,
                           element('div', {class: 'save'}, save('SVG', 'Save as SVG', () => saveSvg(name)),
                                   save('PDF', 'Print this figure alone: choose "Save as PDF"', () => printOnly(name))));
   page.append(section);
-  return plots;
+  return places;
 }
 
+/// Saved and printed pictures are those of a light page.
 function saveSvg(name) {
-  [...document.querySelectorAll(`#${name} .plot`)].forEach((node, k, all) => Plotly.downloadImage(node, {
-    format: 'svg', filename: `bouncelab-${name}${all.length > 1 ? '-' + (k + 1) : ''}`, width: node.clientWidth, height: node.clientHeight}));
+  const section = document.getElementById(name);
+  plots.filter(plot => section.contains(plot.node)).forEach((plot, k, all) => Plotly.downloadImage(structuredClone({data: plot.data, layout: {...plot.layout, paper_bgcolor: 'white'}}), {
+    format: 'svg', filename: `bouncelab-${name}${all.length > 1 ? '-' + (k + 1) : ''}`, width: plot.node.clientWidth, height: plot.node.clientHeight}));
 }
 
 function showOnly(name) {
   const section = document.getElementById(name);
   if (!section) return;
-  const plots = section.querySelector('.plots');
-  const {width, height} = plots.getBoundingClientRect();
+  const {width, height} = section.querySelector('.plots').getBoundingClientRect();
   document.body.classList.add('only');
   section.classList.add('shown');
   document.head.append(element('style', {id: 'page-size'}, `@page { size: ${Math.ceil(width)}px ${Math.ceil(height) + 2}px; margin: 0 } .figure.shown .plots { width: ${Math.ceil(width)}px }`));
@@ -85,7 +103,10 @@ function printOnly(name) {
 }
 /// After everything is drawn.
 function finishPlots() {
-  for (const plot of pending) plot();
+  drawAll(darkPage.matches);
+  darkPage.addEventListener('change', () => drawAll(darkPage.matches));
+  window.addEventListener('beforeprint', () => { if (darkPage.matches) drawAll(false); });
+  window.addEventListener('afterprint', () => { if (darkPage.matches) drawAll(true); });
   const asked = /^#only=([\w-]+)$/.exec(location.hash);
   if (asked) showOnly(asked[1]);
 }

@@ -2,7 +2,11 @@
 // Pictures of the scatter of eps: histograms, slopes, energy picture, error budget.
 
 
-/// Figure 1 (bottom) of the paper: p(eps) in windows of speed, log axis, with the two exponentials and a normal.
+/// The closed form in a window of speeds, where the summary has it.
+const expectedDensity = h => ((summary && summary.theory && summary.theory.densities) || []).find(d => Math.abs(d.v_mps - h.v_mps) < 1e-9);
+
+/// Figure 1 (bottom) of the paper: p(eps) in windows of speed, log axis, with the two exponentials and a normal; after a
+/// loop also the simulated impacts, without sound, and the closed form.
 function drawHistogram(parent, h) {
   const width = h.bins.eps_edges[1] - h.bins.eps_edges[0], unit = h.n * width;
   const x = centres(h.bins.eps_edges);
@@ -16,6 +20,13 @@ function drawHistogram(parent, h) {
   if (normal) traces.push({x, y: normal.expected.map(n => n / unit), type: 'scatter', mode: 'lines', line: {color: grey, width: 1.2, dash: 'dot'}, hoverinfo: 'skip'});
   if (h.curve && h.curve.eps)
     traces.push({x: h.curve.eps, y: h.curve.density, type: 'scatter', mode: 'lines', line: {color: red, width: 1.8}, hoverinfo: 'skip'});
+  const theory = expectedDensity(h);
+  if (theory) {
+    const simulated = x.map((_, k) => k).filter(k => theory.simulated_counts[k] > 0);
+    traces.push({x: simulated.map(k => x[k]), y: simulated.map(k => theory.simulated_counts[k] / (theory.n_simulated * width)), type: 'scatter', mode: 'markers',
+                 marker: {size: 9, color: ink, symbol: 'circle-open', line: {width: 1}}, text: simulated.map(k => theory.simulated_counts[k]), hovertemplate: 'ε = %{x:.4f}<br>%{text} simulated<extra></extra>'},
+                {x: theory.eps, y: theory.density, type: 'scatter', mode: 'lines', line: {color: green, width: 1.8, dash: 'dash'}, hoverinfo: 'skip'});
+  }
   const floor = 0.4 / unit;
   const top = Math.max(...h.bins.counts.map(c => c / unit), ...((h.curve && h.curve.density) || [0]));
   draw(parent, 'small', traces, {

@@ -54,6 +54,7 @@ BallResult simulated(const std::string& name, const sim::SimulationConfig& confi
   if (config.with_state) {
     loop.shares = sim::energy_shares(config.ball, result.impacts);
     loop.energy = result.energy;
+    loop.reservoirs = sim::reservoirs_after(config.ball, result.impacts);
   }
   BallResult ball;
   ball.name = name;
@@ -158,6 +159,10 @@ LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, Fin
         contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
                           config.n_asperities, config.n_threads);
     loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
+    loop.reservoir =
+        reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
+                        onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
+                        loop.simulation.gravity_mps2);
   });
   return loop;
 }

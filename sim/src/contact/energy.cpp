@@ -3,7 +3,17 @@
 
 #include <algorithm>
 
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
+
 namespace bouncelab::sim {
+namespace {
+
+Motion motion_of(const std::array<double, 3>& velocity_mps, const std::array<double, 3>& spin_radps) {
+  return {{velocity_mps[0], velocity_mps[1], velocity_mps[2]}, {spin_radps[0], spin_radps[1], spin_radps[2]}};
+}
+
+}  // namespace
 
 KineticEnergy kinetic_energy(const Ball& ball, const Motion& motion) {
   const double m = mass_kg(ball);
@@ -21,9 +31,23 @@ ImpactEnergy impact_energy(const Ball& ball, const Motion& before, const Motion&
 }
 
 ImpactEnergy impact_energy(const Ball& ball, const ImpactState& s) {
-  const auto vector = [](const std::array<double, 3>& a) { return Vector3{a[0], a[1], a[2]}; };
-  return impact_energy(ball, {vector(s.velocity_mps), vector(s.spin_radps)},
-                       {vector(s.velocity_after_mps), vector(s.spin_after_radps)});
+  return impact_energy(ball, motion_of(s.velocity_mps, s.spin_radps),
+                       motion_of(s.velocity_after_mps, s.spin_after_radps));
+}
+
+Reservoir reservoir(const Ball& ball, const Motion& motion) {
+  const Vector3 v = motion.velocity_mps, spin = motion.spin_radps;
+  return {square(v.x) + square(v.y), moment_of_inertia_kgm2(ball) / mass_kg(ball) * (square(spin.x) + square(spin.y))};
+}
+
+std::vector<Reservoir> reservoirs_after(const Ball& ball, const Impacts& impacts) {
+  if (impacts.states.size() != impacts.rows.size())
+    throw InvalidArgument("reservoirs need the state of every impact; simulate with states");
+  std::vector<Reservoir> reservoirs;
+  reservoirs.reserve(impacts.states.size());
+  for (const ImpactState& s : impacts.states)
+    reservoirs.push_back(reservoir(ball, motion_of(s.velocity_after_mps, s.spin_after_radps)));
+  return reservoirs;
 }
 
 double EnergyLedger::closure() const {

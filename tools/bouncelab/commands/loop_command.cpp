@@ -79,10 +79,11 @@ Onsets read_onsets(const fs::path& path) { return onsets_from_table(read_table(p
 ///
 /// Without states the synthesizer strikes each drop at one point: by the paper's contact rule the ball wanders off a
 /// plate of 30 x 20 cm in some 30 bounces, which the experiment's balls did not.
-Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const Run& run, StageClock& clock) {
+Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const Run& run, StageClock& clock,
+                       std::vector<sim::Reservoir>& reservoirs) {
   SimulateOptions simulate = options.simulate;
   simulate.out = files.impacts;
-  clock.time("simulate", [&] { return run_simulate(simulate, run); });
+  clock.time("simulate", [&] { return run_simulate(simulate, run, &reservoirs); });
   SynthesizeOptions synthesize = options.synthesize;
   synthesize.impacts = files.impacts;
   synthesize.out = files.recording;
@@ -95,12 +96,11 @@ Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const
 }
 
 std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const loop::LoopConfig& config,
-                                             const LoopFiles& files, const fit::FitResult& sound) {
+                                             const Impacts& impacts, const fit::FitResult& sound) {
   const std::optional<sim::Surface> surface = surface_from_file(options.simulate, config.simulation.ball);
   const sim::ContactOffset offset = loop::contact_offset_of(config.simulation.ball, surface ? &*surface : nullptr,
                                                             sim::radius_law_from_text(options.simulate.radius_law),
                                                             options.simulate.n_asperities, config.simulation.n_threads);
-  const Impacts impacts = impacts_from_table(read_table(files.impacts, impact_columns()), files.impacts.string());
   return loop::scatter_theory(config.simulation, offset, impacts, sound.histograms);
 }
 
@@ -117,29 +117,39 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
   const LoopFiles files(folder);
 
   StageClock clock;
-  Outcome detected = times_to_times(options, files, run, clock);
+  std::vector<sim::Reservoir> reservoirs;
+  Outcome detected = times_to_times(options, files, run, clock, reservoirs);
   if (detected.exit_code != kDone) return detected;
   Stage<fit::FitResult> from_truth, from_sound;
   clock.time("restitution_and_fit", [&] {
     from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true);
     from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit);
   });
-  const Onsets found = read_onsets(files.onsets);
+  const Onsets truth = read_onsets(files.truth), found = read_onsets(files.onsets);
   clock.time("wave", [&] {
     write_text(run, files.wave, wave_json(detection::wave_preview(files.recording, 0, found)) + "\n",
                {files.recording});
   });
 
-  const loop::LoopScore score = loop::score_loop(static_cast<std::size_t>(config.simulation.n_drops),
-                                                 detection::score_onsets(read_onsets(files.truth), found),
-                                                 config.simulation.law, from_truth.result, from_sound.result);
+  const loop::LoopScore score =
+      loop::score_loop(static_cast<std::size_t>(config.simulation.n_drops), detection::score_onsets(truth, found),
+                       config.simulation.law, from_truth.result, from_sound.result);
   const Outcome& fitted = from_sound.outcome;
   std::optional<loop::ScatterTheory> theory;
-  clock.time("theory", [&] { theory = theory_of(options, config, files, from_sound.result); });
-  const std::string summary = loop_summary_json(score, clock.seconds(), fitted.warnings, theory);
+  std::optional<loop::ReservoirCheck> reservoir;
+  clock.time("theory", [&] {
+    const Impacts impacts = impacts_from_table(read_table(files.impacts, impact_columns()), files.impacts.string());
+    theory = theory_of(options, config, impacts, from_sound.result);
+    reservoir =
+        loop::reservoir_check(impacts, reservoirs, truth, found, score.onsets.match,
+                              samples_from_table(read_table(files.samples, sample_columns()), files.samples.string()),
+                              from_sound.result, config.simulation.gravity_mps2);
+  });
+  const std::string summary = loop_summary_json(score, clock.seconds(), fitted.warnings, theory, reservoir);
   write_text(run, files.summary, summary + "\n", {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
   const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
-  return {fitted.exit_code, summary, loop_text(score, clock.seconds()) + shown.text, fitted.warnings, fitted.error};
+  return {fitted.exit_code, summary, loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.warnings,
+          fitted.error};
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
     write_tables(result, folder, own);
     write_fits(result, folder, own);
     write_text(own, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
-    write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory));
+    write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir));
   });
   const Outcome shown = clock.time("report", [&] {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, own);
@@ -105,11 +105,12 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock.seconds());
   Outcome outcome;
-  outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, work);
+  outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, work);
   write_summary(outcome.json);
   journal->remove();
   outcome.warnings = result.sound.warnings;
-  outcome.text = loop_text(score, work.wall_s) + paper_text(paper) + work_text(work, score.onsets.n_true) + shown.text;
+  outcome.text = loop_text(score, result.reservoir, work.wall_s) + paper_text(paper) +
+                 work_text(work, score.onsets.n_true) + shown.text;
   if (!fit::usable(result.sound)) {
     outcome.exit_code = kNotUsable;
     outcome.error = "the detected times give no law: " + result.sound.law.message;

@@ -77,8 +77,9 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
   return config;
 }
 
-Outcome run_simulate(const SimulateOptions& options, const Run& run) {
-  const sim::SimulationConfig config = simulation_config(options, run.common);
+Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs) {
+  sim::SimulationConfig config = simulation_config(options, run.common);
+  config.with_state = config.with_state || reservoirs != nullptr;
   check_files(run, simulation_inputs(options), {options.out, options.write_surface});
 
   const std::optional<sim::Surface> given = surface_from_file(options, config.ball);
@@ -86,7 +87,9 @@ Outcome run_simulate(const SimulateOptions& options, const Run& run) {
       given ? *given
             : sim::make_surface(config.ball, options.n_asperities, sim::radius_law_from_text(options.radius_law),
                                 config.seed, progress_line(run, "surface", "asperities"));
-  const sim::SimulationResult result = sim::simulate(config, surface, progress_line(run, "simulate", "drops"));
+  sim::SimulationResult result = sim::simulate(config, surface, progress_line(run, "simulate", "drops"));
+  if (reservoirs != nullptr) *reservoirs = sim::reservoirs_after(config.ball, result.impacts);
+  if (!options.config.with_state) result.impacts.states = {};
 
   if (!options.write_surface.empty())
     write_table(run, options.write_surface, to_table(surface), simulation_inputs(options));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "command.hpp"
@@ -43,6 +44,7 @@ std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, co
 std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options);
 
 /// Simulates and writes options.out (and options.write_surface where named).
-Outcome run_simulate(const SimulateOptions& options, const Run& run);
+/// @param reservoirs  takes those after each impact, which the table of impacts has only with states; null: not wanted
+Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs = nullptr);
 
 }  // namespace bouncelab::cli

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "bouncelab/core/elementary.hpp"
 #include "json/json_text.hpp"
 
 namespace bouncelab::cli {
@@ -113,8 +114,44 @@ Json json_of(const loop::ScatterTheory& theory) {
   Json slopes = Json::array();
   for (const loop::ExpectedSlopes& s : theory.slopes)
     slopes.push_back({{"v_mps", s.v_mps}, {"n", s.n}, {"rising", s.rising}, {"falling", s.falling}});
-  return {{"q", theory.q},    {"contact_factor", theory.contact_factor}, {"offset_variance", theory.offset_variance},
-          {"slopes", slopes}, {"n_transforms", theory.n_transforms},     {"transform_counts", theory.transform_counts}};
+  Json densities = Json::array();
+  for (const loop::ExpectedDensity& d : theory.densities)
+    densities.push_back({{"v_mps", d.v_mps},
+                         {"eps", d.eps},
+                         {"density", d.density},
+                         {"n_simulated", d.n_simulated},
+                         {"simulated_counts", d.simulated_counts}});
+  return {{"q", theory.q},
+          {"contact_factor", theory.contact_factor},
+          {"offset_variance", theory.offset_variance},
+          {"slopes", slopes},
+          {"densities", densities},
+          {"n_transforms", theory.n_transforms},
+          {"transform_counts", theory.transform_counts}};
+}
+
+Json json_of(const loop::ReservoirCheck& check) {
+  Json drops;
+  for (const loop::ReservoirOfDrop& d : check.drops) {
+    drops["drop"].push_back(d.drop);
+    drops["first_impact"].push_back(d.first_impact);
+    drops["last_impact"].push_back(d.last_impact);
+    drops["simulated_m2ps2"].push_back(d.simulated_m2ps2);
+    drops["sound_m2ps2"].push_back(d.sound.gain_m2ps2);
+    drops["own_se_m2ps2"].push_back(hypot(d.sound.timing_se_m2ps2, d.sound.offset_se_m2ps2));
+    drops["law_se_m2ps2"].push_back(known(d.sound.law_se_m2ps2));
+  }
+  return {{"law", check.with_memory ? "memory" : "independent"},
+          {"n_drops", check.drops.size()},
+          {"correlation", check.correlation},
+          {"rms_simulated_m2ps2", check.rms_simulated_m2ps2},
+          {"mean_difference_m2ps2", check.mean_difference_m2ps2},
+          {"rms_difference_m2ps2", check.rms_difference_m2ps2},
+          {"expected_law_m2ps2", known(check.expected_law_m2ps2)},
+          {"expected_timing_m2ps2", check.expected_timing_m2ps2},
+          {"expected_offset_m2ps2", check.expected_offset_m2ps2},
+          {"spin_share", check.spin_share},
+          {"drops", drops}};
 }
 
 Json json_of(const loop::SweepPoint& point) {
@@ -130,7 +167,9 @@ Json json_of(const loop::SweepPoint& point) {
 
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
                               const std::vector<std::string>& warnings,
-                              const std::optional<loop::ScatterTheory>& theory, const std::optional<LoopWork>& work) {
+                              const std::optional<loop::ScatterTheory>& theory,
+                              const std::optional<loop::ReservoirCheck>& reservoir,
+                              const std::optional<LoopWork>& work) {
   Json summary;
   summary["n_drops"] = score.n_drops;
   add_score(score.onsets, summary);
@@ -152,6 +191,7 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
   for (const loop::LawPoint& point : score.truth_curve)
     summary["truth_curve"].push_back({{"v_mps", point.v_mps}, {"eps", point.eps}});
   if (theory) summary["theory"] = json_of(*theory);
+  if (reservoir) summary["reservoir"] = json_of(*reservoir);
   summary["seconds"] = object_of(work ? work->wall_s : seconds);
   summary["warnings"] = warnings;
   if (work) {

@@ -21,12 +21,14 @@ struct LoopWork {
 };
 
 /// summary.json of `loop`.
-/// @param seconds  by stage, of a loop through files
-/// @param work     of a loop through memory, in place of `seconds`
-/// @param theory   of its scatter, where it applies
+/// @param seconds    by stage, of a loop through files
+/// @param work       of a loop through memory, in place of `seconds`
+/// @param theory     of its scatter, where it applies
+/// @param reservoir  from its sound, where there are three drops or more
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
                               const std::vector<std::string>& warnings,
                               const std::optional<loop::ScatterTheory>& theory,
+                              const std::optional<loop::ReservoirCheck>& reservoir,
                               const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
 /// against speed; energy shares against bounce number.

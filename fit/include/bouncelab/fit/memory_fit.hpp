@@ -19,7 +19,7 @@ struct MemoryFitConfig {
   LawKind kind = LawKind::series;
   std::vector<int> orders{2, 4, 5};     ///< of the series: distinct, at most 5 of them
   std::vector<double> node_speeds_mps;  ///< empty: as in LawFitConfig
-  std::size_t n_draws = 900;           ///< of the posterior, where there are few drops
+  std::size_t n_draws = 900;            ///< of the posterior, where there are few drops
   std::size_t n_goodness = 99;          ///< replicates of the Anderson-Darling test; 0: none
   std::uint64_t seed = 1;               ///< of draws and replicates
 };

@@ -15,6 +15,7 @@
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/loop/drops.hpp"
+#include "bouncelab/loop/reservoir_check.hpp"
 #include "bouncelab/loop/run_journal.hpp"
 #include "bouncelab/loop/scatter_theory.hpp"
 #include "bouncelab/sim/energy_shares.hpp"
@@ -53,14 +54,16 @@ struct BallResult {
 struct LoopResult {
   sim::SimulationConfig simulation;
   BallResult rough;
-  std::vector<sim::EnergyShares> shares;  ///< of the rough ball
-  sim::EnergyLedger energy;               ///< of the rough ball
-  BallResult smooth;                      ///< without drops where it was not asked for
-  RestitutionSamples samples_direct;      ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
-  RestitutionSamples samples_true;        ///< eq. 2 of the paper from the true times
-  RestitutionSamples samples_sound;       ///< eq. 2 of the paper from the detected times
+  std::vector<sim::EnergyShares> shares;   ///< of the rough ball
+  sim::EnergyLedger energy;                ///< of the rough ball
+  std::vector<sim::Reservoir> reservoirs;  ///< of the rough ball, after each impact
+  BallResult smooth;                       ///< without drops where it was not asked for
+  RestitutionSamples samples_direct;       ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
+  RestitutionSamples samples_true;         ///< eq. 2 of the paper from the true times
+  RestitutionSamples samples_sound;        ///< eq. 2 of the paper from the detected times
   fit::FitResult direct, true_times, sound, smooth_sound;
   std::optional<ScatterTheory> theory;                              ///< of the rough ball, in the windows of `sound`
+  std::optional<ReservoirCheck> reservoir;                          ///< of the rough ball, from its sound
   std::vector<std::pair<std::string, double>> wall_s, processor_s;  ///< by stage, in order
 };
 

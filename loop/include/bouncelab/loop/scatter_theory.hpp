@@ -22,22 +22,35 @@ struct ExpectedSlopes {
   double rising = 0.0, falling = 0.0;  ///< per unit eps, both positive; rising below eps(v)
 };
 
+/// p(eps) that docs/physics.md, section 7, expects in a window of speeds, and the simulated impacts in the bins of its
+/// histogram.
+struct ExpectedDensity {
+  double v_mps = 0.0;                         ///< centre of the window
+  std::vector<double> eps, density;           ///< without timing noise
+  std::size_t n_simulated = 0;                ///< impacts in the window, in a bin or not
+  std::vector<std::size_t> simulated_counts;  ///< in the bins of the histogram
+};
+
 /// The closed form of the scatter beside the simulation that it is to agree with. No parameter is fitted.
 struct ScatterTheory {
   double q = 0.0;                ///< contact_factor * offset_variance
   double contact_factor = 0.0;   ///< c
   double offset_variance = 0.0;  ///< s2
   std::vector<ExpectedSlopes> slopes;
+  std::vector<ExpectedDensity> densities;
   std::size_t n_transforms = 0;
   std::array<std::size_t, 20> transform_counts{};  ///< of the simulated impacts, by twentieths of the transform
 };
 
 /// Slopes: one over the mean, over the simulated impacts of the window, of the mean distances that fluctuation_sides()
-/// has at the window's centre and the impact's own past S. Transforms: of sim::probability_transforms(). Of a drop with
-/// an impact that meets the ball on its way up, the impacts before it.
+/// has at the window's centre and the impact's own past S. Densities: the mean of those two exponentials over the same
+/// impacts; impacts are moved to the centre as the fit moves samples, their fluctuation by the ratio of its mean
+/// distance there to that at their own speed. Transforms: of sim::probability_transforms(). Of a drop with an impact
+/// that meets the ball on its way up, the impacts before it.
 /// @param surface  where the simulated ball touches (sim::contact_offset)
 /// @param impacts  whole drops, from the first impact on; states are not used
-/// @param windows  of whose speeds slopes are asked for; those without impacts are left out
+/// @param windows  of whose speeds slopes are asked for, and densities where they have bins; those without impacts are
+///                 left out
 /// @return nothing where the closed form does not apply: the ball released with spin or sideways motion, the plate
 ///         tilted, offsets averaged over a patch, a smooth ball, q above 0.1
 std::optional<ScatterTheory> scatter_theory(const sim::SimulationConfig& config, const sim::ContactOffset& surface,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <vector>
+
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/sim/contact.hpp"
@@ -16,6 +18,17 @@ struct KineticEnergy {
 };
 
 KineticEnergy kinetic_energy(const Ball& ball, const Motion& motion);
+
+/// Twice the kinetic energy per mass that impacts have moved out of the vertical motion: w of docs/physics.md,
+/// section 7. A ball that rolls without slip holds 2/7 of it in spin, one without friction all of it.
+struct Reservoir {
+  double sideways_m2ps2 = 0.0;  ///< v_x^2 + v_y^2
+  double spin_m2ps2 = 0.0;      ///< J (omega_x^2 + omega_y^2) / m; spin about the plate's normal takes no part
+  double total_m2ps2() const { return sideways_m2ps2 + spin_m2ps2; }
+};
+Reservoir reservoir(const Ball& ball, const Motion& motion);
+/// After each impact, in their order. @throws InvalidArgument where the states are not there
+std::vector<Reservoir> reservoirs_after(const Ball& ball, const Impacts& impacts);
 
 /// What one impact did to the energy: before + created = after + dissipated, to rounding.
 struct ImpactEnergy {
