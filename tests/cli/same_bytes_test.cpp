@@ -4,6 +4,7 @@
 #include <string>
 
 #include "program.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::cli_test {
 namespace {
@@ -62,9 +63,7 @@ class SameBytesTest : public ProgramTest {
   }
 
   void expect_same_bytes_on(const std::string& processor) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "the sanitizers' memory does not fit into the emulator's";
-#endif
+    if (test::kSanitizer != nullptr) GTEST_SKIP() << "the sanitizers' memory does not fit into the emulator's";
     if (std::system("command -v qemu-x86_64 >/dev/null") != 0)
       GTEST_SKIP() << "qemu-x86_64 is not installed (Debian: qemu-user): not tried on a processor of type "
                    << processor;

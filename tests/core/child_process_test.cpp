@@ -98,9 +98,7 @@ TEST(ChildProcess, SurvivesACrashOfTheReader) {
 }
 
 TEST(ChildProcess, LimitsTheMemoryOfTheReader) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "the address sanitizer's own memory would count";
-#endif
+  if (kHasAddressSanitizer) GTEST_SKIP() << "the sanitizer's own memory would count";
   ChildProcess child(misbehave, "a.xyz");
   EXPECT_EQ(refusal(child, "allocate", kTight),
             "a.xyz: takes more than 50 MB of memory to read: damaged? make it again");

@@ -61,7 +61,7 @@ const std::vector<Job>& FaultTest::jobs() {
       {"report", "report fitted --out out/r.html"},
       {"analyze", "analyze r.*.wav --out out"},
       {"loop", "loop --drops 6 --impacts 20 --asperities 2000 --rate 48000 --out out"},
-      {"paper", "loop --preset paper --drops 6 --impacts 20 --asperities 2000 --rate 48000 --keep-sound --out out",
+      {"paper", "loop --preset paper --drops 6 --impacts 10 --asperities 2000 --rate 48000 --keep-sound --out out",
        true},
   };
   return all;

@@ -9,6 +9,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "support/sanitizers.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -61,6 +62,7 @@ double mean_of(const std::vector<Estimate>& estimates) {
 }
 
 TEST(ByDrop, IntervalsOfSlopesCoverWhereTheImpactsOfADropDependOnEachOther) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // 120 seeds: .95 is good to .02; three standard errors
   const auto estimates = slopes_of_drops(60, 120);
   const Coverage c = coverage_of(estimates, mean_of(estimates));
@@ -69,6 +71,7 @@ TEST(ByDrop, IntervalsOfSlopesCoverWhereTheImpactsOfADropDependOnEachOther) {
 }
 
 TEST(ByDrop, IntervalsOfSlopesOfTwelveDropsCoverNearly) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // the slopes of so few drops are skew, which no standard error knows: .03 on top, and the truth is that of many drops
   const double truth = mean_of(slopes_of_drops(60, 40));
   const Coverage c = coverage_of(slopes_of_drops(12, 120), truth);
@@ -99,6 +102,7 @@ LawFitConfig constant() {
 }
 
 TEST(ByDrop, IntervalsOfEpsCoverWhereDropsAreShifted) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // 150 seeds: .95 is good to .018; three standard errors. Below also what the skewness of so few drops takes
   for (const std::size_t n_drops : {12, 60}) {
     std::vector<Estimate> estimates;
@@ -111,6 +115,7 @@ TEST(ByDrop, IntervalsOfEpsCoverWhereDropsAreShifted) {
 }
 
 TEST(ByDrop, ErrorsOfIndependentSamplesAreThoseOfTheModel) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // each error by drop is good to 1 / sqrt(2 * 60): 40 of three nodes to .02
   double ratio = 0.0, n = 0.0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {

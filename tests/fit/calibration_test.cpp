@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bouncelab/core/error.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -29,6 +30,7 @@ void expect_calibrated(const CalibrationConfig& config) {
 }
 
 TEST(Calibration, TheFitKeepsItsWord) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   CalibrationConfig config;
   config.n_samples = 3000;
   config.n_seeds = 60;
@@ -36,6 +38,7 @@ TEST(Calibration, TheFitKeepsItsWord) {
 }
 
 TEST(Calibration, TheFitKeepsItsWordUnderTimingNoise) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   CalibrationConfig config;
   config.n_samples = 6000;
   config.n_seeds = 60;
@@ -44,6 +47,7 @@ TEST(Calibration, TheFitKeepsItsWordUnderTimingNoise) {
 }
 
 TEST(Calibration, BoundIsThatOfThePaperSizedRun) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // docs/physics.md: 220,000 points, normal scatter of sd .005 at all speeds: .0013, .0061, .013 for A. Here the
   // information of the location is that of a Laplace: with sides known it would be twice the normal's, with sides
   // unknown it is the same for equal sides (var 2 b^2/n against a spread of sqrt(2) b). Scatter falls with speed, so
@@ -79,6 +83,7 @@ TEST(Calibration, DrawsTheSlopesOfTheClosedForm) {
 }
 
 TEST(Calibration, SlopesMissTheBoundOfIndependentSamples) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // impacts of one drop share the velocity gained sideways: 1.65 times at .3 m/s; 40 seeds know it to 11 %
   CalibrationConfig config;
   config.n_samples = 6000;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "bouncelab/core/error.hpp"
+#include "support/sanitizers.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -45,6 +46,7 @@ TEST(HistogramFit, RecoversSlopesAndPeakFreeOfTimingNoise) {
 }
 
 TEST(HistogramFit, RatioOfSlopesIsCoveredByItsIntervals) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // eight windows of 12 seeds: 95 % good to 2.2 points, 68 % to 4.7; three standard errors
   for (const double noise : {0.0, 5e-4}) {
     double in68 = 0.0, in95 = 0.0, n = 0.0;

@@ -8,6 +8,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "few_samples.hpp"
+#include "support/sanitizers.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -64,6 +65,7 @@ LawFitConfig quick() {
 }
 
 TEST(LawFit, RecoversTheConstantsWithStandardNormalPulls) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const auto pulls = study({}, 4000, 0.0, quick(), 100);
   for (int j = 0; j < 3; ++j) {
     // 100 pulls: mean good to 0.1, sd to 0.07; three standard errors
@@ -73,6 +75,7 @@ TEST(LawFit, RecoversTheConstantsWithStandardNormalPulls) {
 }
 
 TEST(LawFit, IsUnbiasedAndCalibratedUnderTimingNoiseThatDoublesTheWidth) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // scatter at 1 m/s 4e-4 / 3e-4: sd 5e-4; noise of 8.7e-4 doubles it. 60 pulls: mean good to 0.13, sd to 0.09
   const auto pulls = study({}, 8000, 8.7e-4, quick(), 60);
   for (int j = 0; j < 3; ++j) {
@@ -82,6 +85,7 @@ TEST(LawFit, IsUnbiasedAndCalibratedUnderTimingNoiseThatDoublesTheWidth) {
 }
 
 TEST(LawFit, ProfileIntervalsCoverAlsoWhereSamplesAreFew) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // 60 samples: the surface is far from a parabola. 150 seeds: 68 % good to 3.8, 95 % to 1.8; three standard errors,
   // and what the smoothed kink may cost on top
   const auto pulls = study({}, 60, 0.0, {}, 150);
@@ -172,6 +176,7 @@ TEST(LawFit, ViscoelasticLawFindsGamma) {
 }
 
 TEST(LawFit, ErrorsHoldWhereTheScatterIsNotAsModelled) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // 84 drops of independent samples. 40 pulls: mean good to 0.16, sd to 0.11
   for (const Scatter scatter : {Scatter::normal, Scatter::student_t3}) {
     SyntheticRun run;
@@ -204,6 +209,7 @@ TEST(LawFit, OnOneShortDropSaysThatAIsNotIdentifiable) {
 }
 
 TEST(LawFit, IntervalsOfOneDropOfFiftyImpactsCover) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // as above over 150 seeds, noise and scatter alike in size: 95 % good to 1.8, 68 % to 3.8; three standard errors. Not
   // bounded above: errors of neighbouring times compensate, which the likelihood does not know.
   double in95 = 0.0, in68 = 0.0, n = 0.0;
@@ -268,6 +274,7 @@ TEST(LawFit, OfFewSamplesGivesTheLawTheyCanTell) {
 }
 
 TEST(LawFit, IntervalsOfFewSamplesCoverWhateverTheScatter) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // the short version of tests/bench/few_samples_coverage: 60 replicates, three speeds whose errors go together by a
   // half: a share of .95 is known to .02, so .95 -+ three of them; pulls' sd to .07
   const std::vector<double> speeds_mps{0.12, 0.3, 0.7};

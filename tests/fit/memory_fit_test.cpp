@@ -10,6 +10,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/restitution_with_memory.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -105,6 +106,7 @@ TEST(MemoryFit, FindsWhatWentIn) {
 }
 
 TEST(MemoryFit, PullsAreThoseOfAStandardNormal) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   double sum = 0.0;
   constexpr int kSets = 6;
   Drops drops;

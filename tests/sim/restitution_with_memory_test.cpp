@@ -12,6 +12,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "drop_statistics.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -96,15 +97,18 @@ void expect_same(const Drops& a, const Drops& b) {
 }
 
 TEST(RestitutionWithMemory, ReproducesTheSimulatedDropsFromTenCentimetres) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const Drops simulator = simulated(0.1, 0.09, 2000), sampler = sampled(0.1, 0.09, 6000);
   expect_same(simulator, sampler);
 }
 
 TEST(RestitutionWithMemory, ReproducesTheSpreadOfSpeedsFromOneHeight) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   expect_same(simulated(0.1, 0.1, 1000), sampled(0.1, 0.1, 4000));
 }
 
 TEST(RestitutionWithMemory, ReproducesTheSimulatedDropsFromAMetre) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   expect_same(simulated(1.0, 1.0, 1000), sampled(1.0, 1.0, 4000));
 }
 

@@ -11,6 +11,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "drop_statistics.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -133,11 +134,13 @@ void expect_slopes(const Experiment& e) {
 }
 
 TEST(Theory, SlopesAreThoseOfSimulatedDrops) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   expect_slopes(experiment(ConstantRadii{}, 71'378, 1200));
   expect_slopes(experiment(ConstantRadii{}, 71'378, 1200, FrictionlessContact{}));
 }
 
 TEST(Theory, TransformsOfSimulatedImpactsAreUniformWhateverTheRuleOfContact) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   for (const ContactModel& contact : {ContactModel{PaperContact{}}, ContactModel{FrictionlessContact{}},
                                       ContactModel{PaperContact{0.5}}, ContactModel{CoulombContact{0.2}}}) {
     const Experiment e = experiment(ConstantRadii{}, 71'378, 200, contact);
@@ -149,6 +152,7 @@ TEST(Theory, TransformsOfSimulatedImpactsAreUniformWhateverTheRuleOfContact) {
 }
 
 TEST(Theory, HoldsForExponentialRadiiToo) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   Experiment e = experiment(ExponentialRadii{2e-5}, 1'000'000, 1000);
   expect_slopes(e);  // of the order of 2e-5 R: asperities cover the sphere ten times over
   e.impacts.rows.resize(300 * 95);
@@ -156,6 +160,7 @@ TEST(Theory, HoldsForExponentialRadiiToo) {
 }
 
 TEST(Theory, OfUniformRadiiIsNearlyRight) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // offsets are flatter than normal: 19,000 transforms tell, and they are off by little
   const Experiment e = experiment(UniformRadii{}, 1'000'000, 200);
   const std::vector<double> u = probability_transforms(e.impacts, e.config.law, e.q);
@@ -180,6 +185,7 @@ TEST(Theory, OfSlopesLeavesItsRangeWhereTheScatterChangesTheSpeeds) {
 }
 
 TEST(Theory, ContactsAreWeightedByTheirSpeedOfApproach) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   // v_c - v = sqrt(w) t_x, and t_x has the mean q sqrt(w)/v: the mean of (v_c - v)/v is q w/v^2, not 0
   const Experiment e = experiment(ExponentialRadii{1e-3}, 1'000'000, 6000, PaperContact{}, 0.0, 50);
   const double mass = mass_kg(e.config.ball);

@@ -21,4 +21,7 @@ inline constexpr const char* kSanitizer = nullptr;
 inline constexpr const char* kSanitizer = nullptr;
 #endif
 
+/// Why a test is left out under a sanitizer, where everything takes ten times as long.
+inline constexpr const char* kRepetitions = "statistics of many repetitions run the same code again and again";
+
 }  // namespace bouncelab::test

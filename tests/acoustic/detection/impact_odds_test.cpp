@@ -12,6 +12,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "support/bouncing_sound.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -93,6 +94,7 @@ Stated stated_in(const std::vector<Mark>& marks, double from, double to) {
 }
 
 TEST(ImpactOdds, StatedProbabilitiesAreTheSharesThatAreRight) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   std::vector<Mark> marks;
   for (std::uint64_t seed = 1; seed <= 240; ++seed) add_marks(seed, marks);
   constexpr std::array<double, 6> kEdges{0.0, 0.6, 0.9, 0.97, 0.99, 1.0};

@@ -213,8 +213,10 @@ std::vector<Candidate> small_scene(std::uint64_t seed) {
   ball.loudness_scatter = 0.3;
   std::vector<Candidate> candidates = test::candidates_of(ball, Random(seed, RandomStream::test, 5));
   if (random.uniform() < 0.3) candidates.erase(candidates.begin() + std::ssize(candidates) / 2);
-  for (auto n = static_cast<int>(random.uniform(0.0, 6.0)); n > 0; --n)
-    candidates.push_back(test::candidate(random.uniform(0.0, 4.0), 150.0 * std::exp(0.7 * random.normal())));
+  for (auto n = static_cast<int>(random.uniform(0.0, 6.0)); n > 0; --n) {
+    const double snr = 150.0 * std::exp(0.7 * random.normal());
+    candidates.push_back(test::candidate(random.uniform(0.0, 4.0), snr));
+  }
   test::sort_by_time(candidates);
   return candidates;
 }

@@ -16,6 +16,7 @@
 #include "scene/noise.hpp"
 #include "sensor/reverberation.hpp"
 #include "support/direct_fourier.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -193,12 +194,14 @@ double matched_filter_error_over_bound(double corner_hz, int n_trials) {
 }
 
 TEST(Synthesis, AMatchedFilterThatKnowsTheWaveReachesTheBound) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const double ratio = matched_filter_error_over_bound(0.0, 2000);
   RecordProperty("error_over_bound", std::to_string(ratio));
   EXPECT_NEAR(ratio, 1.0, 0.05) << "an rms from 2000 trials is known to 1.6%";
 }
 
 TEST(Synthesis, SoItDoesInFlickerNoise) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const double ratio = matched_filter_error_over_bound(500.0, 400);
   RecordProperty("error_over_bound", std::to_string(ratio));
   EXPECT_NEAR(ratio, 1.0, 0.10) << "an rms from 400 trials is known to 3.5%";

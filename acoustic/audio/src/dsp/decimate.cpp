@@ -16,7 +16,7 @@ namespace bouncelab::audio {
 namespace {
 
 constexpr std::int64_t kMostHeld = 3 << 20;  // samples, 12 MB: 13 minutes at 4 kHz
-constexpr std::int64_t kAtOnce = 1 << 9;     // of the result
+constexpr std::int64_t kResultsAtOnce = 1 << 9;     // of the result
 
 std::vector<float> low_pass(int factor) {
   const int reach = 8 * factor;
@@ -49,9 +49,9 @@ AudioSource decimate(const AudioSource& source, int factor) {
   const std::int64_t n_samples = source.n_samples / factor;
   if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read, {}, 0};
   const auto held = std::make_shared<std::vector<float>>(static_cast<std::size_t>(n_samples));
-  for (std::int64_t first = 0; first < n_samples; first += kAtOnce)
+  for (std::int64_t first = 0; first < n_samples; first += kResultsAtOnce)
     read(first, std::span(*held).subspan(static_cast<std::size_t>(first),
-                                         static_cast<std::size_t>(std::min(kAtOnce, n_samples - first))));
+                                         static_cast<std::size_t>(std::min(kResultsAtOnce, n_samples - first))));
   const auto copy = [held](std::int64_t first, std::span<float> out) {
     std::copy_n(held->begin() + first, out.size(), out.begin());
   };
