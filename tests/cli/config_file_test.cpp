@@ -89,7 +89,7 @@ TEST_F(ConfigFile, TheCommandLineReplacesAWholeList) {
 
 TEST_F(ConfigFile, AListOfChannelsGivesAsManyChannels) {
   write("i.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,0.3,0.9,0.8\n");
-  write("c.toml", "channel = [\"0,0\", \"0.1,0.05\"]\nmax_mode = 1000\n");
+  write("c.toml", "channel = [\"0,0\", \"0.1,0.05\"]\nmax_mode = 2000\n");
   ASSERT_EQ(run("synthesize i.csv --config c.toml --out r.wav --quiet").exit_code, 0);
   EXPECT_EQ(content_of(folder_ / "r.wav").at(22), 2);  // the number of channels in a WAV's header
 }

@@ -13,7 +13,7 @@ struct NastyCommand {
 };
 
 const std::string kBrief = " --drops 1 --impacts 8 --asperities 20 --force --quiet";
-const std::string kCoarse = " --rate 8000 --max-mode 1000 --lead-in 0.1 --pause 0.1 --force --quiet";
+const std::string kCoarse = " --rate 8000 --max-mode 2000 --lead-in 0.1 --pause 0.1 --force --quiet";
 
 const std::vector<NastyCommand> kNastyCommands{
     {"simulate", "simulate --out o.csv" + kBrief},

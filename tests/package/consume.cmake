@@ -13,7 +13,7 @@ step(${WORK_DIR}/prefix/bin/bouncelab --version)
 
 # all components: the loop closes with every impact found, and eps within its error of the truth
 step(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
-     -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
+     -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
 step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 step(${WORK_DIR}/build/closed_loop)
 message("${output}")
@@ -35,5 +35,5 @@ endforeach()
 # one module alone
 foreach(module IN ITEMS sim detection fit)
   step(${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/${module} -G ${GENERATOR} -DMODULE=${module}
-       -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
+       -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
 endforeach()

@@ -205,6 +205,9 @@ TEST(SynthesisBadInput, IsRefusedByNameAndValue) {
   EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("channels"));
   config.channels = {Channel{0.2, 0.0, 0.0, 1.0}};
   EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("sensor x_m is 0.2"));
+  config = good;
+  config.max_mode_hz = 500.0;  // the lowest mode of the paper's plate has more
+  EXPECT_THAT(refusal(impacts({0.1}), config), testing::HasSubstr("no mode of the ground sounds below 500 Hz"));
   EXPECT_THAT(refusal({}, good), testing::HasSubstr("no impacts"));
   EXPECT_THAT(refusal(impacts({0.3, 0.1}), good), testing::HasSubstr("drop 0, impact 1: t_s 0.1"));
   EXPECT_THAT(refusal(impacts({0.1}, -1.0), good), testing::HasSubstr("v_mps is -1"));

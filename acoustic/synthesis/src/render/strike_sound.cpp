@@ -100,6 +100,10 @@ void scale_to(const Levels& levels, std::vector<TrueImpact>& truth) {
 }
 
 Levels levels_for(const SynthesisConfig& config, double weakest_peak, double strongest_peak) {
+  if (!(weakest_peak > 0.0))
+    throw InvalidArgument(
+        "an impact makes no sound at the sensor: it strikes, or is heard, where no mode moves; move the "
+        "sensor or let modes of higher frequencies sound");
   Levels levels;
   levels.gain = config.peak / strongest_peak;
   levels.weakest_peak = weakest_peak * levels.gain;

@@ -83,12 +83,30 @@ Sensor microphone() {
           {-15.0, 0.25}};
 }
 
+namespace {
+
+/// Modes below a frequency; at least one.
+PlateModes sounding(const Ground& ground, double max_mode_hz) {
+  PlateModes plate(ground, max_mode_hz);
+  if (!plate.modes().empty()) return plate;
+  constexpr double kFar_hz = 200e3;
+  const PlateModes all(ground, kFar_hz);
+  throw InvalidArgument(
+      "no mode of the ground sounds below " + std::to_string(std::lround(max_mode_hz)) +
+      " Hz, the lower of max_mode_hz and half of rate_hz" +
+      (all.modes().empty()
+           ? std::string("; take a larger plate")
+           : "; take more than " + std::to_string(std::lround(all.modes().front().frequency_hz)) + " Hz"));
+}
+
+}  // namespace
+
 Instrument::Instrument(const Ground& ground, const Sensor& sensor, const std::vector<Channel>& channels, double rate_hz,
                        double max_mode_hz)
     : ground_(ground),
       sensor_(checked(sensor)),
       channels_(channels),
-      plate_(ground, max_mode_hz),
+      plate_(sounding(ground, max_mode_hz)),
       bank_(all_poles(plate_, sensor), rate_hz),
       meter_(bank_),
       tail_(sensor.reverberation, rate_hz) {
