@@ -75,13 +75,13 @@ TEST_F(PaperLoop, MoreThanOneSensorIsRefused) {
 }
 
 TEST_F(PaperLoop, AFinishedRunIsNotReplacedWithoutForce) {
-  ASSERT_EQ(run(command("out", "--drops 2 --quiet")).exit_code, 0);
-  expect_one_line_error(run(command("out", "--drops 2")), 3, {"exists", "--force"});
-  EXPECT_EQ(run(command("out", "--drops 2 --quiet --force")).exit_code, 0);
+  ASSERT_EQ(run(loop(2, 40, "out", "--quiet")).exit_code, 0);
+  expect_one_line_error(run(loop(2, 40, "out", "")), 3, {"exists", "--force"});
+  EXPECT_EQ(run(loop(2, 40, "out", "--quiet --force")).exit_code, 0);
 }
 
 TEST_F(PaperLoop, TheSoundKeptGivesTheOnsetsOfTheLoop) {
-  ASSERT_EQ(run(command("out", "--drops 3 --keep-sound --quiet")).exit_code, 0);
+  ASSERT_EQ(run(loop(3, 40, "out", "--keep-sound --quiet")).exit_code, 0);
   ASSERT_EQ(run("detect out/sound/rough.*.flac --out again.csv --quiet").exit_code, 0);
   // but for the recordings' names the tables are the same
   std::string again = content_of(folder_ / "again.csv");
