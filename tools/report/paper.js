@@ -100,7 +100,7 @@ function paperSection(paper, simulation) {
                   eps: [Math.min(...densities.map(d => d.eps_edges[0])), Math.max(...densities.map(d => d.eps_edges.at(-1)))],
                   floor: -Math.ceil(Math.log10(Math.max(10, ...densities.map(d => Math.max(...d.counts.flat())))))};
   const pictures = twoPlaces('paper-law', 'Coefficient of restitution against impact speed: simulated, and detected in its sound',
-                             'Figures 1 and 2 of the paper, top. Colour: frequency relative to the most frequent cell, logarithmic; the same axes. Line: the law that went in.');
+                             'As figures 4 (simulation) and 1 (experiment) of the paper, top. Colour: frequency relative to the most frequent cell, logarithmic; the same axes. Line: the law that went in.');
   drawPaperDensity(pictures, 'simulation: macroscopic ε', simulation, ranges);
   drawPaperDensity(pictures, 'sound: eq. 2 on the times detected', fit, ranges);
   const bins = both.flatMap(f => f.histograms.filter(h => h.bins && h.bins.counts.length));
@@ -108,7 +108,7 @@ function paperSection(paper, simulation) {
     const heights = bins.flatMap(h => h.bins.counts.filter(c => c > 0).map(c => Math.log10(c / (h.n * (h.bins.eps_edges[1] - h.bins.eps_edges[0])))));
     const range = {eps: [Math.min(...bins.map(h => h.bins.eps_edges[0])), Math.max(...bins.map(h => h.bins.eps_edges.at(-1)))], p: [Math.min(...heights) - 0.1, Math.max(...heights) + 0.2]};
     const histogramsPlace = twoPlaces('paper-histograms', 'Distribution of ε at fixed speed: simulated, and detected in its sound',
-                                      'Figures 1 and 2 of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each, fitted. The same axes.' +
+                                      'As figures 4 (simulation) and 1 (experiment) of the paper, bottom: normalised frequency in windows of speed; lines: two exponentials each, fitted. The same axes.' +
                                       (bins.some(expectedDensity) ? ' Dashes: the closed form for the surface simulated, in both pictures the same; no parameter is fitted.' : ''));
     drawPaperHistograms(histogramsPlace, 'simulation', simulation, range);
     drawPaperHistograms(histogramsPlace, 'sound', fit, range);

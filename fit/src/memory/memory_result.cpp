@@ -109,7 +109,7 @@ std::string objections(const MemoryFit& fit) {
     add("impacts taken as independent are likelier: these fluctuations do not remember as those of a rough ball do");
   if (fit.anderson_darling && fit.anderson_darling->p_value <= kRejected)
     add("the impacts do not scatter as the model says (Anderson-Darling test of the probability transforms)");
-  if (fit.mechanism.p_value < kRejected) add("offset and width of the scatter want different roughness");
+  if (fit.mechanism.p_value <= kRejected) add("offset and width of the scatter want different roughness");
   return text;
 }
 
@@ -136,8 +136,10 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
   if (config.n_goodness > 0) {
     const Eigen::MatrixXd of_fitted = scores.topRows(n);
-    fit.anderson_darling = anderson_darling_with_memory(likelihood, theta, of_fitted * of_fitted.transpose(),
-                                                        config.n_goodness, config.seed);
+    const ModelTests tests = tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose(), fit.mechanism.z,
+                                              config.n_goodness, config.seed);
+    fit.anderson_darling = tests.anderson_darling;
+    fit.mechanism.p_value = tests.mechanism_p.value_or(fit.mechanism.p_value);
   }
   fit.message = objections(fit);
   fit.holds = fit.message.empty();

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
@@ -44,9 +45,9 @@ MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd&
   return test;
 }
 
-AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                             const Eigen::MatrixXd& information, std::size_t n_replicates,
-                                             std::uint64_t seed) {
+ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
+                            const Eigen::MatrixXd& information, double mechanism_z, std::size_t n_replicates,
+                            std::uint64_t seed) {
   const Chains design = thinned_chains(likelihood.chains(), kMostImpacts);
   const LawModel& model = likelihood.model();
   const bool with_release = likelihood.n_parameters() > likelihood.index_of_release();
@@ -57,18 +58,20 @@ AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood,
   const double height_sd_m = design.height_sd_m(parameters.q);
   const Eigen::MatrixXd white = whitening(information, 1e-9);
 
-  AndersonDarling result;
+  ModelTests tests;
+  AndersonDarling& result = tests.anderson_darling;
   result.a2 = statistic(MemoryLikelihood(design, model, with_release), theta);
   result.n_replicates = n_replicates;
-  std::vector<double> a2(n_replicates, 0.0);
+  std::vector<double> a2(n_replicates, 0.0), z(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{2} << 32U) + i);
     Chains drawn = design;
     for (Chain& chain : drawn.chains) chain = draw_chain(chain, law, parameters, height_sd_m, random);
     MemoryLikelihood again(drawn, model, with_release);
     again.plan_at(theta);
-    Eigen::VectorXd score;
-    again(theta, &score);
+    const Eigen::MatrixXd scores = again.scores_by_impact(theta);
+    const Eigen::VectorXd score = scores.topRows(theta.size()).rowwise().sum();
+    z[i] = score_test(again, scores, scores.rows() - 1).z;
     Eigen::VectorXd others(theta.size());
     for (double& x : others) x = random.normal();
     const Eigen::VectorXd in_white = white.transpose() * score + std::sqrt(1.0 - share) * others;
@@ -76,7 +79,14 @@ AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood,
   });
   const auto n_larger = std::count_if(a2.begin(), a2.end(), [&](double x) { return !(x < result.a2); });
   result.p_value = (1.0 + static_cast<double>(n_larger)) / (1.0 + static_cast<double>(n_replicates));
-  return result;
+  if (design.n_impacts == likelihood.chains().n_impacts) {
+    // of few drops the score is neither normal nor about zero
+    const double mean = std::accumulate(z.begin(), z.end(), 0.0) / static_cast<double>(n_replicates);
+    const auto n_farther = std::count_if(
+        z.begin(), z.end(), [&](double x) { return !(std::abs(x - mean) < std::abs(mechanism_z - mean)); });
+    tests.mechanism_p = (1.0 + static_cast<double>(n_farther)) / (1.0 + static_cast<double>(n_replicates));
+  }
+  return tests;
 }
 
 }  // namespace bouncelab::fit

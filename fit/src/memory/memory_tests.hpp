@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "bouncelab/fit/memory_fit.hpp"
 #include "memory/memory_likelihood.hpp"
@@ -18,11 +19,20 @@ double two_sided(double z);
 /// @param scores  by impact, a column each; rows: the n_fitted parameters that were fitted first, then others
 MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores, Eigen::Index tested);
 
+/// Does the model hold? Against samples drawn from it.
+struct ModelTests {
+  AndersonDarling anderson_darling;
+  /// Of the mechanism's score: probability that a sample's is as far from their mean. None where impacts are so many
+  /// that the score is normal.
+  std::optional<double> mechanism_p;
+};
+
 /// Anderson-Darling on the probability transforms of up to 4,000 impacts (whole chains, evenly chosen), against samples
 /// drawn from the model; each has the parameters that one step of scoring finds for it.
 /// @param information  of all impacts about theta
-AndersonDarling anderson_darling_with_memory(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
-                                             const Eigen::MatrixXd& information, std::size_t n_replicates,
-                                             std::uint64_t seed);
+/// @param mechanism_z  of the score test of the last parameter, the ratio of offset to width
+ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
+                            const Eigen::MatrixXd& information, double mechanism_z, std::size_t n_replicates,
+                            std::uint64_t seed);
 
 }  // namespace bouncelab::fit

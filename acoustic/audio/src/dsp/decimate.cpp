@@ -15,8 +15,8 @@
 namespace bouncelab::audio {
 namespace {
 
-constexpr std::int64_t kMostHeld = 3 << 20;  // samples, 12 MB: 13 minutes at 4 kHz
-constexpr std::int64_t kResultsAtOnce = 1 << 9;     // of the result
+constexpr std::int64_t kMostHeld = 3 << 20;      // samples, 12 MB: 13 minutes at 4 kHz
+constexpr std::int64_t kResultsAtOnce = 1 << 9;  // of the result
 
 std::vector<float> low_pass(int factor) {
   const int reach = 8 * factor;
