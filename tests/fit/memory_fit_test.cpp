@@ -37,7 +37,8 @@ RestitutionSamples drawn(const Drops& drops, std::uint64_t seed) {
     for (int k = 0; k < drops.impacts + 2; ++k) {
       if (!drops.memory) w = mean_w * random.exponential();
       mean_w += 2.0 * drops.q * (1.0 + eps(v)) * (1.0 + eps(v)) * v * v;
-      v *= restitution_with_memory(v, eps, drops.q, random.normal(), random.normal(), w);
+      const double z2 = random.normal(), z1 = random.normal();
+      v *= restitution_with_memory(v, eps, drops.q, z1, z2, w);
       w *= drops.kept;
       times.push_back(times.back() + 2.0 * v / 9.81);
     }

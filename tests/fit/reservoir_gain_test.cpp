@@ -32,7 +32,8 @@ Drawn drawn_drops(double q, int n_drops, double timing_s, std::uint64_t seed) {
     for (int k = 0; k <= kImpacts; ++k) {
       t_s += 2.0 * v / kGravity_mps2;
       times_s.push_back(t_s + timing_s * random.normal());
-      if (k < kImpacts) v *= restitution_with_memory(v, eps, q, random.normal(), random.normal(), w);
+      const double z2 = random.normal(), z1 = random.normal();
+      if (k < kImpacts) v *= restitution_with_memory(v, eps, q, z1, z2, w);
     }
     ImpactChain chain;
     for (std::size_t k = 1; k + 1 < times_s.size(); ++k) {

@@ -39,7 +39,8 @@ RestitutionSamples drops(bool with_memory) {
       s.impact = k;
       s.t_s = k;
       s.v_mps = v;
-      s.eps = restitution_with_memory(v, eps, kQ, random.normal(), random.normal(), w);
+      const double z2 = random.normal(), z1 = random.normal();
+      s.eps = restitution_with_memory(v, eps, kQ, z1, z2, w);
       s.conditions.ball_radius_m = 1e-6;  // these contacts have no height
       if (k > 0) samples.push_back(s);
       v *= s.eps;
