@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::cli_test {
 namespace {
@@ -90,6 +91,7 @@ TEST_F(PaperLoop, TheSoundKeptGivesTheOnsetsOfTheLoop) {
 }
 
 TEST_F(PaperLoop, AShortRunFindsItsImpactsAndSaysWhatItConcludes) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const Result result = run(loop(22, 40, "out", "--json"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json summary = Json::parse(result.out);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // --threads is what the program uses: its threads are counted from outside while it works.
 #include "program.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::cli_test {
 namespace {
@@ -19,6 +20,7 @@ class Threads : public ProgramTest {
 };
 
 TEST_F(Threads, AreAsManyAsAskedForInEveryCommandThatComputesLong) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << "sanitizers start threads of their own";
   ASSERT_EQ(run("simulate --drops 40 --impacts 95 --asperities 100000 --out i.csv").exit_code, 0);
   std::string samples = "drop,impact,v_mps,eps,sigma_eps\n";
   for (int k = 0; k < 20000; ++k)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bouncelab/core/random.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -43,6 +44,7 @@ Conclusion about(const std::vector<Conclusion>& all, const std::string& word) {
 }
 
 TEST(Conclusions, AllHoldForTwoExponentialsThatNarrowAsTheSpeedGrows) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const FitResult fit = fit_all(rough(), {}), smooth = fit_all(rough(1e-3), {});
   for (const Conclusion& c : paper_conclusions(fit, &smooth, SeriesLaw{})) EXPECT_TRUE(c.holds) << c.claim;
   const Conclusion growth = about(paper_conclusions(fit, &smooth, SeriesLaw{}), "grows");
@@ -70,6 +72,7 @@ TEST(Conclusions, PeaksBesideTheLawAreSeen) {
 }
 
 TEST(Conclusions, AScatterThatAsperitiesDoNotMakeIsSeen) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   const FitResult fit = fit_all(rough(), {}), not_so_smooth = fit_all(rough(0.3), {});
   EXPECT_FALSE(about(paper_conclusions(fit, &not_so_smooth, SeriesLaw{}), "asperities").holds);
 }

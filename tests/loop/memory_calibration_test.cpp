@@ -10,6 +10,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/theory.hpp"
+#include "support/sanitizers.hpp"
 
 namespace bouncelab::loop {
 namespace {
@@ -76,6 +77,7 @@ TEST(MemoryCalibration, RefusesWhatCannotBeDrawn) {
 }
 
 TEST(MemoryCalibration, FindsTheTruthThatWentInAndItsTablesAddUp) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   MemoryConditions in_air = small_conditions(1);
   in_air.drag = true;
   MemoryConditions by_sound = small_conditions(3);
