@@ -2,6 +2,7 @@
 #include "bouncelab/fit/fit.hpp"
 
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/fit/roughness.hpp"
 #include "text/findings.hpp"
 #include "usable_samples.hpp"
 
@@ -31,6 +32,15 @@ MemoryFitConfig with_memory(const FitConfig& config, const LawFit& main) {
   return memory;
 }
 
+/// Only where they are is it known that intervals of the fit with memory cover (bouncelab calibrate --memory).
+bool drops_are_long(const RestitutionSamples& samples) {
+  constexpr std::size_t kFewestDrops = 5, kFewestImpactsADrop = 30;
+  std::size_t n_drops = samples.empty() ? 0 : 1;
+  for (std::size_t k = 1; k < samples.size(); ++k)
+    n_drops += samples[k].drop != samples[k - 1].drop || samples[k].recording != samples[k - 1].recording;
+  return n_drops >= kFewestDrops && samples.size() >= kFewestImpactsADrop * n_drops;
+}
+
 RestitutionSamples without(const RestitutionSamples& samples, const std::vector<std::size_t>& outliers) {
   RestitutionSamples kept;
   auto next = outliers.begin();
@@ -44,7 +54,7 @@ RestitutionSamples without(const RestitutionSamples& samples, const std::vector<
 
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
-  const double n_steps = config.memory ? 7.0 : 6.0;
+  const double n_steps = config.memory == UseMemory::never ? 6.0 : 7.0;
   double n_done = 0.0;
   const auto step = [&] {
     if (progress) progress(n_done, n_steps);
@@ -59,9 +69,10 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   main.compare_laws = true;
   result.law = fit_law(used, main);
   step();
-  if (config.memory) {
+  if (config.memory != UseMemory::never) {
     // the impacts as they followed each other, outliers among them: where one is missing a chain ends
-    result.memory = fit_memory(used, result.law, with_memory(config, result.law));
+    if (config.memory == UseMemory::always || drops_are_long(used))
+      result.memory = fit_memory(used, result.law, with_memory(config, result.law));
     step();
   }
   // what the law cannot explain would widen every other fit
@@ -94,6 +105,8 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.first_left_out = left_out.first;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
   result.warnings = warnings_of(result, used);
+  if (config.memory == UseMemory::always && !result.memory->holds)
+    result.warnings.insert(result.warnings.begin(), in_words(*result.memory));
   result.findings = findings_of(result);
   return result;
 }

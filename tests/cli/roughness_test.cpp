@@ -53,6 +53,25 @@ TEST_F(RoughnessCommand, OfAFitWithMemoryIsPrintedBesideTheIndependentLikelihood
   EXPECT_EQ(f.at("hand_off").at("snippets").back().at("program"), "C++");
 }
 
+TEST_F(RoughnessCommand, OfLongDropsAFitHasAMemoryUnasked) {
+  simulate_samples();
+  ASSERT_EQ(run("fit s.csv --goodness-replicates 0 --out auto.json --quiet").exit_code, 0);
+  ASSERT_EQ(run("fit s.csv --goodness-replicates 0 --method memory --out memory.json --quiet").exit_code, 0);
+  ASSERT_EQ(run("fit s.csv --goodness-replicates 0 --method asymmetric-laplace --out without.json --quiet").exit_code,
+            0);
+  EXPECT_EQ(found("auto.json").at("memory"), found("memory.json").at("memory"));
+  EXPECT_FALSE(found("without.json").contains("memory"));
+}
+
+TEST_F(RoughnessCommand, OfSoundWithLongDropsIsInTheAnalysis) {
+  ASSERT_EQ(run("simulate --drops 5 --impacts 45 --out i.csv --quiet").exit_code, 0);
+  ASSERT_EQ(run("synthesize i.csv --out drops.wav --quiet").exit_code, 0);
+  ASSERT_EQ(run("analyze drops.wav --goodness-replicates 0 --out a --quiet").exit_code, 0);
+  const auto memory = found("a/fit.json").at("memory");
+  EXPECT_EQ(memory.at("holds"), true) << memory.at("message");
+  EXPECT_THAT(content_of(folder_ / "a/report.html"), testing::HasSubstr("Do the fluctuations remember?"));
+}
+
 TEST_F(RoughnessCommand, OfTooFewImpactsSaysHowManyItNeeds) {
   std::string samples = "drop,impact,v_mps,eps\n";
   for (int k = 1; k < 40; ++k)

@@ -51,7 +51,7 @@ RestitutionSamples drops(bool with_memory) {
 
 FitConfig with_memory() {
   FitConfig config;
-  config.memory = true;
+  config.memory = UseMemory::always;
   config.n_goodness = 0;
   return config;
 }
@@ -63,7 +63,7 @@ const FitResult& of_a_rough_ball() {
 
 TEST(MemoryOfFitAll, IsFittedBesideTheMainLawWhichItLeavesAlone) {
   FitConfig without = with_memory();
-  without.memory = false;
+  without.memory = UseMemory::never;
   const FitResult alone = fit_all(drops(true), without);
   const FitResult& both = of_a_rough_ball();
   ASSERT_TRUE(both.memory);
@@ -148,6 +148,32 @@ TEST(MemoryOfFitAll, OfIndependentImpactsIsWarnedOfAndNotHandedOn) {
   for (const Snippet& snippet : result.dem_export->snippets)
     EXPECT_THAT(snippet.text, ::testing::Not(::testing::HasSubstr("restitution_with_memory")));
   EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("memory").at("holds"), false);
+}
+
+TEST(MemoryOfFitAll, WhereLongIsMadeOfFiveDropsOfThirtyImpactsAndNotOfLess) {
+  FitConfig config = with_memory();
+  config.memory = UseMemory::where_long;
+  config.compare_recordings = false;
+  const RestitutionSamples all = drops(true);
+  const auto part = [&](std::int64_t n_drops, std::int64_t n_impacts) {
+    RestitutionSamples samples;
+    for (const RestitutionSample& s : all)
+      if (s.drop < n_drops && s.impact <= n_impacts) samples.push_back(s);
+    EXPECT_EQ(samples.size(), static_cast<std::size_t>(n_drops * n_impacts));
+    return samples;
+  };
+  EXPECT_TRUE(fit_all(part(5, 30), config).memory);
+  EXPECT_FALSE(fit_all(part(4, 30), config).memory);
+  EXPECT_FALSE(fit_all(part(5, 29), config).memory);
+}
+
+TEST(MemoryOfFitAll, WhereLongSaysNothingOfAFailureThatNobodyAskedAbout) {
+  FitConfig config = with_memory();
+  config.memory = UseMemory::where_long;
+  const FitResult result = fit_all(drops(false), config);
+  ASSERT_TRUE(result.memory);
+  EXPECT_FALSE(result.memory->holds);
+  EXPECT_THAT(result.warnings, ::testing::Not(::testing::Contains(::testing::HasSubstr("memory"))));
 }
 
 TEST(MemoryOfFitAll, IsAStepOfTheProgress) {

@@ -162,7 +162,6 @@ std::vector<std::string> warnings_of(const RestitutionSamples& used, const LeftO
 std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& used) {
   std::vector<std::string> warnings;
   if (disagree(result.recordings)) warnings.push_back(in_words(result.recordings));
-  if (result.memory && !result.memory->holds) warnings.push_back(in_words(*result.memory));
   warn_of_law(result.law, warnings);
   warn_of_timing(result.budget, warnings);
   const std::vector<std::string> of_samples = warnings_of(used, {result.n_left_out, result.first_left_out});

@@ -104,9 +104,6 @@ void split_sound_stage(LoopResult& loop) {
   stages.insert(sound + 1, {"detect", detect_s});
 }
 
-/// Of fewer samples the fit with memory, thirty for each of its parameters, says little for the time it takes.
-constexpr std::size_t kEnoughForMemory = 150;
-
 void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
   const auto samples_of = [&](const Onsets& onsets) {
     return fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples;
@@ -120,7 +117,7 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
   loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
   const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
     fit::FitConfig this_config = fit_config;
-    this_config.memory = memory && samples.size() >= kEnoughForMemory;
+    if (memory) this_config.memory = fit::UseMemory::where_long;
     result = fit::fit_all(samples, this_config);
   };
   if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, 4.0);

@@ -28,6 +28,7 @@ void add_choice(CLI::App& app, const std::string& name, Set set,
 }  // namespace
 
 void add_fit_options(CLI::App& app, FitOptions& options) {
+  options.config.memory = fit::UseMemory::where_long;
   app.add_option("--nodes", options.config.law.node_speeds_mps,
                  "Speeds at which eps(v) is reported, m/s; default 0.25 0.6 1.2, or within the data")
       ->check(within(1e-6, 1e3))
@@ -43,7 +44,7 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
       "Form of the law");
   struct Method {
     fit::LawMethod law;
-    bool memory = false;
+    fit::UseMemory memory = fit::UseMemory::never;
   };
   add_choice<Method>(
       app, "--method",
@@ -51,12 +52,14 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
         options.config.law.method = method.law;
         options.config.memory = method.memory;
       },
-      {{"asymmetric-laplace", {fit::LawMethod::asymmetric_laplace}},
+      {{"auto", {fit::LawMethod::asymmetric_laplace, fit::UseMemory::where_long}},
+       {"asymmetric-laplace", {fit::LawMethod::asymmetric_laplace}},
        {"least-squares", {fit::LawMethod::least_squares}},
        {"least-absolute", {fit::LawMethod::least_absolute}},
-       {"memory", {fit::LawMethod::asymmetric_laplace, true}}},
+       {"memory", {fit::LawMethod::asymmetric_laplace, fit::UseMemory::always}}},
       "asymmetric-laplace (eps(v) is the peak), least-squares (the mean), least-absolute (the median) or memory: "
-      "asymmetric-laplace, and beside it the likelihood of each impact given the drop's earlier ones");
+      "asymmetric-laplace, and beside it the likelihood of each impact given the drop's earlier ones; auto: memory "
+      "from 5 drops of 30 impacts on average on");
   app.add_option("--bootstrap", options.config.law.n_bootstrap, "Replicates of the bootstrap by drop, 0 = none")
       ->check(within(0, 100000));
   app.add_option("--goodness-replicates", options.config.n_goodness,

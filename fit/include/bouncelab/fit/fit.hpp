@@ -25,10 +25,17 @@
 
 namespace bouncelab::fit {
 
+/// When the fit with memory is made beside the main one.
+enum class UseMemory {
+  never,
+  where_long,  ///< from 5 drops of 30 impacts on average on; its tests decide whether its eps(v) is the answer
+  always
+};
+
 struct FitConfig {
   LawFitConfig law;             ///< the main fit; the others use its nodes
   std::size_t n_goodness = 99;  ///< replicates of the main fit's Anderson-Darling test, 0: none; likewise with memory
-  bool memory = false;          ///< fill FitResult::memory: same form of law, same nodes as the main fit
+  UseMemory memory = UseMemory::never;  ///< fill FitResult::memory: same form of law, same nodes as the main fit
   HistogramConfig histograms;
   BudgetConfig budget;                  ///< where the samples say nothing of themselves (budget_config_of)
   std::optional<double> dem_speed_mps;  ///< absent: the middle node
@@ -47,7 +54,7 @@ struct FitResult {
   LawFit law;                                     ///< as configured; by default the asymmetric Laplace
   LawFit law_least_squares, law_least_absolute;
   LawFit law_viscoelastic;
-  std::optional<MemoryFit> memory;  ///< where asked for; the main law is what it is without
+  std::optional<MemoryFit> memory;  ///< see FitConfig::memory; the main law is what it is without
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   Recordings recordings;
