@@ -23,12 +23,13 @@ struct Evaluated {
 class WhitenedCost final : public ceres::FirstOrderFunction {
  public:
   WhitenedCost(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& whitening,
-               double loglik_at_start, Evaluated& last, int& n_evaluations)
+               double loglik_at_start, Evaluated& last, Evaluated& best, int& n_evaluations)
       : loglik_(loglik),
         start_(start),
         whitening_(whitening),
         at_start_(loglik_at_start),
         last_(last),
+        best_(best),
         n_(n_evaluations) {}
 
   bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
@@ -39,6 +40,7 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
       const double value = loglik_(start_ + whitening_ * y, &by_x);
       if (!std::isfinite(value) || !by_x.allFinite()) return false;
       last_ = {y, whitening_.transpose() * by_x, value};
+      if (value > best_.loglik) best_ = last_;
     }
     *cost = at_start_ - last_.loglik;
     if (gradient) Eigen::Map<Eigen::VectorXd>(gradient, start_.size()) = -last_.gradient_by_y;
@@ -51,7 +53,7 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
   const Eigen::VectorXd& start_;
   const Eigen::MatrixXd& whitening_;
   double at_start_;
-  Evaluated& last_;
+  Evaluated &last_, &best_;
   int& n_;
 };
 
@@ -112,11 +114,14 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   const Eigen::MatrixXd white = whitening(information, 1e-6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
   Evaluated last{y, white.transpose() * gradient, result.loglik};
-  const WhitenedCost cost(loglik, start, white, result.loglik, last, result.n_evaluations);
+  Evaluated best = last;
+  const WhitenedCost cost(loglik, start, white, result.loglik, last, best, result.n_evaluations);
   ceres::GradientProblem problem(new WhitenedCost(cost));
   ceres::GradientProblemSolver::Summary summary;
   const QuietCeres quiet;
   ceres::Solve(solver_options(tolerance), problem, y.data(), &summary);
+  // a search that fails, as where steps end in the impossible, gives nothing of what it found
+  if (!summary.IsSolutionUsable()) y = best.y;
   result.x = start + white * y;
   if (double ignored = 0.0; last.y != y && !cost.Evaluate(y.data(), &ignored, nullptr)) return result;
   result.loglik = last.loglik;
