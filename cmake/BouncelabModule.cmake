@@ -8,7 +8,10 @@ function(bouncelab_add_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE")
   add_library(bouncelab_${name} STATIC)
   add_library(bouncelab::${name} ALIAS bouncelab_${name})
-  set_target_properties(bouncelab_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(bouncelab_${name} PROPERTIES EXPORT_NAME ${name})
+  if(NOT EMSCRIPTEN)  # a module of WebAssembly would only be larger
+    set_target_properties(bouncelab_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   target_compile_features(bouncelab_${name} PUBLIC cxx_std_20)
   list(TRANSFORM arg_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/include/bouncelab/${name}/)
   target_sources(bouncelab_${name}

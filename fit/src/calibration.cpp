@@ -22,7 +22,6 @@ const std::vector<double> kNodeSpeeds_mps{0.25, 0.6, 1.2};
 const std::vector<double> kWindows_mps{0.3, 0.6, 1.0};
 constexpr double kWindowWidth_mps = 0.1;
 constexpr double kLowestHeight = 0.9;    // of the highest
-constexpr double kNoSlip = 5.0 / 7.0;    // c of a solid ball
 constexpr std::size_t kSamplesMax = 95;  // of a drop, as in the paper
 
 void check(const CalibrationConfig& c) {
@@ -32,6 +31,7 @@ void check(const CalibrationConfig& c) {
   require(c.n_samples >= 100, "samples per seed " + std::to_string(c.n_samples) + ": at least 100");
   require(c.n_seeds >= 2, "seeds " + std::to_string(c.n_seeds) + ": at least 2");
   require(c.offset_variance > 0.0 && c.offset_variance <= 1e-3, "variance of the offset: must be in (0, 0.001]");
+  require(c.inertia_factor > 0.0 && c.inertia_factor <= 1.0, "J/(m R^2): must be in (0, 1]");
   require(c.sigma_eps_at_1mps >= 0.0, "timing error of eps: must not be negative");
   require(c.v_lo_mps > 0.0 && c.v_hi_mps > 1.2 * c.v_lo_mps,
           "speeds: the highest must be 1.2 times the lowest or more");
@@ -68,7 +68,8 @@ class Scatter {
   }
 
   LaplaceSides at(double v_mps) const {
-    const double unit = kNoSlip * (1.0 + restitution(config_.law, v_mps)) * config_.offset_variance;
+    const double unit =
+        no_slip_factor(config_.inertia_factor) * (1.0 + restitution(config_.law, v_mps)) * config_.offset_variance;
     double below = 0.0, above = 0.0, n = 0.0;
     for (const Path& path : paths_) {
       if (v_mps >= path.v_mps.front()) continue;
@@ -236,18 +237,53 @@ std::vector<Estimate> estimates_of(const RestitutionSamples& samples, const LawF
   return estimates;
 }
 
-CalibrationResult calibrate_on_these_threads(const CalibrationConfig& config, const ProgressCallback& progress) {
-  CalibrationResult result;
-  result.rows = rows_of(config);
-  std::vector<Sums> sums(result.rows.size());
+}  // namespace
+
+RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uint64_t index) {
+  Random random(config.seed, RandomStream::test, index);
+  const double spread = std::sqrt(config.offset_variance), c = no_slip_factor(config.inertia_factor);
+  RestitutionSamples samples;
+  for (std::int64_t drop = 0; samples.size() < config.n_samples; ++drop) {
+    double v = config.v_hi_mps * std::sqrt(random.uniform(kLowestHeight, 1.0));
+    double u[2] = {0.0, 0.0};  // velocity gained sideways and by spin
+    for (std::size_t k = 0; k <= kSamplesMax && v >= config.v_lo_mps && samples.size() < config.n_samples; ++k) {
+      const double e = restitution(config.law, v), theta[2] = {spread * random.normal(), spread * random.normal()};
+      const double eps =
+          e + (1.0 + e) * ((theta[0] * u[0] + theta[1] * u[1]) / v - c * (square(theta[0]) + square(theta[1])));
+      const double sigma = config.sigma_eps_at_1mps / v, error = sigma * random.normal();
+      if (k > 0) {
+        RestitutionSample s;
+        s.drop = drop;
+        s.impact = static_cast<std::int64_t>(k);
+        s.v_mps = v;
+        s.eps = eps + error;
+        if (sigma > 0.0) s.sigma_eps = sigma;
+        samples.push_back(s);
+      }
+      for (int i = 0; i < 2; ++i) u[i] -= c * (1.0 + e) * v * theta[i];
+      v *= eps;
+    }
+  }
+  return samples;
+}
+
+std::vector<Estimate> calibrate_seed(const CalibrationConfig& config, std::size_t index) {
+  validate(config.law);
+  check(config);
   LawFitConfig fit_config;
   fit_config.orders = orders_of(config.law);
   fit_config.node_speeds_mps = kNodeSpeeds_mps;
   fit_config.intervals = config.intervals;
-  const HistogramConfig windows{windows_of(config), kWindowWidth_mps};
-  for (std::size_t i = 0; i < config.n_seeds; ++i) {
-    if (progress) progress(static_cast<double>(i), static_cast<double>(config.n_seeds));
-    const std::vector<Estimate> found = estimates_of(calibration_samples(config, i), fit_config, windows);
+  return estimates_of(calibration_samples(config, index), fit_config, {windows_of(config), kWindowWidth_mps});
+}
+
+CalibrationResult calibration_result(const CalibrationConfig& config, const std::vector<std::vector<Estimate>>& seeds) {
+  validate(config.law);
+  check(config);
+  CalibrationResult result;
+  result.rows = rows_of(config);
+  std::vector<Sums> sums(result.rows.size());
+  for (const std::vector<Estimate>& found : seeds) {
     if (found.size() != sums.size()) {
       ++result.n_failed;
       continue;
@@ -259,41 +295,16 @@ CalibrationResult calibrate_on_these_threads(const CalibrationConfig& config, co
   return result;
 }
 
-}  // namespace
-
-RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uint64_t index) {
-  Random random(config.seed, RandomStream::test, index);
-  const double spread = std::sqrt(config.offset_variance);
-  RestitutionSamples samples;
-  for (std::int64_t drop = 0; samples.size() < config.n_samples; ++drop) {
-    double v = config.v_hi_mps * std::sqrt(random.uniform(kLowestHeight, 1.0));
-    double u[2] = {0.0, 0.0};  // velocity gained sideways and by spin
-    for (std::size_t k = 0; k <= kSamplesMax && v >= config.v_lo_mps && samples.size() < config.n_samples; ++k) {
-      const double e = restitution(config.law, v), theta[2] = {spread * random.normal(), spread * random.normal()};
-      const double eps =
-          e + (1.0 + e) * ((theta[0] * u[0] + theta[1] * u[1]) / v - kNoSlip * (square(theta[0]) + square(theta[1])));
-      const double sigma = config.sigma_eps_at_1mps / v, error = sigma * random.normal();
-      if (k > 0) {
-        RestitutionSample s;
-        s.drop = drop;
-        s.impact = static_cast<std::int64_t>(k);
-        s.v_mps = v;
-        s.eps = eps + error;
-        if (sigma > 0.0) s.sigma_eps = sigma;
-        samples.push_back(s);
-      }
-      for (int i = 0; i < 2; ++i) u[i] -= kNoSlip * (1.0 + e) * v * theta[i];
-      v *= eps;
-    }
-  }
-  return samples;
-}
-
 CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallback& progress) {
-  validate(config.law);
-  check(config);
   CalibrationResult result;
-  with_threads(config.n_threads, [&] { result = calibrate_on_these_threads(config, progress); });
+  with_threads(config.n_threads, [&] {
+    std::vector<std::vector<Estimate>> seeds;
+    for (std::size_t i = 0; i < config.n_seeds; ++i) {
+      if (progress) progress(static_cast<double>(i), static_cast<double>(config.n_seeds));
+      seeds.push_back(calibrate_seed(config, i));
+    }
+    result = calibration_result(config, seeds);
+  });
   return result;
 }
 

@@ -107,6 +107,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.warnings = warnings_of(result, used);
   if (config.memory == UseMemory::always && !result.memory->holds)
     result.warnings.insert(result.warnings.begin(), in_words(*result.memory));
+  result.answer = plain_answer(result, samples);
   result.findings = findings_of(result);
   return result;
 }

@@ -17,6 +17,7 @@ Roughness equivalent_surfaces(const Estimate& q, double inertia_factor) {
     throw InvalidArgument("inertia factor J/(m R^2) = " + std::to_string(inertia_factor) + ": must be in (0, 1]");
   Roughness r;
   r.q = q;
+  r.inertia_factor = inertia_factor;
   r.s2_no_slip = q.value * (1.0 + inertia_factor);
   r.s2_frictionless = q.value * inertia_factor;
   r.rms_tilt_no_slip_deg = std::sqrt(2.0 * r.s2_no_slip) * 180.0 / std::numbers::pi;
@@ -28,8 +29,6 @@ Roughness equivalent_surfaces(const Estimate& q, double inertia_factor) {
 
 RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config) {
   RoughnessResult result;
-  result.inertia_factor = config.inertia_factor;
-  equivalent_surfaces({}, config.inertia_factor);  // refuses a wrong factor before any work
   LeftOut left_out;
   const RestitutionSamples used = usable_samples(samples, left_out);
   with_threads(config.n_threads, [&] {
@@ -44,10 +43,9 @@ RoughnessResult measure_roughness(const RestitutionSamples& samples, const Rough
     result.memory = fit_memory(used, independent, memory);
     if (!independent.outliers.empty()) left_out.n["outlier"] = independent.outliers.size();
   });
-  if (result.memory.status == FitStatus::ok)
-    result.surface = equivalent_surfaces(result.memory.roughness.q, config.inertia_factor);
   result.n_left_out = left_out.n;
   result.warnings = warnings_of(used, left_out);
+  if (const std::string open = open_without_ball(result.memory); !open.empty()) result.warnings.push_back(open);
   return result;
 }
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/sim/experiment.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 #include <sstream>
+#include <utility>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -115,7 +119,7 @@ std::vector<std::string> warnings_about(const SimulationResult& result) {
   if (n_left > 0) warnings.push_back(std::to_string(n_left) + " drops ended early: the ball left the plate");
   if (result.energy.n_creating > 0) {
     std::ostringstream out;
-    out << result.energy.n_creating << " of " << result.impacts.rows.size() << " impacts created energy, "
+    out << result.energy.n_creating << " of " << result.n_impacts << " impacts created energy, "
         << result.energy.created_j / result.energy.released_j << " of what was released (the contact model allows it)";
     warnings.push_back(out.str());
   }
@@ -139,6 +143,9 @@ void validate(const SimulationConfig& c) {
   require(c.drop_height_min_m > 0.0, "least drop height", c.drop_height_min_m, "> 0 m");
   require(c.drop_height_max_m >= c.drop_height_min_m && std::isfinite(c.drop_height_max_m), "greatest drop height",
           c.drop_height_max_m, "not below the least drop height");
+  if (c.patch_plate && !(c.ball.material.hertzian && c.patch_plate->hertzian))
+    throw InvalidArgument("the area of contact of " + to_text(c.ball) + " on " + plate_text(*c.patch_plate) +
+                          " is not known: Hertz's theory does not hold for it");
   if (c.air) {
     require(c.air->density_kgpm3 > 0.0, "density of the air", c.air->density_kgpm3, "> 0 kg/m^3");
     require(c.air->viscosity_pas > 0.0, "viscosity of the air", c.air->viscosity_pas, "> 0 Pa s");
@@ -203,27 +210,57 @@ DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelop
   return result;
 }
 
-SimulationResult simulate(const SimulationConfig& config, const Surface& surface, const ProgressCallback& progress) {
+void simulate_each(const SimulationConfig& config, const Surface& surface, const std::vector<std::int64_t>& drops,
+                   const DropSink& sink, const ProgressCallback& progress) {
   validate(config);
-  const ProgressCallback not_yet = [&](double, double) { progress(0.0, static_cast<double>(config.n_drops)); };
+  const auto total = static_cast<double>(drops.size());
+  const ProgressCallback not_yet = [&](double, double) { progress(0.0, total); };
   const Envelope envelope(config.ball, surface, config.n_threads, progress ? not_yet : ProgressCallback{});
-  std::vector<DropResult> drops(static_cast<std::size_t>(config.n_drops));
   std::mutex mutex;
-  std::int64_t n_done = 0;
+  std::size_t n_done = 0;
   parallel_for(drops.size(), config.n_threads, [&](std::size_t k) {
-    drops[k] = simulate_drop(config, envelope, config.first_drop + static_cast<std::int64_t>(k));
-    if (!progress) return;
+    DropResult drop = simulate_drop(config, envelope, drops[k]);
     const std::lock_guard lock(mutex);
-    progress(static_cast<double>(++n_done), static_cast<double>(config.n_drops));
+    sink(k, std::move(drop));
+    if (progress) progress(static_cast<double>(++n_done), total);
   });
+}
+
+void SimulationCounts::add(std::size_t k, const DropResult& drop) {
+  if (drops_.size() <= k) drops_.resize(k + 1);
+  Drop& counted = drops_[k];
+  counted.energy = drop.energy;
+  counted.end = drop.end;
+  counted.n_impacts = std::ssize(drop.impacts.rows);
+  counted.n_smooth = std::count_if(drop.impacts.rows.begin(), drop.impacts.rows.end(),
+                                   [](const Impact& impact) { return impact.asperity < 0; });
+}
+
+SimulationResult SimulationCounts::result() const {
   SimulationResult result;
-  for (const DropResult& drop : drops) {
-    append(result.impacts, drop.impacts);
+  for (const Drop& drop : drops_) {
     result.energy.add(drop.energy);
     ++result.n_ended[static_cast<std::size_t>(drop.end)];
-    for (const Impact& impact : drop.impacts.rows) result.n_smooth += impact.asperity < 0 ? 1 : 0;
+    result.n_impacts += drop.n_impacts;
+    result.n_smooth += drop.n_smooth;
   }
   result.warnings = warnings_about(result);
+  return result;
+}
+
+SimulationResult simulate(const SimulationConfig& config, const Surface& surface, const ProgressCallback& progress) {
+  validate(config);
+  std::vector<std::int64_t> numbers(static_cast<std::size_t>(config.n_drops));
+  std::iota(numbers.begin(), numbers.end(), config.first_drop);
+  std::vector<Impacts> impacts(numbers.size());
+  SimulationCounts counts;
+  const auto take = [&](std::size_t k, DropResult&& drop) {
+    counts.add(k, drop);
+    impacts[k] = std::move(drop.impacts);
+  };
+  simulate_each(config, surface, numbers, take, progress);
+  SimulationResult result = counts.result();
+  for (const Impacts& drop : impacts) append(result.impacts, drop);
   return result;
 }
 

@@ -41,6 +41,7 @@ TEST_F(Convert, ThroughEveryFormatAndBackIsTheSameTable) {
 TEST_F(Convert, MarksCorrectedByHandGoOnToRestitution) {
   ASSERT_EQ(run("convert o.csv --to m.txt").exit_code, 0);
   std::string labels = content_of(folder_ / "m.txt");
+  EXPECT_THAT(labels, testing::HasSubstr("\t0.1 clipped|doubtful\n"));
   // the doubtful one is moved by 2 ms, one more is found at the end
   const std::string doubtful = "0.7000000987654321\t0.7000000987654321\t";
   labels.replace(labels.find(doubtful), doubtful.size(), "0.698000\t0.698000\t");

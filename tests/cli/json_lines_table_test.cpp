@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <sstream>
 
 #include "bouncelab/core/error.hpp"
@@ -21,7 +22,7 @@ const std::vector<ColumnSpec> kWanted{{"drop", ColumnType::integer, false},
 
 Table read(const std::string& text) {
   std::istringstream in(text);
-  return read_json_lines(in, "a.jsonl", kWanted);
+  return json_lines_reader(in, "a.jsonl", kWanted)->next(SIZE_MAX);
 }
 
 std::string message_of(const std::string& text) {
@@ -42,6 +43,32 @@ TEST(JsonLines, AColumnThatAppearsInALaterRowIsThere) {
   EXPECT_TRUE(std::isnan(table.reals("t_s")->at(2)));
   EXPECT_EQ(table.place_of(0), "line 1");
   EXPECT_EQ(table.place_of(1), "line 3");
+}
+
+TEST(JsonLines, InPiecesAColumnIsThereFromTheFirstRowThatHasIt) {
+  std::istringstream in("{\"t_s\":1}\n\n{\"t_s\":2,\"sigma_t_s\":0.5}\n{\"t_s\":3}\n");
+  const auto reader = json_lines_reader(in, "a.jsonl", kWanted);
+  const Table first = reader->next(1), second = reader->next(1), third = reader->next(7), none = reader->next(7);
+  EXPECT_FALSE(first.has("sigma_t_s"));
+  EXPECT_EQ(*second.reals("sigma_t_s"), std::vector<double>{0.5});
+  EXPECT_EQ(second.place_of(0), "line 3");
+  EXPECT_EQ(*third.reals("t_s"), std::vector<double>{3.0});
+  EXPECT_TRUE(std::isnan(third.reals("sigma_t_s")->front()));
+  EXPECT_EQ(third.place_of(0), "line 4");
+  EXPECT_EQ(none.n_rows(), 0U);
+  EXPECT_TRUE(none.has("t_s"));
+}
+
+TEST(JsonLines, InPiecesIntegersAreInAllRowsOrInNone) {
+  std::istringstream in("{\"t_s\":1}\n{\"t_s\":2,\"drop\":0}\n");
+  const auto reader = json_lines_reader(in, "a.jsonl", kWanted);
+  reader->next(1);
+  try {
+    reader->next(1);
+    FAIL() << "a drop in the second row only";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("line 1: the key 'drop' is missing, but line 2 has it"));
+  }
 }
 
 TEST(JsonLines, AColumnInNoRowIsAbsent) {

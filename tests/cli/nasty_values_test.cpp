@@ -23,6 +23,7 @@ const std::vector<NastyCommand> kNastyCommands{
     {"restitution", "restitution t.csv --out o.csv --force --quiet"},
     {"fit", "fit s.csv --out f.json --goodness-replicates 0 --force --quiet"},
     {"roughness", "roughness s.csv --out g.json --goodness-replicates 0 --force --quiet"},
+    {"compare", "compare s.csv --out c --force --quiet"},
     {"report", "report folder --force --quiet"},
     {"calibrate", "calibrate --samples 100 --seeds 2 --covariance-intervals --quiet"},
     {"analyze", "analyze r.wav --out o --goodness-replicates 0 --force --quiet"},

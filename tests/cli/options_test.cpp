@@ -41,7 +41,7 @@ TEST_F(Options, RealsAreDecimalFiniteAndInTheirRange) {
   expect_wrong("--gravity nan", {"--gravity", "'nan'", "finite decimal number from 0.001 to 1000"});
   expect_wrong("--gravity inf", {"--gravity"});
   expect_wrong("--gravity 0x1p3", {"--gravity"});
-  expect_wrong("--radius 1e-300", {"--radius", "'1e-300'", "from 1e-06 to 10"});
+  expect_wrong("--ball steel:1e-300m", {"--ball", "'1e-300m'", "from 2 um to 20 m"});
   expect_wrong("--max-time inf", {"--max-time"});
   write("s.csv", "v_mps,eps\n1,0.9\n");
   for (const std::string option : {"--nodes", "--hand-off-speed", "--windows", "--window-width"})
@@ -58,9 +58,9 @@ TEST_F(Options, ListsOfTheWrongLengthAreRefusedWithTheRightOne) {
   expect_wrong("--spin 1,2,3,4", {"--spin"});
   expect_wrong("--start 1,2,3", {"--start", "2 finite decimal numbers", "X,Y"});
   expect_wrong("--velocity 1", {"--velocity"});
-  expect_wrong("--plate 0.1", {"--plate"});
-  expect_wrong("--plate 0.1,", {"--plate"});
-  expect_wrong("--plate 0.1,nan", {"--plate"});
+  expect_wrong("--plate-size 0.1", {"--plate-size"});
+  expect_wrong("--plate-size 0.1,", {"--plate-size"});
+  expect_wrong("--plate-size 0.1,nan", {"--plate-size"});
   expect_wrong("--height 0.2,-0.1", {"--height", "from 1e-06 to 1000"});
   write("o.csv", "t_s\n0.1\n0.2\n0.3\n");
   expect_one_line_error(run("restitution o.csv --out s.csv --sensor-position 1"), 2, {"--sensor-position", "X,Y"});

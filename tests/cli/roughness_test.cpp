@@ -36,14 +36,20 @@ TEST_F(RoughnessCommand, FindsThatOfTheSimulatedBall) {
   EXPECT_EQ(found("r.json").at("holds"), true);
   EXPECT_THAT(content_of(folder_ / "r.json.meta.json"), testing::HasSubstr("s.csv"));
   expect_one_line_error(run("roughness s.csv --out r.json"), 3, {"r.json", "--force"});
-  expect_one_line_error(run("roughness s.csv --inertia-factor 0"), 2, {"--inertia-factor", "0.001 to 1"});
+  EXPECT_EQ(found("r.json").at("roughness").at("ball"), "steel:6mm");  // from the simulation, through the samples
+  expect_one_line_error(run("roughness s.csv --ball steel:6mm,inertia=0"), 2, {"--ball", "0.001 to 1"});
+  const Result shell =
+      run("roughness s.csv --goodness-replicates 0 --ball steel:6mm,inertia=0.6666666666666666 --json");
+  const auto of_shell = nlohmann::json::parse(shell.out).at("roughness");
+  // c = 3/5
+  EXPECT_NEAR(of_shell.at("s2_no_slip").get<double>() / of_shell.at("q").get<double>(), 5.0 / 3.0, 1e-12);
 }
 
 TEST_F(RoughnessCommand, OfAFitWithMemoryIsPrintedBesideTheIndependentLikelihood) {
   simulate_samples();
   const Result result = run("fit s.csv --method memory --goodness-replicates 0 --nodes 0.6 --nodes 1 --out f.json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::ContainsRegex("eps.0.6 m/s. = 0.97[0-9]+ ± 0.0000[0-9]+; with memory 0.97[0-9]+ ±"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("ε.0.6 m/s. = 0.97[0-9]+ ± 0.0000[0-9]+; with memory 0.97[0-9]+ ±"));
   EXPECT_THAT(result.out, testing::HasSubstr("the fluctuations remember those before them"));
   EXPECT_THAT(result.out, testing::HasSubstr("roughness: q = "));
   const auto f = found("f.json");

@@ -30,11 +30,11 @@ const std::array<Stage, 10> kStages{{
     {"synthesize other.csv --rate 24000 --hard rough --out hard.wav", "hard.wav",
      "4d3c2e66541b23513de996c061be607e632502510dd13f30bfceacf405491f74"},
     {"detect sound.wav --out onsets.csv", "onsets.csv",
-     "ebd569a038c1b57ada17c971acb06659a3183da24eba3e5c10f7c22cdd0b4b3f"},
-    {"restitution onsets.csv --correct-drag --out samples.csv", "samples.csv",
-     "27065a2bddc5d9ab9530640c0fe89fa7756564b0746a21cc3e05867c8ae5bbf4"},
+     "26ef54b2f4217f32bb0445020d77fcfd6eac61e573e2119164ddb3e414e316b2"},
+    {"restitution onsets.csv --correct-drag --ball steel:6mm --plate glass --out samples.csv", "samples.csv",
+     "fa10f447720f92c892d433b980221416c717d99b86c913719a725e8f400c133e"},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json",
-     "51217017a949b4f7be69e569ae43fad8523a2bd70b6827cdd770ba5eae7410fd"},
+     "baeeb15457dfc39057af16441c31214bae5b1d33af10a8e8ec960bd869e2031b"},
     {"", "law.csv", "57a91fee98399a2d08a028d4ba424aaa8d677ab575295b223243f09104497856"},
 }};
 

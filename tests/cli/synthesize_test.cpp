@@ -105,7 +105,7 @@ TEST_F(Synthesize, APositionOffThePlateIsNamed) {
   for (int k = 0; k < 9; ++k) at = first.find(',', at) + 1;
   first.replace(at, first.find(',', at) - at, "0.2");
   write("away.csv", header + "\n" + first + "\n");
-  expect_refused("away.csv --out r.wav", 2, {"x = 0.2", "off the plate", "simulate --plate", "--positions drawn"});
+  expect_refused("away.csv --out r.wav", 2, {"x = 0.2", "off the plate", "simulate --plate-size", "--positions drawn"});
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "bouncelab/core/ball_catalogue.hpp"
+
 namespace bouncelab {
 namespace {
 
@@ -16,14 +18,24 @@ RestitutionSample sample(double eps) {
 }
 
 TEST(Samples, RoundTripThroughTheTableKeepsWhatTheyWereComputedWith) {
-  RestitutionSamples samples{sample(0.9), sample(0.8)};
-  samples[0].conditions = {true, false, true, 1.62, 0.004, std::nullopt, 343.0};
+  RestitutionSamples samples{sample(0.9), sample(0.8), sample(0.7)};
+  samples[0].conditions = {true, false, true, 1.62, ball_from_text("squash,contact-time=3ms"), std::nullopt, 343.0};
+  samples[2].conditions.ball = ball_from_text("radius=2.1cm,mass=4g,E=3GPa,nu=0.3,inertia=0.6");
+  samples[2].conditions.plate = plate_from_text("granite");
   samples[1].conditions.contact_time_corrected = true;
   const Table table = to_table(samples);
-  EXPECT_EQ(*table.texts("corrected"), (std::vector<std::string>{"drag|travel_time", "contact_time"}));
+  EXPECT_EQ(*table.texts("corrected"), (std::vector<std::string>{"drag|travel_time", "contact_time", ""}));
   const RestitutionSamples back = samples_from_table(table, "s.csv");
-  ASSERT_EQ(back.size(), 2u);
-  for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(back[k].conditions, samples[k].conditions) << k;
+  ASSERT_EQ(back.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(back[k].conditions, samples[k].conditions) << k;
+}
+
+TEST(Samples, AreNamedAsOfABallOnlyAsFarAsItIsGiven) {
+  RestitutionSamples samples{sample(0.9)};
+  name_ball(samples, Ball{}, {});
+  name_ball(samples, {}, kGlass);
+  EXPECT_EQ(samples[0].conditions.ball, Ball{});
+  EXPECT_EQ(samples[0].conditions.plate, kGlass);
 }
 
 TEST(Samples, ATableOfSpeedsAndCoefficientsIsEnough) {

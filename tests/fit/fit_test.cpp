@@ -92,13 +92,14 @@ TEST(FitAll, AnswersTheFiveQuestionsOfAReader) {
   EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << result.findings[1].answer;
   EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing") && says(2, "air drag")) << result.findings[2].answer;
   EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8")) << result.findings[3].answer;
-  EXPECT_TRUE(says(4, "eps = 0.979") && says(4, "0.6 m/s")) << result.findings[4].answer;
+  EXPECT_TRUE(says(4, "ε = 0.979") && says(4, "0.6 m/s")) << result.findings[4].answer;
 }
 
 TEST(FitAll, WarnsOfDragThatMovesTheCurveByMoreThanItsError) {
   const auto samples = testing::independent_samples({}, 5000, 0.2, 1.4, 0.0);
   const auto warned = [&](Effect drag) {
     FitConfig config;
+    config.budget.ball = Ball{};
     config.budget.drag = drag;
     const auto warnings = fit_all(samples, config).warnings;
     return std::any_of(warnings.begin(), warnings.end(),

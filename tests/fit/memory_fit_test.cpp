@@ -56,7 +56,7 @@ RestitutionSamples drawn(const Drops& drops, std::uint64_t seed) {
         s.sigma_eps = drops.timing_s * std::sqrt(1.0 + (1.0 + s.eps) * (1.0 + s.eps) + s.eps * s.eps) / before;
       }
       s.conditions.gravity_mps2 = 9.81;
-      s.conditions.ball_radius_m = 1e-6;  // contacts of the drawn drops have no height
+      s.conditions.ball = Ball{1e-6};  // contacts of the drawn drops have no height
       samples.push_back(s);
     }
   }

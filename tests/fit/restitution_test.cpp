@@ -4,8 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <sstream>
+#include <tuple>
 
+#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
 #include "synthetic_samples.hpp"
@@ -195,6 +201,67 @@ TEST(Restitution, RejectsBadGravityAndUnsortedTimes) {
 TEST(Restitution, OfFewerThanThreeOnsetsIsEmpty) {
   EXPECT_TRUE(restitution_samples({}, {}).samples.empty());
   EXPECT_TRUE(restitution_samples(onsets_at({0.1, 0.2}), {}).samples.empty());
+}
+
+/// Three recordings of a few drops each; the first comes back at the end. With flags, gaps and errors.
+Onsets many_onsets() {
+  testing::SyntheticRun run;
+  run.n_drops = 4;
+  const Onsets drops = synthetic_onsets(run);
+  Onsets all;
+  for (const char* recording : {"a.wav", "b.wav", "c.wav", "a.wav"})
+    for (Onset onset : drops) {
+      onset.recording = recording;
+      if (onset.impact == 7 && onset.drop == 1) continue;
+      if (onset.impact == 12) onset.flags.add(Flag::inferred);
+      all.push_back(onset);
+    }
+  return all;
+}
+
+/// All digits of all columns.
+std::string text_of(const RestitutionSamples& samples) {
+  std::ostringstream text;
+  write_csv(text, to_table(samples));
+  return text.str();
+}
+
+void expect_the_same_in_pieces(const RestitutionConfig& config) {
+  const Onsets onsets = many_onsets();
+  const Restitution whole = restitution_samples(onsets, config);
+  ASSERT_GT(whole.samples.size(), 100U);
+  for (const std::size_t piece : {1U, 13U, 1000U}) {
+    RestitutionInPieces pieces(config);
+    RestitutionSamples samples;
+    const auto take = [&](RestitutionSamples more) {
+      std::move(more.begin(), more.end(), std::back_inserter(samples));
+    };
+    for (std::size_t first = 0; first < onsets.size(); first += piece) {
+      const auto begin = onsets.begin() + static_cast<std::ptrdiff_t>(first);
+      take(pieces.add(Onsets(begin, begin + static_cast<std::ptrdiff_t>(std::min(piece, onsets.size() - first)))));
+    }
+    take(pieces.finish());
+    EXPECT_TRUE(text_of(samples) == text_of(whole.samples)) << piece;
+    const RestitutionCounts &a = pieces.counts(), &b = whole.counts;
+    EXPECT_EQ(std::tie(a.n_onsets, a.n_drops, a.n_samples, a.n_flagged, a.breaks),
+              std::tie(b.n_onsets, b.n_drops, b.n_samples, b.n_flagged, b.breaks));
+    EXPECT_EQ(std::tie(a.mean_shift_drag, a.mean_shift_contact_time, a.rms_shift_travel_time),
+              std::tie(b.mean_shift_drag, b.mean_shift_contact_time, b.rms_shift_travel_time));
+  }
+}
+
+TEST(RestitutionInPieces, GivesTheSameSamplesAndCountsHoweverTheOnsetsAreCut) {
+  expect_the_same_in_pieces({});
+  RestitutionConfig corrected;
+  corrected.ball = ball_from_text("steel:6mm");
+  corrected.plate = plate_from_text("glass");
+  corrected.correct_drag = corrected.correct_contact_time = true;
+  expect_the_same_in_pieces(corrected);
+  TravelTime travel{2500.0, 0.1, 0.05, {}};
+  for (const Onset& onset : many_onsets())
+    travel.position_m[{onset.drop, onset.impact}] = {1e-3 * static_cast<double>(onset.impact), 0.0};
+  corrected.travel_time = travel;
+  expect_the_same_in_pieces(corrected);
 }
 
 }  // namespace

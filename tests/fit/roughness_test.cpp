@@ -41,7 +41,7 @@ RestitutionSamples drops(bool with_memory) {
       s.v_mps = v;
       const double z2 = random.normal(), z1 = random.normal();
       s.eps = restitution_with_memory(v, eps, kQ, z1, z2, w);
-      s.conditions.ball_radius_m = 1e-6;  // these contacts have no height
+      s.conditions.ball = Ball{1e-6};  // these contacts have no height
       if (k > 0) samples.push_back(s);
       v *= s.eps;
     }
@@ -84,7 +84,7 @@ TEST(MemoryOfFitAll, IsFittedBesideTheMainLawWhichItLeavesAlone) {
   EXPECT_FALSE(alone.memory);
   EXPECT_FALSE(j_alone.contains("memory"));
   EXPECT_FALSE(j_alone.contains("roughness"));
-  for (const char* key : {"memory", "roughness", "answers", "hand_off"}) j.erase(key);
+  for (const char* key : {"memory", "roughness", "answer", "answers", "hand_off"}) j.erase(key);
   for (const auto& [key, value] : j.items()) EXPECT_EQ(value, j_alone.at(key)) << key;
 }
 
@@ -133,6 +133,14 @@ TEST(MemoryOfFitAll, IsAnsweredInATextAndHandedOnToDemCodes) {
   EXPECT_THAT(answer->answer, ::testing::HasSubstr("rms tilt of the contact's normal"));
   ASSERT_TRUE(result.dem_export);
   EXPECT_THAT(result.dem_export->snippets.back().text, ::testing::HasSubstr("restitution_with_memory"));
+}
+
+TEST(MemoryOfFitAll, GivesThePlainAnswerItsEpsAndSaysSo) {
+  const FitResult& result = of_a_rough_ball();
+  ASSERT_TRUE(result.memory && result.memory->holds && result.answer.at);
+  EXPECT_TRUE(result.answer.with_memory);
+  EXPECT_EQ(result.answer.at->eps.value, result.memory->nodes.at(result.memory->nodes.size() / 2).eps.value);
+  EXPECT_THAT(result.answer.sentences.at(0), ::testing::HasSubstr("by the fit with memory"));
 }
 
 TEST(MemoryOfFitAll, OfIndependentImpactsIsWarnedOfAndNotHandedOn) {
@@ -197,19 +205,21 @@ TEST(MemoryOfFitAll, IsAStepOfTheProgress) {
 TEST(RoughnessOfABall, IsFoundWithinItsErrorWhateverItsInertia) {
   RoughnessConfig config;
   config.n_goodness = 0;
-  config.inertia_factor = 2.0 / 3.0;
   RestitutionSamples samples = drops(true);
+  Ball thin_shell = *samples.front().conditions.ball;
+  thin_shell.inertia_factor = 2.0 / 3.0;
+  name_ball(samples, thin_shell, {});
   samples[7].flags = {Flag::missing_impact};
   const RoughnessResult shell = measure_roughness(samples, config);
   ASSERT_TRUE(shell.memory.holds) << shell.memory.message;
-  EXPECT_LT(std::abs(shell.surface.q.value - kQ), 4.0 * *shell.surface.q.se);
+  EXPECT_LT(std::abs(shell.memory.roughness.q.value - kQ), 4.0 * *shell.memory.roughness.q.se);
   // 500 widths know q to a tenth or so; were it the start value there would be no such error
-  EXPECT_LT(*shell.surface.q.se, 0.2 * kQ);
-  EXPECT_DOUBLE_EQ(shell.surface.s2_no_slip, shell.surface.q.value * (5.0 / 3.0));
+  EXPECT_LT(*shell.memory.roughness.q.se, 0.2 * kQ);
+  EXPECT_DOUBLE_EQ(shell.memory.roughness.s2_no_slip, shell.memory.roughness.q.value * (5.0 / 3.0));
   EXPECT_EQ(shell.n_left_out.at("missing_impact"), 1u);
   EXPECT_EQ(shell.memory.n_chains, 11u);  // the flagged impact parts its drop
   const auto j = nlohmann::json::parse(to_json(shell));
-  EXPECT_EQ(j.at("roughness").at("s2_no_slip"), shell.surface.s2_no_slip);
+  EXPECT_EQ(j.at("roughness").at("s2_no_slip"), shell.memory.roughness.s2_no_slip);
   EXPECT_EQ(j.at("roughness").at("inertia_factor"), 2.0 / 3.0);
   EXPECT_THAT(shell.warnings, ::testing::Contains(::testing::HasSubstr("state no timing error")));
 }

@@ -72,7 +72,7 @@ Onsets onsets() {
 RestitutionSamples samples() {
   RestitutionSamples result(3);
   for (RestitutionSample& sample : result) {
-    sample = {"a.wav", 0, 1, 0.8, 1.3, 0.97, 1e-6, 2e-5, {}, {true, true, false, 9.81, 3e-3, 7900.0, {}}};
+    sample = {"a.wav", 0, 1, 0.8, 1.3, 0.97, 1e-6, 2e-5, {}, {true, true, false, 9.81, Ball{}, kGlass, {}}};
   }
   result[1].flags = {Flag::missing_impact};
   return result;
@@ -97,7 +97,9 @@ void write_tables(const Seeds& seeds) {
     std::ostringstream json_lines;
     cli::write_json_lines(json_lines, table);
     seeds.write("json_lines", name, json_lines.str());
-    cli::write_hdf5(seeds.path("hdf5", name), table, name);
+    const auto hdf5 = cli::hdf5_writer(seeds.path("hdf5", name), name);
+    hdf5->add(table);
+    hdf5->finish();
   }
   for (const char* law : {"constant", "uniform", "normal", "lognormal", "exponential"}) {
     const sim::RadiusLaw radii = sim::radius_law_from_text(law);
@@ -180,6 +182,21 @@ void write_marks(const Seeds& seeds) {
     audio::copy_with_cues(seeds.path("audio", name), marks, seeds.path("wav_cues", name), name);
 }
 
+void write_numbers(const Seeds& seeds) {
+  std::string times = "Time (ms);Volt\n", alone;
+  for (int k = 0; k < 40; ++k) {
+    const std::string value = std::to_string(0.001 * ((k * 37) % 100));
+    times += std::to_string(0.02 * k) + ";" + value + "\n";
+    alone += value + "\n";
+  }
+  seeds.write("numbers", "times", times);
+  seeds.write("numbers", "alone", alone);
+  seeds.write("numbers", "scope", "x-axis,1\nsecond,Volt\n0.0E-5,+1.5E-3\n1.0E-5,-2.5E-3\n2.0E-5,0\n");
+  std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (4, 2), }";
+  head.resize(117, ' ');
+  seeds.write("numbers", "npy", std::string("\x93NUMPY\x01\0\x76\0", 10) + head + "\n" + std::string(32, '\0'));
+}
+
 void write_configs(const Seeds& seeds) {
   seeds.write("toml", "flat",
               "drops = 40\nsnr_db = [0, 6.5, 12]\nradius_law = \"constant:1e-3\"\nheight = [0.09, 0.1]\n");
@@ -198,6 +215,7 @@ int main(int n_arguments, char** arguments) {
     const Seeds seeds(arguments[1]);
     write_tables(seeds);
     write_recordings(seeds);
+    write_numbers(seeds);
     write_foreign_recordings(seeds);
     write_marks(seeds);
     write_configs(seeds);

@@ -22,7 +22,8 @@ class RunJournals : public testing::Test {
   /// Opens the journal and returns the records that were in it.
   std::vector<std::string> records(const RunIdentity& identity) const {
     std::vector<std::string> all;
-    const RunJournal journal(path_, identity, [&](std::string_view record) { all.emplace_back(record); });
+    const RunJournal journal(path_, identity,
+                             [&](const std::string&, std::string_view record) { all.emplace_back(record); });
     return all;
   }
   std::string content() const {
@@ -38,9 +39,10 @@ class RunJournals : public testing::Test {
 
 TEST_F(RunJournals, GivesBackEveryRecordInOrder) {
   {
-    RunJournal journal(path_, identity_, [](std::string_view) { FAIL() << "a new journal has no records"; });
-    journal.append("{\"point\":0}");
-    journal.append("a record\twith a tab");
+    RunJournal journal(path_, identity_,
+                       [](const std::string&, std::string_view) { FAIL() << "a new journal has no records"; });
+    journal.append("point 0", "{\"point\":0}");
+    journal.append("item", "a record\twith a tab");
   }
   EXPECT_THAT(records(identity_), testing::ElementsAre("{\"point\":0}", "a record\twith a tab"));
 }
@@ -48,7 +50,7 @@ TEST_F(RunJournals, GivesBackEveryRecordInOrder) {
 TEST_F(RunJournals, CutsOffWhatIsNotCompleteAndContinuesBehindIt) {
   {
     RunJournal journal(path_, identity_, {});
-    for (const char* record : {"first", "second", "third"}) journal.append(record);
+    for (const char* record : {"first", "second", "third"}) journal.append("item", record);
   }
   const std::string whole = content();
   const std::size_t third = whole.rfind("third");
@@ -62,8 +64,8 @@ TEST_F(RunJournals, CutsOffWhatIsNotCompleteAndContinuesBehindIt) {
   std::ofstream(path_, std::ios::binary | std::ios::trunc) << damaged;
   EXPECT_EQ(records(identity_).size(), 2u);
   {
-    RunJournal journal(path_, identity_, [](std::string_view) {});
-    journal.append("third");
+    RunJournal journal(path_, identity_, [](const std::string&, std::string_view) {});
+    journal.append("item", "third");
   }
   EXPECT_EQ(content(), whole);
 }

@@ -32,6 +32,18 @@ foreach(pull IN LISTS pulls)
   endif()
 endforeach()
 
+# the same by pkg-config
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG)
+  file(GLOB_RECURSE pc ${WORK_DIR}/prefix/bouncelab.pc)
+  cmake_path(GET pc PARENT_PATH folder)
+  set(ENV{PKG_CONFIG_PATH} ${folder})
+  # its prefix is that of the configuration, not that of this installation
+  step(${PKG_CONFIG} --define-variable=prefix=${WORK_DIR}/prefix --cflags --libs bouncelab)
+  separate_arguments(options UNIX_COMMAND "${CXX_FLAGS} ${output}")
+  step(${CXX_COMPILER} -std=c++20 ${CONSUMER_DIR}/closed_loop.cpp ${options} -o ${WORK_DIR}/closed_loop)
+endif()
+
 # one module alone
 foreach(module IN ITEMS sim detection fit)
   step(${CMAKE_COMMAND} -S ${ONE_MODULE_DIR} -B ${WORK_DIR}/${module} -G ${GENERATOR} -DMODULE=${module}

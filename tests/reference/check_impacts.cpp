@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "brute_force.hpp"
@@ -46,8 +47,7 @@ Physics physics_of(const std::string& impacts_file) {
     throw FileError(name, "the contact patch is on; the brute-force twin knows single asperities only");
   if (text("drag") != "false") throw FileError(name, "drag is on; the brute-force twin knows free flight only");
   Physics physics;
-  physics.ball.radius_m = std::stod(text("radius"));
-  physics.ball.material.density_kgpm3 = std::stod(text("density"));
+  physics.ball = ball_from_text(text("ball"));
   physics.law = restitution_law_from_text(text("law"));
   physics.beta = std::stod(text("beta"));
   physics.gravity_mps2 = std::stod(text("gravity"));

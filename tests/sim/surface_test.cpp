@@ -6,9 +6,39 @@
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/units.hpp"
+#include "bouncelab/sim/section.hpp"
 
 namespace bouncelab::sim {
 namespace {
+
+TEST(BallSection, CutsTheAsperitiesThatThePlaneMeetsInProportion) {
+  Ball ball;
+  const double r_m = 0.1 * ball.radius_m;
+  Surface surface;
+  surface.asperities.push_back({{0.0, 0.0, 1.0}, r_m});     // through its centre
+  surface.asperities.push_back({{0.6, 0.06, 0.798}, r_m});  // 0.06 R beside the plane: a circle of 0.08 R
+  surface.asperities.push_back({{0.0, 0.2, 0.98}, r_m});    // too far from the plane
+  surface.asperities.push_back({{0.0, 0.0, -1.0}, r_m});    // on the other side
+  const BallSection section = section_of(ball, surface);
+  EXPECT_EQ(section.n_asperities, 4u);
+  EXPECT_DOUBLE_EQ(section.mean_asperity_radius_m, r_m);
+  EXPECT_DOUBLE_EQ(section.half_angle_rad, kPi / 4);  // so few that a quarter of the circle cuts fewer than ten
+  ASSERT_EQ(section.circles.size(), 2u);
+  EXPECT_EQ(section.circles[0].angle_rad, 0.0);
+  EXPECT_DOUBLE_EQ(section.circles[0].radius_m, r_m);
+  EXPECT_DOUBLE_EQ(section.circles[1].angle_rad, std::atan2(0.6, 0.798));
+  EXPECT_NEAR(section.circles[1].radius_m, 0.8 * r_m, 1e-12 * r_m);
+}
+
+TEST(BallSection, OfAFineSurfaceIsSoLongThatSomeTenAsperitiesAreCut) {
+  const Ball ball;
+  const BallSection section = section_of(ball, make_surface(ball, 100'000, ConstantRadii{1e-3}, 3));
+  // Poisson of mean 10: beyond 3 to 22 once in 2,000 seeds
+  EXPECT_GE(section.circles.size(), 3u);
+  EXPECT_LE(section.circles.size(), 22u);
+  EXPECT_LT(section.half_angle_rad, 0.4);
+}
 
 struct Moments {
   double mean = 0.0, sd = 0.0;

@@ -72,18 +72,21 @@ TEST(ContactOffset, RefusesWhatIsNoSurface) {
 }
 
 TEST(ContactFactor, IsThatOfTheCollision) {
-  const Ball ball;
-  for (const ContactModel& model :
-       {ContactModel{PaperContact{}}, ContactModel{PaperContact{0.0}}, ContactModel{FrictionlessContact{}},
-        ContactModel{CoulombContact{0.2}}, ContactModel{CoulombContact{0.0}}, ContactModel{StrongeContact{0.2}},
-        ContactModel{StrongeContact{0.0}}}) {
-    const double theta = 1e-3;
-    const Vector3 lever{theta * ball.radius_m, 0.0, -ball.radius_m};
-    const Collision c = collide(ball, ConstantLaw{0.9}, model, lever, {{0.0, 0.0, -1.0}, {}});
-    const double loss = 1.9 / (1.0 + c.after.velocity_mps.z) - 1.0;  // c theta^2
-    EXPECT_NEAR(loss / (theta * theta), contact_factor(ball, model), 1e-5)
-        << describe(model);  // theta^2, rounding/theta^2
-  }
+  Ball thin_shell;
+  thin_shell.inertia_factor = 2.0 / 3.0;
+  EXPECT_NEAR(contact_factor(thin_shell, PaperContact{}), 0.6, 1e-15);  // rounding
+  for (const Ball& ball : {Ball{}, thin_shell})
+    for (const ContactModel& model :
+         {ContactModel{PaperContact{}}, ContactModel{PaperContact{0.0}}, ContactModel{FrictionlessContact{}},
+          ContactModel{CoulombContact{0.2}}, ContactModel{CoulombContact{0.0}}, ContactModel{StrongeContact{0.2}},
+          ContactModel{StrongeContact{0.0}}}) {
+      const double theta = 1e-3;
+      const Vector3 lever{theta * ball.radius_m, 0.0, -ball.radius_m};
+      const Collision c = collide(ball, ConstantLaw{0.9}, model, lever, {{0.0, 0.0, -1.0}, {}});
+      const double loss = 1.9 / (1.0 + c.after.velocity_mps.z) - 1.0;  // c theta^2
+      EXPECT_NEAR(loss / (theta * theta), contact_factor(ball, model), 1e-5)
+          << describe(model);  // theta^2, rounding/theta^2
+    }
 }
 
 /// The surface of a test, its drops and its q.

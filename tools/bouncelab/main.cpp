@@ -18,14 +18,17 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/nearest_name.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
+#include "json/error_json.hpp"
 #include "options/command_line.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
+#include "options/help_format.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -34,6 +37,46 @@ namespace {
 bool is_command(const std::vector<std::string>& typed) {
   return !typed.empty() && std::any_of(all_commands().begin(), all_commands().end(),
                                        [&](const CommandName& command) { return command.name == typed.front(); });
+}
+
+/// The arguments, with those in full that people write short: nothing asks for help, as does `help COMMAND`; recordings
+/// alone are to be analyzed.
+std::vector<std::string> in_full(std::vector<std::string> typed) {
+  if (typed.empty()) return {"--help"};
+  if (typed.front() == "help") {
+    typed.erase(typed.begin());
+    typed.emplace_back("--help");
+  } else if (!is_command(typed) && (typed.front() == "-" || std::filesystem::is_regular_file(typed.front()))) {
+    typed.insert(typed.begin(), "analyze");
+  }
+  return typed;
+}
+
+/// What `typed`, which is no command, was probably meant to be.
+std::string unknown_command(const std::string& typed) {
+  if (typed.find_first_of("./") != std::string::npos) return "no such file or command '" + typed + "'";
+  std::vector<std::string> names;
+  for (const CommandName& command : all_commands()) names.push_back(command.name);
+  const std::string nearest = nearest_name(typed, names);
+  return "unknown command '" + typed + "'" +
+         (nearest.empty() ? "; see bouncelab --help" : "; did you mean '" + nearest + "'?");
+}
+
+/// The first option typed that the command does not have, and the one that was probably meant; empty where all are
+/// known.
+std::string unknown_option(const std::vector<std::string>& typed, const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const std::string& argument : typed) {
+    if (argument == "--") break;
+    if (argument.rfind("--", 0) != 0) continue;
+    const std::string name = argument.substr(0, argument.find('='));
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    const std::string nearest = nearest_name(name, names);
+    return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  }
+  return "";
 }
 
 /// One line on standard error, whatever it quotes.
@@ -71,7 +114,10 @@ int report(const Outcome& outcome, const CommonOptions& common, bool standard_ou
   if (!common.quiet)
     for (const std::string& warning : outcome.warnings) say("warning: " + warning);
   if (!outcome.error.empty()) say("bouncelab: " + outcome.error);
-  if (common.json) return print(outcome.json + "\n", outcome.exit_code);
+  if (common.json)
+    return print(
+        (outcome.error.empty() ? outcome.json : with_error(outcome.json, outcome.error, outcome.exit_code)) + "\n",
+        outcome.exit_code);
   if (common.quiet || outcome.text.empty()) return outcome.exit_code;
   if (!standard_output_is_taken) return print(outcome.text, outcome.exit_code);
   std::cerr << outcome.text;
@@ -115,51 +161,60 @@ std::string with_quotations(std::string message, const std::vector<std::string>&
   return message;
 }
 
+/// A parse error as it is said.
+struct WrongUsage : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Parse errors in one line: what, where in the configuration file, and where help is.
-int wrong_usage(const CLI::ParseError& error, const CLI::App& app, const CommandLine& line) {
+[[noreturn]] void wrong_usage(const CLI::ParseError& error, const CLI::App& app, const CommandLine& line) {
   const auto parsed = app.get_subcommands();
   const std::string name = parsed.empty() ? "bouncelab" : "bouncelab " + parsed.front()->get_name();
-  std::string message = with_quotations(error.what(), line.arguments);
+  const std::string unknown = unknown_option(line.arguments, parsed.empty() ? app : *parsed.front());
+  std::string message = with_quotations(unknown.empty() ? error.what() : unknown, line.arguments);
   for (const ConfigOption& option : line.from_file)
     if (message.rfind("--" + option.name + ":", 0) == 0) message.insert(0, option.place + ": ");
   std::replace(message.begin(), message.end(), '\n', ' ');
-  say(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
-  return kWrongUsage;
+  throw WrongUsage(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
 }
 
-int run(std::vector<std::string> line) {
-  CLI::App app{
-      "The coefficient of restitution of a bouncing ball: simulated, detected in sound, measured.\n"
-      "impact times -> sound -> impact times -> constants; each arrow is a command and a file.",
-      "bouncelab"};
-  app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")");
+int run(const std::vector<std::string>& line) {
+  CLI::App app{"bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.",
+               "bouncelab"};
+  app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")", "Version and commit");
+  app.formatter(std::make_shared<HelpFormat>());
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "This help");
   set_option_defaults(app);
 
   CommonOptions common;
-  const std::vector<std::string> typed(line.begin() + 1, line.end());
+  const std::vector<std::string> typed = in_full({line.begin() + 1, line.end()});
   std::vector<Command> commands;
-  for (const auto& [name, add] : all_commands())
+  for (const auto& [name, add, group] : all_commands()) {
     // registering the options of all commands takes as long as detection in a second of sound
-    if (!is_command(typed) || typed.front() == name) commands.push_back(add(app));
+    if (is_command(typed) && typed.front() != name) continue;
+    commands.push_back(add(app));
+    commands.back().app->group(group);
+  }
   for (const Command& command : commands) add_common_options(*command.app, common);
 
   if (!typed.empty() && typed.front().rfind('-', 0) != 0 && !is_command(typed))
-    throw InvalidArgument("unknown command '" + typed.front() + "'; see bouncelab --help");
+    throw InvalidArgument(unknown_command(typed.front()));
   CommandLine full;
   try {
     full = is_command(typed) ? line_with_config(typed, *app.get_subcommand(typed.front())) : CommandLine{typed, {}};
     app.parse(
         std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) return wrong_usage(error, app, full);
+    if (error.get_exit_code() != 0) wrong_usage(error, app, full);
     std::ostringstream help;
     return print((app.exit(error, help, help), help.str()), kDone);
   }
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
-    Run call{common, line, resolved_parameters(*command.app), {}, {}};
+    Run call{common, line, resolved_parameters(*command.app), {}, {}, {}};
+    call.command = command.app->get_name();
+    call.shard = shard_of(*command.app);
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
     for (const ConfigOption& option : full.from_file)
       if (option.is_axis) call.sweep.push_back({option.name, option.values});
@@ -174,6 +229,40 @@ int run(std::vector<std::string> line) {
   return kWrongUsage;
 }
 
+/// With --json whoever reads standard output learns of the failure there too.
+int fail(const std::string& message, int exit_code, const std::vector<std::string>& line) {
+  say(message);
+  const bool json = std::find(line.begin(), std::find(line.begin(), line.end(), "--"), "--json") != line.end();
+  return json ? print(error_json(message, exit_code) + "\n", exit_code) : exit_code;
+}
+
+/// @return the exit code, after one line of what went wrong
+int run_and_report(const std::vector<std::string>& line) {
+  try {
+    return run(line);
+  } catch (const Interrupted& error) {
+    return fail("bouncelab: " + std::string(error.what()), kInterrupted, line);
+  } catch (const BrokenPipe&) {
+    end_by_broken_pipe();
+  } catch (const WrongUsage& error) {
+    return fail(error.what(), kWrongUsage, line);
+  } catch (const FileExists& error) {
+    return fail("bouncelab: " + std::string(error.what()) + "; --force replaces it", kFileError, line);
+  } catch (const FileError& error) {
+    return fail("bouncelab: " + std::string(error.what()), kFileError, line);
+  } catch (const InvalidArgument& error) {
+    return fail("bouncelab: " + std::string(error.what()), kWrongUsage, line);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail("bouncelab: " + error.path1().string() + ": " + error.code().message(), kFileError, line);
+  } catch (const std::bad_alloc&) {
+    return fail("bouncelab: out of memory; ask for less at once", kFileError, line);
+  } catch (const std::exception& error) {
+    return fail("bouncelab: unexpected error: " + printable(error.what(), kMessage_characters - 100) +
+                    "; please report it with the command line",
+                kFileError, line);
+  }
+}
+
 }  // namespace
 }  // namespace bouncelab::cli
 
@@ -183,31 +272,5 @@ int main(int argc, char** argv) {
   cli::give_large_memory_back();
   cli::keep_standard_descriptors();
   cli::notice_signals();
-  try {
-    return cli::run({argv, argv + argc});
-  } catch (const Interrupted& error) {
-    cli::say("bouncelab: " + std::string(error.what()));
-    return cli::kInterrupted;
-  } catch (const BrokenPipe&) {
-    cli::end_by_broken_pipe();
-  } catch (const FileExists& error) {
-    cli::say("bouncelab: " + std::string(error.what()) + "; --force replaces it");
-    return cli::kFileError;
-  } catch (const FileError& error) {
-    cli::say("bouncelab: " + std::string(error.what()));
-    return cli::kFileError;
-  } catch (const InvalidArgument& error) {
-    cli::say("bouncelab: " + std::string(error.what()));
-    return cli::kWrongUsage;
-  } catch (const std::filesystem::filesystem_error& error) {
-    cli::say("bouncelab: " + error.path1().string() + ": " + error.code().message());
-    return cli::kFileError;
-  } catch (const std::bad_alloc&) {
-    cli::say("bouncelab: out of memory; ask for less at once");
-    return cli::kFileError;
-  } catch (const std::exception& error) {
-    cli::say("bouncelab: unexpected error: " + printable(error.what(), kMessage_characters - 100) +
-             "; please report it with the command line");
-    return cli::kFileError;
-  }
+  return cli::run_and_report({argv, argv + argc});
 }

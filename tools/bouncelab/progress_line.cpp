@@ -92,6 +92,11 @@ void notice_signals() {
 }
 
 ProgressCallback progress_line(const Run& run, const std::string& label, const std::string& unit) {
+  if (run.on_progress)
+    return [on_progress = run.on_progress, label, unit](double done, double total) {
+      throw_if_stop_requested();
+      on_progress(label, done, total, unit);
+    };
   const bool visible = !run.common.quiet && ::isatty(STDERR_FILENO) == 1;
   const auto line = visible ? std::make_shared<Line>(label, unit) : nullptr;
   return [line](double done, double total) {

@@ -15,7 +15,8 @@ namespace bouncelab::cli {
 void notice_signals();
 
 /// A line on standard error with work done, rate and time left, where that is a terminal and --quiet was not given;
-/// nothing otherwise. Either way the callback throws Interrupted once the user asked to stop.
+/// nothing otherwise; run.on_progress where that is set. Either way the callback throws Interrupted once the user asked
+/// to stop.
 /// @param label  what is being done ("simulate")
 /// @param unit   what is counted ("drops", "s of sound")
 ProgressCallback progress_line(const Run& run, const std::string& label, const std::string& unit);

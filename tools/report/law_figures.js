@@ -11,16 +11,16 @@ function centres(edges) { return edges.slice(1).map((right, k) => 0.5 * (right +
 
 function samplesTrace() {
   if (few)
-    return {x: samples.v_mps, y: samples.eps, mode: 'markers', type: 'scatter', name: 'samples',
+    return {x: samples.v_mps, y: samples.eps, mode: 'markers', type: 'scatter', name: 'bounces',
             error_y: {type: 'data', array: samples.sigma_eps, thickness: 1, width: 0, color: grey},
-            marker: {size: 6, color: blue}, hovertemplate: 'v = %{x:.4f} m/s<br>eps = %{y:.5f}<extra></extra>'};
+            marker: {size: 6, color: blue}, hovertemplate: 'v = %{x:.4f} m/s<br>ε = %{y:.5f}<extra></extra>'};
   const {counts, v_edges_mps, eps_edges} = fit.density;
   const z = counts.map(row => row.map(n => n > 0 ? Math.log10(n) : null));
   const most = Math.max(1, Math.ceil(Math.max(...counts.flat().map(n => n > 0 ? Math.log10(n) : 0))));
   const ticks = [...Array(most + 1).keys()];
   return {type: 'heatmap', x: centres(v_edges_mps), y: centres(eps_edges), z, text: counts, zmin: 0, colorscale: depth,
-          colorbar: {title: {text: 'samples', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => number(10 ** t)), thickness: 12, len: 0.9},
-          hovertemplate: 'v = %{x:.3f} m/s<br>eps = %{y:.4f}<br>%{text} samples<extra></extra>'};
+          colorbar: {title: {text: 'bounces', side: 'right'}, tickvals: ticks, ticktext: ticks.map(t => number(10 ** t)), thickness: 12, len: 0.9},
+          hovertemplate: 'v = %{x:.3f} m/s<br>ε = %{y:.4f}<br>%{text} bounces<extra></extra>'};
 }
 
 /// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.
@@ -28,9 +28,9 @@ function drawLaw(parent) {
   const traces = few || (fit && fit.density && fit.density.counts.length) ? [samplesTrace()] : [];
   const curve = law && law.curve;
   if (curve && curve.length) {
-    if (known(curve[0].lo95)) traces.push(band(curve, 'rgba(192,57,43,.22)', '95% band'));
-    traces.push({x: curve.map(p => p.v_mps), y: curve.map(p => p.eps), mode: 'lines', type: 'scatter', name: 'fitted law',
-                 line: {color: red, width: 2}, hovertemplate: 'v = %{x:.3f}<br>law %{y:.5f}<extra></extra>'});
+    if (known(curve[0].lo95)) traces.push(band(curve, 'rgba(192,57,43,.22)', '95 % range'));
+    traces.push({x: curve.map(p => p.v_mps), y: curve.map(p => p.eps), mode: 'lines', type: 'scatter', name: 'ε(v)',
+                 line: {color: red, width: 2}, hovertemplate: 'v = %{x:.3f} m/s<br>ε(v) = %{y:.5f}<extra></extra>'});
   }
   if (summary && summary.truth_curve)
     traces.push({x: summary.truth_curve.map(p => p.v_mps), y: summary.truth_curve.map(p => p.eps), mode: 'lines', type: 'scatter',
@@ -38,7 +38,7 @@ function drawLaw(parent) {
                  hovertemplate: 'v = %{x:.3f}<br>truth %{y:.5f}<extra></extra>'});
   const peaks = ((fit && fit.histograms) || []).filter(h => h.peak_eps && known(h.peak_eps.value));
   if (!few && peaks.length)
-    traces.push({x: peaks.map(h => h.v_mps), y: peaks.map(h => h.peak_eps.value), mode: 'markers', type: 'scatter', name: 'peaks of p(ε)',
+    traces.push({x: peaks.map(h => h.v_mps), y: peaks.map(h => h.peak_eps.value), mode: 'markers', type: 'scatter', name: 'most frequent ε',
                  error_y: {type: 'data', array: peaks.map(h => h.peak_eps.se), thickness: 1.4, width: 3, color: orange},
                  marker: {color: orange, size: 7, line: {color: 'white', width: 1}}, hovertemplate: 'v = %{x:.2f}<br>peak %{y:.5f}<extra></extra>'});
   const range = fit && fit.density && !few ? [fit.density.eps_edges[0], fit.density.eps_edges.at(-1)] : undefined;
@@ -104,11 +104,11 @@ function cornersOfLaw() {
   if (!law || !law.nodes || !law.parameters) return;
   const truths = Object.fromEntries(((summary && summary.constants) || []).map(c => [c.name, c.truth]));
   const nodeTruth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
-  const constants = law.parameters.map(name => ({name, ...law[name], truth: truths[name]}));
+  const constants = law.parameters.filter(name => law[name].identified !== false).map(name => ({name, ...law[name], truth: truths[name]}));
   const nodes = law.nodes.map(n => ({name: `ε(${number(n.v_mps, 3)})`, value: n.eps, se: n.se, ci95: n.ci95, truth: nodeTruth(n.v_mps)}));
   const drawable = list => list.length > 1 && list.every(e => known(e.value) && known(e.se) && e.se > 0);
   const how = 'Diagonal: each alone, with its 95% interval as a bar. Below: ellipses that hold 68% and 95%.' + (summary && summary.eps_nodes ? ' Red: what went in.' : '');
   if (drawable(nodes)) drawCorner(figure('nodes', 'How well ε is known at three speeds, and how their errors go together', how), nodes, law.node_correlation);
-  if (drawable(constants))
+  if (constants.length === law.parameters.length && drawable(constants))
     drawCorner(figure('constants', `How well ${constants.map(c => c.name).join(', ')} are known`, how + ' Thin ellipses: only a combination of the constants is known.'), constants, law.correlation);
 }

@@ -58,7 +58,7 @@ function memoryNodes(m) {
   const alone = v => ((law && law.nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9);
   const truth = v => (((summary && summary.eps_nodes) || []).find(n => Math.abs(n.v_mps - v) < 1e-9) || {}).truth;
   const nodes = m.nodes || [], withTruth = nodes.some(n => known(truth(n.v_mps)));
-  table('', ['', ...(withTruth ? ['what went in'] : []), 'with memory', '95% interval', 'impacts as independent', 'variance ratio'], nodes.map(n => {
+  table('', ['quantity', ...(withTruth ? ['what went in'] : []), 'with memory', '95% interval', 'impacts as independent', 'variance ratio'], nodes.map(n => {
     const other = alone(n.v_mps) || {};
     return [`ε(${speed(n.v_mps)})`, ...(withTruth ? [number(truth(n.v_mps), 7)] : []), measured(n.eps, n.se), interval(n.ci95), measured(other.eps, other.se),
             known(other.se) && n.se > 0 ? number((other.se / n.se) ** 2, 3) : '–'];
@@ -74,7 +74,7 @@ function roughnessTable(r) {
     return ends.map(x => significant(x)).join(' … ');
   };
   const row = (name, value, power, unit = '') => [name, significant(value) + unit, range(value, power) + unit];
-  table('Roughness', ['', 'value', '95% interval'], [
+  table('Roughness', ['quantity', 'value', '95% interval'], [
     row('q, variance of the contact’s offset times c', r.q, 1),
     row('s₂ if the contact does not slip', r.s2_no_slip, 1), row('s₂ without friction', r.s2_frictionless, 1),
     row('rms tilt of the contact, no slip', r.rms_tilt_no_slip_deg, 0.5, '°'),
@@ -82,7 +82,7 @@ function roughnessTable(r) {
     row('or exponential radii of this mean over R (λ)', r.lambda_exponential, 1),
     row('or 10⁶ asperities of uniform radii, width over R (w)', r.width_uniform_1e6, 2),
   ].filter(cells => cells[1] !== '–'), 'What the scatter knows of the surface is q alone. The number of asperities, their radii and whether the contact slips cannot be known from it: each of the last three lines is a surface, in contact without slip, that would scatter the same. ' +
-     `Moment of inertia ${number(known(r.inertia_factor) ? r.inertia_factor : 0.4, 3)} m R². Interval of q with its error from the fit; the others follow.`);
+     `Moment of inertia ${number(known(r.inertia_factor) ? r.inertia_factor : 0.4, 3)} m R² (${r.ball || 'a solid sphere: no ball was named'}). Interval of q with its error from the fit; the others follow.`);
 }
 
 /// Everything above, where the fit has a memory.

@@ -4,33 +4,42 @@
 
 function card(value, text) { return element('div', {class: 'card'}, element('b', {}, value), element('span', {}, text)); }
 
-function head() {
-  add('h1', {}, data.title);
-  add('p', {class: 'sub'}, data.program);
-  const warnings = [...new Set([...((summary && summary.warnings) || []), ...((fit && fit.warnings) || [])])];
-  if (warnings.length) add('div', {class: 'warnings'}, element('ul', {}, warnings.map(w => element('li', {}, w))));
+/// Of a loop: what was found of what went in. (Of recordings the answer says it.)
+function counts() {
   const cards = [];
-  if (summary && known(summary.n_impacts))
+  if (summary && known(summary.n_impacts)) {
     cards.push(card(`${number(summary.n_found)} of ${number(summary.n_impacts)}`, 'impacts found in the sound'),
                card(`${number(summary.n_missed)} / ${number(summary.n_invented)}`, 'missed / invented'));
-  else if (summary && known(summary.n_onsets)) cards.push(card(number(summary.n_onsets), 'impacts found in the sound'));
-  if (summary && known(summary.n_drops)) cards.push(card(number(summary.n_drops), summary.n_drops === 1 ? 'drop' : 'drops'));
-  if (summary && known(summary.time_rms_within_drops_s)) cards.push(card(`${number(1e6 * summary.time_rms_within_drops_s, 3)} µs`, 'rms error of the times within a drop'));
-  if (summary && known(summary.n_samples)) cards.push(card(number(summary.n_samples), 'samples of ε'));
-  if (summary && known(summary.eps_median)) cards.push(card(number(summary.eps_median, 4), 'median ε'));
+    if (known(summary.n_drops)) cards.push(card(number(summary.n_drops), summary.n_drops === 1 ? 'drop' : 'drops'));
+    if (known(summary.time_rms_within_drops_s)) cards.push(card(`${number(1e6 * summary.time_rms_within_drops_s, 3)} µs`, 'root mean square (rms) error of the times within a drop'));
+    if (known(summary.n_samples)) cards.push(card(number(summary.n_samples), 'samples: bounces with an ε'));
+  }
   if (cards.length) add('div', {class: 'cards'}, cards);
-  const answers = (fit && fit.answers) || [];
-  if (answers.length) add('dl', {class: 'answers'}, answers.map(a => [element('dt', {}, a.question), element('dd', {}, a.answer.replace(/\+-/g, '±'))]));
+}
+
+/// Every heading as a link; beside the text where there is room, else above it and folded.
+function contents() {
+  const links = [...page.querySelectorAll('h2')].map((h, k) => {
+    const place = h.parentElement.classList.contains('figure') ? h.parentElement : h;
+    if (!place.id) place.id = 'part-' + k;
+    return element('li', {}, element('a', {href: '#' + place.id}, h.textContent));
+  });
+  if (links.length < 3) return;
+  const fold = element('details', {}, element('summary', {}, 'Contents'), element('ol', {}, links));
+  const wide = window.matchMedia('(min-width: 1100px)');
+  const follow = () => { fold.open = wide.matches; };
+  follow();
+  wide.addEventListener('change', follow);
+  document.getElementById('contents').append(fold);
+  document.body.classList.add('with-contents');
 }
 
 function figures() {
   if (data.sweep) sweepSection(data.sweep);
   if (data.paper && data.simulation) paperSection(data.paper, data.simulation);
   if (!fit) return;
-  drawLaw(figure('law', 'Coefficient of restitution against impact speed',
-                 (few ? 'Points: samples, with the error that timing alone gives them.' : 'Colour: number of samples in each cell, on a logarithmic scale.') + ' Line and band: the fitted law with its 95% interval. Zoom with the mouse.'));
   if (law && (law.residuals || []).length > 1)
-    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual in bins of speed over its standard error; points scatter about 0 by about 1 where it does. Below: mean distance from ε(v) over the one that the fit expects, with its standard error.'), law.residuals);
+    drawResiduals(figure('residuals', 'Does the law hold at every speed?', 'Above: mean residual (ε less ε(v)) in bins of speed over its standard error, the pull; pulls scatter about 0 by about 1 where the law holds. Below: mean distance from ε(v) over the one that the fit expects, with its standard error.'), law.residuals);
   const histograms = (fit && fit.histograms) || [], theory = summary && summary.theory;
   const shown = histograms.filter(h => h.bins && h.curve && (h.curve.eps || []).length);
   if (shown.length) {
@@ -58,7 +67,7 @@ function figures() {
     drawBudget(figure('budget', 'What limits the result', `Above: where the variance of ε comes from; ${number(100 * randomShare, 1)}% not explained may be random error. Below: what shifts the curve, beside its standard error; a cause that lies above it biases the result.`), budget);
   }
   cornersOfLaw();
-  if (wave && wave.envelope) drawSound();
+  if (wave && (wave.excerpts || []).length) excerptsSection();
   if (data.diagnostics) diagnosticsSection(data.diagnostics);
 }
 
@@ -75,8 +84,16 @@ function tables() {
   work();
 }
 
-head();
+add('h1', {}, data.title);
+add('p', {class: 'sub'}, data.program);
+if (data.comparison) comparisonPage(data.comparison, data.points);
+firstScreen();
+counts();
+questions();
+notes();
+ballSection(summary && summary.ball);
 figures();
 tables();
+contents();
 add('footer', {}, `${data.program}. Model: Montaine, Heckel, Kruelle, Schwager, Pöschel, Phys. Rev. E 84, 041306 (2011).`);
 finishPlots();

@@ -75,9 +75,10 @@ function drawShares(parent, s) {
 function conclusionsTable(conclusions) {
   add('h2', {}, 'What the paper concludes, put to the numbers of this run');
   const value = c => known(c.value) ? number(c.value, 4) + (c.ci95 ? ` (${number(c.ci95[0], 4)} to ${number(c.ci95[1], 4)})` : '') : '–';
-  const scroll = add('div', {class: 'scroll'});
+  const scroll = scrollPlace('What the paper concludes');
+  page.append(scroll);
   scroll.append(element('table', {class: 'words'},
-      element('thead', {}, element('tr', {}, ['', 'claim', 'measured', 'value (95%)', 'holds if', 'detail'].map(t => element('th', {}, t)))),
+      element('thead', {}, element('tr', {}, ['verdict', 'claim', 'measured', 'value (95%)', 'holds if', 'detail'].map(headCell))),
       element('tbody', {}, conclusions.map(c => element('tr', {}, [element('td', {class: c.holds ? 'yes' : 'no'}, c.holds ? 'holds' : 'does not hold'),
           element('td', {class: 'text'}, c.claim), element('td', {class: 'text'}, c.measure), element('td', {class: 'value'}, value(c)), ...[c.criterion, c.detail].map(t => element('td', {class: 'text'}, t))])))));
 }

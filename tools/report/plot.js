@@ -4,7 +4,7 @@
 
 const ink = '#1b1f24', blue = '#1f5fa8', red = '#c0392b', orange = '#d9822b', green = '#2e7d5b', grey = '#9aa4ae';
 const depth = [[0, '#dce8f2'], [0.25, '#9fc3df'], [0.5, '#4a90c2'], [0.75, '#1f5fa8'], [1, '#0b2545']];
-const narrow = window.innerWidth < 600;
+const narrow = window.innerWidth < 600, noHover = window.matchMedia('(hover: none)').matches;
 
 /// Pictures are described in the colours of a light page; on a dark one each is drawn as its counterpart here.
 const darkColours = new Map(Object.entries({
@@ -53,26 +53,36 @@ function draw(parent, kind, traces, plotLayout) {
 }
 function drawAll(dark) {
   const coloured = dark ? darkened : x => structuredClone(x);  // Plotly writes into what it is given
-  for (const plot of plots)
+  for (const plot of plots) {
+    describePlot(plot);
     Plotly.react(plot.node, coloured(plot.data), coloured(plot.layout), {
-      responsive: true, displaylogo: false, displayModeBar: narrow || plot.kind.includes('small') ? false : 'hover',  // on a phone it would lie on the legend
+      responsive: true, displaylogo: false, displayModeBar: narrow || noHover || plot.kind.includes('small') ? false : 'hover',  // on a phone it would lie on the legend
       toImageButtonOptions: {format: 'svg', filename: 'bouncelab'}, modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
     });
+  }
+}
+/// What a screen reader says of a plot: its title or its figure's, and what is drawn over what.
+function describePlot({node, layout: shown}) {
+  const plain = text => String(text || '').replace(/<[^>]*>/g, '');
+  const of = node.closest('.figure'), axes = [shown.yaxis, shown.xaxis].map(a => plain(a && a.title && a.title.text)).filter(Boolean).join(' against ');
+  const name = [of ? plain(of.querySelector('h2').textContent) : '', plain(shown.title && shown.title.text), axes].filter(Boolean).join('; ');
+  node.setAttribute('role', 'img');
+  node.setAttribute('aria-label', `Plot: ${name}. Its numbers are in the tables below and in the files beside this report.`);
 }
 
 /// A figure with its title, its caption and what saves it. `name` is its file name and its address: #only=name shows
 /// this figure and nothing else, on a page of its size.
-function figure(name, title, caption) {
+function figure(name, title, caption, parent = page) {
   const places = element('div', {class: 'plots'});
   const save = (label, hint, action) => {
-    const button = element('button', {type: 'button', title: hint}, label);
+    const button = element('button', {type: 'button', title: hint, 'aria-label': `${hint}: ${title}`}, label);
     button.addEventListener('click', action);
     return button;
   };
-  const section = element('section', {class: 'figure', id: name}, element('h2', {}, title), element('p', {class: 'caption'}, caption), places,
+  const section = element('section', {class: 'figure', id: name, 'aria-label': title}, element('h2', {}, title), element('p', {class: 'caption'}, caption), places,
                           element('div', {class: 'save'}, save('SVG', 'Save as SVG', () => saveSvg(name)),
                                   save('PDF', 'Print this figure alone: choose "Save as PDF"', () => printOnly(name))));
-  page.append(section);
+  parent.append(section);
   return places;
 }
 

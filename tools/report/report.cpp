@@ -65,6 +65,8 @@ std::string render(const ReportInput& input) {
   data["simulation"] = parsed(input.fit_simulation_json, "fit_from_simulation.json");
   data["sweep"] = parsed(input.sweep_json, "sweep.json");
   data["diagnostics"] = parsed(input.diagnostics_json, "diagnostics.json");
+  data["comparison"] = parsed(input.comparison_json, "comparison.json");
+  data["points"] = parsed(input.comparison_points_json, "the points of the comparison");
   data["samples"] = parsed(input.samples_json, "the samples");
 
   const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},

@@ -9,14 +9,16 @@ namespace bouncelab::report {
 /// report. Nothing is computed here: pictures and tables show numbers of these files.
 struct ReportInput {
   std::string title;
-  std::string summary_json;         ///< summary.json of `loop` or `analyze`
-  std::string fit_json;             ///< fit.json
-  std::string wave_json;            ///< wave.json: the recording's envelope and excerpts with the impacts found
-  std::string paper_json;           ///< paper.json of `loop --preset paper`
-  std::string fit_simulation_json;  ///< its fit_from_simulation.json
-  std::string sweep_json;           ///< sweep.json
-  std::string diagnostics_json;     ///< diagnostics.json of `analyze --diagnostics`
-  std::string samples_json;         ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
+  std::string summary_json;            ///< summary.json of `loop` or `analyze`
+  std::string fit_json;                ///< fit.json
+  std::string wave_json;               ///< wave.json: the recording's envelope and excerpts with the impacts found
+  std::string paper_json;              ///< paper.json of `loop --preset paper`
+  std::string fit_simulation_json;     ///< its fit_from_simulation.json
+  std::string sweep_json;              ///< sweep.json
+  std::string diagnostics_json;        ///< diagnostics.json of `analyze --diagnostics`
+  std::string comparison_json;         ///< comparison.json of `compare`
+  std::string comparison_points_json;  ///< fit::points_json
+  std::string samples_json;            ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
 };
 
 /// One HTML file that carries everything it needs (pictures are drawn by the plotting library inside it; no network).

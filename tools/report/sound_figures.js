@@ -39,11 +39,48 @@ function drawExcerpt(parent, excerpt) {
         xaxis: axis('time after the impact found (ms)', {nticks: 6}), yaxis: axis('amplitude', {range: [-top, top], nticks: 5})});
 }
 
+/// The recording as it sounds, where the report carries it: all of it, and each impact alone.
+function drawPlayer(parent) {
+  const sound = wave.sound;
+  if (!sound) return;
+  const text = atob(sound.wav_base64), bytes = Uint8Array.from(text, c => c.charCodeAt(0));
+  const player = element('audio', {controls: '', preload: 'none', src: URL.createObjectURL(new Blob([bytes], {type: 'audio/wav'})), 'aria-label': `Sound from ${number(sound.t0_s, 3)} s on`});
+  parent.append(player);
+  const within = wave.marks.filter(m => m.t_s >= sound.t0_s && m.t_s < sound.t0_s + sound.duration_s), most = 300;
+  let context, decoded, playing;
+  const play = async mark => {
+    context ??= new AudioContext();
+    decoded ??= await context.decodeAudioData(bytes.slice().buffer);
+    if (playing) playing.stop();
+    player.pause();
+    playing = context.createBufferSource();
+    playing.buffer = decoded;
+    playing.connect(context.destination);
+    const begin = Math.max(0, mark.t_s - sound.t0_s - 0.05);
+    playing.start(0, begin, 0.2);
+  };
+  const button = mark => {
+    const b = element('button', {type: 'button', class: 'play', title: `drop ${mark.drop}, impact ${mark.impact}, ${mark.t_s.toFixed(4)} s`, 'aria-label': `Play impact ${mark.impact} of drop ${mark.drop}, at ${mark.t_s.toFixed(3)} seconds`}, String(mark.impact));
+    b.addEventListener('click', () => play(mark));
+    return b;
+  };
+  const byDrop = new Map();
+  for (const mark of within.slice(0, most)) byDrop.set(mark.drop, [...(byDrop.get(mark.drop) || []), mark]);
+  const rows = [...byDrop].map(([drop, marks]) => element('div', {class: 'impacts', role: 'group', 'aria-label': `Impacts of drop ${drop}`},
+      element('span', {}, byDrop.size > 1 ? `drop ${drop}: ` : ''), marks.map(button)));
+  parent.append(element('details', {class: 'listen', ...(within.length <= 60 ? {open: ''} : {})},
+      element('summary', {}, 'Play one impact, 0.2 s around it' + (within.length > most ? ` (the first ${most} of ${within.length})` : '')), rows));
+}
+
 function drawSound() {
-  const parent = figure('sound', 'The sound and the impacts found in it', `${wave.recording || ''}, ${number(wave.rate_hz)} Hz, channel ${wave.channel}. ` +
-                        'Grey: extremes of the recording; marks on top: impacts. Below: excerpts with the time found (line) and its standard error (band).');
+  const parent = figure('sound', 'The sound and the impacts found in it', `${shownName(wave.recording || '')}, ${number(wave.rate_hz)} Hz, channel ${wave.channel}` +
+                        (recordingPaths.length > 1 ? `, the first of ${recordingPaths.length} recordings` : '') + '. Grey: the sound, its extremes; marks on top: impacts.');
   drawWave(parent);
-  const grid = element('div', {class: 'grid'});
-  parent.append(grid);
+  drawPlayer(parent);
+}
+
+function excerptsSection() {
+  const grid = figure('excerpts', 'Some impacts at full resolution', 'Time found (line) and its standard error (band).');
+  grid.classList.add('grid');
   for (const excerpt of wave.excerpts || []) drawExcerpt(grid, excerpt);
 }

@@ -21,13 +21,14 @@ function drawSwept(parent, sweep, title, key, extra) {
 function sweepSection(sweep) {
   add('h2', {}, 'What came out at each point');
   const options = Object.keys(sweep.lists);
-  const scroll = add('div', {class: 'scroll'});
+  const scroll = scrollPlace('What came out at each point');
+  page.append(scroll);
   const cell = (v, key, digits = 4) => known(v[key]) ? number(v[key], digits) : '–';
   const withError = (v, key) => measured(v[key], v['se_' + key]);
   const speeds = Object.keys(sweep.points[0].values).filter(k => /^eps_.*_sound$/.test(k));
   scroll.append(element('table', {class: 'words'},
       element('thead', {}, element('tr', {}, [...options.map(o => o.replace(/-/g, ' ')), 'what fails', 'recall', 'precision', 'rms µs', ...speeds.map(k => k.replace(/^eps_(.*)_sound$/, 'ε($1) − truth, 10⁻⁶')),
-          'A2', 'rising .6, simulation', 'rising .6, sound', 'falling .6, simulation', 'falling .6, sound'].map(t => element('th', {}, t)))),
+          'A2', 'rising .6, simulation', 'rising .6, sound', 'falling .6, simulation', 'falling .6, sound'].map(headCell))),
       element('tbody', {}, sweep.points.map(p => {
         const v = p.values;
         const shift = k => known(v[k]) ? measured(1e6 * (v[k] - v[k.replace('_sound', '_truth')]), 1e6 * v['se_' + k]) : '–';

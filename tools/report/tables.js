@@ -2,6 +2,10 @@
 // Tables below the figures.
 
 
+const methodWords = {
+  asymmetric_laplace: 'maximum likelihood, the scatter as two exponentials, one to either side, with a normal part (an asymmetric Laplace density); the curve is its peak',
+  least_squares: 'least squares; the curve is the mean', least_absolute: 'least absolute deviations; the curve is the median'};
+
 /// Truth beside what came back; only after a closed loop.
 function truthTable() {
   const nodes = (summary && summary.eps_nodes) || [];
@@ -11,7 +15,7 @@ function truthTable() {
   const of = (e, key) => [(e || {})[key], (e || {}).se];
   const rows = nodes.map(n => row(`ε(${speed(n.v_mps)})`, n.truth, of(n.from_true_times, 'eps'), of(n.from_sound, 'eps')));
   for (const c of summary.constants || []) rows.push(row(c.name, c.truth, of(c.from_true_times, 'value'), of(c.from_sound, 'value')));
-  table('What went in, what came out', ['', 'truth', 'from true times', 'from sound', 'pull'], rows,
+  table('What went in, what came out', ['quantity', 'truth', 'from true times', 'from sound', 'pull'], rows,
         'Pull: (from sound − truth) / standard error; honest errors give values of about ±1.');
   const cell = x => x ? measured(x.value, x.se) : '–';
   table('', ['slopes of p(ε)', 'rising, true times', 'rising, sound', 'falling, true times', 'falling, sound'], (summary.slopes || []).map(s => {
@@ -22,21 +26,21 @@ function truthTable() {
 
 function lawTable() {
   if (!law) return;
-  const named = [...(law.parameters || []).map(name => [name, law[name]]),
+  const named = [...(law.parameters || []).filter(name => (law[name] || {}).identified !== false).map(name => [name, law[name]]),
                  ...(law.nodes || []).map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])].filter(([, e]) => e && known(e.value));
   const byDrop = named.some(([, e]) => known(e.se_independent)), boot = named.some(([, e]) => e.bootstrap);
   const rows = named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci68), interval(e.ci95),
                                          ...(byDrop ? [known(e.se_independent) ? e.se_independent.toPrecision(2) : '–'] : []),
                                          ...(boot ? [e.bootstrap ? e.bootstrap.se.toPrecision(2) : '–', interval((e.bootstrap || {}).ci95)] : [])]);
-  table('The law of restitution', ['', 'value ± standard error', '68% interval', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
+  table('The law of restitution', ['quantity', 'value ± standard error', '68% interval', '95% interval', ...(byDrop ? ['error if impacts were independent'] : []),
                                    ...(boot ? ['bootstrap error', 'bootstrap 95%'] : [])], rows,
-        `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Method: ${(law.method || '–').replace(/_/g, ' ')}; ${number(law.n)} samples; status: ${(law.status || '–').replace(/_/g, ' ')}.`);
+        `ε(v) = 1 + Σ Cᵢ Aᵢ v^(i/10), v in m/s; C₂ = −1.153449, C₄ = 0.798267, C₅ = 4/15. Method: ${methodWords[law.method] || law.method || '–'}; ${number(law.n)} samples; status: ${(law.status || '–').replace(/_/g, ' ')}.`);
   const quality = [];
   if (law.correlation && law.correlation.length > 1)
     law.parameters.forEach((a, i) => law.parameters.forEach((b, j) => i < j && quality.push(`correlation ${a} ${b} ${number(law.correlation[i][j], 4)}`)));
   if (known(law.condition_number)) quality.push(`condition number ${number(law.condition_number, 3)}`);
   if (known(law.loglik)) quality.push(`log-likelihood ${number(law.loglik, 7)}`);
-  if (known(law.chi2) && known(law.ndf)) quality.push(`χ²/ndf = ${number(law.chi2, 5)}/${number(law.ndf)}, p = ${number(law.p_value, 3)}`);
+  if (known(law.chi2) && known(law.ndf)) quality.push(`χ²/ndf (misfit over degrees of freedom, 1 expected) = ${number(law.chi2, 5)}/${number(law.ndf)}, p (chance of a worse one) = ${number(law.p_value, 3)}`);
   if (law.anderson_darling)
     quality.push(`Anderson–Darling A² = ${number(law.anderson_darling.a2, 4)}, p = ${number(law.anderson_darling.p_value, 3)} among ${number(law.anderson_darling.n_replicates)} simulated fits`);
   if (quality.length) add('p', {class: 'caption'}, quality.join('; ') + '.');
@@ -50,7 +54,7 @@ function recordingsTable() {
   const nodes = (law && law.nodes) || [];
   const at = (r, v) => { const n = (r.nodes || []).find(node => node.v_mps === v); return n ? measured(n.eps, n.se) : '–'; };
   table('Recordings', ['recording', 'samples', 'drops', ...nodes.map(n => `ε(${speed(n.v_mps)})`), 'offset from one curve'],
-        shown.map(r => [r.recording || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
+        shown.map(r => [shownName(r.recording) || '(no name)', number(r.n), number(r.n_drops), ...nodes.map(n => at(r, n.v_mps)), estimated(r.offset)]),
         (test ? `Each alone. One curve for all: p = ${number(test.p_value, 3)} (likelihood ratio ${number(test.likelihood_ratio, 4)} for ${number(test.ndf)} offsets, against the differences between ${test.within}).` : 'Each alone; too few samples to compare them.') +
         (all.length > most ? ` The ${most} furthest off of ${all.length}; all are in fit.json.` : ''));
 }
@@ -61,7 +65,7 @@ function otherFits() {
                   ['viscoelastic, one γ', fit.law_viscoelastic]].filter(o => o[1] && o[1].nodes && o[1].nodes.length);
   const constants = l => (l.parameters || []).map(k => `${k === 'gamma' ? 'γ' : k} = ${measured(l[k].value, l[k].se)}`).join(', ');
   if (others.length > 1) {
-    table('Other fits of the same samples', ['', ...law.nodes.map(n => `ε(${speed(n.v_mps)})`)], others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
+    table('Other fits of the same samples', ['fit', ...law.nodes.map(n => `ε(${speed(n.v_mps)})`)], others.map(([name, l]) => [name, ...l.nodes.map(n => measured(n.eps, n.se))]));
     add('p', {class: 'caption'}, others.slice(1).map(([name, l]) => `${name}: ${constants(l)}`).join('; ') + '.');
   }
   table('Which law?', ['law', 'parameters', 'ΔAIC', 'ΔBIC'], (fit.law_comparison || []).map(c => [c.name, number(c.n_parameters), number(c.delta_aic, 4), number(c.delta_bic, 4)]),
@@ -85,7 +89,7 @@ function timingTable() {
   const t = fit && fit.budget && fit.budget.timing;
   if (!t) return;
   const us = x => known(x) ? `${number(1e6 * x, 3)} µs` : '–';
-  table('Timing noise that the samples themselves show', ['', 'value'],
+  table('Timing noise that the samples themselves show', ['quantity', 'value'],
         [['correlation of neighbours (0: ball alone, −2/3: timing alone)', measured(t.lag1_correlation, t.lag1_correlation_se)],
          ['timing noise from it', t.sigma_s === null ? `none seen; below ${us(t.upper95_s)} (95%)` : `${us(t.sigma_s)}; below ${us(t.upper95_s)} (95%)`],
          ['timing noise stated by the detector (median)', us(t.stated_s)], ['pairs of neighbours', number(t.n_pairs)]]);
@@ -114,13 +118,13 @@ function handOff() {
   for (const s of h.snippets || []) {
     add('h3', {}, s.program);
     add('p', {class: 'caption'}, `fills ${s.parameter}`);
-    add('pre', {}, s.text);
+    add('pre', {tabindex: '0', role: 'region', 'aria-label': `Input lines for ${s.program}`}, s.text);
   }
 }
 
 function doubtfulDrops() {
   const rows = ((summary && summary.recordings) || []).flatMap(r => (r.drops || []).filter(d => d.doubtful).map(
-      d => [r.recording, number(d.begin_s, 4), number(d.n_impacts), `${number(d.odds, 2)} to 1`]));
+      d => [shownName(r.recording), number(d.begin_s, 4), number(d.n_impacts), `${number(d.odds, 2)} to 1`]));
   const most = 30;
   table('Doubtful drops', ['recording', 'begins at, s', 'impacts', 'odds for a ball'], rows.slice(0, most),
         'They are in the fit. Listen to them; what is no ball can be taken out of onsets.csv.' + (rows.length > most ? ` The first ${most} of ${rows.length}; all are in summary.json.` : ''));

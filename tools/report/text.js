@@ -50,11 +50,23 @@ function interval(range) {
 }
 const speed = v => `${number(v, 3)} m/s`;
 
-function table(title, head, rows, caption) {
+/// A place that scrolls sideways, by keyboard too, and says to a screen reader what it holds.
+let unnamedRegions = 0;
+function scrollPlace(label) {
+  return element('div', {class: 'scroll', role: 'region', tabindex: '0', 'aria-label': label || `table ${++unnamedRegions}`});
+}
+/// A head without words is no head.
+const headCell = text => text === '' ? element('td', {}) : element('th', {scope: 'col'}, text);
+/// The first cell of a row is its head.
+const rowOf = cells => element('tr', {}, cells.map((cell, k) => k === 0 && cell !== '' ? element('th', {scope: 'row'}, cell) : element('td', {}, cell)));
+
+let lastTitle = '';
+function table(title, head, rows, caption, parent = page) {
   if (!rows.length) return;
-  if (title) add('h2', {}, title);
-  if (caption) add('p', {class: 'caption'}, caption);
-  add('div', {class: 'scroll'}, element('table', {},
-      element('thead', {}, element('tr', {}, head.map(text => element('th', {}, text)))),
-      element('tbody', {}, rows.map(row => element('tr', {}, row.map(cell => element('td', {}, cell)))))));
+  if (title) parent.append(element('h2', {}, title));
+  if (caption) parent.append(element('p', {class: 'caption'}, caption));
+  if (title) lastTitle = title;
+  const place = scrollPlace(title || `${lastTitle}, table ${++unnamedRegions}`);
+  place.append(element('table', {}, element('thead', {}, element('tr', {}, head.map(headCell))), element('tbody', {}, rows.map(rowOf))));
+  parent.append(place);
 }

@@ -182,6 +182,16 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   return d;
 }
 
+/// What the recording is, and what follows from that for its times.
+void describe_format(const audio::AudioFormat& format, const std::string& coding_before, Detection& d) {
+  const std::string& coding = format.lossy_coding.empty() ? coding_before : format.lossy_coding;
+  d.summary.format = format.description;
+  d.summary.lossy_coding = coding;
+  d.summary.ffmpeg = format.ffmpeg;
+  if (!coding.empty() && !d.onsets.empty()) d.warnings.insert(d.warnings.begin(), lossy_coding_warning(coding));
+  if (!format.warning.empty()) d.warnings.insert(d.warnings.begin(), format.warning);
+}
+
 /// A long recording that began last would keep one thread busy and all others waiting.
 std::vector<std::size_t> largest_first(const std::vector<std::filesystem::path>& recordings) {
   std::vector<std::uintmax_t> n_bytes;
@@ -198,11 +208,17 @@ std::vector<std::size_t> largest_first(const std::vector<std::filesystem::path>&
 
 }  // namespace
 
+std::string lossy_coding_warning(const std::string& coding) {
+  return "lossy coding (" + coding + "): times may be off by more than stated; record as WAV or FLAC";
+}
+
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
-  audio::AudioReader reader(recording);
-  return detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels,
-                   input_name(recording), config, progress);
+  audio::AudioReader reader(recording, config.rate_hz);
+  Detection d = detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels,
+                          input_name(recording), config, progress);
+  describe_format(reader.format(), config.lossy_coding, d);
+  return d;
 }
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
@@ -210,7 +226,9 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
   if (!(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
   audio::AudioSource sound = audio::source_in_memory(samples, rate_hz);
-  return detect_in([&](int) { return sound; }, 1, name, config, progress);
+  Detection d = detect_in([&](int) { return sound; }, 1, name, config, progress);
+  describe_format({}, config.lossy_coding, d);
+  return d;
 }
 
 void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,

@@ -213,15 +213,38 @@ std::string without_name(const std::string& message, const std::string& file) {
   return message.rfind(name, 0) == 0 ? message.substr(name.size()) : message;
 }
 
+[[noreturn]] void throw_end_of(pid_t& of, const ChildLimits& limits, const std::string& file,
+                               const std::string& remedy) {
+  int status = 0;
+  pid_t ended = -1;
+  do ended = waitpid(of, &status, 0);
+  while (ended < 0 && errno == EINTR);
+  const pid_t child = std::exchange(of, 0);
+  if (ended != child || !WIFSIGNALED(status))  // the host program may have waited for it
+    throw FileError(file, "ended the process that read it: damaged? " + remedy);
+  const int signal = WTERMSIG(status);
+  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
+  if (signal == SIGPROF)
+    throw FileError(file,
+                    "takes more than " + amount(limits.cpu_s, "s") + " of processor time to read: damaged? " + remedy);
+  throw FileError(file, std::string("ended the process that read it (") + strsignal(signal) + "): damaged? " + remedy);
+}
+
 }  // namespace
 
-ChildProcess::ChildProcess(const Answer& answer, const std::string& file) : owner_(getpid()) {
+struct ChildProcess::State {
+  pid_t owner = getpid(), child = 0;
+  int socket = -1;
+  bool has_failed = false;
+};
+
+ChildProcess::ChildProcess(const Answer& answer, const std::string& file) : state_(std::make_unique<State>()) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw FileError(file, std::string("no process can be started to read files (") + std::strerror(errno) +
                               "); are too many files open?");
-  child_ = fork();
-  if (child_ == 0) {
+  state_->child = fork();
+  if (state_->child == 0) {
     try {
       detach(ends[1]);
       serve(answer);
@@ -231,42 +254,46 @@ ChildProcess::ChildProcess(const Answer& answer, const std::string& file) : owne
   }
   const int error = errno;
   close(ends[1]);
-  socket_ = ends[0];
-  if (child_ > 0) return;
-  close(socket_);
+  if (state_->child > 0) {
+    state_->socket = ends[0];
+    return;
+  }
+  close(ends[0]);
   throw FileError(file, std::string("no process can be started to read files (") + std::strerror(error) +
                             "); end other programs, or allow more processes (ulimit -u)");
 }
 
 ChildProcess::~ChildProcess() {
-  close(socket_);
-  if (child_ <= 0 || getpid() != owner_) return;  // of a copy of the owner
-  kill(child_, SIGKILL);
-  while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  const State& s = *state_;
+  close(s.socket);
+  if (s.child <= 0 || getpid() != s.owner) return;  // of a copy of the owner
+  kill(s.child, SIGKILL);
+  while (waitpid(s.child, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
 
-bool ChildProcess::is_usable() const { return !has_failed_ && getpid() == owner_; }
+bool ChildProcess::is_usable() const { return !state_->has_failed && getpid() == state_->owner; }
 
 std::string ChildProcess::ask(std::string_view request, const ChildLimits& limits, const std::string& file,
                               const std::string& remedy, int descriptor) {
   const bool was_usable = is_usable();
-  has_failed_ = true;  // until all has gone well
+  state_->has_failed = true;  // until all has gone well
   if (!was_usable) throw FileError(file, "cannot be read: its reader has ended");
+  const int socket = state_->socket;
   const RequestHead head{request.size(), limits, descriptor >= 0};
   AnswerHead answered;
   std::string text;
-  bool is_alive = send_all(socket_, &head, sizeof head) && send_all(socket_, request.data(), request.size()) &&
-                  (descriptor < 0 || send_descriptor(socket_, descriptor));
+  bool is_alive = send_all(socket, &head, sizeof head) && send_all(socket, request.data(), request.size()) &&
+                  (descriptor < 0 || send_descriptor(socket, descriptor));
   if (is_alive) {
-    wait_for_answer(socket_);
-    is_alive = receive_all(socket_, &answered, sizeof answered);
+    wait_for_answer(socket);
+    is_alive = receive_all(socket, &answered, sizeof answered);
   }
   if (is_alive) {
     text.resize(answered.n_bytes);
-    is_alive = receive_all(socket_, text.data(), text.size());
+    is_alive = receive_all(socket, text.data(), text.size());
   }
-  if (!is_alive) throw_end_of_child(limits, file, remedy);
+  if (!is_alive) throw_end_of(state_->child, limits, file, remedy);
   switch (answered.ending) {
     case Ending::answered:
       break;
@@ -277,24 +304,8 @@ std::string ChildProcess::ask(std::string_view request, const ChildLimits& limit
     case Ending::other_error:
       throw FileError(file, "cannot be read (" + text + "): damaged? " + remedy);
   }
-  has_failed_ = false;
+  state_->has_failed = false;
   return text;
-}
-
-void ChildProcess::throw_end_of_child(const ChildLimits& limits, const std::string& file, const std::string& remedy) {
-  int status = 0;
-  pid_t ended = -1;
-  do ended = waitpid(child_, &status, 0);
-  while (ended < 0 && errno == EINTR);
-  const pid_t child = std::exchange(child_, 0);
-  if (ended != child || !WIFSIGNALED(status))  // the host program may have waited for it
-    throw FileError(file, "ended the process that read it: damaged? " + remedy);
-  const int signal = WTERMSIG(status);
-  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
-  if (signal == SIGPROF)
-    throw FileError(file,
-                    "takes more than " + amount(limits.cpu_s, "s") + " of processor time to read: damaged? " + remedy);
-  throw FileError(file, std::string("ended the process that read it (") + strsignal(signal) + "): damaged? " + remedy);
 }
 
 SharedMemory::SharedMemory(std::size_t n_bytes) {

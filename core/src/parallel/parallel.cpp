@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/interrupts.hpp"
+
 namespace bouncelab {
 namespace {
 
@@ -37,6 +39,7 @@ class Calls {
  private:
   void call(std::size_t k) {
     try {
+      throw_if_stop_requested();
       body_(k);
     } catch (...) {
       const std::lock_guard lock(mutex_);
@@ -155,10 +158,14 @@ class Pool {
 
 /// Cores that this process may run on: a batch system gives it fewer than the machine has.
 int n_cores() {
+#ifdef __EMSCRIPTEN__
+  return 1;  // compiled without threads
+#else
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   if (::sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+#endif
 }
 
 }  // namespace

@@ -12,7 +12,22 @@ double mass_kg(const Ball& ball) {
   return 4.0 / 3.0 * std::numbers::pi * ball.radius_m * ball.radius_m * ball.radius_m * ball.material.density_kgpm3;
 }
 
-double moment_of_inertia_kgm2(const Ball& ball) { return 0.4 * mass_kg(ball) * ball.radius_m * ball.radius_m; }
+double moment_of_inertia_kgm2(const Ball& ball) {
+  return ball.inertia_factor * mass_kg(ball) * ball.radius_m * ball.radius_m;
+}
+
+double shell_inertia_factor(double mean_density_kgpm3, double shell_density_kgpm3) {
+  const double filled = mean_density_kgpm3 / shell_density_kgpm3;  // share of the volume
+  return 0.4 * (1.0 - pow(1.0 - filled, 5.0 / 3.0)) / filled;
+}
+
+double no_slip_factor(double inertia_factor) { return 1.0 / (1.0 + inertia_factor); }
+
+std::optional<double> contact_time_s(const Ball& ball, const Material& plate, double v_mps) {
+  if (ball.contact_time_s) return ball.contact_time_s;
+  if (!ball.material.hertzian || !plate.hertzian) return std::nullopt;
+  return hertz_contact_time_s(ball, plate, v_mps);
+}
 
 namespace {
 

@@ -49,7 +49,7 @@ std::vector<ColumnSpec> onset_columns() {
           {"probability", ColumnType::real, false, {0.0, 1.0}}};
 }
 
-Onsets onsets_from_table(const Table& table, const std::string& name) {
+Onsets onsets_from_table(const Table& table, const std::string& name, const Onset* before) {
   check_columns(table, onset_columns(), name);
   const auto& t = *table.reals("t_s");
   const auto* recording = table.texts("recording");
@@ -62,13 +62,11 @@ Onsets onsets_from_table(const Table& table, const std::string& name) {
     Onset onset;
     if (recording) onset.recording = (*recording)[k];
     if (drop) onset.drop = (*drop)[k];
-    const bool goes_on =
-        !onsets.empty() && onsets.back().recording == onset.recording && onsets.back().drop == onset.drop;
-    if (goes_on && t[k] <= onsets.back().t_s)
+    const bool goes_on = before && before->recording == onset.recording && before->drop == onset.drop;
+    if (goes_on && t[k] <= before->t_s)
       throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop, but " +
-                                std::to_string(t[k]) + " follows " + std::to_string(onsets.back().t_s) +
-                                "; sort the file");
-    onset.impact = impact ? (*impact)[k] : (goes_on ? onsets.back().impact + 1 : 0);
+                                std::to_string(t[k]) + " follows " + std::to_string(before->t_s) + "; sort the file");
+    onset.impact = impact ? (*impact)[k] : (goes_on ? before->impact + 1 : 0);
     onset.t_s = t[k];
     onset.sigma_t_s = optional_cell(table.reals("sigma_t_s"), k);
     onset.amplitude = optional_cell(table.reals("amplitude"), k);
@@ -76,6 +74,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name) {
     onset.probability = optional_cell(table.reals("probability"), k);
     if (flags) onset.flags = Flags::from_text((*flags)[k]);
     onsets.push_back(std::move(onset));
+    before = &onsets.back();
   }
   return onsets;
 }

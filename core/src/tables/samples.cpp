@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "tables/optional_cells.hpp"
@@ -39,9 +40,37 @@ struct ConditionColumn {
   double greatest;
 };
 constexpr ConditionColumn kConditionColumns[] = {{"gravity_mps2", &SampleConditions::gravity_mps2, 1e4},
-                                                 {"ball_radius_m", &SampleConditions::ball_radius_m, 1e3},
-                                                 {"ball_density_kgpm3", &SampleConditions::ball_density_kgpm3, 1e6},
                                                  {"wave_speed_mps", &SampleConditions::wave_speed_mps, 1e6}};
+
+/// Descriptions as cells: nearly always that of the row before, which need not be written or understood again.
+template <class Value>
+class Descriptions {
+ public:
+  std::string text_of(const std::optional<Value>& value, std::string (*to_text)(const Value&)) {
+    if (value != value_) {
+      value_ = value;
+      text_ = value ? to_text(*value) : "";
+    }
+    return text_;
+  }
+
+  /// @throws FileError
+  std::optional<Value> value_of(const std::string& text, Value (*from_text)(const std::string&),
+                                const std::string& place, const std::string& name) {
+    if (text == text_) return value_;
+    try {
+      value_ = text.empty() ? std::nullopt : std::optional(from_text(text));
+    } catch (const InvalidArgument& error) {
+      throw FileError(name, place + ": " + error.what());
+    }
+    text_ = text;
+    return value_;
+  }
+
+ private:
+  std::optional<Value> value_;
+  std::string text_;
+};
 
 /// Of samples that the fit takes. Orders of magnitude above what any ball does: what is beyond is a fault of the table,
 /// and one such row would outweigh all others. A flagged sample may be of a pair of intervals that are no pair.
@@ -62,8 +91,17 @@ void check_used(const RestitutionSample& s, const std::string& place, const std:
 
 }  // namespace
 
+void name_ball(RestitutionSamples& samples, const std::optional<Ball>& ball, const std::optional<Material>& plate) {
+  for (RestitutionSample& s : samples) {
+    if (ball) s.conditions.ball = ball;
+    if (plate) s.conditions.plate = plate;
+  }
+}
+
 Table to_table(const RestitutionSamples& samples) {
-  std::vector<std::string> recording, flags, corrected;
+  std::vector<std::string> recording, flags, corrected, ball, plate;
+  Descriptions<Ball> balls;
+  Descriptions<Material> plates;
   std::vector<std::int64_t> drop, impact;
   std::vector<double> t, v, eps, sigma_v, sigma_eps;
   for (const RestitutionSample& s : samples) {
@@ -77,6 +115,8 @@ Table to_table(const RestitutionSamples& samples) {
     sigma_eps.push_back(cell_of(s.sigma_eps));
     flags.push_back(s.flags.text());
     corrected.push_back(corrected_text(s.conditions));
+    ball.push_back(balls.text_of(s.conditions.ball, to_text));
+    plate.push_back(plates.text_of(s.conditions.plate, plate_text));
   }
   Table table{{{"recording", std::move(recording)},
                {"drop", std::move(drop)},
@@ -87,7 +127,9 @@ Table to_table(const RestitutionSamples& samples) {
                {"sigma_v_mps", std::move(sigma_v)},
                {"sigma_eps", std::move(sigma_eps)},
                {"flags", std::move(flags)},
-               {"corrected", std::move(corrected)}}};
+               {"corrected", std::move(corrected)},
+               {"ball", std::move(ball)},
+               {"plate", std::move(plate)}}};
   for (const auto& column : kConditionColumns) {
     std::vector<double> values;
     for (const RestitutionSample& s : samples) values.push_back(cell_of(s.conditions.*column.member));
@@ -106,7 +148,9 @@ std::vector<ColumnSpec> sample_columns() {
                                   {"sigma_v_mps", ColumnType::real, false, kSigma},
                                   {"sigma_eps", ColumnType::real, false, kSigma},
                                   {"flags", ColumnType::text, false},
-                                  {"corrected", ColumnType::text, false}};
+                                  {"corrected", ColumnType::text, false},
+                                  {"ball", ColumnType::text, false},
+                                  {"plate", ColumnType::text, false}};
   for (const auto& column : kConditionColumns)
     columns.push_back({column.name, ColumnType::real, false, positive_up_to(column.greatest)});
   return columns;
@@ -122,6 +166,10 @@ RestitutionSamples samples_from_table(const Table& table, const std::string& nam
   const auto* t = table.reals("t_s");
   const auto* flags = table.texts("flags");
   const auto* corrected = table.texts("corrected");
+  const auto* ball = table.texts("ball");
+  const auto* plate = table.texts("plate");
+  Descriptions<Ball> balls;
+  Descriptions<Material> plates;
   RestitutionSamples samples(v.size());
   for (std::size_t k = 0; k < v.size(); ++k) {
     RestitutionSample& s = samples[k];
@@ -135,6 +183,8 @@ RestitutionSamples samples_from_table(const Table& table, const std::string& nam
     s.sigma_eps = optional_cell(table.reals("sigma_eps"), k);
     if (flags) s.flags = Flags::from_text((*flags)[k]);
     if (corrected) read_corrected((*corrected)[k], s.conditions);
+    if (ball) s.conditions.ball = balls.value_of((*ball)[k], ball_from_text, table.place_of(k), name);
+    if (plate) s.conditions.plate = plates.value_of((*plate)[k], plate_from_text, table.place_of(k), name);
     for (const auto& column : kConditionColumns)
       s.conditions.*column.member = optional_cell(table.reals(column.name), k);
     if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) s.flags.add(Flag::not_finite);

@@ -79,7 +79,7 @@ void Table::stands_on(std::size_t row, std::size_t line) {
 std::string Table::place_of(std::size_t row) const {
   const auto after =
       std::upper_bound(lines.begin(), lines.end(), row, [](std::size_t r, const Jump& jump) { return r < jump.row; });
-  if (after == lines.begin()) return "row " + std::to_string(row + 1);
+  if (after == lines.begin()) return "row " + std::to_string(n_before + row + 1);
   return "line " + std::to_string(std::prev(after)->line + row - std::prev(after)->row);
 }
 

@@ -25,18 +25,22 @@ const char* to_string(Effect effect) {
 namespace {
 
 /// What drag does to eps at a speed, uncorrected: two flights with the true eps between them.
-double shift_by_drag(double v_mps, double eps, const BudgetConfig& config) {
+std::optional<double> shift_by_drag(double v_mps, double eps, const BudgetConfig& config) {
+  if (!config.ball) return std::nullopt;
   const double before_s = 2.0 * v_mps / config.gravity_mps2;
-  const Flight before = flight_with_drag(config.ball, config.air, before_s, config.gravity_mps2);
-  const Flight after = flight_with_drag(config.ball, config.air, eps * before_s, config.gravity_mps2);
+  const Flight before = flight_with_drag(*config.ball, config.air, before_s, config.gravity_mps2);
+  const Flight after = flight_with_drag(*config.ball, config.air, eps * before_s, config.gravity_mps2);
   return eps - after.launch_mps / before.landing_mps;
 }
 
-double shift_by_contact_time(double v_mps, double eps, const BudgetConfig& config) {
+std::optional<double> shift_by_contact_time(double v_mps, double eps, const BudgetConfig& config) {
+  if (!config.ball || !(config.plate || config.ball->contact_time_s)) return std::nullopt;
   const double before_s = 2.0 * v_mps / config.gravity_mps2;
-  const double contact_before_s = hertz_contact_time_s(config.ball, config.plate, v_mps / eps);
-  const double contact_after_s = hertz_contact_time_s(config.ball, config.plate, v_mps);
-  return (eps * before_s + contact_after_s) / (before_s + contact_before_s) - eps;
+  const Material plate = config.plate.value_or(Material{});
+  const std::optional<double> contact_before_s = contact_time_s(*config.ball, plate, v_mps / eps);
+  const std::optional<double> contact_after_s = contact_time_s(*config.ball, plate, v_mps);
+  if (!contact_before_s || !contact_after_s) return std::nullopt;
+  return (eps * before_s + *contact_after_s) / (before_s + *contact_before_s) - eps;
 }
 
 /// Parts of the variance; they are scaled down where together they exceed what is there (timing stated too large).
@@ -81,8 +85,8 @@ BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& la
     return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);
   });
   if (point != law.curve.end()) row.se_curve = point->se;
-  if (config.drag == Effect::present) row.shift_drag = shift_by_drag(row.v_mps, eps, config);
-  if (config.contact_time == Effect::present) row.shift_contact_time = shift_by_contact_time(row.v_mps, eps, config);
+  row.shift_drag = config.drag == Effect::present ? shift_by_drag(row.v_mps, eps, config) : 0.0;
+  row.shift_contact_time = config.contact_time == Effect::present ? shift_by_contact_time(row.v_mps, eps, config) : 0.0;
   if (config.travel_time == Effect::present)
     row.spread_travel_time = eps * config.kick_per_speed * row.v_mps / config.wave_speed_mps;
   add_shares(row);
@@ -134,8 +138,8 @@ BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig ba
   set(said.contact_time_corrected, base.contact_time);
   set(said.travel_time_corrected, base.travel_time);
   base.wave_speed_mps = said.wave_speed_mps.value_or(base.wave_speed_mps);
-  base.ball.radius_m = said.ball_radius_m.value_or(base.ball.radius_m);
-  base.ball.material.density_kgpm3 = said.ball_density_kgpm3.value_or(base.ball.material.density_kgpm3);
+  if (said.ball) base.ball = said.ball;
+  if (said.plate) base.plate = said.plate;
   base.gravity_mps2 = said.gravity_mps2.value_or(base.gravity_mps2);
   return base;
 }
@@ -143,6 +147,7 @@ BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig ba
 ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, const BudgetConfig& config) {
   ErrorBudget budget;
   budget.ball = config.ball;
+  budget.plate = config.plate;
   budget.effects = {
       {"air drag", config.drag}, {"contact time", config.contact_time}, {"travel time", config.travel_time}};
   if (!law.law || samples.empty()) return budget;

@@ -165,7 +165,7 @@ std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, F
   if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
     status = FitStatus::not_identifiable;
     return "all speeds lie between " + std::to_string(lo) + " and " + std::to_string(hi) +
-           " m/s: eps(v) is known there only, the constants A are not identifiable";
+           " m/s: ε(v) is known there only, the constants A are not identifiable";
   }
   return {};
 }
@@ -223,7 +223,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
 }
 
 void add_bootstrap(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const LawFitConfig& config) {
-  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed);
+  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed, config.replicates);
   if (drawn.size() < 2) {
     fit.notes.push_back("no bootstrap by drop: it needs 8 drops or more");
     return;
@@ -299,7 +299,7 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
   fit.n = data.size();
   if (!candidate) {
     fit.status = FitStatus::not_applicable;
-    fit.message = "the median eps is not between 0.05 and 1: no viscoelastic sphere does that";
+    fit.message = "the median ε is not between 0.05 and 1: no viscoelastic sphere does that";
     return fit;
   }
   const LawLikelihood likelihood(candidate->data, model, candidate->family);

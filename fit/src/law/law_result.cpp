@@ -103,7 +103,7 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
     fit.status = FitStatus::not_identifiable;
     fit.message = unknown + (unknown.find(',') == std::string::npos ? " is" : " are") +
                   " not identifiable from these " + std::to_string(fit.n) +
-                  " impacts (95 % intervals at best: " + intervals + "); quote eps(v) at the nodes";
+                  " impacts (95 % intervals at best: " + intervals + "); use the curve ε(v)";
   }
 }
 

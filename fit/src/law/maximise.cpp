@@ -4,7 +4,9 @@
 #include <ceres/first_order_function.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
+#ifndef __EMSCRIPTEN__
 #include <glog/logging.h>
+#endif
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -59,6 +61,11 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
 
 /// Ceres comments on degenerate line searches on standard error; what the search came to is in its result. Searches run
 /// side by side: the first silences, the last restores.
+#ifdef __EMSCRIPTEN__  // its log is compiled without comments (tools/web/build)
+struct QuietCeres {
+  QuietCeres() {}
+};
+#else
 class QuietCeres {
  public:
   QuietCeres() {
@@ -78,6 +85,7 @@ class QuietCeres {
   static inline std::mutex mutex_;
   static inline int n_searches_ = 0, level_ = 0;
 };
+#endif
 
 ceres::GradientProblemSolver::Options solver_options(double tolerance) {
   ceres::GradientProblemSolver::Options options;

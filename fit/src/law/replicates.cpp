@@ -104,24 +104,28 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
 }
 
 std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
-                                               std::size_t n_replicates, std::uint64_t seed) {
+                                               std::size_t n_replicates, std::uint64_t seed,
+                                               const ReplicateSource& source) {
   constexpr std::size_t kFewestToDraw = 8;
   const LawData& data = likelihood.data();
   const std::size_t n_drops = data.size() == 0 ? 0 : *std::max_element(data.drop.begin(), data.drop.end()) + 1;
   if (n_drops < kFewestToDraw) return {};
   const Eigen::MatrixXd information = likelihood.information(maximum.x);
-  std::vector<std::optional<Eigen::VectorXd>> found(n_replicates);
-  parallel_for(n_replicates, 0, [&](std::size_t i) {
+  const auto make = [&](std::size_t i) -> Replicate {
     // indices beyond those of the goodness of fit
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{1} << 32) + i);
     const LawData drawn = resampled(data, n_drops, random);
     const LawLikelihood again(drawn, likelihood.model(), likelihood.scatter());
     const Maximum there = maximise(function_of(again), maximum.x, information, 0.02);
-    if (there.gain_left < 0.01) found[i] = there.x.head(likelihood.model().n_parameters());
-  });
+    if (!(there.gain_left < 0.01)) return std::nullopt;
+    return Replicate(std::in_place, there.x.data(), there.x.data() + likelihood.model().n_parameters());
+  };
+  std::vector<Replicate> found(n_replicates);
+  parallel_for(n_replicates, 0,
+               [&](std::size_t i) { found[i] = source ? source(i, [&] { return make(i); }) : make(i); });
   std::vector<Eigen::VectorXd> q;
-  for (auto& x : found)
-    if (x) q.push_back(std::move(*x));
+  for (const Replicate& x : found)
+    if (x) q.emplace_back(Eigen::Map<const Eigen::VectorXd>(x->data(), std::ssize(*x)));
   return q;
 }
 

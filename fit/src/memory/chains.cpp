@@ -97,7 +97,7 @@ Chain chain_of(const RestitutionSamples& samples, std::size_t begin, std::size_t
 Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_t>& left_out,
                  const RestitutionLaw& law) {
   Chains result;
-  result.ball_radius_m = Ball{}.radius_m;
+  if (!samples.empty()) result.ball = samples.front().conditions.ball.value_or(Ball{});
   // the first impact of a ball at rest cannot scatter above eps(v) at all: an edge, which a height of release that is
   // a little off would put at the wrong place
   const auto out = [&](std::size_t k) {
@@ -114,7 +114,6 @@ Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_
     while (end < samples.size() && same_drop(samples[k], samples[end]) && !out(end) &&
            follows(samples[end - 1], samples[end]))
       ++end;
-    if (samples[k].conditions.ball_radius_m) result.ball_radius_m = *samples[k].conditions.ball_radius_m;
     Chain chain = chain_of(samples, k, end, law);
     chain.drop = result.n_drops;
     result.n_impacts += end - k;
@@ -128,7 +127,7 @@ Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_
 Chains thinned_chains(const Chains& all, std::size_t n_most) {
   const std::size_t stride = (all.n_impacts + n_most - 1) / n_most;
   Chains few;
-  few.ball_radius_m = all.ball_radius_m;
+  few.ball = all.ball;
   few.n_drops = all.n_drops;
   for (std::size_t c = 0; c < all.chains.size(); c += stride) {
     few.chains.push_back(all.chains[c]);

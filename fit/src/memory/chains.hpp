@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/fit/roughness.hpp"
 #include "law/law_model.hpp"
 
 namespace bouncelab::fit {
@@ -33,12 +33,12 @@ struct Chains {
   std::vector<Chain> chains;
   std::size_t n_drops = 0;
   std::size_t n_impacts = 0;
-  double ball_radius_m = 0.0;
+  Ball ball;  ///< that of the first sample; the paper's where none is named
 
-  /// Standard deviation of the heights of contacts, R s2: as if without slip, of a solid ball [m].
+  /// Standard deviation of the heights of contacts, R s2: as if without slip [m].
   template <class T>
   T height_sd_m(const T& q) const {
-    return ball_radius_m * (1.0 + kSolidBallInertia) * q;
+    return ball.radius_m * (1.0 + ball.inertia_factor) * q;
   }
 };
 

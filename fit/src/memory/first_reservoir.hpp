@@ -40,8 +40,11 @@ class FirstReservoir {
   FirstNodes nodes(bool with_excluded) const {
     constexpr double kFirst = 1e-3, kLast = 25.0;  // of the mean: what lies outside weighs 1e-3 times a mean density
     constexpr std::size_t kNodes = 27;
+    // in place of a mean that is not positive, as parameters drawn from few drops may have it: components() refuses it
+    constexpr double kLeastScale_m2ps2 = 1e-30;
     FirstNodes nodes;
-    nodes.scale = value_of(mean());
+    const double all_mean = value_of(mean());
+    nodes.scale = all_mean > kLeastScale_m2ps2 ? all_mean : kLeastScale_m2ps2;
     double highest = -HUGE_VAL, softness = 0.0;
     follow(chain_.impacts.size(), [&](std::size_t i, const Bound& bound) {
       const double least = value_of(bound.least) - 4.0 * bound.softness;
@@ -54,7 +57,7 @@ class FirstReservoir {
     const double last = kLast * nodes.scale + 10.0 * softness;
     for (std::size_t k = 0; k < kNodes; ++k)
       nodes.above_least.push_back(first * pow(last / first, static_cast<double>(k) / (kNodes - 1)));
-    if (with_excluded && highest > 2.0 * first) {
+    if (with_excluded && highest > 2.0 * first && std::isfinite(highest)) {
       const auto n = static_cast<std::size_t>(std::ceil((kNodes - 1) * log(highest / first) / log(last / first)));
       for (std::size_t k = 0; k <= n; ++k)
         nodes.below_least.push_back(first * pow(highest / first, static_cast<double>(k) / static_cast<double>(n)));

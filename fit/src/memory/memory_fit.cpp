@@ -117,6 +117,7 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
     return fit;
   }
   const Chains chains = chains_of(samples, independent.outliers, *independent.law);
+  if (!samples.empty()) fit.ball = samples.front().conditions.ball;
   fit.n = chains.n_impacts;
   fit.n_drops = chains.n_drops;
   fit.n_chains = chains.chains.size();

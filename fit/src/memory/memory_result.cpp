@@ -126,7 +126,7 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     return estimate_of(posterior, [i](const Eigen::VectorXd& x) { return x[i]; });
   };
   const Estimate q = estimate_of(posterior, [&](const Eigen::VectorXd& x) { return exp(x[likelihood.index_of_q()]); });
-  fit.roughness = equivalent_surfaces(q, kSolidBallInertia);
+  fit.roughness = equivalent_surfaces(q, fit.ball ? fit.ball->inertia_factor : kSolidBallInertia);
   fit.keep = estimate(likelihood.index_of_keep());
   if (n > likelihood.index_of_release()) fit.release_m2ps2 = estimate(likelihood.index_of_release());
   fit.leak.z = (fit.keep.value - 1.0) / *fit.keep.se;

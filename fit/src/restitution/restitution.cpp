@@ -6,6 +6,7 @@
 #include <iterator>
 #include <span>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/statistics.hpp"
@@ -42,8 +43,9 @@ Flight flight_of(double interval_s, const RestitutionConfig& config, Corrections
   const double g = config.gravity_mps2;
   double duration_s = interval_s;
   // the ball came down about as fast as it went up: the contact time goes as v^(-1/5)
-  if (corrections.contact_time) duration_s -= hertz_contact_time_s(config.ball, config.plate, 0.5 * g * interval_s);
-  if (corrections.drag && duration_s > 0.0) return flight_with_drag(config.ball, config.air, duration_s, g);
+  if (corrections.contact_time)
+    duration_s -= contact_time_s(*config.ball, config.plate.value_or(Material{}), 0.5 * g * interval_s).value();
+  if (corrections.drag && duration_s > 0.0) return flight_with_drag(*config.ball, config.air, duration_s, g);
   return {0.5 * g * duration_s, 0.5 * g * duration_s};
 }
 
@@ -90,7 +92,7 @@ RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const R
 RestitutionSample first_sample(const Onset& here, const Onset& after, const RestitutionConfig& config) {
   const double g = config.gravity_mps2, h = *config.drop_height_m;
   RestitutionSample sample = sample_of(here);
-  sample.v_mps = config.correct_drag ? fall_with_drag_mps(config.ball, config.air, h, g) : std::sqrt(2.0 * g * h);
+  sample.v_mps = config.correct_drag ? fall_with_drag_mps(*config.ball, config.air, h, g) : std::sqrt(2.0 * g * h);
   const double interval_s = after.t_s - here.t_s;
   sample.eps =
       flight_of(interval_s, config, {config.correct_drag, config.correct_contact_time}).launch_mps / sample.v_mps;
@@ -168,6 +170,8 @@ std::optional<double> median_eps(const RestitutionSamples& samples) {
   return median(std::move(eps));
 }
 
+const char* const kNameTheBall = "--ball steel:6mm or --ball table-tennis (bouncelab balls lists them)";
+
 void check(const RestitutionConfig& config) {
   const auto positive = [](double value, const char* quantity) {
     if (!(value > 0.0) || !std::isfinite(value))
@@ -175,8 +179,23 @@ void check(const RestitutionConfig& config) {
   };
   positive(config.gravity_mps2, "gravity [m/s^2]");
   if (config.drop_height_m) positive(*config.drop_height_m, "drop height [m]");
-  positive(config.ball.radius_m, "radius of the ball [m]");
-  positive(config.ball.material.density_kgpm3, "density of the ball [kg/m^3]");
+  if (config.ball) {
+    positive(config.ball->radius_m, "radius of the ball [m]");
+    positive(config.ball->material.density_kgpm3, "density of the ball [kg/m^3]");
+  }
+  if (config.correct_drag && !config.ball)
+    throw InvalidArgument("a correction for air drag needs the ball: " + std::string(kNameTheBall));
+  if (!config.correct_contact_time) return;
+  if (!config.ball)
+    throw InvalidArgument("a correction for the contact time needs the ball: " + std::string(kNameTheBall));
+  if (config.ball->contact_time_s) return;
+  if (!config.plate)
+    throw InvalidArgument(
+        "a correction for the contact time needs the plate: --plate glass (bouncelab balls lists them)");
+  if (!contact_time_s(*config.ball, *config.plate, 1.0))
+    throw InvalidArgument("the contact time of " + to_text(*config.ball) + " on " + plate_text(*config.plate) +
+                          " is not known: Hertz's theory does not hold for it; give one that was measured, --ball " +
+                          to_text(*config.ball) + ",contact-time=0.8ms");
 }
 
 SampleConditions conditions_of(const RestitutionConfig& config) {
@@ -184,52 +203,79 @@ SampleConditions conditions_of(const RestitutionConfig& config) {
           config.correct_contact_time,
           config.travel_time.has_value(),
           config.gravity_mps2,
-          config.ball.radius_m,
-          config.ball.material.density_kgpm3,
+          config.ball,
+          config.plate,
           config.travel_time ? config.travel_time->wave_speed_mps : config.wave_speed_mps};
 }
 
-/// Both ways, to say what the correction did.
-Restitution restitution_without_travel_time(const Onsets& onsets, RestitutionConfig config) {
-  const Onsets at_plate = without_travel_time(onsets, *config.travel_time);
-  const SampleConditions conditions = conditions_of(config);
-  config.travel_time.reset();
-  Restitution result = restitution_samples(at_plate, config);
-  for (RestitutionSample& s : result.samples) s.conditions = conditions;
-  std::map<std::pair<std::int64_t, std::int64_t>, double> uncorrected;
-  for (const RestitutionSample& s : restitution_samples(onsets, config).samples)
-    uncorrected[{s.drop, s.impact}] = s.eps;
+/// What the correction for travel times did to the samples of a drop: the sum of the squares.
+double squared_shifts(const RestitutionSamples& corrected, const RestitutionSamples& uncorrected) {
+  std::map<std::int64_t, double> eps;
+  for (const RestitutionSample& s : uncorrected) eps[s.impact] = s.eps;
   double squares = 0.0;
-  for (const RestitutionSample& s : result.samples) squares += square(s.eps - uncorrected.at({s.drop, s.impact}));
-  result.counts.rms_shift_travel_time = std::sqrt(squares / std::max(1.0, static_cast<double>(result.samples.size())));
-  return result;
+  for (const RestitutionSample& s : corrected) squares += square(s.eps - eps.at(s.impact));
+  return squares;
 }
 
 }  // namespace
 
-Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config) {
-  check(config);
-  if (config.travel_time) return restitution_without_travel_time(onsets, config);
-  Restitution result;
-  Shifts shifts;
-  result.counts.n_onsets = onsets.size();
-  for (std::size_t begin = 0; begin < onsets.size();) {
-    std::size_t end = begin + 1;
-    while (end < onsets.size() && onsets[end].recording == onsets[begin].recording &&
-           onsets[end].drop == onsets[begin].drop)
-      ++end;
-    ++result.counts.n_drops;
-    auto samples = samples_of_drop(std::span(onsets).subspan(begin, end - begin), config, result.counts, shifts);
-    std::move(samples.begin(), samples.end(), std::back_inserter(result.samples));
-    begin = end;
+RestitutionInPieces::RestitutionInPieces(RestitutionConfig config)
+    : config_(std::move(config)), conditions_(conditions_of(config_)) {
+  check(config_);
+  if (config_.travel_time) without_travel_time({}, *config_.travel_time);  // what is wrong with it is said at once
+}
+
+RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
+  RestitutionSamples samples;
+  counts_.n_onsets += onsets.size();
+  for (Onset& onset : onsets) {
+    if (!drop_.empty() && (onset.recording != drop_.front().recording || onset.drop != drop_.front().drop))
+      end_drop(samples);
+    drop_.push_back(std::move(onset));
   }
-  result.counts.n_samples = result.samples.size();
-  for (RestitutionSample& s : result.samples) s.conditions = conditions_of(config);
-  const double n = std::max(1.0, static_cast<double>(result.samples.size()));
-  if (config.correct_drag) result.counts.mean_shift_drag = shifts.drag / n;
-  if (config.correct_contact_time) result.counts.mean_shift_contact_time = shifts.contact / n;
-  result.counts.n_flagged = static_cast<std::size_t>(
-      std::count_if(result.samples.begin(), result.samples.end(), [](const auto& s) { return !s.flags.empty(); }));
+  return samples;
+}
+
+RestitutionSamples RestitutionInPieces::finish() {
+  RestitutionSamples samples;
+  if (!drop_.empty()) end_drop(samples);
+  const double n = std::max(1.0, static_cast<double>(counts_.n_samples));
+  if (config_.correct_drag) counts_.mean_shift_drag = drag_shifts_ / n;
+  if (config_.correct_contact_time) counts_.mean_shift_contact_time = contact_shifts_ / n;
+  if (config_.travel_time) counts_.rms_shift_travel_time = std::sqrt(squared_travel_shifts_ / n);
+  return samples;
+}
+
+void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
+  ++counts_.n_drops;
+  Shifts shifts{drag_shifts_, contact_shifts_};
+  RestitutionSamples of_drop;
+  if (config_.travel_time) {
+    of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, shifts);
+    RestitutionCounts not_counted;
+    Shifts not_summed;
+    const RestitutionSamples uncorrected = samples_of_drop(drop_, config_, not_counted, not_summed);
+    squared_travel_shifts_ += squared_shifts(of_drop, uncorrected);
+  } else {
+    of_drop = samples_of_drop(drop_, config_, counts_, shifts);
+  }
+  drag_shifts_ = shifts.drag;
+  contact_shifts_ = shifts.contact;
+  counts_.n_samples += of_drop.size();
+  for (RestitutionSample& s : of_drop) {
+    s.conditions = conditions_;
+    if (!s.flags.empty()) ++counts_.n_flagged;
+  }
+  std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));
+  drop_.clear();
+}
+
+Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config) {
+  RestitutionInPieces pieces(config);
+  Restitution result{pieces.add(onsets), {}};
+  RestitutionSamples last = pieces.finish();
+  std::move(last.begin(), last.end(), std::back_inserter(result.samples));
+  result.counts = pieces.counts();
   result.counts.eps_median = median_eps(result.samples);
   return result;
 }

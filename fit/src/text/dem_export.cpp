@@ -76,7 +76,7 @@ std::optional<DemExport> dem_export(const LawFit& fit, double v_mps, std::option
   });
   result.se = point->se;
   result.warning = formatted(
-      "these codes take eps as constant; measured, it goes from %.4f at %.3g m/s to %.4f at %.3g m/s, and scatters "
+      "these codes take ε as constant; measured, it goes from %.4f at %.3g m/s to %.4f at %.3g m/s, and scatters "
       "from impact to impact",
       fit.curve.front().y, fit.curve.front().x, fit.curve.back().y, fit.curve.back().x);
   if (v_mps < fit.curve.front().x || v_mps > fit.curve.back().x)

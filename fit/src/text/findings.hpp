@@ -9,8 +9,10 @@
 
 namespace bouncelab::fit {
 
-/// "a ball of 3 mm radius and 7900 kg/m^3"
-std::string describe(const Ball& ball);
+/// "air drag is not taken out, and its shift of eps is open: no ball was named (--ball)"; empty where nothing is open.
+std::string open_corrections(const ErrorBudget& budget);
+/// Likewise of the fit with memory, which needs a radius and a moment of inertia.
+std::string open_without_ball(const MemoryFit& memory);
 
 /// What a user must know before using the result, most important first.
 /// @param used  the samples that were fitted

@@ -20,7 +20,7 @@ std::string in_words(const MemoryFit& memory) {
   if (memory.status != FitStatus::ok) return "memory could not be fitted: " + memory.message;
   if (!memory.holds)
     return "the fit with memory does not hold for these impacts: " + memory.message +
-           "; use eps(v) of the independent likelihood";
+           "; use ε(v) of the independent likelihood";
   std::string text = "the fluctuations remember those before them, as a rough ball's do: ";
   if (memory.loglik_independent)
     text += formatted("ln L %.1f above that of independent impacts, ", memory.loglik - *memory.loglik_independent);

@@ -42,7 +42,7 @@ std::string name_of(const RecordingFit& row) {
 std::string extremes(const std::vector<RecordingFit>& rows) {
   double v_mps = 0.0;
   std::vector<ValueOf> values = at_common_node(rows, v_mps);
-  std::string what = formatted("eps at %.3g m/s", v_mps);
+  std::string what = formatted("ε at %.3g m/s", v_mps);
   if (values.size() < 2) {
     values.clear();
     for (const RecordingFit& row : rows)

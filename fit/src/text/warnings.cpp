@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/fit/roughness.hpp"
 #include "law/by_drop.hpp"
 #include "text/findings.hpp"
@@ -24,9 +25,15 @@ void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) 
   if (worst_i == worst_j) return;
   warnings.push_back(
       law.parameters[worst_j].name + " and " + law.parameters[worst_i].name +
-      formatted(" cannot be told apart with these speeds: their correlation is %.4f; quote eps(v) at the "
-                "nodes, or the constants with their covariance",
+      formatted(" cannot be told apart with these speeds: their correlation is %.4f; use the curve ε(v), "
+                "or the constants with their covariance",
                 law.correlation[worst_i][worst_j]));
+}
+
+/// The constants matter to few and the curve is known without them: their warnings come last.
+void warn_of_constants(const LawFit& law, std::vector<std::string>& warnings) {
+  warn_of_correlation(law, warnings);
+  if (!law.message.empty() && law.status == FitStatus::not_identifiable) warnings.push_back(law.message);
 }
 
 /// What one drop's impacts share cannot be seen without other drops. (Figures: docs/physics.md, errors by drop.)
@@ -37,17 +44,16 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
                               : formatted("%zu drop%s, fewer than %zu", drops.n, drops.n == 1 ? "" : "s", kFewestDrops);
   warnings.push_back(why +
                      ": standard errors take impacts as independent; those of the slopes may be up to 1.7 times too "
-                     "small at low speeds, those of eps(v) hardly");
+                     "small at low speeds, those of ε(v) hardly");
 }
 
 void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
-  if (!law.message.empty()) warnings.push_back(law.message);
+  if (!law.message.empty() && law.status != FitStatus::not_identifiable) warnings.push_back(law.message);
   warnings.insert(warnings.end(), law.notes.begin(), law.notes.end());
-  warn_of_correlation(law, warnings);
   if (law.p_value && *law.p_value < 0.001) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
-    warnings.push_back(formatted("the scatter about eps(v) is not as the fit assumes: chi2 / ndf = %.2f, p = %.1e; ",
+    warnings.push_back(formatted("the scatter about ε(v) is not as the fit assumes: χ²/ndf = %.2f, p = %.1e; ",
                                  *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
                        (ratio < 0.8 ? formatted("it is %.2f of what the stated timing errors alone explain: these are "
                                                 "stated too large, and so are all errors given here",
@@ -59,9 +65,9 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
   warn_of_few_drops(law.drops, warnings);
   if (!law.outliers.empty())
     warnings.push_back(
-        formatted("%zu of the samples lie further from eps(v) than the scatter can put them and were left out, of the "
-                  "histograms too: missed or invented impacts?",
-                  law.outliers.size()));
+        formatted("%zu sample%s further from ε(v) than the scatter can put one and left out, of the histograms too: "
+                  "missed or invented impacts?",
+                  law.outliers.size(), law.outliers.size() == 1 ? " is" : "s are"));
 }
 
 /// Where the noise that neighbouring samples share is not what the detector states.
@@ -89,11 +95,11 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
                   unknown, n));
   const double above_one = count([](const auto& s) { return s.eps > 1.0; });
   if (above_one > 0.1 * n)
-    warnings.push_back(formatted("%.0f of %.0f samples have eps > 1: time order or units of the input?", above_one, n));
+    warnings.push_back(formatted("%.0f of %.0f samples have ε > 1: time order or units of the input?", above_one, n));
   const double below_zero = count([](const auto& s) { return s.eps < 0.0; });
   if (below_zero > 0.1 * n)
     warnings.push_back(
-        formatted("%.0f of %.0f samples have eps < 0: time order or columns of the input?", below_zero, n));
+        formatted("%.0f of %.0f samples have ε < 0: time order or columns of the input?", below_zero, n));
   const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
   if (implausible > 0.1 * n)
     warnings.push_back(
@@ -125,31 +131,56 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
 }
 
 /// The worst node of a shift that is still in the samples, where it exceeds the error of the curve there.
-void warn_of_shift(const ErrorBudget& budget, double BudgetRow::*shift, const std::string& cause,
+void warn_of_shift(const ErrorBudget& budget, std::optional<double> BudgetRow::*shift, const std::string& cause,
                    const std::string& remedy, std::vector<std::string>& warnings) {
   const BudgetRow* worst = nullptr;
   for (const BudgetRow& row : budget.rows)
-    if (row.se_curve && *row.se_curve > 0.0 && std::isfinite(row.*shift) &&
-        (!worst || std::abs(row.*shift) / *row.se_curve > std::abs(worst->*shift) / *worst->se_curve))
+    if (row.se_curve && *row.se_curve > 0.0 && row.*shift && std::isfinite(*(row.*shift)) &&
+        (!worst || std::abs(*(row.*shift)) / *row.se_curve > std::abs(*(worst->*shift)) / *worst->se_curve))
       worst = &row;
-  if (!worst || std::abs(worst->*shift) <= *worst->se_curve) return;
+  if (!worst || std::abs(*(worst->*shift)) <= *worst->se_curve) return;
   warnings.push_back(cause +
-                     formatted(" is not taken out: it moves eps(%.2g m/s) by %+.1e, %.1f standard errors; ",
-                               worst->v_mps, worst->*shift, std::abs(worst->*shift) / *worst->se_curve) +
+                     formatted(" is not taken out: it moves ε(%.2g m/s) by %+.1e, %.1f standard errors; ", worst->v_mps,
+                               *(worst->*shift), std::abs(*(worst->*shift)) / *worst->se_curve) +
                      remedy);
 }
 
 void warn_of_shifts(const ErrorBudget& budget, std::vector<std::string>& warnings) {
-  const std::string ball = "(" + describe(budget.ball) + ")";
-  warn_of_shift(budget, &BudgetRow::shift_drag, "air drag " + ball, "correct the flights for it", warnings);
-  warn_of_shift(budget, &BudgetRow::shift_contact_time, "the duration of contact " + ball,
+  const std::string ball = budget.ball ? " (" + to_text(*budget.ball) : " (";
+  const std::string on_plate = budget.plate ? " on " + plate_text(*budget.plate) : "";
+  warn_of_shift(budget, &BudgetRow::shift_drag, "air drag" + ball + ")", "correct the flights for it", warnings);
+  warn_of_shift(budget, &BudgetRow::shift_contact_time, "the duration of contact" + ball + on_plate + ")",
                 "correct the intervals for it", warnings);
+}
+
+bool is_present(const ErrorBudget& budget, const std::string& cause) {
+  return std::any_of(budget.effects.begin(), budget.effects.end(),
+                     [&](const auto& effect) { return effect.first == cause && effect.second == Effect::present; });
 }
 
 }  // namespace
 
-std::string describe(const Ball& ball) {
-  return formatted("a ball of %.3g mm radius and %.4g kg/m^3", 1e3 * ball.radius_m, ball.material.density_kgpm3);
+std::string open_corrections(const ErrorBudget& budget) {
+  if (budget.rows.empty()) return "";
+  const BudgetRow& row = budget.rows.front();
+  const bool drag = is_present(budget, "air drag") && !row.shift_drag;
+  const bool contact = is_present(budget, "contact time") && !row.shift_contact_time;
+  if (!drag && !contact) return "";
+  std::string why = "Hertz's theory does not give the contact time of " + (budget.ball ? to_text(*budget.ball) : "") +
+                    " on " + (budget.plate ? plate_text(*budget.plate) : "") + " (--ball ...,contact-time=...)";
+  if (!budget.plate) why = "no plate was named (--plate)";
+  if (!budget.ball) why = "no ball was named (--ball, --plate)";
+  if (drag && contact)
+    return "air drag and contact time are not taken out, and how much they shift eps is open: " + why;
+  return std::string(drag ? "air drag" : "contact time") +
+         " is not taken out, and how much it shifts eps is open: " + why;
+}
+
+std::string open_without_ball(const MemoryFit& memory) {
+  if (memory.status != FitStatus::ok || memory.ball) return "";
+  return formatted(
+      "no ball was named (--ball): the fit with memory takes a solid one, J = %.3g m R^2, of %.3g mm radius",
+      kSolidBallInertia, 1e3 * Ball{}.radius_m);
 }
 
 std::vector<std::string> warnings_of(const RestitutionSamples& used, const LeftOut& left_out) {
@@ -168,6 +199,10 @@ std::vector<std::string> warnings_of(const FitResult& result, const RestitutionS
   warnings.insert(warnings.end(), of_samples.begin(), of_samples.end());
   warn_of_mixed_conditions(used, warnings);
   warn_of_shifts(result.budget, warnings);
+  if (const std::string open = open_corrections(result.budget); !open.empty()) warnings.push_back(open);
+  if (const std::string open = result.memory ? open_without_ball(*result.memory) : ""; !open.empty())
+    warnings.push_back(open);
+  warn_of_constants(result.law, warnings);
   return warnings;
 }
 

@@ -18,8 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kDropsForLevels = 40;
-
 /// Where the rows of each drop begin; one more at the end.
 std::vector<std::size_t> begins_of_drops(const Impacts& impacts) {
   std::vector<std::size_t> begins;
@@ -58,7 +56,7 @@ DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Imp
   recording.config.n_threads = 1;  // the drops run in parallel
   recording.instrument = synthesis::make_instrument(recording.config);
   const std::vector<std::size_t> begins = begins_of_drops(impacts);
-  const std::size_t n = std::min(kDropsForLevels, begins.size() - 1);
+  const std::size_t n = std::min<std::size_t>(kDropsForLevels, begins.size() - 1);
   recording.levels =
       synthesis::SyntheticRecording(rows_of(impacts, 0, begins[n]), recording.config, recording.instrument).levels();
   return recording;

@@ -62,7 +62,63 @@ RunIdentity identity_from(const std::string& text) {
   return identity;
 }
 
-/// The first name whose values differ, with both.
+/// An item's name in front of its record: without the characters that end a name or a line.
+std::string escaped(const std::string& item) {
+  std::string text;
+  for (const char c : item) {
+    if (c == '\n')
+      text += "\\n";
+    else if (c == kSeparator)
+      text += "\\x";
+    else if (c == '\\')
+      text += "\\\\";
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string unescaped(std::string_view text) {
+  std::string item;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] != '\\' || k + 1 == text.size()) {
+      item += text[k];
+      continue;
+    }
+    const char c = text[++k];
+    item += c == 'n' ? '\n' : c == 'x' ? kSeparator : c;
+  }
+  return item;
+}
+
+/// The lines of a journal that are complete.
+struct JournalLine {
+  std::string text;
+  std::int64_t first_byte = 0, end = 0;  ///< in the file
+};
+
+/// @param use  gets each; the first is the identity
+/// @throws InvalidArgument where the first line is damaged
+void for_each_line(const fs::path& path, const std::function<void(const JournalLine&)>& use) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  for (JournalLine next; std::getline(in, line) && !in.eof();) {  // a last line without its newline was not finished
+    std::optional<std::string> text = text_of(line);
+    if (!text && next.end == 0)
+      throw InvalidArgument(path.string() +
+                            ": is damaged, or of another version of bouncelab, which alone can finish "
+                            "this run");
+    if (!text) return;
+    next = {*std::move(text), next.end, next.end + static_cast<std::int64_t>(line.size()) + 1};
+    use(next);
+  }
+}
+
+/// Where the record begins in the text of a line; 0 where there is none.
+std::size_t begin_of_record(const std::string& text) { return text.find(kSeparator) + 1; }
+
+}  // namespace
+
 std::string first_difference(const RunIdentity& before, const RunIdentity& now) {
   const auto value = [](const RunIdentity& all, const std::string& name) {
     const auto found = std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == name; });
@@ -74,8 +130,6 @@ std::string first_difference(const RunIdentity& before, const RunIdentity& now) 
         return name + " was " + value(before, name) + ", now " + value(now, name);
   return "the order of the settings differs";
 }
-
-}  // namespace
 
 RunJournal::RunJournal(fs::path path, const RunIdentity& identity, const OnFinished& on_finished)
     : path_(std::move(path)) {
@@ -98,40 +152,46 @@ RunJournal::~RunJournal() {
 }
 
 void RunJournal::read(const RunIdentity& identity, const OnFinished& on_finished) {
-  std::ifstream in(path_, std::ios::binary);
-  std::string line;
   std::int64_t n_complete_bytes = 0;
-  bool has_identity = false;
-  // a last line without its newline was not finished, whatever it holds
-  while (std::getline(in, line) && !in.eof()) {
-    const std::optional<std::string> text = text_of(line);
-    if (!text && !has_identity)
-      throw InvalidArgument(path_.string() +
-                            ": is damaged, or of another version of bouncelab, which alone can finish "
-                            "this run");
-    if (!text) break;
-    if (!has_identity && *text != identity_text(identity))
+  for_each_line(path_, [&](const JournalLine& line) {
+    const bool is_identity = n_complete_bytes == 0;
+    n_complete_bytes = line.end;
+    if (is_identity && line.text != identity_text(identity))
       throw InvalidArgument(path_.string() + ": this folder holds an unfinished run with other settings (" +
-                            first_difference(identity_from(*text), identity) + ")");
-    if (has_identity) take(*text, on_finished);
-    has_identity = true;
-    n_complete_bytes += static_cast<std::int64_t>(line.size()) + 1;
-  }
+                            first_difference(identity_from(line.text), identity) + ")");
+    if (is_identity || !on_finished) return;
+    const std::size_t begin = begin_of_record(line.text);
+    try {
+      on_finished(unescaped(std::string_view(line.text).substr(0, begin - 1)),
+                  std::string_view(line.text).substr(begin));
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument(path_.string() + ": " + error.what());
+    }
+  });
   if (::ftruncate(file_, n_complete_bytes) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
     throw FileError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  if (!has_identity) write(line_of(identity_text(identity)));
+  if (n_complete_bytes == 0) write(line_of(identity_text(identity)));
 }
 
-void RunJournal::take(const std::string& record, const OnFinished& on_finished) const {
-  try {
-    on_finished(record);
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument(path_.string() + ": " + error.what());
-  }
+ReadJournal read_journal(const fs::path& path) {
+  if (!std::ifstream(path, std::ios::binary)) throw FileError(path.string(), "cannot be read");
+  ReadJournal journal;
+  for_each_line(path, [&](const JournalLine& line) {
+    if (line.first_byte == 0) {
+      journal.identity = identity_from(line.text);
+      return;
+    }
+    const std::size_t begin = begin_of_record(line.text);
+    journal.entries.push_back({unescaped(std::string_view(line.text).substr(0, begin - 1)),
+                               line.first_byte + static_cast<std::int64_t>(begin),
+                               static_cast<std::int64_t>(line.text.size() - begin)});
+  });
+  if (journal.identity.empty()) throw FileError(path.string(), "is not a part of a run, or was only begun");
+  return journal;
 }
 
-void RunJournal::append(std::string_view record) {
-  const std::string line = line_of(record);
+void RunJournal::append(const std::string& item, std::string_view record) {
+  const std::string line = line_of((escaped(item) + kSeparator).append(record));
   const std::lock_guard lock(mutex_);
   write(line);
 }

@@ -3,57 +3,47 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sndfile.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
-#include <span>
 
-#include "bouncelab/audio/audio_writer.hpp"
+#include "acoustic/audio/annotation_cases.hpp"
 #include "bouncelab/core/error.hpp"
-#include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr int kRate_hz = 44100;
-
-/// Two drops with all that an onset can have, and numbers that need every digit.
-Onsets some_onsets() {
-  Onsets onsets;
-  for (int k = 0; k < 60; ++k) {
-    Onset onset;
-    onset.recording = "drop \"1\" & <2>.wav";
-    onset.drop = k / 40;
-    onset.impact = k % 40 + (k > 30 ? 1 : 0);  // one is missing
-    onset.t_s = 0.1 + std::sqrt(2.0 + k) + 1e-9 / (k + 3.0);
-    if (k % 3 != 0) onset.sigma_t_s = 1e-7 / (k + 1.0);
-    if (k % 4 != 0) onset.amplitude = 1.0 / (k + 7.0);
-    if (k % 5 != 0) onset.snr_db = -3.0 + k / 7.0;
-    if (k % 6 != 0) onset.probability = 1.0 / (k + 1.0);
-    if (k % 7 == 0) onset.flags = {Flag::clipped, Flag::doubtful};
-    onsets.push_back(onset);
+TEST(Annotations, ShortLabelsFitAndAreCompletedByTheOnsets) {
+  const Onsets onsets = some_onsets();
+  const Annotations full = annotations_of(onsets), brief = shortened(full);
+  for (std::size_t k = 0; k < onsets.size(); ++k) {
+    const std::string& label = brief.points[k].label;
+    EXPECT_LE(label.size(), 20u) << label;
+    const std::string number = std::to_string(onsets[k].drop) + "." + std::to_string(onsets[k].impact);
+    EXPECT_THAT(label, ::testing::StartsWith(number));
+    EXPECT_EQ(brief.points[k].t_s, onsets[k].t_s);
+    if (onsets[k].flags.empty()) {
+      EXPECT_EQ(label, number);
+    } else {
+      // both where they fit: behind three characters, not behind four
+      EXPECT_EQ(label, number + (number.size() <= 3 ? " clipped|doubtful" : " clipped"));
+    }
   }
-  return onsets;
-}
-
-void expect_same(const Onsets& a, const Onsets& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    SCOPED_TRACE(k);
-    EXPECT_EQ(a[k].drop, b[k].drop);
-    EXPECT_EQ(a[k].impact, b[k].impact);
-    EXPECT_EQ(a[k].t_s, b[k].t_s);
-    EXPECT_EQ(a[k].sigma_t_s, b[k].sigma_t_s);
-    EXPECT_EQ(a[k].amplitude, b[k].amplitude);
-    EXPECT_EQ(a[k].snr_db, b[k].snr_db);
-    EXPECT_EQ(a[k].flags, b[k].flags);
-    EXPECT_EQ(a[k].probability, b[k].probability);
+  Annotations back = completed(parse_audacity_labels(audacity_labels(brief), "x.txt"), onsets);
+  back.recording = onsets.front().recording;
+  expect_same(onsets_of(back, false), onsets);
+  // moved, named anew, or taken away: that one alone
+  back = brief;
+  back.points[3].t_s += 1e-4;
+  back.points[4].label = "here it was";
+  back.points.pop_back();
+  const Onsets corrected = onsets_of(completed(back, onsets), false);
+  ASSERT_EQ(corrected.size(), onsets.size() - 1);
+  for (const std::size_t k : {3U, 4U}) {
+    EXPECT_EQ(corrected[k].flags, Flags{Flag::by_hand});
+    EXPECT_FALSE(corrected[k].sigma_t_s);
   }
+  EXPECT_EQ(corrected[5].sigma_t_s, onsets[5].sigma_t_s);
 }
 
 TEST(Annotations, TextFormatsGiveBackEveryBit) {
@@ -61,7 +51,7 @@ TEST(Annotations, TextFormatsGiveBackEveryBit) {
   const Annotations annotations = annotations_of(onsets);
   expect_same(onsets_of(parse_audacity_labels(audacity_labels(annotations), "a.txt"), false), onsets);
   const Onsets from_layer =
-      onsets_of(parse_sonic_visualiser_layer(sonic_visualiser_layer(annotations, kRate_hz, 500000), "a.svl"), false);
+      onsets_of(parse_sonic_visualiser_layer(sonic_visualiser_layer(annotations, 44100, 500000), "a.svl"), false);
   expect_same(from_layer, onsets);
   EXPECT_EQ(from_layer.front().recording, onsets.front().recording);
   const Onsets from_grid = onsets_of(parse_text_grid(text_grid(annotations, 12.0), "a.TextGrid"), false);
@@ -150,16 +140,6 @@ TEST(Annotations, ReadsWhatTheEditorsThemselvesWrite) {
   EXPECT_EQ(grid.recording, "bell");
   EXPECT_EQ(grid.points[1].t_s, 1.75);
   EXPECT_EQ(grid.points[1].label, "two\nlines");
-}
-
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Annotations, WhatIsNotMarksIsNamed) {
@@ -268,103 +248,6 @@ TEST(Annotations, ALayerNestedAHundredThousandDeepIsRead) {
                 .points.at(0)
                 .label,
             "a\nb");
-}
-
-class Cues : public testing::Test {
- protected:
-  std::string bytes(const fs::path& path) const {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  void write_sound(const std::string& name, SampleEncoding encoding) const {
-    AudioWriter writer(folder_ / name, {kRate_hz, 1, encoding}, 400001, false);
-    std::vector<double> x(400001);  // odd: 24 bits need a pad byte
-    for (std::size_t k = 0; k < x.size(); ++k) x[k] = 0.5 * std::sin(0.1 * static_cast<double>(k));
-    writer.write(x);
-    writer.commit();
-  }
-  std::vector<double> samples(const fs::path& path, SF_INFO& info) const {
-    info = {};
-    SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
-    if (!file) return {};
-    std::vector<double> x(static_cast<std::size_t>(info.frames));
-    sf_read_double(file, x.data(), info.frames);
-    sf_close(file);
-    return x;
-  }
-  test::TemporaryFolder folder_;
-};
-
-TEST_F(Cues, ACopyOfTheRecordingHoldsThemAndItsSamplesAreUntouched) {
-  const Onsets onsets = some_onsets();
-  for (const std::string extension : {".wav", ".rf64"}) {
-    const fs::path original = folder_ / ("a" + extension), marked = folder_ / ("b" + extension),
-                   again = folder_ / ("c" + extension);
-    write_sound(original.filename(), SampleEncoding::pcm24);
-    copy_with_cues(original, annotations_of(onsets), marked, "b");
-    expect_same(onsets_of(read_cues(marked), false), onsets);
-    const std::string in_memory = bytes(marked);
-    expect_same(onsets_of(parse_cues(std::as_bytes(std::span(in_memory)), "b"), false), onsets);
-    SF_INFO info, before;
-    EXPECT_EQ(samples(marked, info), samples(original, before));
-    EXPECT_EQ(info.format, before.format);
-    EXPECT_EQ(info.frames, 400001);
-    // cues are replaced, not added
-    copy_with_cues(marked, annotations_of(onsets), again, "c");
-    EXPECT_EQ(bytes(again), bytes(marked));
-  }
-}
-
-TEST_F(Cues, OtherProgramsReadThem) {
-  write_sound("a.wav", SampleEncoding::pcm16);
-  copy_with_cues(folder_ / "a.wav", annotations_of(some_onsets()), folder_ / "b.wav", "b.wav");
-  SF_INFO info{};
-  SNDFILE* file = sf_open((folder_ / "b.wav").c_str(), SFM_READ, &info);
-  ASSERT_NE(file, nullptr);
-  SF_CUES cues{};
-  ASSERT_EQ(sf_command(file, SFC_GET_CUE, &cues, sizeof cues), SF_TRUE);
-  sf_close(file);
-  EXPECT_EQ(cues.cue_count, 60u);
-  EXPECT_EQ(cues.cue_points[7].sample_offset, std::llround(some_onsets()[7].t_s * kRate_hz));
-}
-
-TEST_F(Cues, ManyThousandAreNoProblem) {
-  write_sound("a.wav", SampleEncoding::pcm16);
-  Onsets many;
-  for (int k = 0; k < 20000; ++k) {
-    Onset onset;
-    onset.impact = k;
-    onset.t_s = 4e-4 * k + 1e-5;
-    many.push_back(onset);
-  }
-  copy_with_cues(folder_ / "a.wav", annotations_of(many), folder_ / "b.wav", "b.wav");
-  expect_same(onsets_of(read_cues(folder_ / "b.wav"), false), many);
-}
-
-TEST_F(Cues, ASampleRateThatIsNoneIsRefused) {
-  write_sound("a.wav", SampleEncoding::pcm16);
-  copy_with_cues(folder_ / "a.wav", annotations_of(some_onsets()), folder_ / "b.wav", "b.wav");
-  std::string file = bytes(folder_ / "b.wav");
-  std::fill_n(file.begin() + static_cast<std::ptrdiff_t>(file.find("fmt ")) + 12, 4, '\xFF');
-  EXPECT_THAT(refusal([&] { parse_cues(std::as_bytes(std::span(file)), "b.wav"); }),
-              testing::HasSubstr("sample rate 4294967295 Hz"));
-}
-
-TEST_F(Cues, OtherFilesAreRefused) {
-  write_sound("a.flac", SampleEncoding::pcm16);
-  write_sound("a.wav", SampleEncoding::pcm16);
-  const Annotations annotations = annotations_of(some_onsets());
-  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.flac", annotations, folder_ / "b.wav", "b.wav"); }),
-              testing::HasSubstr("neither WAV nor RF64"));
-  EXPECT_THAT(refusal([&] { read_cues(folder_ / "a.wav"); }), testing::HasSubstr("no cue points"));
-  EXPECT_THAT(refusal([&] { read_cues(folder_ / "none.wav"); }), testing::HasSubstr("none.wav"));
-  Annotations far = annotations;
-  far.points[0].t_s = 1e6;
-  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", far, folder_ / "b.wav", "b.wav"); }),
-              testing::HasSubstr("1000000"));
-  fs::resize_file(folder_ / "a.wav", 1000);
-  EXPECT_THAT(refusal([&] { copy_with_cues(folder_ / "a.wav", annotations, folder_ / "b.wav", "b.wav"); }),
-              testing::HasSubstr("cut off"));
 }
 
 }  // namespace

@@ -182,11 +182,13 @@ TEST_F(AudioReaderTest, TakesTheLengthOfAStreamedWavFromTheFile) {
   }
 }
 
-TEST_F(AudioReaderTest, RefusesAHeaderThatPromisesMoreThanAnyFileOfItsSizeHolds) {
+TEST_F(AudioReaderTest, ReadsWhatIsThereWhereTheHeaderPromisesMoreThanAnyFileOfItsSizeHolds) {
   std::string bytes = read_bytes(write("a.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, 1, ramp(1000)));
   bytes[21] = static_cast<char>(bytes[21] | 0x0F);  // 2^36 - 1 samples
   std::fill_n(bytes.begin() + 22, 4, '\xFF');
-  EXPECT_THAT(message_of(write_bytes("lie.flac", bytes)), HasSubstr("promises 68719476735 samples"));
+  AudioReader reader(write_bytes("lie.flac", bytes));
+  EXPECT_EQ(reader.format().n_frames, 1000);
+  EXPECT_THAT(reader.format().warning, HasSubstr("promises 68719476735 samples"));
 }
 
 TEST_F(AudioReaderTest, RefusesFramesOutsideTheFileHoweverFar) {
@@ -213,26 +215,7 @@ TEST_F(AudioReaderTest, RefusesAnEmptyFile) { EXPECT_THAT(message_of(write_bytes
 
 TEST_F(AudioReaderTest, RefusesAText) {
   EXPECT_THAT(message_of(write_bytes("t.wav", "this is not a recording at all, not even a short one\n")),
-              HasSubstr("not readable as audio"));
-}
-
-TEST_F(AudioReaderTest, SaysHowToConvertM4a) {
-  std::string bytes(64, '\0');
-  bytes.replace(3, 9,
-                "\x20"
-                "ftypM4A ");
-  EXPECT_THAT(message_of(write_bytes("phone.m4a", bytes)), HasSubstr("ffmpeg -i"));
-}
-
-TEST_F(AudioReaderTest, NoticesThatTheHeaderPromisesMoreThanThereIs) {
-  for (const auto& [name, format] :
-       {std::pair{"cut.wav", SF_FORMAT_WAV | SF_FORMAT_PCM_16},
-        std::pair{"cut.aiff", SF_FORMAT_AIFF | SF_FORMAT_PCM_16}, std::pair{"cut.au", SF_FORMAT_AU | SF_FORMAT_PCM_16},
-        std::pair{"cut.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16}}) {
-    const auto path = write(name, format, 48000, 1, ramp(48000));
-    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-    EXPECT_THAT(message_of(path), HasSubstr("promises")) << name;
-  }
+              HasSubstr("holds no numbers"));
 }
 
 TEST_F(AudioReaderTest, NamesTheSampleThatIsNotFinite) {
@@ -268,7 +251,7 @@ TEST_F(AudioReaderTest, GivesUpAFileThatLibsndfileReadsForEverAndReadsTheOthers)
 
 TEST_F(AudioReaderTest, SaysTheReasonOfEachOfManyBadFilesReadAtTheSameTime) {
   if (!kMayStartChildBesideThreads) GTEST_SKIP() << "a child that is started beside other threads may wait for ever";
-  // libsndfile keeps the reason in one place for all threads: 5 of 100 files were bad for "No Error"
+  // libsndfile keeps its reasons in one place for all threads: 5 of 100 files were once bad for "No Error"
   constexpr int kThreads = 4, kFiles = 50;
   const auto text = write_bytes("t.wav", "this is not a recording at all, not even a short one\n");
   std::vector<std::string> reasons(kThreads * kFiles);
@@ -278,7 +261,7 @@ TEST_F(AudioReaderTest, SaysTheReasonOfEachOfManyBadFilesReadAtTheSameTime) {
       for (int k = 0; k < kFiles; ++k) reasons[static_cast<std::size_t>(thread * kFiles + k)] = message_of(text);
     });
   for (std::thread& thread : threads) thread.join();
-  for (const std::string& reason : reasons) EXPECT_THAT(reason, HasSubstr("Format not recognised"));
+  for (const std::string& reason : reasons) EXPECT_THAT(reason, HasSubstr("t.wav: holds no numbers"));
 }
 
 TEST_F(AudioReaderTest, ReadsManyFilesOneAfterTheOtherAndAtTheSameTime) {

@@ -74,6 +74,22 @@ TEST_F(AudioWriterTest, EveryContainerAndEncodingGivesBackTheSamplesRounded) {
   }
 }
 
+TEST_F(AudioWriterTest, FloatsStayAsTheyAre) {
+  const std::vector<float> x{0.1F, -0.25F, 1.5F, -3.0F, 1e-30F, 0.0F};
+  const auto written = [&](const std::string& name, SampleEncoding encoding) {
+    AudioWriter writer(folder_ / name, {48000, 2, encoding}, 3, false);
+    writer.write(x);
+    writer.commit();
+    SF_INFO info;
+    return read_back(folder_ / name, info);
+  };
+  EXPECT_EQ(written("floats.wav", SampleEncoding::float32), std::vector<double>(x.begin(), x.end()));
+  const std::vector<double> rounded = written("words.wav", SampleEncoding::pcm16);
+  ASSERT_EQ(rounded.size(), x.size());
+  EXPECT_EQ(rounded[1], -0.25);
+  EXPECT_EQ(rounded[3], -1.0);  // integers end at full scale
+}
+
 TEST_F(AudioWriterTest, WavTurnsIntoRf64AboveFourGibibytes) {
   // the length is announced, not written
   const auto magic = [&](std::int64_t n_frames) {

@@ -64,6 +64,25 @@ TEST(LossySound, IsTimedAtTheAttackThoughNoiseBeginsMillisecondsBefore) {
     EXPECT_NEAR(d.onsets[k].t_s - offset_s, times[k], 10e-6) << k << " stated " << *d.onsets[k].sigma_t_s;
 }
 
+TEST(LossySound, IsWarnedOfWhereSomethingElseHasDecodedIt) {
+  const std::vector<double> times = bounce_times(12);
+  std::vector<float> x = noise(static_cast<std::size_t>(3.0 * kRate_hz), 1e-4, 1);
+  for (const double t_s : times) test::add_modal_sound(x, kRate_hz, t_s, 0.5, test::plate_impact());
+  DetectionConfig config;
+  const auto warned = [&](const Detection& d) {
+    return std::find(d.warnings.begin(), d.warnings.end(), lossy_coding_warning("AAC")) != d.warnings.end();
+  };
+  EXPECT_FALSE(warned(detect(x, kRate_hz, "as it is", config)));
+  config.lossy_coding = "AAC";
+  const Detection d = detect(x, kRate_hz, "decoded", config);
+  ASSERT_EQ(d.onsets.size(), times.size());
+  EXPECT_TRUE(warned(d));
+  EXPECT_EQ(d.summary.lossy_coding, "AAC");
+  // nothing was found whose times could be off
+  const std::vector<float> quiet = noise(static_cast<std::size_t>(3.0 * kRate_hz), 1e-4, 1);
+  EXPECT_FALSE(warned(detect(quiet, kRate_hz, "quiet", config)));
+}
+
 /// Noise below some 2 kHz, as a codec leaves it of a quiet background, and hardly any above.
 std::vector<float> low_noise(std::size_t n, double level, std::uint64_t seed) {
   std::vector<float> x = noise(n, level, seed);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
@@ -75,6 +77,41 @@ TEST(WavePreview, OfFewerSamplesThanColumnsHasAColumnASample) {
   const WavePreview p = wave_preview(audio::source_in_memory(x, 1e4), "x", 0, {});
   ASSERT_EQ(p.lo.size(), 3U);
   EXPECT_EQ(p.lo[1], p.hi[1]);
+}
+
+Onsets at(std::initializer_list<double> times_s) {
+  Onsets onsets;
+  for (const double t_s : times_s) {
+    onsets.emplace_back();
+    onsets.back().t_s = t_s;
+  }
+  return onsets;
+}
+
+TEST(ListeningCopy, BeginsHalfASecondBeforeTheFirstMarkAndKeepsTimesAndPeak) {
+  std::vector<float> x(96000, 0.0F);
+  for (std::size_t k = 48000; k < 48400; ++k) x[k] = -0.25F;
+  const ListeningCopy copy = listening_copy(audio::source_in_memory(x, 24000.0), at({2.0, 3.0}));
+  EXPECT_EQ(copy.rate_hz, 24000.0);
+  EXPECT_EQ(copy.t0_s, 1.5);
+  EXPECT_EQ(copy.samples.size(), 48000U);  // 1.5 to 3.5 s
+  const auto first = std::find_if(copy.samples.begin(), copy.samples.end(), [](std::int16_t s) { return s != 0; });
+  EXPECT_EQ(first - copy.samples.begin(), 12000);  // of the sound at 2 s
+  EXPECT_EQ(*first, -29490);                       // 0.9 of full scale
+}
+
+TEST(ListeningCopy, IsAtMostHalfAMinuteAndOfALowerRate) {
+  std::vector<float> x(192000 * 2, 0.1F);
+  x.back() = 0.2F;
+  EXPECT_EQ(listening_copy(audio::source_in_memory(x, 192000.0), at({1.0})).rate_hz, 24000.0);
+  const std::vector<float> slow(100000, 0.1F);  // 100 s
+  EXPECT_EQ(listening_copy(audio::source_in_memory(slow, 1000.0), at({10.0, 90.0})).samples.size(), 30000U);
+}
+
+TEST(ListeningCopy, IsEmptyWithoutMarksOrSound) {
+  const std::vector<float> x(1000, 0.0F);
+  EXPECT_TRUE(listening_copy(audio::source_in_memory(x, 1000.0), {}).samples.empty());
+  EXPECT_TRUE(listening_copy(audio::source_in_memory(x, 1000.0), at({0.5})).samples.empty());
 }
 
 }  // namespace

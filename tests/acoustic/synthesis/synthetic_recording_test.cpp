@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/units.hpp"
@@ -22,6 +23,45 @@ namespace bouncelab::synthesis {
 namespace {
 
 using Complex = std::complex<double>;
+
+/// Mean frequency of the power of one impact [Hz].
+double mean_frequency_hz(const SynthesisConfig& config) {
+  std::vector<double> x = SyntheticRecording(impacts({0.05}), config).samples();
+  x.resize(1 << 15, 0.0);
+  const std::vector<Complex> spectrum = fourier(x);
+  double sum = 0.0, moment = 0.0;
+  for (std::size_t f = 1; f < spectrum.size() / 2; ++f) {
+    sum += std::norm(spectrum[f]);
+    moment += std::norm(spectrum[f]) * static_cast<double>(f);
+  }
+  return moment / sum * config.rate_hz / static_cast<double>(spectrum.size());
+}
+
+TEST(Synthesis, TheSoundIsAsLowAsTheBallsContactIsLong) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{1e-4, 1e-12, 1.0};
+  const double steel_hz = mean_frequency_hz(config);
+  // R = 2 cm, 2500 kg/m^3, as stiff as steel: contact of 118 us, not 28 us; the pulse's first zero at 1.6 / tau, 14 kHz
+  // instead of 58 kHz, so that of the modes up to 45 kHz only the lowest third sounds
+  config.ball = ball_from_text("radius=2cm,density=2500,E=200GPa,nu=0.3");
+  EXPECT_NEAR(SyntheticRecording(impacts({0.05}), config).truth().front().contact_time_s, 117.5e-6, 1e-7);
+  EXPECT_LT(mean_frequency_hz(config), 0.6 * steel_hz);
+  EXPECT_LT(mean_frequency_hz(config), 1.6 / 118e-6);
+  config.ball = ball_from_text("table-tennis");
+  EXPECT_THROW(SyntheticRecording(impacts({0.05}), config), InvalidArgument);
+  // 0.8 ms: the first zero at 2 kHz
+  config.ball = ball_from_text("table-tennis,contact-time=0.8ms");
+  EXPECT_LT(mean_frequency_hz(config), 1.6 / 0.8e-3);
+}
+
+TEST(Ground, OfAPlateHasItsMaterialAndLossFactor) {
+  EXPECT_TRUE(ground_of(kSiliconCarbide).disk && ground_of(kVitreloy).disk && !ground_of(kGlass).disk);
+  EXPECT_EQ(ground_of(kGlass).carrier_damping.loss_factor,
+            ground_preset(GroundPreset::glass).carrier_damping.loss_factor);
+  const Ground concrete = ground_of(plate_from_text("concrete"));
+  EXPECT_EQ(contact_material(concrete), plate_from_text("concrete"));
+  EXPECT_EQ(concrete.carrier_damping.loss_factor, 6e-3);
+}
 
 TEST(Synthesis, TheSameImpactAtSixtyFourFractionsOfASampleIsTheSameWaveShiftedInPhase) {
   SynthesisConfig config = quiet();

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <span>
 #include <string>
 
@@ -23,7 +24,11 @@ namespace fs = std::filesystem;
 std::string written(const Table& table) {
   static const fs::path folder = fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path();
   static const fs::path file = folder / ("bouncelab-fuzz-" + std::to_string(getpid()) + ".h5");
-  cli::write_hdf5(file, table, "copy");
+  {
+    const auto writer = cli::hdf5_writer(file, "copy");
+    writer->add(table);
+    writer->finish();
+  }
   std::ifstream in(file, std::ios::binary);
   std::string content{std::istreambuf_iterator<char>(in), {}};
   fs::remove(file);
@@ -41,7 +46,7 @@ std::array<hsize_t, 6> open_identifiers() {
 
 Table read(std::span<const std::byte> bytes, const std::vector<ColumnSpec>& wanted) {
   const auto open_before = open_identifiers();
-  Table table = cli::read_hdf5(bytes, "input", wanted);
+  Table table = cli::hdf5_reader(bytes, "input", wanted)->next(std::numeric_limits<std::size_t>::max());
   require(open_identifiers() == open_before, "the reader closes what it opens");
   return table;
 }

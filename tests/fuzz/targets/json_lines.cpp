@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/json_lines_table.hpp"
 
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -8,17 +9,22 @@
 #include "target.hpp"
 
 namespace bouncelab::fuzz {
+namespace {
+
+Table all_rows(cli::TableReader& reader) { return reader.next(std::numeric_limits<std::size_t>::max()); }
+
+}  // namespace
 
 void run(Bytes input) {
   const std::string text(text_of(input));
   const auto read = [&](const std::vector<ColumnSpec>& wanted) {
     std::istringstream in(text);
-    return cli::read_json_lines(in, "input", wanted);
+    return all_rows(*cli::json_lines_reader(in, "input", wanted));
   };
   const auto read_back = [](const Table& table, const std::vector<ColumnSpec>& wanted) {
     std::stringstream file;
     cli::write_json_lines(file, table);
-    return cli::read_json_lines(file, "copy", wanted);
+    return all_rows(*cli::json_lines_reader(file, "copy", wanted));
   };
   check_tables({read, read_back});
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/input_file.hpp"
@@ -14,7 +15,6 @@
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "json/wave_json.hpp"
-#include "stage_clock.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -31,18 +31,25 @@ std::string title_of(const std::vector<RecordingResult>& recordings) {
 }
 
 /// The report shows the sound of the first recording in which impacts were found.
-void write_wave_of_first(const DetectResult& found, const fs::path& out, const Run& run) {
+void write_wave_of_first(const DetectResult& found, const fs::path& out, std::optional<double> rate_hz,
+                         const Run& run) {
   const auto& [k, first] = *found.first.begin();
   const fs::path recording = found.recordings[k].recording;
-  write_text(run, out, wave_json(detection::wave_preview(recording, first.summary.channel, first.onsets)) + "\n",
+  write_text(run, out,
+             wave_json(detection::wave_preview(recording, first.summary.channel, first.onsets, rate_hz)) + "\n",
              {recording});
 }
 
 constexpr std::int64_t kDropsShown = kMostDetections;  // so many recordings have at least so many drops
 
+RestitutionSamples read_samples(const fs::path& path) {
+  return samples_from_table(read_table(path, sample_columns()), path.string());
+}
+
 /// The details of the first drops of all recordings (at most kDropsShown).
 std::vector<RecordingDetails> details_of(const DetectResult& found, const RestitutionSamples& samples,
-                                         const std::optional<RestitutionLaw>& law, double gravity_mps2) {
+                                         const std::optional<RestitutionLaw>& law, double gravity_mps2,
+                                         std::optional<double> rate_hz) {
   std::vector<RecordingDetails> all;
   std::int64_t n_shown = 0;
   for (const auto& [k, d] : found.first) {
@@ -50,7 +57,7 @@ std::vector<RecordingDetails> details_of(const DetectResult& found, const Restit
     const std::string& recording = found.recordings[k].recording;
     const std::string name = input_name(recording);
     RecordingDetails details{recording, d.summary.n_drops, d.wave, d.noise, {}};
-    audio::AudioReader reader(recording);
+    audio::AudioReader reader(recording, rate_hz);
     const auto sound = reader.source(d.summary.channel);
     for (std::int64_t drop = 0; drop < d.summary.n_drops && n_shown < kDropsShown; ++drop, ++n_shown)
       details.drops.push_back({detection::drop_preview(sound, name, d.summary.channel, d.onsets, drop),
@@ -68,7 +75,7 @@ void write_diagnostics(const std::vector<RecordingDetails>& details, const fs::p
 
 /// Onsets -> samples -> fit, in the folder.
 struct Constants {
-  Stage<fit::Restitution> samples;
+  Stage<fit::RestitutionCounts> samples;
   Stage<fit::FitResult> fit;
 };
 
@@ -88,35 +95,46 @@ Constants times_to_constants(const AnalyzeOptions& options, const fs::path& fold
 }  // namespace
 
 Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
+  if (run.shard) return run_detect_part(options.detect, options.out, options.diagnostics, run);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
   for (const char* name : kOutputs) outputs.push_back(folder / name);
-  check_files(run, {options.detect.recordings.begin(), options.detect.recordings.end()}, outputs);
+  check_files(run, recordings_of(options.detect), outputs);
   StageClock clock;
   DetectOptions detect = options.detect;
   detect.out = folder / "onsets.csv";
-  const auto [detected, found] = clock.time("detect", [&] { return run_detect(detect, run); });
-  if (found.first.empty()) return detected;
+  const Stage<DetectResult> found = clock.time("detect", [&] { return run_detect(detect, run); });
+  if (found.result.first.empty()) return found.outcome;
+  return analyze_found(options, found, run, clock);
+}
+
+Outcome analyze_found(const AnalyzeOptions& options, const Stage<DetectResult>& detection, const Run& run,
+                      StageClock& clock) {
+  const auto& [detected, found] = detection;
+  const fs::path folder = options.out;
   const auto [samples, fit] = times_to_constants(options, folder, run, clock);
   const std::vector<std::string> warnings =
       joined(joined(detected.warnings, samples.outcome.warnings), fit.outcome.warnings);
 
-  write_wave_of_first(found, folder / "wave.json", run);
+  const std::optional<double> rate_hz =
+      options.detect.rate_hz > 0.0 ? std::optional(options.detect.rate_hz) : std::nullopt;
+  write_wave_of_first(found, folder / "wave.json", rate_hz, run);
   // the report shows what lies in the folder: details of an earlier run must not stay in it
   for (const char* old : {"diagnostics.json", "diagnostics.json.meta.json"}) fs::remove(folder / old);
   if (options.diagnostics)
-    write_diagnostics(
-        details_of(found, samples.result.samples, fit.result.law.law, options.restitution.config.gravity_mps2),
-        folder / "diagnostics.json", run);
+    write_diagnostics(details_of(found, read_samples(folder / "samples.csv"), fit.result.law.law,
+                                 options.restitution.config.gravity_mps2, rate_hz),
+                      folder / "diagnostics.json", run);
 
-  const std::string summary = analyze_json({samples.result.counts, found.recordings, clock.seconds(), warnings});
+  const std::string summary = analyze_json({samples.result, found.recordings, clock.seconds(), warnings});
   write_text(run, folder / "summary.json", summary + "\n", {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(found.recordings)}, run);
+  const std::string answer = answer_text(fit.result);  // first of all; the text of the fit begins with it
   // recordings that were left out are named also where the fit of the others fails
   const std::string both = detected.error.empty() || fit.outcome.error.empty() ? "" : "; ";
   return {std::max(detected.exit_code, fit.outcome.exit_code), summary,
-          detected.text + samples.outcome.text + fit.outcome.text + shown.text, warnings,
+          answer + detected.text + samples.outcome.text + fit.outcome.text.substr(answer.size()) + shown.text, warnings,
           detected.error + both + fit.outcome.error};
 }
 

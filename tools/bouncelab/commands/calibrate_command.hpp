@@ -19,6 +19,11 @@ struct CalibrateOptions {
   std::string out;                        ///< table of experiments; empty: none
 };
 
+/// What the options describe. @throws InvalidArgument
+fit::CalibrationConfig calibration_config(const CalibrateOptions& options, const CommonOptions& common);
+/// The same where options.memory is set. @throws InvalidArgument
+loop::MemoryCalibrationConfig memory_calibration_config(const CalibrateOptions& options, const CommonOptions& common);
+
 Outcome run_calibrate(const CalibrateOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

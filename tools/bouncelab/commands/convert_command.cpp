@@ -7,14 +7,20 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
+#include "files/label_track.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -53,7 +59,32 @@ audio::Annotations read_annotations(const fs::path& path, Format format) {
   if (format == Format::cues) return audio::read_cues(path);
   const std::string text = content_of(path);
   if (format == Format::sonic_visualiser) return audio::parse_sonic_visualiser_layer(text, name);
-  return format == Format::praat ? audio::parse_text_grid(text, name) : audio::parse_audacity_labels(text, name);
+  return format == Format::praat ? audio::parse_text_grid(text, name) : read_label_track(path, text);
+}
+
+/// The onsets of a table, in pieces; with --recording those of this recording alone.
+template <class Take>
+void for_each_piece(const ConvertOptions& options, Take take) {
+  const std::string name = input_name(options.input);
+  const std::unique_ptr<TableReader> reader = open_table(options.input, onset_columns());
+  std::optional<Onset> before;
+  bool is_empty = true;
+  for (bool at_end = false; !at_end;) {
+    throw_if_stop_requested();
+    const Table table = reader->next(kPiece_rows);
+    at_end = table.n_rows() < kPiece_rows;
+    Onsets onsets = onsets_from_table(table, name, before ? &*before : nullptr);
+    if (!onsets.empty()) before = onsets.back();
+    if (!options.recording.empty()) {
+      std::erase_if(
+          onsets, [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.recording; });
+      for (Onset& onset : onsets) onset.recording = options.recording;
+    }
+    is_empty = is_empty && onsets.empty();
+    if (!onsets.empty()) take(std::move(onsets));
+  }
+  if (is_empty)
+    throw FileError(name, "holds no onsets" + (options.recording.empty() ? "" : " of '" + options.recording + "'"));
 }
 
 Onsets read_onsets(const ConvertOptions& options) {
@@ -64,17 +95,9 @@ Onsets read_onsets(const ConvertOptions& options) {
     if (!options.recording.empty()) annotations.recording = options.recording;
     return audio::onsets_of(annotations, options.renumber);
   }
-  Onsets onsets = onsets_from_table(read_table(options.input, onset_columns()), input_name(options.input));
-  if (!options.recording.empty()) {
-    std::erase_if(onsets,
-                  [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.recording; });
-    for (Onset& onset : onsets) onset.recording = options.recording;
-  }
-  if (onsets.empty())
-    throw FileError(
-        input_name(options.input),
-        "holds no onsets" + (options.recording.empty() ? std::string() : " of '" + options.recording + "'"));
-  return onsets;
+  Onsets all;
+  for_each_piece(options, [&](Onsets onsets) { std::move(onsets.begin(), onsets.end(), std::back_inserter(all)); });
+  return all;
 }
 
 /// What a format of marks needs of the recording. @throws FileError with the remedy
@@ -85,21 +108,22 @@ audio::AudioFormat audio_format(const audio::Annotations& annotations, const std
   return audio::AudioReader(annotations.recording).format();
 }
 
-void write_annotations(const fs::path& out, const audio::Annotations& annotations, const ConvertOptions& options,
-                       const Run& run) {
+void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertOptions& options, const Run& run) {
   std::vector<fs::path> inputs{options.input};
   const Format format = format_of(out);
+  if (format == Format::audacity) return write_label_track(run, out, onsets, inputs);
+  const audio::Annotations annotations = audio::annotations_of(onsets);
   if (format == Format::cues) {
     if (annotations.recording.empty()) audio_format(annotations, out.string());
     if (annotations.recording != options.input) inputs.emplace_back(annotations.recording);
     OutputFile file(out, run.common.force);
     audio::copy_with_cues(annotations.recording, annotations, file.temporary_path(), out.string());
+    const std::string origin = provenance(run, inputs);
     file.commit();
-    write_provenance(run, out, inputs);
+    write_provenance(out, origin);
     return;
   }
   std::string text;
-  if (format == Format::audacity) text = audio::audacity_labels(annotations);
   if (format == Format::sonic_visualiser) {
     const audio::AudioFormat audio = audio_format(annotations, out.string());
     text = audio::sonic_visualiser_layer(annotations, static_cast<int>(audio.rate_hz), audio.n_frames);
@@ -112,26 +136,84 @@ void write_annotations(const fs::path& out, const audio::Annotations& annotation
   write_text(run, out, text, inputs);
 }
 
-}  // namespace
+/// Files that are read, with the onsets beside labels.
+std::set<fs::path> inputs_of(const ConvertOptions& options) {
+  std::set<fs::path> inputs{options.input};
+  if (format_of(options.input) == Format::audacity && fs::exists(onsets_beside(options.input)))
+    inputs.insert(onsets_beside(options.input));
+  return inputs;
+}
 
-Outcome run_convert(const ConvertOptions& options, const Run& run) {
-  for (const std::string& out : options.outputs) format_of(out);
-  check_files(run, {options.input, options.recording}, {options.outputs.begin(), options.outputs.end()});
+std::vector<fs::path> outputs_of(const ConvertOptions& options) {
+  std::vector<fs::path> outputs(options.outputs.begin(), options.outputs.end());
+  for (const std::string& out : options.outputs)
+    if (format_of(out) == Format::audacity) outputs.push_back(onsets_beside(out));
+  return outputs;
+}
+
+/// What was converted.
+struct Converted {
+  std::size_t n_onsets = 0, n_by_hand = 0;
+
+  void count(const Onsets& onsets) {
+    n_onsets += onsets.size();
+    n_by_hand += static_cast<std::size_t>(
+        std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return onset.flags.has(Flag::by_hand); }));
+  }
+};
+
+/// Which recordings the marks are of is known only now: none of them may be replaced.
+void check_recordings(const ConvertOptions& options, std::set<fs::path> recordings, const Run& run) {
+  recordings.merge(inputs_of(options));
+  check_files(run, {recordings.begin(), recordings.end()}, outputs_of(options));
+}
+
+/// From table to tables: as long as they like.
+Converted convert_table(const ConvertOptions& options, const Run& run) {
+  std::vector<std::unique_ptr<TableWriter>> tables;
+  for (const std::string& out : options.outputs) tables.push_back(std::make_unique<TableWriter>(run, out));
+  Converted converted;
+  std::set<fs::path> recordings;
+  for_each_piece(options, [&](const Onsets& onsets) {
+    for (std::size_t k = 0; k < onsets.size(); ++k)
+      if (k == 0 || onsets[k].recording != onsets[k - 1].recording) recordings.insert(onsets[k].recording);
+    converted.count(onsets);
+    const Table rows = to_table(onsets);
+    for (const auto& table : tables) table->add(rows);
+  });
+  check_recordings(options, std::move(recordings), run);
+  for (const auto& table : tables) table->finish({options.input});
+  return converted;
+}
+
+Converted convert_marks(const ConvertOptions& options, const Run& run) {
   const Onsets onsets = read_onsets(options);
-  std::set<fs::path> inputs{options.input};  // which recordings the marks are of is known only now
-  for (const Onset& onset : onsets) inputs.insert(onset.recording);
-  check_files(run, {inputs.begin(), inputs.end()}, {options.outputs.begin(), options.outputs.end()});
+  std::set<fs::path> recordings;
+  for (const Onset& onset : onsets) recordings.insert(onset.recording);
+  check_recordings(options, std::move(recordings), run);
   for (const std::string& out : options.outputs) {
     if (format_of(out) == Format::table)
       write_table(run, out, to_table(onsets), {options.input});
     else
-      write_annotations(out, audio::annotations_of(onsets), options, run);
+      write_annotations(out, onsets, options, run);
   }
-  const auto n_by_hand =
-      std::count_if(onsets.begin(), onsets.end(), [](const Onset& onset) { return onset.flags.has(Flag::by_hand); });
+  Converted converted;
+  converted.count(onsets);
+  return converted;
+}
+
+bool is_table(const fs::path& path) { return format_of(path) == Format::table; }
+
+}  // namespace
+
+Outcome run_convert(const ConvertOptions& options, const Run& run) {
+  check_files(run, {options.input, options.recording}, outputs_of(options));
+  const bool tables_only =
+      is_table(options.input) && std::all_of(options.outputs.begin(), options.outputs.end(), is_table);
+  const Converted converted = tables_only ? convert_table(options, run) : convert_marks(options, run);
   Outcome outcome;
-  outcome.json = convert_json(onsets.size(), static_cast<std::size_t>(n_by_hand));
-  outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", onsets.size(), n_by_hand);
+  outcome.json = convert_json(converted.n_onsets, converted.n_by_hand);
+  outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", converted.n_onsets, converted.n_by_hand);
   return outcome;
 }
 

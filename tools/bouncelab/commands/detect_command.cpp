@@ -4,14 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <iterator>
 #include <utility>
 
-#include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/line_reader.hpp"
 #include "bouncelab/core/printable.hpp"
+#include "files/label_track.hpp"
 #include "files/provenance.hpp"
+#include "files/recording_records.hpp"
 #include "files/same_content.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -38,21 +41,12 @@ std::string name_of(const std::filesystem::path& recording) { return printable(i
 /// One line a recording, for people.
 std::string describe(const RecordingResult& r) {
   std::string line = fmt::format("{}: {}", name_of(r.recording), r.message);
-  if (r.summary.restitution_median) line += fmt::format(", eps = {:.4f} in the median", *r.summary.restitution_median);
+  if (r.summary.restitution_median) line += fmt::format(", ε = {:.4f} in the median", *r.summary.restitution_median);
   if (r.summary.n_channels > 1) line += fmt::format("; channel {} ({})", r.summary.channel, r.summary.channel_reason);
   return line;
 }
 
 bool is_unreadable(const RecordingResult& r) { return r.status == detection::DetectionStatus::unreadable; }
-
-std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings) {
-  std::vector<std::string> warnings;
-  for (const RecordingResult& r : recordings) {
-    if (is_unreadable(r)) warnings.push_back(r.message + "; left out");
-    for (const std::string& warning : r.warnings) warnings.push_back(name_of(r.recording) + ": " + warning);
-  }
-  return warnings;
-}
 
 /// One line on the drops of low odds: how many, and where the first are; empty where there is none.
 std::string doubtful_drops(const std::vector<RecordingResult>& recordings) {
@@ -124,25 +118,56 @@ void keep_first(std::size_t k, detection::Detection&& found, std::map<std::size_
 }
 
 /// Files are read in parallel; their onsets go into the table, in the order of the recordings.
+/// @param records  of all recordings, in place of detection; null: none
 DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
-                        TableWriter& table, const Run& run) {
-  detection::DetectionConfig config;
-  if (options.channel >= 0) config.channel = options.channel;
-  config.min_impacts = options.min_impacts;
+                        RecordingRecords* records, TableWriter& table, const Run& run) {
+  const detection::DetectionConfig config = detection_config(options);
   DetectResult result;
   result.recordings.resize(recordings.size());
   const auto take = [&](std::size_t k, detection::Detection&& d) {
     table.add(k, to_table(d.onsets));
-    result.recordings[k] = {recordings[k].string(), d.status, d.message, d.summary, d.drops, d.warnings,
-                            d.onsets.size()};
+    result.recordings[k] = recording_result(recordings[k].string(), d);
     keep_first(k, std::move(d), result.first);
   };
-  detection::detect_each(recordings, config, run.common.n_threads, take,
-                         progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
+  if (records != nullptr)
+    for (std::size_t k = 0; k < recordings.size(); ++k) take(k, records->detection(recordings[k]));
+  else
+    detection::detect_each(recordings, config, run.common.n_threads, take,
+                           progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
   return result;
 }
 
-/// The recordings with each content once, and a warning for each that is left out.
+}  // namespace
+
+detection::DetectionConfig detection_config(const DetectOptions& options) {
+  detection::DetectionConfig config;
+  if (options.channel >= 0) config.channel = options.channel;
+  if (options.rate_hz > 0.0) config.rate_hz = options.rate_hz;
+  config.min_impacts = options.min_impacts;
+  config.lossy_coding = options.lossy_coding;
+  return config;
+}
+
+std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
+  std::vector<std::filesystem::path> all(options.recordings.begin(), options.recordings.end());
+  if (!options.list.empty()) {
+    std::ifstream file = open_text(options.list);
+    LineReader lines(file, options.list);
+    for (std::string line; lines.next(line);) {
+      if (line.ends_with('\r')) line.pop_back();
+      if (!line.empty()) all.emplace_back(line);
+    }
+  }
+  if (all.empty())
+    throw InvalidArgument(options.list.empty() ? "no recording was named; name one, or a list of them with --list"
+                                               : "--list " + printable(options.list) + ": names no recording");
+  return all;
+}
+
+RecordingResult recording_result(const std::string& recording, const detection::Detection& found) {
+  return {recording, found.status, found.message, found.summary, found.drops, found.warnings, found.onsets.size()};
+}
+
 std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& recordings,
                                              std::vector<std::string>& warnings, const Run& run) {
   const std::vector<std::size_t> same = first_of_same_content(recordings, run.common.n_threads);
@@ -157,18 +182,48 @@ std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::
   return once;
 }
 
-}  // namespace
+std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings) {
+  std::vector<std::string> warnings;
+  for (const RecordingResult& r : recordings) {
+    if (is_unreadable(r)) warnings.push_back(r.message + "; left out");
+    for (const std::string& warning : r.warnings) warnings.push_back(name_of(r.recording) + ": " + warning);
+  }
+  return warnings;
+}
+
+Outcome run_detect_part(const DetectOptions& options, const std::filesystem::path& out, bool with_details,
+                        const Run& run) {
+  const std::vector<std::filesystem::path> given = recordings_of(options);
+  RecordingPart part(run, out, given, with_details);
+  const auto keep = [&](std::size_t k, detection::Detection&& found) { part.keep(k, found); };
+  try {
+    detection::detect_each(part.pending(), detection_config(options), run.common.n_threads, keep,
+                           progress_line(run, "detect", "recordings"));
+  } catch (const FileError& error) {
+    if (part.pending().size() != 1) throw;  // one alone that cannot be read throws
+    detection::Detection unreadable;
+    unreadable.status = detection::DetectionStatus::unreadable;
+    unreadable.message = error.what();
+    part.keep(0, unreadable);
+  }
+  return part.finish();
+}
 
 Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
-  if (!options.labels.empty() && options.recordings.size() > 1)
+  const std::vector<std::filesystem::path> given = recordings_of(options);
+  if (!options.labels.empty() && given.size() > 1)
     throw InvalidArgument("--labels: a label track belongs to one recording; give one");
-  const std::vector<std::filesystem::path> given(options.recordings.begin(), options.recordings.end());
-  check_files(run, given, {options.out, options.labels});
+  if (run.shard) return {run_detect_part(options, options.out, false, run), {}};
+  std::vector<std::filesystem::path> outputs{options.out, options.labels};
+  if (!options.labels.empty()) outputs.push_back(onsets_beside(options.labels));
+  check_files(run, given, outputs);
   Stage<DetectResult> stage;
   Outcome& outcome = stage.outcome;
+  std::optional<RecordingRecords> records;
+  if (!run.parts.empty()) records.emplace(run, given);
   const std::vector<std::filesystem::path> recordings = each_once(given, outcome.warnings, run);
   TableWriter table(run, options.out);
-  stage.result = detect_all(options, recordings, table, run);
+  stage.result = detect_all(options, recordings, records ? &*records : nullptr, table, run);
   const std::vector<RecordingResult>& results = stage.result.recordings;
   std::vector<std::filesystem::path> inputs;
   for (const RecordingResult& r : results)
@@ -182,8 +237,7 @@ Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
   if (stage.result.first.empty()) return stage;
   table.finish(inputs);
   if (!options.labels.empty())
-    write_text(run, options.labels,
-               audio::audacity_labels(audio::annotations_of(stage.result.first.begin()->second.onsets)), inputs);
+    write_label_track(run, options.labels, stage.result.first.begin()->second.onsets, inputs);
   return stage;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,10 +15,13 @@ namespace bouncelab::cli {
 
 struct DetectOptions {
   std::vector<std::string> recordings;
+  std::string list;  ///< file with more recordings, one a line; empty: none
   std::string out;
   std::string labels;
-  int channel = -1;  ///< -1: the one in which impacts are detected best
+  double rate_hz = 0.0;  ///< of numbers without one; 0: not given
+  int channel = -1;      ///< -1: the one in which impacts are detected best
   std::int64_t min_impacts = detection::DetectionConfig{}.min_impacts;
+  std::string lossy_coding;  ///< of samples that a browser has decoded, where they come from one
 };
 
 /// What is kept of each of thousands of recordings; its onsets are in the table.
@@ -37,6 +41,26 @@ struct DetectResult {
   std::map<std::size_t, detection::Detection> first;
 };
 constexpr std::size_t kMostDetections = 30;
+
+/// The recordings named and those of the list.
+/// @throws FileError where the list cannot be read; InvalidArgument where there is no recording
+std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
+
+/// What the options describe.
+detection::DetectionConfig detection_config(const DetectOptions& options);
+/// What is kept of one recording.
+RecordingResult recording_result(const std::string& recording, const detection::Detection& found);
+/// The recordings with each content once, and a warning for each that is left out.
+std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& recordings,
+                                             std::vector<std::string>& warnings, const Run& run);
+/// What to tell people of these recordings, a line each.
+std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings);
+
+/// Detection in the recordings of the shard alone, kept in the part OUT.parts of it.
+/// @param out           of the whole run
+/// @param with_details  as loop::to_record
+Outcome run_detect_part(const DetectOptions& options, const std::filesystem::path& out, bool with_details,
+                        const Run& run);
 
 /// Writes options.out and, where named, options.labels; neither where no impact was found. A recording with the same
 /// content as one before it counts once, and a warning names both.

@@ -4,14 +4,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/loop/records.hpp"
 #include "files/provenance.hpp"
+#include "files/run_parts.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"
 #include "progress_line.hpp"
@@ -37,7 +42,7 @@ std::string describe(const fit::RecordingFit& row) {
   std::string text =
       fmt::format("  {}: {} samples", row.recording.empty() ? "(no name)" : printable(row.recording), row.n);
   for (const fit::NodeEstimate& node : row.nodes)
-    text += fmt::format(", eps({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
+    text += fmt::format(", ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
   if (row.nodes.empty()) text += "; " + row.message;
   return text + "\n";
 }
@@ -60,12 +65,12 @@ std::string describe(const fit::Recordings& recordings) {
   return text;
 }
 
-/// eps(v) at the nodes, by both likelihoods where there are two.
+/// ε(v) at the nodes, by both likelihoods where there are two.
 std::string describe_nodes(const fit::FitResult& result) {
   std::string text;
   for (std::size_t k = 0; k < result.law.nodes.size(); ++k) {
     const fit::NodeEstimate& node = result.law.nodes[k];
-    text += fmt::format("eps({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
+    text += fmt::format("ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
     if (result.memory && k < result.memory->nodes.size())
       text += "; with memory " + with_error(result.memory->nodes[k].eps);
     text += "\n";
@@ -85,34 +90,94 @@ std::string describe(const fit::FitResult& result) {
   text += describe_nodes(result) + describe(result.memory);
   for (const fit::LawFit* law : {&result.law, &result.law_viscoelastic})
     for (const fit::NamedEstimate& p : law->parameters)
-      text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));
+      if (p.estimate.identified) text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));
   for (const fit::HistogramFit& h : result.histograms)
     if (h.slope_rising && h.slope_falling)
-      text += fmt::format("p(eps) at {:.2g} m/s: slopes {} rising, {} falling; {}\n", h.v_mps,
+      text += fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling; {}\n", h.v_mps,
                           with_error(*h.slope_rising), with_error(*h.slope_falling), h.verdict);
   return text + describe(result.recordings);
 }
 
 std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
 
+loop::RunIdentity identity(const Run& run, const std::vector<std::filesystem::path>& files) {
+  return run_identity(run, files, {"samples", "table"});
+}
+
+std::vector<std::string> replicate_names(const fit::FitConfig& config) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < config.law.n_bootstrap; ++k) names.push_back("replicate " + std::to_string(k));
+  return names;
+}
+
+/// The replicates of the shard, kept in its part.
+Outcome run_part(const RestitutionSamples& samples, fit::FitConfig config, const FitOptions& options,
+                 const std::vector<std::filesystem::path>& files, const Run& run) {
+  if (config.law.n_bootstrap == 0)
+    throw InvalidArgument("--shard: replicates of the bootstrap are what is divided; name their number, --bootstrap N");
+  PartFile part(run, options.out, identity(run, files), replicate_names(config));
+  const std::set<std::size_t> pending(part.pending().begin(), part.pending().end());
+  std::atomic<std::size_t> n_done = 0;
+  config.law.replicates = [&](std::size_t k, const std::function<fit::Replicate()>& make) -> fit::Replicate {
+    if (pending.count(k) == 0) return std::nullopt;
+    const fit::Replicate replicate = make();
+    part.keep(k, loop::to_record(replicate));
+    ++n_done;
+    return replicate;
+  };
+  // all else is done when the parts are put together
+  config.law.intervals = fit::IntervalMethod::covariance;
+  config.n_goodness = 0;
+  config.law.compare_laws = config.compare_recordings = false;
+  config.memory = fit::UseMemory::never;
+  if (!pending.empty()) fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
+  if (n_done < pending.size())
+    throw InvalidArgument(input_name(files.front()) + more_files(files.size()) +
+                          ": the fit failed, or there are fewer than 8 drops, so that there is no bootstrap");
+  return part.finish(files, "replicates");
+}
+
+/// Gives the replicates of the parts.
+fit::ReplicateSource from_parts(const Run& run, const loop::RunIdentity& of_run, const fit::FitConfig& config) {
+  RunParts parts(run, of_run, replicate_names(config));
+  std::vector<fit::Replicate> replicates;
+  for (std::size_t k = 0; k < parts.size(); ++k) replicates.push_back(loop::replicate_from_record(parts.record(k)));
+  return [replicates](std::size_t k, const std::function<fit::Replicate()>&) { return replicates.at(k); };
+}
+
 }  // namespace
+
+std::string answer_text(const fit::FitResult& result) {
+  std::string text;
+  for (const std::string& sentence : result.answer.sentences) text += sentence + "\n";
+  return text + "\n";
+}
+
+fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common) {
+  fit::FitConfig config = options.config;
+  config.law.seed = common.seed;
+  config.n_threads = common.n_threads;
+  return config;
+}
 
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   Stage<fit::FitResult> stage;
   Outcome& outcome = stage.outcome;
-  const RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
-  fit::FitConfig config = options.config;
-  config.law.seed = run.common.seed;
-  config.n_threads = run.common.n_threads;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
+  name_ball(samples, ball_of(options.world), plate_of(options.world));
+  fit::FitConfig config = fit_config(options, run.common);
+  const bool is_fit = run.command == "fit";  // and not a stage of a command with parts of its own
+  if (is_fit && run.shard) return {run_part(samples, config, options, files, run), {}};
+  if (is_fit && !run.parts.empty()) config.law.replicates = from_parts(run, identity(run, files), config);
   stage.result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   const fit::FitResult& result = stage.result;
   write_text(run, options.out, to_json(result), files);
   if (!options.table.empty() && !result.law.curve.empty())
     write_table(run, options.table, fit::law_table(result.law), files);
   if (run.common.json) outcome.json = without_newline(to_json(result, 2));
-  outcome.text = describe(result);
+  outcome.text = answer_text(result) + describe(result);
   outcome.warnings = joined(outcome.warnings, result.warnings);
   if (result.status != fit::FitStatus::ok) {
     outcome.exit_code = kNotUsable;
@@ -126,7 +191,7 @@ Stage<fit::FitResult> as_stage(Stage<fit::FitResult> fitted) {
   const fit::FitResult& result = fitted.result;
   if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return fitted;
   Outcome& outcome = fitted.outcome;
-  outcome.warnings.insert(outcome.warnings.begin(), result.law.message);
+  outcome.warnings.push_back(result.law.message);
   outcome.exit_code = kDone;
   outcome.error.clear();
   return fitted;

@@ -18,6 +18,7 @@
 #include "commands/report_command.hpp"
 #include "commands/restitution_command.hpp"
 #include "commands/sweep.hpp"
+#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"
 #include "json/wave_json.hpp"
@@ -37,6 +38,18 @@ const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "fit.json",    "fit_from_true_times.json",
                                 "wave.json",   "summary.json",
                                 "report.html"};
+
+SimulateOptions simulate_options(const LoopOptions& options) {
+  SimulateOptions simulate = options.simulate;
+  simulate.world = options.world;
+  return simulate;
+}
+
+SynthesizeOptions synthesize_options(const LoopOptions& options) {
+  SynthesizeOptions synthesize = options.synthesize;
+  synthesize.world = options.world;
+  return synthesize;
+}
 
 /// The files of one loop.
 struct LoopFiles {
@@ -62,7 +75,7 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   restitution.onsets = onsets;
   restitution.out = samples;
   restitution.config = loop::restitution_config_of(config.simulation);
-  const Stage<fit::Restitution> intervals = run_restitution(restitution, run);
+  const Stage<fit::RestitutionCounts> intervals = run_restitution(restitution, run);
   FitOptions fit;
   fit.config.law.node_speeds_mps = config.node_speeds_mps;
   fit.config.budget = loop::budget_config_of(config.simulation);
@@ -81,10 +94,10 @@ Onsets read_onsets(const fs::path& path) { return onsets_from_table(read_table(p
 /// plate of 30 x 20 cm in some 30 bounces, which the experiment's balls did not.
 Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const Run& run, StageClock& clock,
                        std::vector<sim::Reservoir>& reservoirs) {
-  SimulateOptions simulate = options.simulate;
+  SimulateOptions simulate = simulate_options(options);
   simulate.out = files.impacts;
   clock.time("simulate", [&] { return run_simulate(simulate, run, &reservoirs); });
-  SynthesizeOptions synthesize = options.synthesize;
+  SynthesizeOptions synthesize = synthesize_options(options);
   synthesize.impacts = files.impacts;
   synthesize.out = files.recording;
   synthesize.truth = files.truth;
@@ -107,8 +120,8 @@ std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const l
 /// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
 Outcome run_through_files(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config;  // what is wrong with it is said before the work
-  config.simulation = simulation_config(options.simulate, run.common);
-  synthesis_config(options.synthesize, run.common);
+  config.simulation = simulation_config(simulate_options(options), run.common);
+  synthesis_config(synthesize_options(options), run.common);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
@@ -145,10 +158,13 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
                               samples_from_table(read_table(files.samples, sample_columns()), files.samples.string()),
                               from_sound.result, config.simulation.gravity_mps2);
   });
-  const std::string summary = loop_summary_json(score, clock.seconds(), fitted.warnings, theory, reservoir);
+  const std::string summary =
+      loop_summary_json(score, clock.seconds(), fitted.warnings, theory, reservoir,
+                        section_of(config.simulation.ball, surface_of(options.simulate, config.simulation)));
   write_text(run, files.summary, summary + "\n", {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
   const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
-  return {fitted.exit_code, summary, loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.warnings,
+  return {fitted.exit_code, summary,
+          ball_line(options.world) + loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.warnings,
           fitted.error};
 }
 
@@ -156,8 +172,8 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
 
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common) {
   loop::LoopConfig config;
-  config.simulation = simulation_config(options.simulate, common);
-  config.synthesis = synthesis_config(options.synthesize, common);
+  config.simulation = simulation_config(simulate_options(options), common);
+  config.synthesis = synthesis_config(synthesize_options(options), common);
   if (config.synthesis.channels.size() != 1)
     throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
                           std::to_string(config.synthesis.channels.size()) +
@@ -170,19 +186,7 @@ loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& co
 }
 
 loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run) {
-  loop::RunIdentity identity{{"version", std::string(version())}, {"commit", std::string(commit())}};
-  const std::vector<std::string> only_how{"threads", "quiet", "json", "force", "config", "out"};
-  const auto add = [&](const std::string& name, const std::vector<std::string>& values) {
-    std::string text;
-    for (const std::string& value : values) text += (text.empty() ? "" : ",") + value;
-    identity.emplace_back(name, text);
-  };
-  for (const Parameter& p : run.parameters)
-    if (std::find(only_how.begin(), only_how.end(), p.name) == only_how.end()) add(p.name, p.values);
-  for (const loop::SweepAxis& axis : run.sweep) add("list of " + axis.option, axis.values);
-  for (const fs::path& input : simulation_inputs(options.simulate))
-    identity.emplace_back("SHA-256 of " + input_name(input), sha256_of_file(input));
-  return identity;
+  return run_identity(run, simulation_inputs(options.simulate));
 }
 
 std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const std::vector<std::string>& outputs,
@@ -192,6 +196,7 @@ std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const
   for (const std::string& name : outputs) files.push_back(folder / name);
   const bool goes_on = fs::exists(path) && !run.common.force;
   check_files(goes_on ? replacing(run) : run, simulation_inputs(options.simulate), files, {path});
+  if (!run.parts.empty()) return nullptr;
   if (!goes_on) fs::remove(path);
   const loop::RunIdentity identity = loop_identity(options, run);
   try {
@@ -209,6 +214,9 @@ Run replacing(Run run) {
 
 Outcome run_loop(const LoopOptions& options, const Run& run) {
   if (!run.sweep.empty()) return run_sweep(options, run);
+  if (run.shard && options.preset != "paper")
+    throw InvalidArgument(
+        "--shard: a loop through files is one recording; --preset paper, or lists in a --config file, can be divided");
   return options.preset == "paper" ? run_paper_loop(options, run) : run_through_files(options, run);
 }
 

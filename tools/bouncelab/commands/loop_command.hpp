@@ -15,6 +15,7 @@ namespace bouncelab::cli {
 struct LoopOptions {
   std::string preset = "quick";
   std::string out;
+  BallChoice world = kPaperBall;  ///< of both stages, in place of their own
   SimulateOptions simulate;
   SynthesizeOptions synthesize;
   bool keep_sound = false;  ///< of a run through memory
@@ -23,12 +24,11 @@ struct LoopOptions {
 /// The loop through memory that the options describe. @throws InvalidArgument
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common);
 
-/// All that the results depend on: every option but those that only choose how to run, the program, and the files it
-/// reads, by content.
+/// All that the results depend on: run_identity.
 loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run);
 
 /// The journal of an unfinished run in the folder options.out, whose lock the caller has (OutputFolder). Without one,
-/// outputs that exist are another run's.
+/// outputs that exist are another run's. None (null) where the run is put together from its parts.
 /// @throws FileError where one of `outputs` exists and --force was not given; InvalidArgument where the journal is that
 ///         of a run with other settings or of another version, or an output is an input
 std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const std::vector<std::string>& outputs,

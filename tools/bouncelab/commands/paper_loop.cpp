@@ -10,6 +10,7 @@
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/loop/paper_experiment.hpp"
 #include "commands/report_command.hpp"
+#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"
 #include "loop_text.hpp"
@@ -64,8 +65,7 @@ LoopWork work_of(const loop::LoopResult& loop, const SecondsByStage& later_s) {
   return work;
 }
 
-loop::LoopResult run_journaled(const LoopOptions& options, const Run& run, loop::FinishedDrops finished,
-                               loop::RunJournal& journal) {
+loop::LoopConfig paper_config(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config = loop_config(options, run.common);
   config.surface = surface_from_file(options.simulate, config.simulation.ball);
   config.with_smooth_ball = config.with_memory = true;
@@ -73,23 +73,41 @@ loop::LoopResult run_journaled(const LoopOptions& options, const Run& run, loop:
     fs::create_directories(*config.sound_folder);
     remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already
   }
-  return loop::run_loop(config, stage_progress(run), std::move(finished), &journal);
+  return config;
+}
+
+/// The drops of the shard, kept in its part.
+Outcome run_part(const LoopOptions& options, const Run& run) {
+  const loop::LoopConfig config = paper_config(options, run);
+  PartFile part(run, options.out, loop_identity(options, run), loop_items(config));
+  if (!part.pending().empty())
+    loop::run_loop_drops(
+        config, [&](const std::string& item) { return part.is_pending(item); }, part.journal(), stage_progress(run));
+  return part.finish(simulation_inputs(options.simulate), "drops");
 }
 
 }  // namespace
 
 Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
+  if (run.shard) return run_part(options, run);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   loop::FinishedDrops finished;
-  const auto journal = open_journal(options, kOutputs, run, [&](std::string_view record) { finished.add(record); });
-  const loop::LoopResult result = run_journaled(options, run, std::move(finished), *journal);
+  const auto journal =
+      open_journal(options, kOutputs, run, [&](const std::string&, std::string_view record) { finished.add(record); });
+  const loop::LoopConfig config = paper_config(options, run);
+  if (!run.parts.empty()) {
+    RunParts parts(run, loop_identity(options, run), loop_items(config));
+    for (std::size_t k = 0; k < parts.size(); ++k) finished.add(parts.record(k));
+  }
+  const loop::LoopResult result = loop::run_loop(config, stage_progress(run), std::move(finished), journal.get());
 
   StageClock clock;
   const Run own = replacing(run);  // what lies in the folder is this run's own
   const loop::LoopScore score = loop::score_loop(result.rough.drops.size(), result.rough.score, result.simulation.law,
                                                  result.true_times, result.sound);
   const loop::PaperResult paper = loop::paper_result(result);
+  const sim::BallSection ball = section_of(result.simulation.ball, surface_of(options.simulate, result.simulation));
   const auto write_summary = [&](const std::string& text) {
     write_text(own, folder / "summary.json", text + "\n", {folder / "onsets.csv", folder / "fit.json"});
   };
@@ -97,7 +115,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
     write_tables(result, folder, own);
     write_fits(result, folder, own);
     write_text(own, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
-    write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir));
+    write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball));
   });
   const Outcome shown = clock.time("report", [&] {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, own);
@@ -105,11 +123,11 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock.seconds());
   Outcome outcome;
-  outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, work);
+  outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball, work);
   write_summary(outcome.json);
-  journal->remove();
+  if (journal) journal->remove();
   outcome.warnings = result.sound.warnings;
-  outcome.text = loop_text(score, result.reservoir, work.wall_s) + paper_text(paper) +
+  outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) + paper_text(paper) +
                  work_text(work, score.onsets.n_true) + shown.text;
   if (!fit::usable(result.sound)) {
     outcome.exit_code = kNotUsable;

@@ -46,6 +46,12 @@ std::string samples_if_few(const fs::path& path, std::vector<fs::path>& inputs) 
   return samples_json(samples);
 }
 
+/// Its last part: where it lies says nothing to a reader.
+std::string name_of_folder(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return (path.has_filename() ? path.filename() : path.parent_path().filename()).string();
+}
+
 }  // namespace
 
 Outcome run_report(const ReportOptions& options, const Run& run) {
@@ -59,8 +65,7 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   check_files(run, shown, {out});
   std::vector<fs::path> inputs;
   report::ReportInput input;
-  input.title =
-      options.title.empty() ? "Restitution: " + fs::absolute(folder).lexically_normal().string() : options.title;
+  input.title = options.title.empty() ? "Restitution: " + name_of_folder(folder) : options.title;
   input.fit_json = content_if_there(fit, inputs);
   input.summary_json = content_if_there(folder / "summary.json", inputs);
   input.wave_json = content_if_there(folder / "wave.json", inputs);

@@ -3,7 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
 #include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/streamed_median.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -11,45 +18,85 @@
 namespace bouncelab::cli {
 namespace {
 
+std::string counted(std::size_t n, std::string_view noun) { return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s"); }
+
 /// What was counted, for people: one line.
 std::string describe(const fit::RestitutionCounts& counts) {
-  std::string line = fmt::format("{} coefficients of restitution from {} onsets of {} drops", counts.n_samples,
-                                 counts.n_onsets, counts.n_drops);
+  std::string line =
+      fmt::format("{} coefficient{} of restitution from {} of {}", counts.n_samples, counts.n_samples == 1 ? "" : "s",
+                  counted(counts.n_onsets, "onset"), counted(counts.n_drops, "drop"));
   if (counts.mean_shift_drag)
     line += fmt::format("; corrected for drag, eps {:+.2g} in the mean", *counts.mean_shift_drag);
   if (counts.mean_shift_contact_time)
     line += fmt::format("; corrected for contact time, eps {:+.2g} in the mean", *counts.mean_shift_contact_time);
   if (counts.rms_shift_travel_time)
     line += fmt::format("; corrected for travel time, eps by {:.2g} rms", *counts.rms_shift_travel_time);
-  for (const auto& [reason, n] : counts.breaks) line += fmt::format("; chain broken {} times: {}", n, name_of(reason));
-  if (counts.n_flagged > 0) line += fmt::format("; {} samples flagged, the fit leaves them out", counts.n_flagged);
+  for (const auto& [reason, n] : counts.breaks)
+    line += fmt::format("; chain broken {}: {}", counted(n, "time"), name_of(reason));
+  if (counts.n_flagged > 0)
+    line += fmt::format("; {} flagged, left out by the fit", counted(counts.n_flagged, "sample"));
   return line;
+}
+
+/// Onsets -> samples, in pieces from file to file.
+fit::RestitutionCounts restitution_of_file(const std::filesystem::path& onsets, const fit::RestitutionConfig& config,
+                                           TableWriter& samples) {
+  const std::string name = input_name(onsets);
+  const std::unique_ptr<TableReader> reader = open_table(onsets, onset_columns());
+  fit::RestitutionInPieces restitution(config);
+  StreamedMedian eps(samples.folder(), name);
+  const auto write = [&](const RestitutionSamples& rows) {
+    samples.add(to_table(rows));
+    for (const RestitutionSample& s : rows)
+      if (s.flags.empty()) eps.add(s.eps);
+  };
+  std::optional<Onset> before;
+  for (bool at_end = false; !at_end;) {
+    throw_if_stop_requested();
+    const Table table = reader->next(kPiece_rows);
+    at_end = table.n_rows() < kPiece_rows;
+    Onsets rows = onsets_from_table(table, name, before ? &*before : nullptr);
+    if (!rows.empty()) before = rows.back();
+    write(restitution.add(std::move(rows)));
+  }
+  write(restitution.finish());
+  fit::RestitutionCounts counts = restitution.counts();
+  counts.eps_median = eps.median();
+  return counts;
 }
 
 }  // namespace
 
-Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const Run& run) {
-  check_files(run, {options.onsets, options.positions}, {options.out});
-  const Onsets onsets = onsets_from_table(read_table(options.onsets, onset_columns()), input_name(options.onsets));
+fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
   fit::RestitutionConfig config = options.config;
   if (options.drop_height_m > 0.0) config.drop_height_m = options.drop_height_m;
+  if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = ball;
+  if (const std::optional<Material> plate = plate_of(options.world)) config.plate = plate;
   config.wave_speed_mps = options.wave_speed_mps;
+  if (options.positions.empty()) return config;
+  const Table positions = read_table(options.positions, fit::position_columns());
+  check_columns(positions, fit::position_columns(), options.positions);
+  config.travel_time =
+      fit::travel_time_from_table(positions, options.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
+  return config;
+}
+
+Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run) {
+  check_files(run, {options.onsets, options.positions}, {options.out});
+  const fit::RestitutionConfig config = restitution_config(options);
   std::vector<std::filesystem::path> inputs{options.onsets};
-  if (!options.positions.empty()) {
-    const Table positions = read_table(options.positions, fit::position_columns());
-    check_columns(positions, fit::position_columns(), options.positions);
-    config.travel_time =
-        fit::travel_time_from_table(positions, options.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
-    inputs.push_back(options.positions);
-  }
-  Stage<fit::Restitution> stage;
-  stage.result = fit::restitution_samples(onsets, config);
-  const fit::Restitution& result = stage.result;
+  if (!options.positions.empty()) inputs.emplace_back(options.positions);
+  TableWriter samples(run, options.out);
+  Stage<fit::RestitutionCounts> stage;
+  const fit::RestitutionCounts& counts = stage.result = restitution_of_file(options.onsets, config, samples);
   Outcome& outcome = stage.outcome;
-  outcome.text = describe(result.counts) + "\n";
-  outcome.json = restitution_json(result.counts);
-  write_table(run, options.out, to_table(result.samples), inputs);
-  if (result.samples.empty()) {
+  outcome.text = describe(counts) + "\n";
+  if (config.ball)
+    outcome.text += "ball: " + bouncelab::describe(*config.ball) +
+                    (config.plate ? " on " + plate_text(*config.plate) : std::string()) + "\n";
+  outcome.json = restitution_json(counts, config.ball, config.plate);
+  samples.finish(inputs);
+  if (counts.n_samples == 0) {
     outcome.exit_code = kNotUsable;
     outcome.error = input_name(options.onsets) + ": no three successive impacts: no coefficient of restitution";
   }

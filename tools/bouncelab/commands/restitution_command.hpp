@@ -6,6 +6,7 @@
 
 #include "bouncelab/fit/restitution.hpp"
 #include "command.hpp"
+#include "commands/ball_choice.hpp"
 
 namespace bouncelab::cli {
 
@@ -13,12 +14,17 @@ struct RestitutionOptions {
   std::string onsets;
   std::string out;
   fit::RestitutionConfig config;
+  BallChoice world;            ///< where a part is not named, that of `config`
   double drop_height_m = 0.0;  ///< 0: not known
   std::string positions;       ///< of the impacts, for the correction of travel times; empty: no correction
   std::vector<double> sensor_m{0.0, 0.0};
   double wave_speed_mps = 2500.0;
 };
 
-Stage<fit::Restitution> run_restitution(const RestitutionOptions& options, const Run& run);
+/// What the options describe; reads the positions. @throws InvalidArgument, FileError
+fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
+
+/// The samples are in the file only: there may be more than the memory holds.
+Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

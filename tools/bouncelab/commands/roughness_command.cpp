@@ -19,13 +19,14 @@ std::string describe(const fit::RoughnessResult& result) {
   const fit::MemoryFit& memory = result.memory;
   std::string text = fmt::format("{} impacts of {} drops used\n", memory.n, memory.n_drops);
   if (memory.status != fit::FitStatus::ok) return text;
-  const fit::Roughness& r = result.surface;
+  const fit::Roughness& r = memory.roughness;
   if (memory.holds) text += in_words(memory) + "\n";
   text += in_words(r) + "\n";
   text += fmt::format(
-      "variance s2 of each component of the contact's offset over the ball's radius, J = {:.4g} m R^2: {:.3g} without "
-      "slip, {:.3g} without friction\n",
-      result.inertia_factor, r.s2_no_slip, r.s2_frictionless);
+      "variance s2 of each component of the contact's offset over the ball's radius, J = {:.4g} m R^2 ({}): {:.3g} "
+      "without slip, {:.3g} without friction\n",
+      r.inertia_factor, memory.ball ? to_text(*memory.ball) : "a solid sphere; no ball was named", r.s2_no_slip,
+      r.s2_frictionless);
   text += fmt::format(
       "surfaces that scatter the same, without slip: {:.3g} asperities of one radius; or asperities all over whose "
       "radii are exponential, of mean {:.3g} R; or 1e6 of them with radii uniform over a width of {:.3g} R\n",
@@ -41,7 +42,8 @@ Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   check_files(run, files, {options.out});
   Outcome outcome;
-  const RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
+  name_ball(samples, ball_of(options.world), plate_of(options.world));
   fit::RoughnessConfig config = options.config;
   config.seed = run.common.seed;
   config.n_threads = run.common.n_threads;

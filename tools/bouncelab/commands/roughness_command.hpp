@@ -6,6 +6,7 @@
 
 #include "bouncelab/fit/roughness.hpp"
 #include "command.hpp"
+#include "commands/ball_choice.hpp"
 
 namespace bouncelab::cli {
 
@@ -13,6 +14,7 @@ struct RoughnessOptions {
   std::vector<std::string> samples;  ///< files
   std::string out;                   ///< empty: none
   fit::RoughnessConfig config;
+  BallChoice world;  ///< in place of what the samples say
 };
 
 /// Exit code 1 where the scatter is not that of a rough ball, or there are too few impacts to know.

@@ -10,12 +10,14 @@
 #include "bouncelab/sim/experiment.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "command.hpp"
+#include "commands/ball_choice.hpp"
 
 namespace bouncelab::cli {
 
 /// What `simulate` and `loop` let the user choose of the simulation. Texts are read by simulation_config().
 struct SimulateOptions {
   sim::SimulationConfig config;
+  BallChoice world = kPaperBall;
   std::int64_t n_asperities = 1'000'000;
   std::string radius_law = "uniform:5e-4,1.5e-3";
   std::string restitution_law = "series:A2=0.0467,A4=0.1339,A5=-0.2876";
@@ -39,6 +41,9 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
 
 /// The asperities of the file that the options name; absent where they name none. @throws FileError
 std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball);
+/// That surface, else the one drawn with the configuration's seed: what `simulate` drops.
+sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config,
+                        const ProgressCallback& progress = {});
 
 /// The files that a simulation reads: surface, table of the law.
 std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options);

@@ -6,13 +6,14 @@
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "command.hpp"
+#include "commands/ball_choice.hpp"
 
 namespace bouncelab::cli {
 
 /// What `synthesize` and `loop` let the user choose of the sound. Texts are read by synthesis_config().
 struct SynthesizeOptions {
   synthesis::SynthesisConfig config;
-  std::string ground = "glass";
+  BallChoice world = kPaperBall;
   std::string sensor = "piezo";
   std::string bits = "24";
   std::string positions = "simulated";

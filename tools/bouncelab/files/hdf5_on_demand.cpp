@@ -4,12 +4,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
@@ -23,6 +27,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Of the Python module where this is part of it. Of the program it is that of argv[0], which may be none.
+fs::path own_folder() {
+  static const char inside = 0;
+  Dl_info found{};
+  return dladdr(&inside, &found) != 0 ? fs::path(found.dli_fname).parent_path() : fs::path();
+}
+
 /// @param name  of the file that asks for it
 const Hdf5Functions& functions(const std::string& name) {
   static const Hdf5Functions* loaded = nullptr;
@@ -30,8 +41,9 @@ const Hdf5Functions& functions(const std::string& name) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
   std::string reason;
-  // where it was built, where it is installed
-  for (const fs::path& folder : {program, program / BOUNCELAB_MODULE_FOLDER}) {
+  // in the Python package, where it was built, where it is installed
+  for (const fs::path& folder : {own_folder(), program, program / BOUNCELAB_MODULE_FOLDER}) {
+    if (!folder.is_absolute()) continue;  // dlopen would look elsewhere
     void* library = dlopen((folder / BOUNCELAB_HDF5_MODULE).c_str(), RTLD_NOW | RTLD_LOCAL);
     const void* entry = library != nullptr ? dlsym(library, kHdf5Entry) : nullptr;
     if (entry != nullptr) return *(loaded = static_cast<const Hdf5Functions*>(entry));
@@ -73,35 +85,99 @@ class OpenFile {
   int descriptor_ = -1;
 };
 
-/// What HDF5 reads from a descriptor, in the process that is there for it.
-std::string table_in_child(const Hdf5Functions& hdf5, int descriptor, const std::string& name,
-                           const std::vector<ColumnSpec>& wanted) {
-  const std::string path = "/proc/self/fd/" + std::to_string(descriptor);
-  try {
-    return to_bytes(hdf5.read(path, wanted));
-  } catch (const FileError& error) {
-    const std::string message = error.what(), prefix = path + ": ";
-    throw FileError(name, message.starts_with(prefix) ? message.substr(prefix.size()) : message);
-  }
+/// The library is for one thread at a time, and must not be at work while a copy of the process is made.
+std::mutex& library() {
+  static std::mutex mutex;
+  return mutex;
 }
+
+/// In the child: the first request brings the file, and each asks for a number of rows.
+class Answers {
+ public:
+  Answers(const Hdf5Functions& hdf5, std::string name, std::vector<ColumnSpec> wanted)
+      : hdf5_(&hdf5), name_(std::move(name)), wanted_(std::move(wanted)) {}
+
+  std::string operator()(std::string_view request, int descriptor) {
+    std::size_t max_rows = 0;
+    std::memcpy(&max_rows, request.data(), std::min(request.size(), sizeof max_rows));
+    if (descriptor >= 0) path_ = "/proc/self/fd/" + std::to_string(descriptor);
+    try {
+      if (descriptor >= 0) {
+        reader_ = hdf5_->read(path_, wanted_);
+        close(descriptor);  // the library has opened it for itself
+      }
+      return to_bytes(reader_->next(max_rows));
+    } catch (const FileError& error) {
+      const std::string message = error.what(), prefix = path_ + ": ";
+      throw FileError(name_, message.starts_with(prefix) ? message.substr(prefix.size()) : message);
+    }
+  }
+
+ private:
+  const Hdf5Functions* hdf5_;
+  std::string name_, path_;
+  std::vector<ColumnSpec> wanted_;
+  std::shared_ptr<TableReader> reader_;  // not unique: an Answer can be copied
+};
+
+/// HDF5 1.10 loops for ever on some damaged files: it reads in a process of its own.
+class ReaderInChild final : public TableReader {
+ public:
+  ReaderInChild(const fs::path& path, const std::vector<ColumnSpec>& wanted) : file_(path) {
+    const std::lock_guard lock(library());
+    const Answers answers(functions(file_.name()), file_.name(), wanted);
+    child_.emplace(answers, file_.name());
+  }
+
+  Table next(std::size_t max_rows) override {
+    const ChildLimits limits{kLeast_cpu_s + static_cast<double>(file_.size()) / kBytesPerCpuSecond,
+                             kLeast_memory_bytes + kMemoryPerFileByte * file_.size()};
+    const std::string request(reinterpret_cast<const char*>(&max_rows), sizeof max_rows);
+    const int descriptor = std::exchange(has_file_, true) ? -1 : file_.descriptor();
+    Table table = table_from_bytes(child_->ask(request, limits, file_.name(), kRemedy, descriptor));
+    table.n_before = n_read_;
+    n_read_ += table.n_rows();
+    return table;
+  }
+
+ private:
+  OpenFile file_;
+  std::optional<ChildProcess> child_;
+  bool has_file_ = false;
+  std::size_t n_read_ = 0;
+};
+
+class LockedWriter final : public TableSink {
+ public:
+  LockedWriter(const fs::path& path, const std::string& name) {
+    const std::lock_guard lock(library());
+    writer_ = functions(name).write(path, name);
+  }
+  ~LockedWriter() override {
+    const std::lock_guard lock(library());
+    writer_.reset();
+  }
+  void add(const Table& rows) override {
+    const std::lock_guard lock(library());
+    writer_->add(rows);
+  }
+  void finish() override {
+    const std::lock_guard lock(library());
+    writer_->finish();
+  }
+
+ private:
+  std::unique_ptr<TableSink> writer_;
+};
 
 }  // namespace
 
-// HDF5 1.10 loops for ever on some damaged files: it reads in a process of its own.
-Table read_hdf5(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  const OpenFile file(path);
-  const Hdf5Functions& hdf5 = functions(file.name());
-  const auto answer = [&](std::string_view, int descriptor) {
-    return table_in_child(hdf5, descriptor, file.name(), wanted);
-  };
-  ChildProcess child(answer, file.name());
-  const ChildLimits limits{kLeast_cpu_s + static_cast<double>(file.size()) / kBytesPerCpuSecond,
-                           kLeast_memory_bytes + kMemoryPerFileByte * file.size()};
-  return table_from_bytes(child.ask("", limits, file.name(), kRemedy, file.descriptor()));
+std::unique_ptr<TableReader> hdf5_reader(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
+  return std::make_unique<ReaderInChild>(path, wanted);
 }
 
-void write_hdf5(const fs::path& path, const Table& table, const std::string& name) {
-  functions(name).write(path, table, name);
+std::unique_ptr<TableSink> hdf5_writer(const fs::path& path, const std::string& name) {
+  return std::make_unique<LockedWriter>(path, name);
 }
 
 }  // namespace bouncelab::cli

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "files/table_file.hpp"
@@ -13,10 +13,11 @@
 namespace bouncelab::cli {
 namespace {
 
-/// Whole drops from a CSV file: rows are read in pieces that begin with a drop.
-class CsvDrops {
+/// Whole drops from a file: rows are read in pieces that begin with a drop.
+class FileDrops {
  public:
-  explicit CsvDrops(const std::filesystem::path& path) : name_(input_name(path)), reader_(path, impact_columns()) {}
+  explicit FileDrops(const std::filesystem::path& path)
+      : name_(input_name(path)), reader_(open_table(path, impact_columns())) {}
 
   bool next(Impacts& drop) {
     while (!at_end_ && (first_ == rows_.rows.size() || rows_.rows[first_].drop == rows_.rows.back().drop)) read_more();
@@ -29,8 +30,6 @@ class CsvDrops {
   }
 
  private:
-  static constexpr std::size_t kPiece_rows = 4096;
-
   Impacts stretch(std::size_t first, std::size_t last) const {
     const auto part = [&](const auto& values) {
       return std::decay_t<decltype(values)>(values.begin() + static_cast<std::ptrdiff_t>(first),
@@ -40,18 +39,21 @@ class CsvDrops {
   }
   /// Appends a piece to what is left of the one before.
   void read_more() {
-    const Table table = reader_.next(kPiece_rows);
+    const Table table = reader_->next(kPiece_rows);
     at_end_ = table.n_rows() < kPiece_rows;
+    if (table.n_rows() == 0) return;
     const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
     const Impacts more = impacts_from_table(table, name_, before);
-    rows_ = stretch(first_, rows_.rows.size());
+    if (before && more.states.empty() != rows_.states.empty())
+      throw FileError(name_, table.place_of(0) + ": positions, velocities and spins must be in all rows or in none");
+    if (first_ > 0) rows_ = stretch(first_, rows_.rows.size());
     first_ = 0;
     rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());
     rows_.states.insert(rows_.states.end(), more.states.begin(), more.states.end());
   }
 
   std::string name_;
-  CsvReader reader_;
+  std::unique_ptr<TableReader> reader_;
   Impacts rows_;
   std::size_t first_ = 0;
   bool at_end_ = false;
@@ -60,13 +62,8 @@ class CsvDrops {
 }  // namespace
 
 synthesis::DropSource impact_file(const std::filesystem::path& path) {
-  if (is_hdf5(path) || is_json_lines(path)) {
-    const auto all =
-        std::make_shared<Impacts>(impacts_from_table(read_table(path, impact_columns()), input_name(path)));
-    return [all, drops = synthesis::drops_of(*all)](std::int64_t k, Impacts& drop) { return drops(k, drop); };
-  }
-  return [path, drops = std::shared_ptr<CsvDrops>()](std::int64_t k, Impacts& drop) mutable {
-    if (k == 0) drops = std::make_shared<CsvDrops>(path);
+  return [path, drops = std::shared_ptr<FileDrops>()](std::int64_t k, Impacts& drop) mutable {
+    if (k == 0) drops = std::make_shared<FileDrops>(path);
     return drops->next(drop);
   };
 }

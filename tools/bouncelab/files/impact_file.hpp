@@ -7,7 +7,7 @@
 
 namespace bouncelab::cli {
 
-/// The drops of an impacts table, read as they are asked for; other formats than CSV are read as a whole.
+/// The drops of an impacts table, read in pieces as they are asked for.
 /// @throws FileError, while drops are taken
 synthesis::DropSource impact_file(const std::filesystem::path& path);
 

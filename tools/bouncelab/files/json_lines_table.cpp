@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
@@ -131,7 +132,7 @@ std::size_t size_of(const Column& column) {
   return std::visit([](const auto& values) { return values.size(); }, column.values);
 }
 
-/// Fills what the row did not have; an integer stands there as 0 until finished() refuses it.
+/// Fills what the row did not have; an integer stands there as 0 until take_columns() refuses it.
 void end_row(std::vector<Growing>& columns, std::size_t n_rows, std::size_t line) {
   for (Growing& growing : columns) {
     growing.in_this_row = false;
@@ -146,45 +147,73 @@ void end_row(std::vector<Growing>& columns, std::size_t n_rows, std::size_t line
   }
 }
 
-/// The columns that any row had.
-Table finished(std::vector<Growing> columns, Table table, const std::string& name) {
-  for (Growing& growing : columns) {
-    const auto line = [](std::size_t number) { return "line " + std::to_string(number); };
-    const std::string& key = growing.column.name;
-    if (growing.first_line == 0 && growing.required)
-      throw FileError(name, line(growing.first_line_without) + ": the key '" + key + "' is missing");
-    if (growing.first_line == 0) continue;
-    if (growing.first_line_without != 0 && std::holds_alternative<std::vector<std::int64_t>>(growing.column.values))
-      throw FileError(name, line(growing.first_line_without) + ": the key '" + key + "' is missing, but " +
-                                line(growing.first_line) + " has it; integers must be in all rows or in none");
-    table.columns.push_back(std::move(growing.column));
+std::string line_text(std::size_t number) { return "line " + std::to_string(number); }
+
+class JsonLinesReader final : public TableReader {
+ public:
+  JsonLinesReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted) : lines_(in, name) {
+    add_columns(wanted);
   }
-  return table;
-}
+  JsonLinesReader(std::ifstream&& in, const std::string& name, const std::vector<ColumnSpec>& wanted)
+      : file_(std::move(in)), lines_(file_, name) {
+    add_columns(wanted);
+  }
+
+  Table next(std::size_t max_rows) override {
+    Table table;
+    std::size_t n_rows = 0;
+    for (std::string line; n_rows < max_rows && lines_.next(line);) {
+      if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+      if (const std::string fault = parser_.parse(line); !fault.empty())
+        throw FileError(lines_.name(), line_text(lines_.number()) + ": " + fault);
+      table.stands_on(n_rows++, lines_.number());
+      end_row(columns_, n_rows, lines_.number());
+    }
+    is_empty_ = is_empty_ && n_rows == 0;
+    if (is_empty_ && max_rows > 0) throw FileError(lines_.name(), "is empty; one JSON object on each line is needed");
+    take_columns(table);
+    return table;
+  }
+
+ private:
+  void add_columns(const std::vector<ColumnSpec>& wanted) {
+    for (const ColumnSpec& spec : wanted) columns_.push_back({empty_column(spec), spec.required});
+  }
+
+  /// Those that any row had up to now.
+  void take_columns(Table& table) {
+    for (Growing& growing : columns_) {
+      const std::string& key = growing.column.name;
+      if (growing.first_line == 0 && growing.required)
+        throw FileError(lines_.name(), line_text(growing.first_line_without) + ": the key '" + key + "' is missing");
+      const bool is_integer = std::holds_alternative<std::vector<std::int64_t>>(growing.column.values);
+      if (is_integer && growing.first_line != 0 && growing.first_line_without != 0)
+        throw FileError(lines_.name(), line_text(growing.first_line_without) + ": the key '" + key +
+                                           "' is missing, but " + line_text(growing.first_line) +
+                                           " has it; integers must be in all rows or in none");
+      Column taken{key, std::visit([](auto& values) -> decltype(Column::values) { return std::exchange(values, {}); },
+                                   growing.column.values)};
+      if (growing.first_line != 0) table.columns.push_back(std::move(taken));
+    }
+  }
+
+  std::ifstream file_;
+  LineReader lines_;
+  std::vector<Growing> columns_;
+  RowParser parser_{columns_};
+  bool is_empty_ = true;
+};
 
 }  // namespace
 
-Table read_json_lines(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted) {
-  std::vector<Growing> columns;
-  for (const ColumnSpec& spec : wanted) columns.push_back({empty_column(spec), spec.required});
-  RowParser parser(columns);
-  LineReader lines(in, name);
-  Table table;
-  std::size_t n_rows = 0;
-  for (std::string line; lines.next(line);) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    if (const std::string fault = parser.parse(line); !fault.empty())
-      throw FileError(name, "line " + std::to_string(lines.number()) + ": " + fault);
-    table.stands_on(n_rows++, lines.number());
-    end_row(columns, n_rows, lines.number());
-  }
-  if (n_rows == 0) throw FileError(name, "is empty; one JSON object on each line is needed");
-  return finished(std::move(columns), std::move(table), name);
+std::unique_ptr<TableReader> json_lines_reader(std::istream& in, const std::string& name,
+                                               const std::vector<ColumnSpec>& wanted) {
+  return std::make_unique<JsonLinesReader>(in, name, wanted);
 }
 
-Table read_json_lines(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
-  std::ifstream in = open_text(path);
-  return read_json_lines(in, input_name(path), wanted);
+std::unique_ptr<TableReader> json_lines_reader(const std::filesystem::path& path,
+                                               const std::vector<ColumnSpec>& wanted) {
+  return std::make_unique<JsonLinesReader>(open_text(path), input_name(path), wanted);
 }
 
 void write_json_lines(std::ostream& out, const Table& table) {

@@ -16,6 +16,8 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
@@ -82,23 +84,45 @@ std::string computed_sha256(const fs::path& path) {
 /// of the last change.
 using Content = std::tuple<dev_t, ino_t, off_t, std::time_t, long>;
 
+/// Sums that are known.
+struct KnownSums {
+  std::mutex mutex;
+  std::map<Content, std::string> sums;
+};
+KnownSums& known_sums() {
+  static KnownSums known;
+  return known;
+}
+
+/// Absent where it cannot be told from what the file may hold a moment later.
+std::optional<Content> content_of(const fs::path& path) {
+  struct stat status {};
+  if (::stat(readable(path).c_str(), &status) != 0) return std::nullopt;
+  // written to in the clock's last ticks it may be so again, at the same time as the system counts it
+  if (std::time(nullptr) - status.st_mtim.tv_sec < 2) return std::nullopt;
+  return Content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+}
+
 }  // namespace
 
 std::string sha256_of_file(const fs::path& path) {
-  struct stat status {};
-  if (::stat(readable(path).c_str(), &status) != 0) return computed_sha256(path);
-  const Content content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
-  // written to in the clock's last ticks it may be so again, at the same time as the system counts it
-  if (std::time(nullptr) - status.st_mtim.tv_sec < 2) return computed_sha256(path);
-  static std::mutex mutex;
-  static std::map<Content, std::string> known;
+  const std::optional<Content> content = content_of(path);
+  if (!content) return computed_sha256(path);
+  KnownSums& known = known_sums();
   {
-    const std::lock_guard lock(mutex);
-    if (const auto found = known.find(content); found != known.end()) return found->second;
+    const std::lock_guard lock(known.mutex);
+    if (const auto found = known.sums.find(*content); found != known.sums.end()) return found->second;
   }
   std::string sum = computed_sha256(path);
-  const std::lock_guard lock(mutex);
-  return known[content] = std::move(sum);
+  const std::lock_guard lock(known.mutex);
+  return known.sums[*content] = std::move(sum);
+}
+
+void know_sha256(const fs::path& path, const std::string& sha256) {
+  const std::optional<Content> content = content_of(path);
+  if (!content) return;
+  const std::lock_guard lock(known_sums().mutex);
+  known_sums().sums[*content] = sha256;
 }
 
 fs::path provenance_path(const fs::path& output) {
@@ -117,8 +141,21 @@ fs::path provenance_path(const fs::path& output) {
   return output.parent_path() / (name + ending);
 }
 
-void write_provenance(const Run& run, const fs::path& output, const std::vector<fs::path>& inputs) {
-  if (is_stream(output)) return;  // nothing can lie beside it
+std::optional<std::string> parameter_in_provenance(const fs::path& file, const std::string& option) {
+  const fs::path path = provenance_path(file);
+  if (file.empty() || is_stream(file) || !fs::is_regular_file(path)) return std::nullopt;
+  FileBytes bytes(path);
+  constexpr std::int64_t kMost = 1 << 20;  // of what write_provenance writes
+  const auto content = bytes.at(0, std::min(kMost, bytes.size()));
+  const Json meta = Json::parse(content.begin(), content.end(), nullptr, false);
+  if (meta.is_discarded()) throw FileError(path.string(), "is not JSON; delete it, or name the ball (--ball, --plate)");
+  if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
+  const auto found = meta["parameters"].find(option);
+  if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
+}
+
+std::string provenance(const Run& run, const std::vector<fs::path>& inputs) {
   Json meta;
   meta["command_line"] = run.command_line;
   meta["version"] = version();
@@ -127,8 +164,14 @@ void write_provenance(const Run& run, const fs::path& output, const std::vector<
   meta["inputs"] = Json::array();
   for (const fs::path& input : inputs)
     meta["inputs"].push_back({{"path", input_name(input)}, {"sha256", sha256_of_file(input)}});
+  if (const std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta["ffmpeg"] = ffmpeg;
   meta["parameters"] = json_of(run.parameters);
-  write_whole(provenance_path(output), json_text(meta, 2) + "\n", true);
+  return json_text(meta, 2) + "\n";
+}
+
+void write_provenance(const fs::path& output, const std::string& provenance) {
+  if (is_stream(output)) return;  // nothing can lie beside it
+  write_whole(provenance_path(output), provenance, true);
 }
 
 }  // namespace bouncelab::cli

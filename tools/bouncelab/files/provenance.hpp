@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,23 @@ namespace bouncelab::cli {
 /// @throws FileError, Interrupted
 std::string sha256_of_file(const std::filesystem::path& path);
 
+/// The SHA-256 of a file as it is now, from somebody who computed it.
+void know_sha256(const std::filesystem::path& path, const std::string& sha256);
+
 /// OUTPUT.meta.json; where that name would be longer than 255 bytes, OUTPUT is cut, and ends with ~ and the first eight
 /// digits of the SHA-256 of the whole.
 std::filesystem::path provenance_path(const std::filesystem::path& output);
 
-/// Writes the provenance beside an output: command line, version, commit, seed, inputs with their SHA-256, and
-/// all parameters as resolved. None of an output that is a stream.
-void write_provenance(const Run& run, const std::filesystem::path& output,
-                      const std::vector<std::filesystem::path>& inputs = {});
+/// The value of an option of the command that wrote a file; absent where no provenance lies beside the file, or the
+/// command has no such option. @throws FileError where the provenance is none
+std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
+
+/// What is told of an output: command line, version, commit, seed, inputs with their SHA-256, and all parameters as
+/// resolved. Made before the output gets its name, so that an input that cannot be read again leaves no output behind.
+/// @throws FileError, Interrupted
+std::string provenance(const Run& run, const std::vector<std::filesystem::path>& inputs);
+
+/// Writes the provenance beside an output, unless that is a stream. @throws FileError
+void write_provenance(const std::filesystem::path& output, const std::string& provenance);
 
 }  // namespace bouncelab::cli

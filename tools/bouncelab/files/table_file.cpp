@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
-#include <sstream>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -14,19 +14,48 @@
 #include "bouncelab/core/output_file.hpp"
 #include "files/hdf5_table.hpp"
 #include "files/json_lines_table.hpp"
+#include "files/table_bytes.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
 
 namespace {
 
-void write_text_table(const fs::path& path, const Table& table, const std::string& name) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  if (is_json_lines(path))
-    write_json_lines(out, table);
-  else
-    write_csv(out, table);
-  close_written(out, name);
+class CsvTable final : public TableReader {
+ public:
+  CsvTable(const fs::path& path, const std::vector<ColumnSpec>& wanted) : reader_(path, wanted) {}
+  Table next(std::size_t max_rows) override { return reader_.next(max_rows); }
+
+ private:
+  CsvReader reader_;
+};
+
+/// CSV or JSON Lines.
+class TextSink final : public TableSink {
+ public:
+  /// @param path  that `temporary` will be
+  TextSink(const fs::path& temporary, fs::path path)
+      : path_(std::move(path)), out_(temporary, std::ios::binary | std::ios::trunc) {}
+
+  void add(const Table& rows) override {
+    if (is_json_lines(path_))
+      write_json_lines(out_, rows);
+    else if (std::exchange(begun_, true))
+      write_csv_rows(out_, rows);
+    else
+      write_csv(out_, rows);
+  }
+  void finish() override { close_written(out_, path_); }
+
+ private:
+  fs::path path_;
+  std::ofstream out_;
+  bool begun_ = false;
+};
+
+std::unique_ptr<TableSink> sink(const fs::path& temporary, const fs::path& path) {
+  if (is_hdf5(path)) return hdf5_writer(temporary, path.string());
+  return std::make_unique<TextSink>(temporary, path);
 }
 
 }  // namespace
@@ -35,85 +64,54 @@ bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.ex
 
 bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
 
+std::unique_ptr<TableReader> open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
+  if (is_hdf5(path)) return hdf5_reader(path, wanted);
+  if (is_json_lines(path)) return json_lines_reader(path, wanted);
+  return std::make_unique<CsvTable>(path, wanted);
+}
+
 Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  if (is_hdf5(path)) return read_hdf5(path, wanted);
-  return is_json_lines(path) ? read_json_lines(path, wanted) : read_csv(path, wanted);
+  return open_table(path, wanted)->next(std::numeric_limits<std::size_t>::max());
 }
 
 void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
-  throw_if_stop_requested();
-  OutputFile file(path, run.common.force);
-  if (is_hdf5(path))
-    write_hdf5(file.temporary_path(), table, path.string());
-  else
-    write_text_table(file.temporary_path(), table, path.string());
-  file.commit();
-  write_provenance(run, path, inputs);
+  TableWriter writer(run, path);
+  writer.add(table);
+  writer.finish(inputs);
 }
 
-TableWriter::TableWriter(const Run& run, const fs::path& path) : run_(run), path_(path), file_(path, run.common.force) {
-  if (!is_hdf5(path)) text_.open(file_.temporary_path(), std::ios::binary | std::ios::trunc);
-}
-
-void TableWriter::write_rows(std::ostream& out, const Table& rows) const {
-  if (is_json_lines(path_))
-    write_json_lines(out, rows);
-  else
-    write_csv_rows(out, rows);
-}
-
-/// The header.
-void TableWriter::begin(const Table& rows) {
-  if (std::exchange(begun_, true) || is_json_lines(path_)) return;
-  Table header = rows;
-  for (Column& column : header.columns) std::visit([](auto& values) { values.clear(); }, column.values);
-  write_csv(text_, header);
-}
+TableWriter::TableWriter(const Run& run, const fs::path& path)
+    : run_(run), path_(path), file_(path, run.common.force), sink_(sink(file_.temporary_path(), path)) {}
 
 void TableWriter::add(std::size_t k, const Table& rows) {
-  if (is_hdf5(path_)) {
-    pieces_[k] = rows;
-    next_ = std::max(next_, k + 1);
-    return;
-  }
-  begin(rows);
   if (k != next_) {
-    std::ostringstream text;
-    write_rows(text, rows);
-    const std::string bytes = std::move(text).str();
-    if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
+    const std::string bytes = to_bytes(rows);
+    if (!scratch_) scratch_.emplace(folder(), path_.string());
     waiting_[k] = {scratch_->append(bytes), bytes.size()};
     return;
   }
-  write_rows(text_, rows);
+  sink_->add(rows);
   ++next_;
   for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first)) {
-    text_ << scratch_->at(first->second.first, first->second.n);
+    sink_->add(table_from_bytes(scratch_->at(first->second.first, first->second.n)));
     ++next_;
   }
 }
 
 void TableWriter::finish(const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
-  if (is_hdf5(path_)) {
-    Table whole;
-    for (auto piece = pieces_.begin(); piece != pieces_.end(); piece = pieces_.erase(piece))
-      if (whole.columns.empty())
-        whole = std::move(piece->second);
-      else
-        whole.append(piece->second);
-    write_hdf5(file_.temporary_path(), whole, path_.string());
-  } else {
-    close_written(text_, path_);
-  }
+  sink_->finish();
+  sink_.reset();
+  const std::string origin = provenance(run_, inputs);
   file_.commit();
-  write_provenance(run_, path_, inputs);
+  write_provenance(path_, origin);
 }
 
 void write_text(const Run& run, const fs::path& path, const std::string& content, const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
+  const std::string origin = provenance(run, inputs);
   write_whole(path, content, run.common.force);
-  write_provenance(run, path, inputs);
+  write_provenance(path, origin);
 }
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {

@@ -4,9 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iosfwd>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -16,10 +15,14 @@
 #include "bouncelab/core/table.hpp"
 #include "command.hpp"
 #include "files/provenance.hpp"
+#include "files/table_reader.hpp"
+#include "files/table_sink.hpp"
 
 namespace bouncelab::cli {
 
-/// Reads the wanted columns from a table file; the extension chooses the format. @throws FileError
+/// The wanted columns of a table file, to be read in pieces; the extension chooses the format. @throws FileError
+std::unique_ptr<TableReader> open_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+/// All its rows at once. @throws FileError
 Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 
 /// .h5 and .hdf5 are HDF5, .jsonl is JSON Lines, everything else CSV.
@@ -30,8 +33,7 @@ bool is_json_lines(const std::filesystem::path& path);
 void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
                  const std::vector<std::filesystem::path>& inputs = {});
 
-/// As write_table, a piece of the rows at a time: for CSV and JSON Lines in constant memory. Nothing is left without
-/// finish().
+/// As write_table, a piece of the rows at a time, in constant memory. Nothing is left without finish().
 class TableWriter {
  public:
   /// @param run  must outlive this. @throws FileError
@@ -40,26 +42,25 @@ class TableWriter {
   void add(const Table& rows) { add(next_, rows); }
   /// The k-th piece, in any order: one that cannot be written yet waits in a file without a name.
   void add(std::size_t k, const Table& rows);
-  /// All pieces were added.
+  /// All pieces were added, at least one: it names the columns.
   void finish(const std::vector<std::filesystem::path>& inputs);
+
+  /// For temporary files.
+  std::filesystem::path folder() const { return file_.temporary_path().parent_path(); }
 
  private:
   struct Place {
     std::int64_t first = 0;
     std::size_t n = 0;
   };
-  void begin(const Table& rows);
-  void write_rows(std::ostream& out, const Table& rows) const;
 
   const Run& run_;
   std::filesystem::path path_;
   OutputFile file_;
-  std::ofstream text_;
-  bool begun_ = false;
+  std::unique_ptr<TableSink> sink_;
   std::size_t next_ = 0;  // piece that comes next in the file
   std::map<std::size_t, Place> waiting_;
-  std::optional<ScratchFile> scratch_;   // those that wait
-  std::map<std::size_t, Table> pieces_;  // of HDF5
+  std::optional<ScratchFile> scratch_;  // those that wait
 };
 
 /// Writes a text (JSON, HTML ...) whole or not at all, and its provenance beside it. @throws FileError

@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "json/json_text.hpp"
+#include "json/scatter_json.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -110,26 +111,6 @@ Json json_of(const std::vector<sim::EnergyShares>& shares) {
   return json;
 }
 
-Json json_of(const loop::ScatterTheory& theory) {
-  Json slopes = Json::array();
-  for (const loop::ExpectedSlopes& s : theory.slopes)
-    slopes.push_back({{"v_mps", s.v_mps}, {"n", s.n}, {"rising", s.rising}, {"falling", s.falling}});
-  Json densities = Json::array();
-  for (const loop::ExpectedDensity& d : theory.densities)
-    densities.push_back({{"v_mps", d.v_mps},
-                         {"eps", d.eps},
-                         {"density", d.density},
-                         {"n_simulated", d.n_simulated},
-                         {"simulated_counts", d.simulated_counts}});
-  return {{"q", theory.q},
-          {"contact_factor", theory.contact_factor},
-          {"offset_variance", theory.offset_variance},
-          {"slopes", slopes},
-          {"densities", densities},
-          {"n_transforms", theory.n_transforms},
-          {"transform_counts", theory.transform_counts}};
-}
-
 Json json_of(const loop::ReservoirCheck& check) {
   Json drops;
   for (const loop::ReservoirOfDrop& d : check.drops) {
@@ -154,6 +135,18 @@ Json json_of(const loop::ReservoirCheck& check) {
           {"drops", drops}};
 }
 
+Json json_of(const sim::BallSection& ball) {
+  Json section{{"half_angle_rad", ball.half_angle_rad}, {"angle_rad", Json::array()}, {"radius_m", Json::array()}};
+  for (const sim::SectionCircle& circle : ball.circles) {
+    section["angle_rad"].push_back(circle.angle_rad);
+    section["radius_m"].push_back(circle.radius_m);
+  }
+  return {{"radius_m", ball.ball_radius_m},
+          {"n_asperities", ball.n_asperities},
+          {"mean_asperity_radius_m", ball.mean_asperity_radius_m},
+          {"section", section}};
+}
+
 Json json_of(const loop::SweepPoint& point) {
   Json json{{"settings", Json::object()}, {"values", Json::object()}};
   for (const auto& [option, value] : point.settings) json["settings"][option] = value;
@@ -168,7 +161,7 @@ Json json_of(const loop::SweepPoint& point) {
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
                               const std::vector<std::string>& warnings,
                               const std::optional<loop::ScatterTheory>& theory,
-                              const std::optional<loop::ReservoirCheck>& reservoir,
+                              const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
                               const std::optional<LoopWork>& work) {
   Json summary;
   summary["n_drops"] = score.n_drops;
@@ -190,8 +183,9 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
   summary["truth_curve"] = Json::array();
   for (const loop::LawPoint& point : score.truth_curve)
     summary["truth_curve"].push_back({{"v_mps", point.v_mps}, {"eps", point.eps}});
-  if (theory) summary["theory"] = json_of(*theory);
+  if (theory) summary["theory"] = scatter_json(*theory);
   if (reservoir) summary["reservoir"] = json_of(*reservoir);
+  if (ball.n_asperities > 0) summary["ball"] = json_of(ball);
   summary["seconds"] = object_of(work ? work->wall_s : seconds);
   summary["warnings"] = warnings;
   if (work) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bouncelab/loop/loop.hpp"
+#include "bouncelab/sim/section.hpp"
 
 namespace bouncelab::cli {
 
@@ -25,10 +26,11 @@ struct LoopWork {
 /// @param work       of a loop through memory, in place of `seconds`
 /// @param theory     of its scatter, where it applies
 /// @param reservoir  from its sound, where there are three drops or more
+/// @param ball       cut open, for a picture
 std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
                               const std::vector<std::string>& warnings,
                               const std::optional<loop::ScatterTheory>& theory,
-                              const std::optional<loop::ReservoirCheck>& reservoir,
+                              const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
                               const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
 /// against speed; energy shares against bounce number.

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bouncelab/core/input_file.hpp"
+#include "json/ball_json.hpp"
 #include "json/json_text.hpp"
 
 namespace bouncelab::cli {
@@ -14,7 +15,7 @@ using Json = nlohmann::ordered_json;
 Json json_of(const sim::SimulationResult& result) {
   const sim::EnergyLedger& energy = result.energy;
   const auto ended = [&](sim::DropEnd end) { return result.n_ended[static_cast<std::size_t>(end)]; };
-  return {{"n_impacts", result.impacts.rows.size()},
+  return {{"n_impacts", result.n_impacts},
           {"n_impacts_smooth_sphere", result.n_smooth},
           {"n_drops_ended",
            {{"impacts", ended(sim::DropEnd::impacts_reached)},
@@ -77,6 +78,9 @@ Json json_of(const RecordingResult& r) {
           {"n_drops", s.n_drops},
           {"drops", drops},
           {"n_candidates", s.n_candidates},
+          {"format", s.format},
+          {"lossy_coding", s.lossy_coding.empty() ? Json(nullptr) : Json(s.lossy_coding)},
+          {"ffmpeg", s.ffmpeg.empty() ? Json(nullptr) : Json(s.ffmpeg)},
           {"rate_hz", s.rate_hz},
           {"n_channels", s.n_channels},
           {"channel", s.channel},
@@ -123,9 +127,18 @@ Json json_of(const fit::CalibrationResult& result) {
 
 }  // namespace
 
-std::string simulate_json(const sim::SimulationResult& result) { return json_text(json_of(result), 2); }
+std::string simulate_json(const sim::SimulationResult& result, const Ball& ball) {
+  Json json = json_of(result);
+  json["ball"] = ball_json(ball);
+  return json_text(json, 2);
+}
 
-std::string synthesize_json(const synthesis::SynthesisResult& result) { return json_text(json_of(result), 2); }
+std::string synthesize_json(const synthesis::SynthesisResult& result, const Ball& ball, const Material& plate) {
+  Json json = json_of(result);
+  json["ball"] = ball_json(ball);
+  json["plate"] = plate_json(plate);
+  return json_text(json, 2);
+}
 
 std::string detect_json(const std::vector<RecordingResult>& recordings, const std::vector<std::string>& warnings) {
   std::size_t n_onsets = 0;
@@ -138,7 +151,13 @@ std::string convert_json(std::size_t n_onsets, std::size_t n_by_hand) {
   return json_text(Json{{"n_onsets", n_onsets}, {"n_by_hand", n_by_hand}}, 2);
 }
 
-std::string restitution_json(const fit::RestitutionCounts& counts) { return json_text(json_of(counts), 2); }
+std::string restitution_json(const fit::RestitutionCounts& counts, const std::optional<Ball>& ball,
+                             const std::optional<Material>& plate) {
+  Json json = json_of(counts);
+  json["ball"] = ball ? ball_json(*ball) : Json(nullptr);
+  json["plate"] = plate ? plate_json(*plate) : Json(nullptr);
+  return json_text(json, 2);
+}
 
 std::string calibrate_json(const fit::CalibrationResult& result) { return json_text(json_of(result), 2); }
 

@@ -2,10 +2,12 @@
 /// Results of the stages as JSON text, as --json prints them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "bouncelab/sim/experiment.hpp"
@@ -14,12 +16,14 @@
 
 namespace bouncelab::cli {
 
-std::string simulate_json(const sim::SimulationResult& result);
-std::string synthesize_json(const synthesis::SynthesisResult& result);
+/// @param ball, plate  as they were understood
+std::string simulate_json(const sim::SimulationResult& result, const Ball& ball);
+std::string synthesize_json(const synthesis::SynthesisResult& result, const Ball& ball, const Material& plate);
 /// @param warnings  that are not of one recording alone
 std::string detect_json(const std::vector<RecordingResult>& recordings, const std::vector<std::string>& warnings);
 std::string convert_json(std::size_t n_onsets, std::size_t n_by_hand);
-std::string restitution_json(const fit::RestitutionCounts& counts);
+std::string restitution_json(const fit::RestitutionCounts& counts, const std::optional<Ball>& ball,
+                             const std::optional<Material>& plate);
 std::string calibrate_json(const fit::CalibrationResult& result);
 std::string report_json(const std::string& report);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "json/wave_json.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "bouncelab/core/input_file.hpp"
@@ -24,6 +26,51 @@ Json to_json(const detection::WaveExcerpt& excerpt) {
           {"marks", marks}};
 }
 
+/// A WAV file, 16 bit, one channel.
+std::string wav_file(const detection::ListeningCopy& copy) {
+  std::string bytes;
+  const auto put = [&](std::uint32_t value, int n_bytes) {
+    for (int k = 0; k < n_bytes; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xFFU);
+  };
+  const auto n_bytes = static_cast<std::uint32_t>(2 * copy.samples.size());
+  const auto rate_hz = static_cast<std::uint32_t>(std::llround(copy.rate_hz));
+  bytes += "RIFF";
+  put(36 + n_bytes, 4);
+  bytes += "WAVEfmt ";
+  put(16, 4);
+  put(1, 2);  // PCM
+  put(1, 2);  // one channel
+  put(rate_hz, 4);
+  put(2 * rate_hz, 4);
+  put(2, 2);
+  put(16, 2);
+  bytes += "data";
+  put(n_bytes, 4);
+  for (const std::int16_t x : copy.samples) put(static_cast<std::uint16_t>(x), 2);
+  return bytes;
+}
+
+/// RFC 4648, section 4.
+std::string base64(const std::string& bytes) {
+  static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    const auto byte = [&](std::size_t j) {
+      return j < bytes.size() ? static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[j])) : 0U;
+    };
+    const std::uint32_t three = byte(k) << 16U | byte(k + 1) << 8U | byte(k + 2);
+    for (std::size_t j = 0; j < 4; ++j) text += k + j > bytes.size() ? '=' : kDigits[three >> (18U - 6U * j) & 63U];
+  }
+  return text;
+}
+
+Json to_json(const detection::ListeningCopy& copy) {
+  if (copy.samples.empty()) return nullptr;
+  return {{"t0_s", copy.t0_s},
+          {"duration_s", static_cast<double>(copy.samples.size()) / copy.rate_hz},
+          {"wav_base64", base64(wav_file(copy))}};
+}
+
 Json to_json(const detection::WavePreview& preview) {
   Json wave{{"recording", preview.recording},
             {"rate_hz", preview.rate_hz},
@@ -36,6 +83,7 @@ Json to_json(const detection::WavePreview& preview) {
         {{"t_s", mark.t_s}, {"drop", mark.drop}, {"impact", mark.impact}, {"flags", mark.flags.text()}});
   wave["excerpts"] = Json::array();
   for (const detection::WaveExcerpt& excerpt : preview.excerpts) wave["excerpts"].push_back(to_json(excerpt));
+  wave["sound"] = to_json(preview.copy);
   return wave;
 }
 

@@ -13,15 +13,16 @@ Command add_convert_command(CLI::App& app) {
       "convert",
       "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
       "By extension: .csv, .jsonl (JSON Lines), .h5; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
-      "(Praat),\n"
-      ".wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset, so nothing is\n"
-      "lost. A mark that was moved by more than the format resolves (Audacity 0.5 us; .svl and cues half a\n"
-      "sample; .TextGrid 1 ns), or made, counts as it stands, without standard error, flagged by_hand.");
+      "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
+      "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
+      "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it stands, "
+      "without standard error, flagged by_hand.");
   command->footer(
       "Example: bouncelab convert onsets.csv --to marks.txt\n"
       "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv");
   command->add_option("input", options->input, "Onsets or marks")->required();
   command->add_option("--to", options->outputs, "Files to write")
+      ->type_name("FILE")
       ->required()
       ->expected(1, 100)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "commands/fit_command.hpp"
+#include "options/ball_options.hpp"
 #include "options/commands.hpp"
+#include "options/common_options.hpp"
 #include "options/numbers.hpp"
 #include "options/stage_options.hpp"
 
@@ -28,9 +30,10 @@ void add_choice(CLI::App& app, const std::string& name, Set set,
 }  // namespace
 
 void add_fit_options(CLI::App& app, FitOptions& options) {
+  app.option_defaults()->group("Fit");
   options.config.memory = fit::UseMemory::where_long;
   app.add_option("--nodes", options.config.law.node_speeds_mps,
-                 "Speeds at which eps(v) is reported, m/s; default 0.25 0.6 1.2, or within the data")
+                 "Speeds at which eps(v) is reported [m/s]; default 0.25 0.6 1.2, or within the data")
       ->check(within(1e-6, 1e3))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--orders", options.config.law.orders, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
@@ -66,22 +69,24 @@ void add_fit_options(CLI::App& app, FitOptions& options) {
                  "Replicates of the Anderson-Darling test, 0 = none")
       ->check(within(0, 100000));
   app.add_option("--hand-off-speed", options.config.dem_speed_mps,
-                 "Speed of the constant eps for DEM codes, m/s; default the middle node")
+                 "Speed of the constant eps for DEM codes [m/s]; default the middle node")
       ->check(within(1e-6, 1e3));
-  app.add_option("--windows", options.config.histograms.centres_mps, "Centres of the histograms' windows of speed, m/s")
+  app.add_option("--windows", options.config.histograms.centres_mps,
+                 "Centres of the histograms' windows of speed [m/s]")
       ->check(within(1e-6, 1e3))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--window-width", options.config.histograms.width_mps,
-                 "Width of the histograms' windows, m/s; 0: chosen by the number of samples")
+                 "Width of the histograms' windows [m/s]; 0: chosen by the number of samples")
       ->check(within(0.0, 1e3));
 }
 
 Command add_fit_command(CLI::App& app) {
   auto options = std::make_shared<FitOptions>();
-  CLI::App* command = app.add_subcommand("fit",
-                                         "The law eps(v) and the histograms p(eps) from coefficients of restitution\n"
-                                         "Example: bouncelab fit samples.csv --out fit.json\n"
-                                         "         bouncelab fit ball_a.csv ball_b.csv --out fit.json");
+  CLI::App* command =
+      app.add_subcommand("fit", "The law eps(v) and the histograms p(eps) from coefficients of restitution");
+  command->footer(
+      "Example: bouncelab fit samples.csv --out fit.json\n"
+      "         bouncelab fit ball_a.csv ball_b.csv --out fit.json");
   command
       ->add_option(
           "samples", options->samples,
@@ -90,8 +95,10 @@ Command add_fit_command(CLI::App& app) {
           "they are two recordings")
       ->required()
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--out", options->out, "Results, .json")->required();
-  command->add_option("--table", options->table, "Also the law as a table v_mps, eps, lo95, hi95");
+  command->add_option("--out", options->out, "Results, .json")->type_name("FILE")->required();
+  command->add_option("--table", options->table, "Also the law as a table v_mps, eps, lo95, hi95")->type_name("FILE");
+  add_shard_option(*command);
+  add_ball_options(*command, options->world, "what the samples say");
   add_fit_options(*command, *options);
   return {command, [options](Run& run) { return run_fit(*options, run).outcome; }};
 }

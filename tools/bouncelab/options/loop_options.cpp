@@ -6,16 +6,14 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/loop/paper_experiment.hpp"
+#include "options/ball_options.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
 #include "options/stage_options.hpp"
 
 namespace bouncelab::cli {
 
-namespace {
-
-/// The paper's run, where the user did not choose otherwise.
-void apply_preset(const CLI::App& app, LoopOptions& options, Run& run) {
+void apply_loop_preset(const CLI::App& app, LoopOptions& options, Run& run) {
   if (options.preset != "paper") return;
   apply_paper_preset(app, options.simulate, run);
   const auto set = [&](const std::string& name, double& value, double to) {
@@ -33,19 +31,19 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
                   "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
                   "paper: 2,320 drops of 95 impacts, through memory; killed at any moment, the same command continues")
       ->check(CLI::IsMember({"quick", "paper"}));
-  command.add_option("--out", options.out, "Folder for every file of the run")->required();
+  command.add_option("--out", options.out, "Folder for every file of the run")->type_name("FOLDER")->required();
   command.add_flag("--keep-sound", options.keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop");
+  add_ball_options(command, options.world);
   add_simulate_options(command, options.simulate);
   add_synthesize_options(command, options.synthesize);
 }
-
-}  // namespace
 
 ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
   ParsedLoop parsed;
   Run run;
   CLI::App app("", "loop");
   set_option_defaults(app);
+  add_shard_option(app);
   add_loop_options(app, parsed.options);
   add_common_options(app, parsed.common);
   try {
@@ -54,7 +52,7 @@ ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
     throw InvalidArgument(error.what());
   }
   run.parameters = resolved_parameters(app);
-  apply_preset(app, parsed.options, run);
+  apply_loop_preset(app, parsed.options, run);
   return parsed;
 }
 
@@ -67,9 +65,10 @@ Command add_loop_command(CLI::App& app) {
       "Examples: bouncelab loop --preset quick --out out/loop\n"
       "          bouncelab loop --preset paper --out out/paper\n"
       "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)");
+  add_shard_option(*command);
   add_loop_options(*command, *options);
   return {command, [options, command](Run& run) {
-            apply_preset(*command, *options, run);
+            apply_loop_preset(*command, *options, run);
             return run_loop(*options, run);
           }};
 }

@@ -61,13 +61,6 @@ std::optional<std::vector<double>> list_of(std::string_view text) {
   }
 }
 
-/// "INT:1 to 10" -> {"INT", "1 to 10"}
-std::pair<std::string, std::string> type_and_range(const CLI::Option& option) {
-  const std::string both = option.get_type_name();
-  const auto colon = both.find(':');
-  return {both.substr(0, colon), colon == std::string::npos ? "" : both.substr(colon + 1)};
-}
-
 /// Rewrites an integer as CLI11, which reads C literals, takes it for the same.
 template <class T>
 CLI::Validator decimal_integer(std::string range) {
@@ -90,6 +83,12 @@ CLI::Validator decimal_real(const std::string& range) {
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> type_and_range(const CLI::Option& option) {
+  const std::string both = option.get_type_name();
+  const auto colon = both.find(':');
+  return {both.substr(0, colon), colon == std::string::npos ? "" : both.substr(colon + 1)};
+}
 
 CLI::Validator within(double lo, double hi) {
   const std::string range = range_text(lo, hi);

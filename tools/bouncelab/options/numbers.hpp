@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bouncelab::cli {
@@ -22,6 +23,9 @@ CLI::Validator within(int lo, int hi);
 /// @param lo, hi  range of each number
 CLI::Option* add_list(CLI::App& app, const std::string& name, std::vector<double>& values, const std::string& shape,
                       std::size_t n_min, std::size_t n_max, double lo, double hi, const std::string& help);
+
+/// What CLI11 says of an option's value: "INT:1 to 10" -> {"INT", "1 to 10"}
+std::pair<std::string, std::string> type_and_range(const CLI::Option& option);
 
 /// Is this an option of add_list?
 bool takes_list(const CLI::Option& option);

@@ -4,7 +4,9 @@
 
 #include "bouncelab/synthesis/hard_cases.hpp"
 #include "commands/synthesize_command.hpp"
+#include "options/ball_options.hpp"
 #include "options/commands.hpp"
+#include "options/common_options.hpp"
 #include "options/numbers.hpp"
 #include "options/stage_options.hpp"
 
@@ -42,9 +44,8 @@ void add_disturbance_options(CLI::App& app, synthesis::Disturbances& d) {
 }  // namespace
 
 void add_synthesize_options(CLI::App& app, SynthesizeOptions& o) {
+  app.option_defaults()->group("Sound");
   synthesis::SynthesisConfig& c = o.config;
-  app.add_option("--ground", o.ground, "Plate that the ball falls on")
-      ->check(CLI::IsMember({"glass", "sic", "vitreloy"}));
   app.add_option("--sensor", o.sensor, "Sensor")->check(CLI::IsMember({"piezo", "microphone"}));
   app.add_option("--channel", o.channels,
                  "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; "
@@ -76,11 +77,24 @@ Command add_synthesize_command(CLI::App& app) {
       app.add_subcommand("synthesize", "Impact times to sound: plate, sensor, noise; exact times beside it as truth");
   command->footer("Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5");
   command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.h5")->required();
-  command->add_option("--out", options->out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64")->required();
-  command->add_option("--truth", options->truth, "True onsets [OUT without its extension + .truth.csv]");
+  command->add_option("--out", options->out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--truth", options->truth, "True onsets (default OUT without its extension + .truth.csv)")
+      ->type_name("FILE");
   command->add_flag("--each-drop", options->each_drop, "One file for each drop: NAME.0000.wav, NAME.0001.wav ...");
+  add_shard_option(*command);
+  options->world = {};
+  add_ball_options(*command, options->world, "those of the impacts' .meta.json, else steel:6mm on glass");
   add_synthesize_options(*command, *options);
-  return {command, [options](Run& run) { return run_synthesize(*options, run); }};
+  return {command, [options](Run& run) {
+            BallChoice& world = options->world = with_provenance(options->world, options->impacts);
+            if (world.ball.empty()) world.ball = kPaperBall.ball;
+            if (world.plate.empty()) world.plate = kPaperBall.plate;
+            set_parameter(run.parameters, "ball", world.ball);
+            set_parameter(run.parameters, "plate", world.plate);
+            return run_synthesize(*options, run);
+          }};
 }
 
 }  // namespace bouncelab::cli

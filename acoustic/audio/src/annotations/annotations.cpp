@@ -116,6 +116,32 @@ Annotations annotations_of(const Onsets& onsets) {
   return result;
 }
 
+Annotations shortened(Annotations annotations) {
+  constexpr std::size_t kLongestLabel = 20;
+  for (Annotation& point : annotations.points) {
+    std::istringstream words(point.label);
+    std::string number, flags;
+    words >> number >> flags;
+    if (flags.find('=') != std::string::npos) flags.clear();
+    if (number.size() + 1 + flags.size() > kLongestLabel) flags.resize(std::min(flags.find('|'), flags.size()));
+    const bool both = !flags.empty() && number.size() + 1 + flags.size() <= kLongestLabel;
+    point.label = both ? number + " " + flags : number;
+  }
+  return annotations;
+}
+
+Annotations completed(Annotations annotations, const Onsets& onsets) {
+  std::map<std::pair<std::int64_t, std::int64_t>, const Onset*> by_number;
+  for (const Onset& onset : onsets) by_number[{onset.drop, onset.impact}] = &onset;
+  for (Annotation& point : annotations.points) {
+    const auto labelled = read_label(point.label);
+    if (!labelled || labelled->t_s) continue;
+    const auto known = by_number.find({labelled->onset.drop, labelled->onset.impact});
+    if (known != by_number.end()) point.label = label_of(*known->second);
+  }
+  return annotations;
+}
+
 Onsets onsets_of(const Annotations& annotations, bool renumber) {
   if (annotations.points.empty()) throw InvalidArgument("there are no annotations");
   std::vector<Annotation> by_time = annotations.points;

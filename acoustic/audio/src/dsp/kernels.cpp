@@ -132,6 +132,42 @@ void correlate_plainly(const float* x, const float* taps, std::size_t n_taps, fl
   std::copy(sum.begin(), sum.end(), out);
 }
 
+#ifdef __wasm_simd128__
+/// As many outputs as there are registers, two in each. WebAssembly has no fused multiply-add. In doubles the product
+/// of two floats is exact, and the sum, rounded to double and then to float, is the fused one unless a double that is
+/// rounded itself lies halfway between two floats; then all outputs are computed again one by one. Sums that are exact
+/// lie halfway often where samples are a few steps of 16 bits.
+constexpr std::size_t kInDoubles = 16;
+void correlate_in_doubles(const float* x, const float* taps, std::size_t n_taps, float* out) {
+  using Doubles = double __attribute__((vector_size(16)));
+  using Floats = float __attribute__((vector_size(8)));
+  using Bits = long long __attribute__((vector_size(16)));
+  constexpr std::size_t kPairs = kInDoubles / 2;
+  std::array<Doubles, kPairs> sum{};
+  Bits is_unsure{};
+  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first)
+    for (std::size_t k = first; k < n_taps; k += kStride) {
+      const auto tap = static_cast<double>(taps[k]);
+      for (std::size_t c = 0; c < kPairs; ++c) {
+        Floats here;
+        std::memcpy(&here, x + k + 2 * c, sizeof here);
+        const Doubles product = tap * __builtin_convertvector(here, Doubles);
+        const Doubles total = sum[c] + product;
+        // exact where taking off either gives the other
+        const Bits is_rounded = (total - sum[c] != product) | (total - product != sum[c]);
+        // the 29 bits that a float does not have are 1000...
+        is_unsure |= is_rounded & ((reinterpret_cast<Bits>(total) & 0x1fffffff) == 0x10000000);
+        sum[c] = __builtin_convertvector(__builtin_convertvector(total, Floats), Doubles);
+      }
+    }
+  if ((is_unsure[0] | is_unsure[1]) != 0) return correlate_plainly<kInDoubles>(x, taps, n_taps, out);
+  for (std::size_t c = 0; c < kPairs; ++c) {
+    const Floats rounded = __builtin_convertvector(sum[c], Floats);
+    std::memcpy(out + 2 * c, &rounded, sizeof rounded);
+  }
+}
+#endif
+
 #ifdef BOUNCELAB_HAS_FMA_VARIANT
 /// kOutputs outputs. Registers of samples are kept in a ring: the next tap needs all but one of them again.
 [[gnu::target("avx2,fma")]] void correlate_by_256_bits(const float* x, const float* taps, std::size_t n_taps,
@@ -256,6 +292,9 @@ void correlate(std::span<const float> x, std::span<const float> taps, std::span<
   const auto by = [&](auto kernel, std::size_t n_at_once) {
     for (; n + n_at_once <= out.size(); n += n_at_once) kernel(x.data() + n, taps.data(), taps.size(), out.data() + n);
   };
+#ifdef __wasm_simd128__
+  by(correlate_in_doubles, kInDoubles);
+#endif
   if (kHas512) by(correlate_by_512_bits, 2 * kOutputs);
   by(kHas256 ? correlate_by_256_bits : correlate_plainly<kOutputs>, kOutputs);
   by(correlate_plainly<1>, 1);

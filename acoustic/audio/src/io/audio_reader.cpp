@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,7 +13,12 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/line_reader.hpp"
+#include "io/ffmpeg_decoder.hpp"
 #include "io/guarded_decoder.hpp"
+#include "io/npy.hpp"
+#include "io/number_text.hpp"
 #include "io/pcm_decode.hpp"
 #include "io/readable_file.hpp"
 #include "io/sound_decoder.hpp"
@@ -32,7 +38,10 @@ struct AudioReader::State {
   std::unique_ptr<ReadableFile> file;  // none where the bytes are in memory
   std::string name;
   SoundBytes bytes;
+  // one of these has the samples, or the file itself where they are plain
   std::optional<GuardedDecoder> guarded;
+  std::optional<FfmpegDecoder> ffmpeg;
+  std::optional<NumberText> numbers;
   std::optional<SoundDecoder> decoder;  // of bytes in memory
   SoundInfo info;
   AudioFormat format;
@@ -41,24 +50,48 @@ struct AudioReader::State {
   std::unique_ptr<float[]> buffer;
   std::span<float> buffered;  // in the buffer, or in the guarded decoder's
 
-  explicit State(const std::filesystem::path& path)
+  State(const std::filesystem::path& path, std::optional<double> rate_hz)
       : file(std::make_unique<ReadableFile>(path)), name(file->name()), bytes(file->descriptor()) {
-    guarded.emplace(file->descriptor(), name);
-    set_info(guarded->info());
+    if (rate_hz && !(*rate_hz >= kLowestRate_hz && *rate_hz <= kHighestRate_hz))
+      throw InvalidArgument("--rate: must be 4 kHz to 4 MHz");
+    if (is_npy(bytes)) {
+      set_info(npy_info(bytes, name, rate_hz));
+      return;
+    }
+    try {
+      guarded.emplace(file->descriptor(), name);
+      set_info(guarded->info());
+    } catch (const NotForLibsndfile& error) {
+      open_otherwise(path, rate_hz, error.reason);
+    }
+    if (rate_hz && !numbers)
+      throw InvalidArgument("--rate: " + name + " has a sampling rate of its own; leave --rate out");
   }
   State(std::span<const std::byte> bytes_, std::string name_) : name(std::move(name_)), bytes(bytes_) {
     decoder.emplace(bytes, name);
     set_info(decoder->info());
   }
 
+  void open_otherwise(const std::filesystem::path& path, std::optional<double> rate_hz, const std::string& reason) {
+    if (is_text(bytes)) {
+      std::ifstream in = open_text(path);
+      numbers.emplace(in, name, rate_hz);
+      return set_info(numbers->info());
+    }
+    ffmpeg.emplace(readable(path), file->descriptor(), name, reason);
+    set_info(ffmpeg->info());
+    format.ffmpeg = ffmpeg_version_used();
+  }
+
   void set_info(const SoundInfo& found) {
     info = found;
-    format = {info.rate_hz, info.n_channels, info.n_frames, info.description};
+    format = {info.rate_hz, info.n_channels, info.n_frames, info.description, info.lossy_coding, {}, info.warning};
   }
 
   bool is_plain() const { return info.plain != PlainEncoding::none; }
 
   bool is_held_whole() const {
+    if (ffmpeg) return ffmpeg->is_whole();
     return info.n_frames <= (is_plain() ? kMostPlainHeldWhole : kMostHeldWhole) / info.n_channels;
   }
 
@@ -68,7 +101,9 @@ struct AudioReader::State {
     const std::int64_t n_most = whole ? info.n_frames : std::min(kFramesPerPiece, info.n_frames);
     const std::int64_t n = std::min(n_most, info.n_frames - first);
     buffered = {};
-    buffered = is_plain() || decoder ? read_into_buffer(first, n, n_most) : guarded->read(first, n);
+    buffered = ffmpeg                   ? ffmpeg->read(first, n)
+               : guarded && !is_plain() ? guarded->read(first, n)
+                                        : read_into_buffer(first, n, n_most);
     buffered_first = first;
     if (info.may_be_infinite) check_finite();
   }
@@ -79,6 +114,8 @@ struct AudioReader::State {
     const std::span<float> filled{buffer.get(), static_cast<std::size_t>(n * info.n_channels)};
     if (is_plain())
       read_plain(first, filled);
+    else if (numbers)
+      numbers->read(first, filled);
     else
       decoder->read(first, filled);
     return filled;
@@ -118,7 +155,8 @@ struct AudioReader::State {
   }
 };
 
-AudioReader::AudioReader(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
+AudioReader::AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz)
+    : state_(std::make_unique<State>(path, rate_hz)) {}
 
 AudioReader::AudioReader(std::span<const std::byte> bytes, const std::string& name)
     : state_(std::make_unique<State>(bytes, name)) {}

@@ -58,7 +58,7 @@ int container(const std::filesystem::path& path, const AudioSpec& spec, std::int
   if (extension == ".flac") return SF_FORMAT_FLAC;
   if (extension == ".w64") return SF_FORMAT_W64;
   if (extension == ".rf64") return SF_FORMAT_RF64;
-  if (extension != ".wav")
+  if (extension != ".wav" && !(extension.empty() && is_stream(path)))  // no name tells
     throw InvalidArgument(path.string() + ": no sound format has the extension '" + extension +
                           "'; use .wav, .flac, .w64 or .rf64");
   const double n_bytes = static_cast<double>(n_frames) * spec.n_channels * bytes_per_sample(spec.encoding);
@@ -152,6 +152,11 @@ struct AudioWriter::State {
   void throw_if_writing_failed() const {
     if (sink.error != 0) throw FileError(name, why_writing_failed(sink.error));
   }
+  void check_written(sf_count_t n_written, std::size_t n) const {
+    throw_if_writing_failed();
+    if (n_written != static_cast<sf_count_t>(n))
+      throw FileError(name, std::string("writing failed (") + sf_strerror(file) + "); is the disk full?");
+  }
 
   std::string name;
   SampleEncoding encoding;
@@ -181,26 +186,29 @@ AudioWriter::AudioWriter(AudioWriter&&) noexcept = default;
 AudioWriter& AudioWriter::operator=(AudioWriter&&) noexcept = default;
 
 void AudioWriter::write(std::span<const double> interleaved) {
-  const auto n = static_cast<sf_count_t>(interleaved.size());
-  sf_count_t n_written = 0;
   if (state_->encoding == SampleEncoding::float32) {
     std::vector<float>& floats = state_->floats;
     floats.resize(interleaved.size());
     std::transform(interleaved.begin(), interleaved.end(), floats.begin(),
                    [](double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); });
-    n_written = sf_write_float(state_->file, floats.data(), n);
-  } else {
-    // rounded here: libsndfile cuts off the lower bits, half a step of offset
-    std::vector<int>& words = state_->words;
-    words.resize(interleaved.size());
-    const Rounding rounding(state_->encoding);
-    std::transform(interleaved.begin(), interleaved.end(), words.begin(),
-                   [&](double x) { return rounding.left_aligned(x); });
-    n_written = sf_write_int(state_->file, words.data(), n);
+    return write_floats(floats);
   }
-  state_->throw_if_writing_failed();
-  if (n_written != n)
-    throw FileError(state_->name, std::string("writing failed (") + sf_strerror(state_->file) + "); is the disk full?");
+  // rounded here: libsndfile cuts off the lower bits, half a step of offset
+  std::vector<int>& words = state_->words;
+  words.resize(interleaved.size());
+  const Rounding rounding(state_->encoding);
+  std::transform(interleaved.begin(), interleaved.end(), words.begin(),
+                 [&](double x) { return rounding.left_aligned(x); });
+  state_->check_written(sf_write_int(state_->file, words.data(), std::ssize(words)), words.size());
+}
+
+void AudioWriter::write(std::span<const float> interleaved) {
+  if (state_->encoding == SampleEncoding::float32) return write_floats(interleaved);
+  write(std::vector<double>(interleaved.begin(), interleaved.end()));
+}
+
+void AudioWriter::write_floats(std::span<const float> interleaved) {
+  state_->check_written(sf_write_float(state_->file, interleaved.data(), std::ssize(interleaved)), interleaved.size());
 }
 
 void AudioWriter::commit() {

@@ -36,7 +36,7 @@ struct Request {
   std::int64_t first = 0, n_frames = 0;  // of read
 };
 
-/// SoundInfo but for its text, which follows.
+/// SoundInfo but for its texts, which follow, each with a 0 at its end.
 struct PlainInfo {
   double rate_hz;
   std::int32_t n_channels;
@@ -54,19 +54,25 @@ std::string bytes_of(const T& value) {
 std::string message_of(const SoundInfo& info) {
   return bytes_of(PlainInfo{info.rate_hz, info.n_channels, info.n_frames, info.may_be_infinite, info.plain,
                             info.first_byte}) +
-         info.description;
+         info.description + '\0' + info.lossy_coding + '\0' + info.warning + '\0';
 }
+
+// the first byte of the answer to `open`
+constexpr char kOpened = 'o';
+constexpr char kNotForLibsndfile = 'n';  // the reason follows
 
 SoundInfo info_of(const std::string& message) {
   PlainInfo info{};
   std::memcpy(&info, message.data(), sizeof info);
-  return {info.rate_hz,
-          info.n_channels,
-          info.n_frames,
-          info.may_be_infinite,
-          info.plain,
-          info.first_byte,
-          message.substr(sizeof info)};
+  std::size_t at = sizeof info;
+  const auto next_text = [&] {
+    std::string text = message.c_str() + at;
+    at += text.size() + 1;
+    return text;
+  };
+  std::string description = next_text(), lossy_coding = next_text();
+  return {info.rate_hz,    info.n_channels,        info.n_frames,           info.may_be_infinite, info.plain,
+          info.first_byte, std::move(description), std::move(lossy_coding), next_text()};
 }
 
 }  // namespace
@@ -89,8 +95,13 @@ class DecodingService {
  private:
   std::string open(int descriptor, const std::string& name) {
     descriptor_ = descriptor;
-    decoder_.emplace(SoundBytes(descriptor), name);
-    std::string info = message_of(decoder_->info());
+    try {
+      decoder_.emplace(SoundBytes(descriptor), name);
+    } catch (const NotForLibsndfile& error) {
+      close();
+      return kNotForLibsndfile + error.reason;
+    }
+    std::string info = kOpened + message_of(decoder_->info());
     // the bytes of plain samples are read where they are needed
     if (decoder_->info().plain != PlainEncoding::none) close();
     return info;
@@ -168,9 +179,12 @@ ChildLimits limits_for(std::int64_t n_file_bytes, std::int64_t n_sample_bytes) {
 
 GuardedDecoder::GuardedDecoder(int descriptor, std::string name)
     : name_(std::move(name)), n_bytes_(SoundBytes(descriptor).size()), process_(idle().take(name_)) {
-  info_ = info_of(process_->child().ask(bytes_of(Request{Action::open}) + name_, limits_for(n_bytes_, 0), name_,
-                                        kRemedy, descriptor));
-  if (info_.plain != PlainEncoding::none) idle().keep(std::move(process_));
+  const std::string answer = process_->child().ask(bytes_of(Request{Action::open}) + name_, limits_for(n_bytes_, 0),
+                                                   name_, kRemedy, descriptor);
+  const bool is_open = answer.at(0) == kOpened;
+  if (is_open) info_ = info_of(answer.substr(1));
+  if (!is_open || info_.plain != PlainEncoding::none) idle().keep(std::move(process_));
+  if (!is_open) throw NotForLibsndfile(name_, answer.substr(1));
 }
 
 GuardedDecoder::~GuardedDecoder() {

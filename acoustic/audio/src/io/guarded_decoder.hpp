@@ -22,7 +22,8 @@ class GuardedDecoder {
   static constexpr std::int64_t kMostSamples = 1 << 24;  ///< that can be read at once, of all channels together
 
   /// @param descriptor  of a regular file open for reading; it stays the caller's
-  /// @throws FileError as SoundDecoder, or where libsndfile crashes or needs more than the file can be worth
+  /// @throws NotForLibsndfile, FileError as SoundDecoder, or where libsndfile crashes or needs more than the file can
+  /// be worth
   GuardedDecoder(int descriptor, std::string name);
   GuardedDecoder(const GuardedDecoder&) = delete;
   GuardedDecoder& operator=(const GuardedDecoder&) = delete;

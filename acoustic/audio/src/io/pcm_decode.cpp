@@ -39,6 +39,14 @@ BOUNCELAB_VECTOR_CLONES void decode_24_bits(const std::byte* from, float* to, st
   }
 }
 
+BOUNCELAB_VECTOR_CLONES void decode_doubles(const std::byte* from, float* to, std::int64_t n) {
+  for (std::int64_t k = 0; k < n; ++k) {
+    double x;
+    std::memcpy(&x, from + 8 * k, sizeof x);
+    to[k] = static_cast<float>(x);
+  }
+}
+
 }  // namespace
 
 int bytes_per_sample(PlainEncoding encoding) {
@@ -50,9 +58,11 @@ int bytes_per_sample(PlainEncoding encoding) {
     case PlainEncoding::int24:
       return 3;
     case PlainEncoding::float32:
+      return 4;
+    case PlainEncoding::float64:
       break;
   }
-  return 4;
+  return 8;
 }
 
 void decode_pcm(std::span<const std::byte> from, PlainEncoding encoding, std::span<float> out) {
@@ -60,6 +70,7 @@ void decode_pcm(std::span<const std::byte> from, PlainEncoding encoding, std::sp
   assert(std::ssize(from) >= n * bytes_per_sample(encoding));
   if (encoding == PlainEncoding::int16) decode_16_bits(from.data(), out.data(), n);
   if (encoding == PlainEncoding::int24) decode_24_bits(from.data(), out.data(), n);
+  if (encoding == PlainEncoding::float64) decode_doubles(from.data(), out.data(), n);
   if (encoding == PlainEncoding::float32 && n > 0) std::memcpy(out.data(), from.data(), out.size_bytes());
 }
 

@@ -23,7 +23,7 @@ std::int64_t SoundBytes::read(std::int64_t first, std::span<std::byte> out) {
   if (first < 0) return 0;
   if (descriptor_ < 0) {
     if (first >= size_) return 0;
-    const std::int64_t n = std::min(std::ssize(out), size_ - first);
+    const std::int64_t n = std::min<std::int64_t>(std::ssize(out), size_ - first);
     std::copy_n(memory_.begin() + first, n, out.begin());
     return n;
   }

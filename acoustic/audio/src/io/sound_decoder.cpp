@@ -6,43 +6,38 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <string_view>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "io/header_repair.hpp"
 
 namespace bouncelab::audio {
 
-/// Where libsndfile stands in the bytes.
+/// Where libsndfile stands in the bytes, and the bytes it gets.
 struct ByteCursor {
   SoundBytes bytes;
-  bool is_unfinished_wav = false;
+  std::int64_t begin = 0, size = 0;  // of the sound file within them
+  std::vector<HeaderPatch> patches{};
   std::int64_t at = 0;
 };
 
 namespace {
 
-constexpr double kLowestRate_hz = 4e3;  // below, a contact of steel on glass (30 us) leaves nothing to time
-constexpr double kHighestRate_hz = 4e6;
 constexpr std::int64_t kFramesAtOnce = 1 << 14;  // 64 kB of one channel: stays in the cache
+constexpr std::int64_t kMp3Block_frames = 1152;
 // FLAC packs best: a block of 65,535 equal samples into 10 bytes
 constexpr std::int64_t kMostFramesPerByte = 1 << 16;
 
-/// A WAV whose writer could not go back to write its length (a pipe), or had no time to: 0 in the file's head.
-bool is_unfinished_wav(SoundBytes& bytes) {
-  constexpr std::string_view kHead("RIFF\0\0\0\0WAVE", 12);
-  std::array<std::byte, kHead.size()> head{};
-  return bytes.read(0, head) == std::ssize(head) && std::memcmp(head.data(), kHead.data(), kHead.size()) == 0;
-}
-
-sf_count_t size_of(void* cursor) { return static_cast<ByteCursor*>(cursor)->bytes.size(); }
+sf_count_t size_of(void* cursor) { return static_cast<ByteCursor*>(cursor)->size; }
 
 sf_count_t seek(sf_count_t offset, int whence, void* user) {
   ByteCursor& cursor = *static_cast<ByteCursor*>(user);
-  const std::int64_t from = whence == SEEK_CUR ? cursor.at : whence == SEEK_END ? cursor.bytes.size() : 0;
+  const std::int64_t from = whence == SEEK_CUR ? cursor.at : whence == SEEK_END ? cursor.size : 0;
   std::int64_t to = 0;
   if (__builtin_add_overflow(from, offset, &to) || to < 0) return -1;
   return cursor.at = to;
@@ -50,11 +45,17 @@ sf_count_t seek(sf_count_t offset, int whence, void* user) {
 
 sf_count_t read_bytes(void* to, sf_count_t n, void* user) {
   ByteCursor& cursor = *static_cast<ByteCursor*>(user);
+  n = std::min(n, cursor.size - cursor.at);
   if (n <= 0) return 0;
-  const std::int64_t got = cursor.bytes.read(cursor.at, {static_cast<std::byte*>(to), static_cast<std::size_t>(n)});
-  // libsndfile takes a length of 8 for unfinished, but not 0: then it goes by the file's length as it should
-  if (cursor.is_unfinished_wav && cursor.at <= 4 && cursor.at + got > 4)
-    static_cast<std::byte*>(to)[4 - cursor.at] = std::byte{8};
+  std::byte* const bytes = static_cast<std::byte*>(to);
+  const std::int64_t got = cursor.bytes.read(cursor.begin + cursor.at, {bytes, static_cast<std::size_t>(n)});
+  for (const HeaderPatch& patch : cursor.patches) {
+    const std::int64_t first = std::max(patch.first, cursor.at);
+    const std::int64_t last = std::min(patch.first + std::ssize(patch.bytes), cursor.at + got);
+    if (first < last)
+      std::memcpy(bytes + (first - cursor.at), patch.bytes.data() + (first - patch.first),
+                  static_cast<std::size_t>(last - first));
+  }
   cursor.at += got;
   return got;
 }
@@ -62,36 +63,6 @@ sf_count_t read_bytes(void* to, sf_count_t n, void* user) {
 sf_count_t write_nothing(const void*, sf_count_t, void*) { return 0; }
 
 sf_count_t position_of(void* cursor) { return static_cast<ByteCursor*>(cursor)->at; }
-
-/// The ISO base media signature of m4a, mp4, mov.
-bool is_mpeg4(SoundBytes& bytes) {
-  std::array<std::byte, 8> head{};
-  return bytes.read(0, head) == std::ssize(head) && std::memcmp(head.data() + 4, "ftyp", 4) == 0;
-}
-
-/// libsndfile reads a truncated WAV without an error; only its log shows the length given in the header:
-/// "data : 1000 (should be 500)". Streamed files (ffmpeg to a pipe) give 2^32-1 or 0, which is not an error.
-void check_promised_length(SNDFILE* file, const std::string& name) {
-  std::array<char, 16384> log{};
-  sf_command(file, SFC_GET_LOG_INFO, log.data(), log.size());
-  const std::string text(log.data());
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
-    line.erase(0, std::min(line.find_first_not_of(' '), line.size()));
-    const std::size_t correction = line.find("(should be ");
-    if (line.rfind("data", 0) != 0 && line.rfind("SSND", 0) != 0 && line.rfind("Data Size", 0) != 0) continue;
-    const std::size_t colon = line.find(':');
-    if (correction == std::string::npos || colon == std::string::npos) continue;
-    const double promised = std::atof(line.c_str() + colon + 1);
-    const double held = std::atof(line.c_str() + correction + 11);
-    if (promised > held && promised < 4294967000.0)
-      throw FileError(name, "the header promises " + std::to_string(static_cast<long long>(promised)) +
-                                " bytes of source, the file holds " + std::to_string(static_cast<long long>(held)) +
-                                "; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
-  }
-}
 
 /// Integers are finite.
 bool is_integer(int encoding) {
@@ -124,10 +95,36 @@ PlainEncoding plain_encoding(SNDFILE* file, int format) {
   return sub == SF_FORMAT_FLOAT ? PlainEncoding::float32 : PlainEncoding::none;
 }
 
-std::string unreadable(SNDFILE* file) {
+/// The codings that keep of the sound what is heard. Others lose steps of the amplitude, which moves no impact.
+std::string lossy_coding_of(int format) {
+  switch (format & SF_FORMAT_SUBMASK) {
+    case SF_FORMAT_VORBIS:
+      return "Vorbis";
+    case SF_FORMAT_OPUS:
+      return "Opus";
+    case SF_FORMAT_MPEG_LAYER_I:
+      return "MPEG layer I";
+    case SF_FORMAT_MPEG_LAYER_II:
+      return "MPEG layer II";
+    case SF_FORMAT_MPEG_LAYER_III:
+      return "MP3";
+    case SF_FORMAT_GSM610:
+      return "GSM 6.10";
+    default:
+      return {};
+  }
+}
+
+std::string reason_of(SNDFILE* file) {
   std::string reason = sf_strerror(file);
   while (!reason.empty() && (reason.back() == '.' || reason.back() == '\n')) reason.pop_back();
-  return "not readable as audio (" + reason + "); convert it: ffmpeg -i IN OUT.wav";
+  return reason;
+}
+
+std::string seconds(double n_frames, double rate_hz) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.4f s", n_frames / rate_hz);
+  return text.data();
 }
 
 }  // namespace
@@ -135,11 +132,19 @@ std::string unreadable(SNDFILE* file) {
 struct SoundDecoder::State {
   ByteCursor cursor;
   std::string name;
+  std::optional<HeaderRepair> repair;
   SNDFILE* file = nullptr;
   SoundInfo info{};
   std::int64_t next_frame = 0;  // where libsndfile stands
 
-  State(SoundBytes bytes, std::string name_) : cursor{bytes, is_unfinished_wav(bytes)}, name(std::move(name_)) {}
+  State(SoundBytes bytes, std::string name_) : cursor{bytes, 0, bytes.size()}, name(std::move(name_)) {
+    if (const auto ogg = ogg_in_wav(cursor.bytes)) {
+      cursor.begin = ogg->first;
+      cursor.size = ogg->n_bytes;
+    } else if ((repair = repair_header(cursor.bytes))) {
+      cursor.patches = repair->patches;
+    }
+  }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() { close(); }
@@ -155,10 +160,14 @@ struct SoundDecoder::State {
     file = sf_open_virtual(&io, SFM_READ, &header, &cursor);
     if (file != nullptr) return header;
     check_bytes();
-    if (is_mpeg4(cursor.bytes))
-      throw FileError(
-          name, "is MPEG-4 audio (m4a), which libsndfile cannot read; convert it: ffmpeg -i \"" + name + "\" out.wav");
-    throw FileError(name, unreadable(nullptr));
+    throw NotForLibsndfile(name, reason_of(nullptr));
+  }
+
+  /// Begins again: a decoder that has seen the end may not find back.
+  void reopen() {
+    close();
+    open();
+    next_frame = 0;
   }
 
   void check_bytes() const {
@@ -166,10 +175,59 @@ struct SoundDecoder::State {
       throw FileError(name, std::string("cannot be read (") + std::strerror(error) + "); copy it to a local disk");
   }
 
+  /// libFLAC does not find every place of a long stream without a length or a table of places ("psf_fseek() failed"),
+  /// and none any more after that: from the beginning then.
+  void go_to(std::int64_t frame) {
+    if (frame == next_frame) return;
+    if (sf_seek(file, frame, SEEK_SET) == frame) {
+      next_frame = frame;
+      return;
+    }
+    reopen();
+    std::vector<float> piece(static_cast<std::size_t>(kFramesAtOnce * info.n_channels));
+    for (sf_count_t got = 1; next_frame < frame && got > 0; next_frame += got)
+      got = std::max<sf_count_t>(0, sf_readf_float(file, piece.data(), std::min(kFramesAtOnce, frame - next_frame)));
+    check_bytes();
+    if (next_frame < frame) throw FileError(name, ends_early(next_frame, info.n_frames));
+  }
+
+  /// Whether the last frame is there that the header promises; of damaged files the decoder may fail to go there.
+  bool can_read_last() {
+    std::vector<float> frame(static_cast<std::size_t>(info.n_channels));
+    return sf_seek(file, info.n_frames - 1, SEEK_SET) == info.n_frames - 1 &&
+           sf_readf_float(file, frame.data(), 1) == 1;
+  }
+
+  /// Coded sound that gives no number of frames, or a wrong one: to the end, and back.
+  void take_what_is_there() {
+    const std::int64_t n_promised = std::exchange(info.n_frames, count_frames(info.n_channels));
+    if (info.n_frames == 0) throw FileError(name, "holds no samples; record again");
+    reopen();
+    // an MP3 without a table of contents has no number: libsndfile estimates it by the bit rate, to a block or two
+    const bool is_estimate = info.lossy_coding == "MP3" && std::abs(info.n_frames - n_promised) <= 2 * kMp3Block_frames;
+    if (info.n_frames != n_promised && !is_estimate)
+      warn(n_promised == SF_COUNT_MAX ? std::nullopt : std::optional(n_promised));
+  }
+
+  void warn(std::optional<double> n_promised) {
+    const std::string found =
+        std::to_string(info.n_frames) + " samples (" + seconds(static_cast<double>(info.n_frames), info.rate_hz) + ")";
+    if (!n_promised) {
+      info.warning = "the header gives no length (written to a pipe, or not to its end?): the " + found +
+                     " that are there were read";
+      return;
+    }
+    std::array<char, 64> number{};
+    std::snprintf(number.data(), number.size(), "%.0f", *n_promised);
+    info.warning = std::string("the header promises ") + number.data() + " samples (" +
+                   seconds(*n_promised, info.rate_hz) + "), the file holds " + found +
+                   ": those were read; is it cut off?";
+  }
+
   /// Frames of a stream that does not say how many it has.
   std::int64_t count_frames(int n_channels) {
     std::vector<float> piece(static_cast<std::size_t>(kFramesAtOnce) * static_cast<std::size_t>(n_channels));
-    const std::int64_t n_most = cursor.bytes.size() * kMostFramesPerByte;
+    const std::int64_t n_most = cursor.size * kMostFramesPerByte;
     std::int64_t n = 0;
     for (std::int64_t got = 1; got > 0 && n <= n_most; n += std::max<std::int64_t>(got, 0))
       got = sf_readf_float(file, piece.data(), kFramesAtOnce);
@@ -183,7 +241,7 @@ struct SoundDecoder::State {
     if (info.plain == PlainEncoding::none) return;
     const std::int64_t frame_bytes = std::int64_t{bytes_per_sample(info.plain)} * info.n_channels;
     const auto byte_of = [&](std::int64_t frame) {
-      return sf_seek(file, frame, SEEK_SET) == frame ? cursor.at : std::int64_t{-1};
+      return sf_seek(file, frame, SEEK_SET) == frame ? cursor.begin + cursor.at : std::int64_t{-1};
     };
     const std::int64_t second = byte_of(1);
     info.first_byte = byte_of(0);
@@ -197,29 +255,28 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
     : state_(std::make_unique<State>(bytes, std::move(name))) {
   State& s = *state_;
   const SF_INFO header = s.open();
-  check_promised_length(s.file, s.name);
   if (header.frames <= 0 || header.channels <= 0) throw FileError(s.name, "holds no samples; record again");
-  if (header.samplerate < kLowestRate_hz || header.samplerate > kHighestRate_hz)
-    throw FileError(s.name, "sampling rate " + std::to_string(header.samplerate) +
-                                " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
+  check_rate(header.samplerate, s.name);
   s.info = {static_cast<double>(header.samplerate),
             header.channels,
             header.frames,
             !is_integer(header.format & SF_FORMAT_SUBMASK),
             plain_encoding(s.file, header.format),
             0,
-            describe_format(header.format)};
-  if (header.frames == SF_COUNT_MAX) {
-    s.info.n_frames = s.count_frames(header.channels);
-    if (s.info.n_frames == 0) throw FileError(s.name, "holds no samples; record again");
-    s.close();  // the decoder has seen the end, and would have to be told to begin again
-    s.open();
+            describe_format(header.format),
+            lossy_coding_of(header.format),
+            {}};
+  if (s.repair) {
+    const double frame_bytes = static_cast<double>(s.repair->n_held_bytes) / static_cast<double>(header.frames);
+    const auto promised = s.repair->n_promised_bytes;
+    s.warn(promised ? std::optional(static_cast<double>(*promised) / frame_bytes) : std::nullopt);
   }
-  if (s.info.n_frames / kMostFramesPerByte > bytes.size())
-    throw FileError(s.name, "the header promises " + std::to_string(s.info.n_frames) + " samples in " +
-                                std::to_string(bytes.size()) +
-                                " bytes; copy it again whole, or repair it: ffmpeg -i IN OUT.wav");
   s.locate_plain();
+  if (s.info.plain != PlainEncoding::none) return;
+  const bool has_number = header.frames != SF_COUNT_MAX && header.frames / kMostFramesPerByte <= s.cursor.size;
+  const bool is_right = has_number && s.can_read_last();
+  s.reopen();
+  if (!is_right) s.take_what_is_there();
 }
 
 SoundDecoder::SoundDecoder(SoundDecoder&&) noexcept = default;
@@ -231,8 +288,7 @@ const SoundInfo& SoundDecoder::info() const { return state_->info; }
 void SoundDecoder::read(std::int64_t first, std::span<float> interleaved) {
   State& s = *state_;
   const std::int64_t n = std::ssize(interleaved) / s.info.n_channels;
-  if (first != s.next_frame && sf_seek(s.file, first, SEEK_SET) != first)
-    throw FileError(s.name, "cannot go to sample " + std::to_string(first) + ": " + sf_strerror(s.file));
+  s.go_to(first);
   std::int64_t n_done = 0;
   for (std::int64_t got = 1; got > 0 && n_done < n; n_done += got)
     got = std::max<std::int64_t>(0, sf_readf_float(s.file, interleaved.data() + n_done * s.info.n_channels,
@@ -241,6 +297,14 @@ void SoundDecoder::read(std::int64_t first, std::span<float> interleaved) {
   if (n_done == n) return;
   s.check_bytes();
   throw FileError(s.name, ends_early(s.next_frame, s.info.n_frames));
+}
+
+void check_rate(double rate_hz, const std::string& name) {
+  if (rate_hz >= kLowestRate_hz && rate_hz <= kHighestRate_hz) return;
+  std::array<char, 64> rate{};
+  std::snprintf(rate.data(), rate.size(), "%.10g", rate_hz);
+  throw FileError(name, std::string("sampling rate ") + rate.data() +
+                            " Hz: must be 4 kHz to 4 MHz; correct the header or record again");
 }
 
 std::string ends_early(std::int64_t at_frame, std::int64_t n_promised) {

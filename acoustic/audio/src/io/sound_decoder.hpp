@@ -6,12 +6,13 @@
 #include <span>
 #include <string>
 
+#include "bouncelab/core/error.hpp"
 #include "io/pcm_decode.hpp"
 #include "io/sound_bytes.hpp"
 
 namespace bouncelab::audio {
 
-/// What libsndfile finds out about a sound file.
+/// What is known of a sound file once it is open.
 struct SoundInfo {
   double rate_hz = 0.0;
   std::int32_t n_channels = 0;
@@ -20,15 +21,25 @@ struct SoundInfo {
   PlainEncoding plain = PlainEncoding::none;
   std::int64_t first_byte = 0;  ///< of the samples, where they are plain
   std::string description;      ///< container and encoding, in words
+  std::string lossy_coding;     ///< name of the coding that left out what is not heard; empty where none did
+  std::string warning;          ///< where the header is wrong: what it promises and what was found
+};
+
+/// libsndfile cannot read the file: perhaps another decoder can.
+class NotForLibsndfile : public FileError {
+ public:
+  NotForLibsndfile(const std::string& path, const std::string& reason_) : FileError(path, reason_), reason(reason_) {}
+  std::string reason;
 };
 
 /// libsndfile itself: no limit on time and memory, which a damaged file may use up. AudioReader runs it in a process of
 /// its own; the tests that try millions of damaged files run it as it is.
 class SoundDecoder {
  public:
-  /// Reads the header; a stream that was written without its length (FLAC from a pipe) is read to its end and counted.
+  /// Reads the header. Where it gives the length of the sound wrongly, or none, what is there is taken: of WAV, W64,
+  /// AIFF and AU by the file's length (repair_header), of coded sound (FLAC) by reading to the end and counting.
   /// @param name  of the file, for messages
-  /// @throws FileError naming the remedy
+  /// @throws NotForLibsndfile; FileError naming the remedy
   SoundDecoder(SoundBytes bytes, std::string name);
   SoundDecoder(SoundDecoder&&) noexcept;
   SoundDecoder& operator=(SoundDecoder&&) noexcept;
@@ -43,6 +54,12 @@ class SoundDecoder {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+inline constexpr double kLowestRate_hz = 4e3;  // below, a contact of steel on glass (30 us) leaves nothing to time
+inline constexpr double kHighestRate_hz = 4e6;
+
+/// @throws FileError where a sampling rate is outside of these
+void check_rate(double rate_hz, const std::string& name);
 
 /// The message for a file that holds less than its header says.
 std::string ends_early(std::int64_t at_frame, std::int64_t n_promised);

@@ -89,6 +89,7 @@ WavePreview wave_preview(const audio::AudioSource& sound, const std::string& rec
   WavePreview preview = preview_of(sound, recording, channel);
   fill_envelope(sound, 0, sound.n_samples, preview);
   preview.marks = only(onsets, recording, std::nullopt);
+  preview.copy = listening_copy(sound, preview.marks);
   // excerpts of the first drop: the later ones look alike
   if (!preview.marks.empty())
     add_excerpts(sound, only(preview.marks, recording, preview.marks.front().drop), preview.marks, preview);
@@ -111,8 +112,9 @@ WavePreview drop_preview(const audio::AudioSource& sound, const std::string& rec
   return preview;
 }
 
-WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets) {
-  audio::AudioReader reader(recording);
+WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets,
+                         std::optional<double> rate_hz) {
+  audio::AudioReader reader(recording, rate_hz);
   return wave_preview(reader.source(channel), input_name(recording), channel, onsets);
 }
 

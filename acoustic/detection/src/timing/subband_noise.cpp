@@ -45,8 +45,9 @@ double estimate_noise(const audio::AudioSource& sound, const std::vector<float>&
     windows.back().energy = audio::dot(white, white);
   }
   const std::size_t n_quiet = (windows.size() + 1) / 2;
-  std::nth_element(windows.begin(), windows.begin() + static_cast<std::ptrdiff_t>(n_quiet - 1), windows.end(),
-                   [](const QuietWindow& a, const QuietWindow& b) { return a.weighted_power < b.weighted_power; });
+  // sorted, not parted: the order of the sums below would be that of one standard library
+  std::sort(windows.begin(), windows.end(),
+            [](const QuietWindow& a, const QuietWindow& b) { return a.weighted_power < b.weighted_power; });
   for (std::size_t j = 0; j < subbands.n(); ++j) {
     double sum = 0.0;
     for (std::size_t k = 0; k < n_quiet; ++k) sum += windows[k].power[j];

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "plate/disk_modes.hpp"
@@ -75,6 +76,15 @@ Ground ground_preset(GroundPreset preset) {
     result.disk = CircularDisk{0.05, 0.006, kVitreloy};
     result.disk_damping = {2e-3, 150.0};
   }
+  return result;
+}
+
+Ground ground_of(const Material& plate) {
+  if (plate == kSiliconCarbide) return ground_preset(GroundPreset::sic);
+  if (plate == kVitreloy) return ground_preset(GroundPreset::vitreloy);
+  Ground result;
+  result.carrier.material = plate;
+  result.carrier_damping.loss_factor = plate_loss_factor(plate).value_or(result.carrier_damping.loss_factor);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
 
@@ -67,6 +68,12 @@ void validate(const SynthesisConfig& config) {
   require_range("start_spread_m", config.start_spread_m, 0.0, 1.0);
   require_range("max_mode_hz", config.max_mode_hz, 100.0, 200e3);
   require_range("ball radius_m", config.ball.radius_m, 1e-5, 1.0);
+  const Material& plate = contact_material(config.ground);
+  if (!contact_time_s(config.ball, plate, 1.0))
+    throw InvalidArgument("how long " + to_text(config.ball) + " touches " + plate_text(plate) +
+                          " is not known: Hertz's theory does not hold for it; give a contact time that was measured, "
+                          "--ball " +
+                          to_text(config.ball) + ",contact-time=0.8ms");
   validate(config.channels, config);
   validate(config.disturbances, config.pause_s);
   if (config.levels) {

@@ -65,7 +65,7 @@ std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
       y_m = drop.states[k].position_m[1];
     }
     strikes.push_back({release_s + impact.t_s, x_m, y_m,
-                       hertz_contact_time_s(config_.ball, contact_material(config_.ground), impact.v_mps),
+                       contact_time_s(config_.ball, contact_material(config_.ground), impact.v_mps).value(),
                        impulse_ns(config_, impact), n_impacts_++, impact.drop, impact.impact, impact.v_mps});
   }
   window_end_s_ = strikes.back().t_s + config_.pause_s;

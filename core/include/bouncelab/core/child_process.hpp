@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,11 +71,8 @@ class ChildProcess {
   bool is_usable() const;
 
  private:
-  [[noreturn]] void throw_end_of_child(const ChildLimits& limits, const std::string& file, const std::string& remedy);
-
-  pid_t owner_ = 0, child_ = 0;
-  int socket_ = -1;
-  bool has_failed_ = false;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// Memory that this process and the children it starts later both see. Pages are taken when they are first written.

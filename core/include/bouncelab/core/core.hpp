@@ -3,7 +3,8 @@
 #pragma once
 
 #include "bouncelab/core/air.hpp"                      // density, viscosity, drag of a sphere
-#include "bouncelab/core/ball.hpp"                     // material, mass, Hertz contact time
+#include "bouncelab/core/ball.hpp"                     // material, mass, inertia, contact time
+#include "bouncelab/core/ball_catalogue.hpp"           // balls and plates by name
 #include "bouncelab/core/child_process.hpp"            // readers of foreign files, with limits
 #include "bouncelab/core/csv.hpp"                      // tables as files
 #include "bouncelab/core/elementary.hpp"               // exp, log, sin ... to the same bits everywhere
@@ -18,10 +19,12 @@
 #include "bouncelab/core/input_file.hpp"               // pipes too
 #include "bouncelab/core/interrupts.hpp"               // asked to stop
 #include "bouncelab/core/line_reader.hpp"              // of tables of text
+#include "bouncelab/core/nearest_name.hpp"             // for names that are not known
 #include "bouncelab/core/onsets.hpp"                   // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"              // whole or not at all
 #include "bouncelab/core/parallel.hpp"                 // loops on several threads
 #include "bouncelab/core/printable.hpp"                // names and cells in messages
+#include "bouncelab/core/program_output.hpp"           // of other programs, without a shell
 #include "bouncelab/core/progress.hpp"                 // long computations report here
 #include "bouncelab/core/quadrature.hpp"               // Gauss-Legendre
 #include "bouncelab/core/random.hpp"                   // counter-based random numbers
@@ -30,6 +33,7 @@
 #include "bouncelab/core/samples.hpp"                  // restitution writes, fit reads
 #include "bouncelab/core/scratch_file.hpp"             // what need not stay in memory
 #include "bouncelab/core/statistics.hpp"               // medians, quantiles
+#include "bouncelab/core/streamed_median.hpp"          // of more values than the memory holds
 #include "bouncelab/core/table.hpp"                    // columns by name
 #include "bouncelab/core/units.hpp"                    // pi, g
 #include "bouncelab/core/utf8.hpp"                     // bytes as text that can be turned back

@@ -36,8 +36,10 @@ std::string recording_cell(const std::string& recording);
 Table to_table(const Onsets& onsets);
 /// Columns that onsets_from_table understands; only `t_s` is required (drop 0, numbered in order, where not said).
 std::vector<ColumnSpec> onset_columns();
+/// @param name    of the file, for messages
+/// @param before  the row before the table's first one, where the table is a piece of a longer one
 /// @throws FileError naming the first row (by its line) with a number outside the range of its column, or whose time
 ///         does not increase in its drop
-Onsets onsets_from_table(const Table& table, const std::string& name);
+Onsets onsets_from_table(const Table& table, const std::string& name, const Onset* before = nullptr);
 
 }  // namespace bouncelab

@@ -19,7 +19,8 @@ int resolved_threads(int n_threads);
 /// threads where body(k) writes only what belongs to k.
 /// @param n_threads  0: all cores; it may exceed their number. Within another loop or within with_threads anything but
 ///                   1 means the threads given there
-/// @throws what body threw; where it threw for several k, what it threw for the smallest
+/// @throws what body threw; where it threw for several k, what it threw for the smallest; Interrupted where a stop was
+///         requested (interrupts.hpp) before all calls were made
 void parallel_for(std::size_t n, int n_threads, const std::function<void(std::size_t)>& body);
 
 /// Calls work() on this thread, and limits to n_threads the threads of all loops in it. Within another loop or

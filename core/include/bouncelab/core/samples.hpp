@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/table.hpp"
 
@@ -16,11 +17,11 @@ struct SampleConditions {
   // taken out of the intervals:
   bool drag_corrected = false;
   bool contact_time_corrected = false;
-  bool travel_time_corrected = false;        ///< of the sound, from impact to sensor
-  std::optional<double> gravity_mps2;        ///< of the speeds
-  std::optional<double> ball_radius_m;       ///< of the corrections; for the fit's error budget where there are none
-  std::optional<double> ball_density_kgpm3;  ///< likewise
-  std::optional<double> wave_speed_mps;      ///< likewise, of the travel time
+  bool travel_time_corrected = false;    ///< of the sound, from impact to sensor
+  std::optional<double> gravity_mps2;    ///< of the speeds
+  std::optional<Ball> ball;              ///< of the corrections; for the fit's error budget where there are none
+  std::optional<Material> plate;         ///< likewise
+  std::optional<double> wave_speed_mps;  ///< likewise, of the travel time
 
   friend bool operator==(const SampleConditions&, const SampleConditions&) = default;
 };
@@ -44,6 +45,8 @@ using RestitutionSamples = std::vector<RestitutionSample>;
 
 /// The `samples` table of docs/formats.md.
 Table to_table(const RestitutionSamples& samples);
+/// `samples` as those of this ball on this plate, as far as they are given: where a table does not say so itself.
+void name_ball(RestitutionSamples& samples, const std::optional<Ball>& ball, const std::optional<Material>& plate);
 /// Columns that samples_from_table understands; `v_mps` and `eps` are required.
 std::vector<ColumnSpec> sample_columns();
 /// Rows whose v or eps is missing or not finite stay in, flagged `not_finite`: who uses them counts them.

@@ -61,6 +61,7 @@ struct Table {
 
   std::vector<Column> columns;
   std::vector<Jump> lines{};  ///< ascending; none: the rows are not lines of a file
+  std::size_t n_before = 0;   ///< rows of the file before these, where they are a piece of it; with lines: not needed
 
   /// Notes the line on which a row begins; in the order of the rows.
   void stands_on(std::size_t row, std::size_t line);

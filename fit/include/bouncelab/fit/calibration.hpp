@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -14,7 +15,8 @@ namespace bouncelab::fit {
 /// A study of the law's fit and of the slopes of p(eps) on drops of known law whose scatter has the closed form of a
 /// rough ball (docs/physics.md): each drop from v_hi down to v_lo,
 ///
-///   eps~ = eps(v) + (1 + e) (theta . u / v - c theta^2),   u' = u - c (1 + e) v theta,   v' = eps~ v,   c = 5/7
+///   eps~ = eps(v) + (1 + e) (theta . u / v - c theta^2),   u' = u - c (1 + e) v theta,   v' = eps~ v,   c =
+///   no_slip_factor
 ///
 /// theta the offset of the contact point over the ball's radius (two components, normal, variance offset_variance), u
 /// the velocity gained sideways and by spin, 0 at release. Impacts of one drop share u: they are not independent. To
@@ -28,7 +30,8 @@ struct CalibrationConfig {
   SeriesLaw law;
   double offset_variance = 2.8e-5;  ///< > 0, <= 1e-3; the default is that of 1e6 asperities of radii uniform in
                                     ///< (0.5, 1.5) 1e-3, and gives slopes of 620 at .3, 1350 at .6, 3000 at 1 m/s
-  double sigma_eps_at_1mps = 0.0;   ///< of timing, >= 0; 8.7e-4 is as wide as the scatter at .3 m/s
+  double inertia_factor = kSolidBallInertia;  ///< J/(m R^2) of the ball, in (0, 1]
+  double sigma_eps_at_1mps = 0.0;             ///< of timing, >= 0; 8.7e-4 is as wide as the scatter at .3 m/s
   /// Speeds; drops are released from 0.9 to 1 of the height that belongs to v_hi, their first impact is no sample.
   double v_lo_mps = 0.2, v_hi_mps = 1.4;
   IntervalMethod intervals = IntervalMethod::profile;
@@ -58,6 +61,16 @@ struct CalibrationResult {
   std::size_t n_failed = 0;  ///< seeds whose fit did not converge: not in the rows
 };
 
+/// What the samples of one seed say: a pure function of its arguments.
+/// @param index  of the seed, below n_seeds
+/// @return in the order of CalibrationResult::rows; empty where the search did not converge
+/// @throws InvalidArgument where a number is out of its range
+std::vector<Estimate> calibrate_seed(const CalibrationConfig& config, std::size_t index);
+
+/// @param seeds  what each of them says, in order
+CalibrationResult calibration_result(const CalibrationConfig& config, const std::vector<std::vector<Estimate>>& seeds);
+
+/// All seeds, one after the other, each on all threads.
 /// @throws InvalidArgument where a number is out of its range
 CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallback& progress = {});
 

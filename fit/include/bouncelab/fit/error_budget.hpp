@@ -55,10 +55,10 @@ struct BudgetRow {
   /// Parts of the variance of eps - eps(v), together 1: what the fit finds of the ball, timing as stated (else by
   /// TimingNoise), travel time, and what these leave over.
   double share_asperities = 0.0, share_timing = 0.0, share_travel_time = 0.0, share_unexplained = 0.0;
-  double shift_drag = 0.0;                ///< of eps, where it is present
-  double shift_contact_time = 0.0;        ///< likewise
-  std::optional<double> mean_minus_peak;  ///< b_above - b_below: what least squares would be off by
-  std::optional<double> se_curve;         ///< finite sample: standard error of eps(v) here
+  std::optional<double> shift_drag;          ///< of eps; 0 where it is not present, absent where the ball is not known
+  std::optional<double> shift_contact_time;  ///< likewise; absent also where the contact time is not known
+  std::optional<double> mean_minus_peak;     ///< b_above - b_below: what least squares would be off by
+  std::optional<double> se_curve;            ///< finite sample: standard error of eps(v) here
 };
 
 struct ErrorBudget {
@@ -67,13 +67,14 @@ struct ErrorBudget {
   std::vector<CurvePoint> width_law;       ///< that power law at the first and the last row
   std::vector<BudgetRow> rows;
   std::vector<std::pair<std::string, Effect>> effects;
-  Ball ball;  ///< that the shifts were computed for
+  std::optional<Ball> ball;       ///< that the shifts were computed for
+  std::optional<Material> plate;  ///< likewise
 };
 
-/// What the shifts are computed for. Defaults: a recording of the paper's ball on glass, nothing corrected for.
+/// What the shifts are computed for. Defaults: a recording of an unknown ball, nothing corrected for.
 struct BudgetConfig {
-  Ball ball;
-  Material plate = kGlass;
+  std::optional<Ball> ball;
+  std::optional<Material> plate;
   Air air;
   double gravity_mps2 = kDefaultGravity_mps2;
   Effect drag = Effect::present, contact_time = Effect::present, travel_time = Effect::present;

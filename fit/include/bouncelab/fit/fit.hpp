@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Start here: impact times to coefficients of restitution (restitution.hpp), these to the law eps(v) (law_fit.hpp)
-/// and to the histograms p(eps) (histogram_fit.hpp); fit_all does all that a report needs, json.hpp writes it;
-/// calibration.hpp checks the law's fit against known truth; roughness.hpp says what the scatter tells of the surface,
-/// reservoir_gain.hpp what energy spin and sideways motion hold.
+/// and to the histograms p(eps) (histogram_fit.hpp); plain_answer.hpp says it in a few sentences; fit_all does all that
+/// a report needs, json.hpp writes it; calibration.hpp checks the law's fit against known truth; roughness.hpp says
+/// what the scatter tells of the surface, reservoir_gain.hpp what energy spin and sideways motion hold;
+/// between_recordings.hpp compares the recordings of a campaign.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +21,7 @@
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/fit/plain_answer.hpp"
 #include "bouncelab/fit/recordings.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
@@ -61,7 +63,8 @@ struct FitResult {
   ErrorBudget budget;
   std::optional<DemExport> dem_export;
   std::vector<std::string> warnings;  ///< in words, most important first
-  std::vector<Finding> findings;      ///< what are the constants, how sure, what limits them ...; empty without a law
+  PlainAnswer answer;                 ///< what somebody who dropped a ball wants to know
+  std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
   std::size_t n_used = 0;
   std::map<std::string, std::size_t> n_left_out;      ///< by reason
   std::map<std::string, std::size_t> first_left_out;  ///< by reason: number of the first such sample, from 1

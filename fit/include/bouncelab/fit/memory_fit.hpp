@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -27,13 +28,14 @@ struct MemoryFitConfig {
 /// What the variance q of the contacts' offset says of the surface, q = c s2 (docs/physics.md). Not the number of
 /// asperities, nor their radii, nor the rule of contact: every line is a surface that would scatter the same.
 struct Roughness {
-  Estimate q;                    ///< c times the variance, per component, of the contact's tangential offset over R
-  double s2_no_slip = 0.0;       ///< q / (5/7), contacts of a solid ball that stick
-  double s2_frictionless = 0.0;  ///< q / (5/2)
-  double rms_tilt_no_slip_deg = 0.0;  ///< root mean square angle of the contact's normal
-  double n_constant_radii = 0.0;      ///< asperities of one radius, no slip
-  double lambda_exponential = 0.0;    ///< mean radius over R where radii are exponential, no slip
-  double width_uniform_1e6 = 0.0;     ///< width over R where the radii of 1e6 asperities are uniform, no slip
+  Estimate q;  ///< c times the variance, per component, of the contact's tangential offset over R
+  double inertia_factor = kSolidBallInertia;  ///< J/(m R^2) of the ball that the following is for
+  double s2_no_slip = 0.0;                    ///< q / c, c = 1/(1 + inertia_factor): contacts that stick
+  double s2_frictionless = 0.0;               ///< q / c, c = 1/inertia_factor
+  double rms_tilt_no_slip_deg = 0.0;          ///< root mean square angle of the contact's normal
+  double n_constant_radii = 0.0;              ///< asperities of one radius, no slip
+  double lambda_exponential = 0.0;            ///< mean radius over R where radii are exponential, no slip
+  double width_uniform_1e6 = 0.0;             ///< width over R where the radii of 1e6 asperities are uniform, no slip
 };
 
 /// A test of the model on the data it was fitted to.
@@ -58,6 +60,9 @@ struct MemoryFit {
   Matrix node_correlation;
   std::vector<CurvePoint> curve;  ///< eps(v), x in m/s
   std::optional<RestitutionLaw> law;
+  /// Of the samples: heights of contacts are R s2, and q means surfaces by its inertia. Absent: not known; a solid ball
+  /// of the paper's radius is taken.
+  std::optional<Ball> ball;
   Roughness roughness;
   Estimate keep;                          ///< share of the reservoir that outlasts a bounce; 1 without losses
   std::optional<Estimate> release_m2ps2;  ///< mean reservoir at the release, fitted where the test sees one

@@ -17,11 +17,11 @@ namespace bouncelab::fit {
 
 struct RestitutionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
-  Ball ball;                                   ///< used by the corrections only
-  Material plate = kGlass;                     ///< likewise
-  Air air;                                     ///< likewise
+  std::optional<Ball> ball;                    ///< for the corrections, and for what is made of the samples
+  std::optional<Material> plate;               ///< likewise
+  Air air;                                     ///< for the correction
   bool correct_drag = false;          ///< speeds at the ends of each flight from its duration by Schiller-Naumann drag
-  bool correct_contact_time = false;  ///< flights are intervals less the Hertz contact that they begin with
+  bool correct_contact_time = false;  ///< flights are intervals less the contact that they begin with (contact_time_s)
   std::optional<TravelTime> travel_time;  ///< taken out of the times before anything else
   double wave_speed_mps = 2500.0;  ///< for the error budget, where travel times are not taken out; 343 for a microphone
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
@@ -71,8 +71,31 @@ struct Restitution {
 /// launch speed of the next flight over the landing speed of the last, flights shortened by the contact at their
 /// beginning. Nothing is clamped.
 /// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s]
-/// @throws InvalidArgument where gravity, the drop height or a property of the ball is not positive, or times do not
-///         increase
+/// @throws InvalidArgument where gravity, the drop height or a property of the ball is not positive, times do not
+///         increase, or a correction is wanted for a ball that is not known, or whose contact time on the plate is not
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
+
+/// The same of a table in pieces, in the memory that its longest drop needs: the same samples and counts, but for the
+/// median of eps, which the caller has to take.
+class RestitutionInPieces {
+ public:
+  /// @throws InvalidArgument as restitution_samples
+  explicit RestitutionInPieces(RestitutionConfig config);
+  /// The next onsets, cut anywhere. @return samples of the drops that have ended
+  RestitutionSamples add(Onsets onsets);
+  /// After the last onsets. @return samples of the last drop
+  RestitutionSamples finish();
+  /// Once finished; without eps_median.
+  const RestitutionCounts& counts() const { return counts_; }
+
+ private:
+  void end_drop(RestitutionSamples& samples);
+
+  RestitutionConfig config_;
+  SampleConditions conditions_;
+  Onsets drop_;  // as far as it has come
+  RestitutionCounts counts_;
+  double drag_shifts_ = 0.0, contact_shifts_ = 0.0, squared_travel_shifts_ = 0.0;  // sums over all samples
+};
 
 }  // namespace bouncelab::fit

@@ -13,27 +13,20 @@
 
 namespace bouncelab::fit {
 
-/// J/(m R^2) of a solid ball; 2/3 of a thin shell.
-inline constexpr double kSolidBallInertia = 0.4;
-
 struct RoughnessConfig {
-  double inertia_factor = kSolidBallInertia;  ///< J/(m R^2), in (0, 1]
-  std::size_t n_goodness = 99;                ///< replicates of the Anderson-Darling test; 0: none
-  std::uint64_t seed = 1;                     ///< of draws and replicates
-  int n_threads = 0;                          ///< 0: all cores; the result does not depend on it
+  std::size_t n_goodness = 99;  ///< replicates of the Anderson-Darling test; 0: none
+  std::uint64_t seed = 1;       ///< of draws and replicates
+  int n_threads = 0;            ///< 0: all cores; the result does not depend on it
 };
 
 struct RoughnessResult {
-  MemoryFit memory;   ///< its `roughness` is that of a solid ball
-  Roughness surface;  ///< of a ball with this inertia
-  double inertia_factor = kSolidBallInertia;
+  MemoryFit memory;                               ///< with the roughness, of the ball that the samples name
   std::map<std::string, std::size_t> n_left_out;  ///< by reason
   std::vector<std::string> warnings;
 };
 
 /// The roughness of a ball from how its coefficients of restitution scatter: fit_memory with the series A2, A4, A5, and
 /// q translated into surfaces. Samples with a flag, not finite or with v <= 0 are left out and counted.
-/// @throws InvalidArgument where the factor is not in (0, 1]
 RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config);
 
 /// Surfaces of that q where J = inertia_factor m R^2: q = c s2 with c = 1/(1 + inertia_factor) without slip and c =

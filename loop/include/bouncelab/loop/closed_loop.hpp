@@ -73,7 +73,7 @@ using StageProgress = std::function<ProgressCallback(const std::string& label, c
 /// Drops that an earlier run finished, by ball.
 struct FinishedDrops {
   std::vector<DropResult> rough, smooth;
-  /// @param record  of the journal. @throws InvalidArgument
+  /// @param record  of the journal; empty: of a drop without impacts. @throws InvalidArgument
   void add(std::string_view record);
 };
 
@@ -83,6 +83,18 @@ struct FinishedDrops {
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
 LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {}, FinishedDrops finished = {},
                     RunJournal* journal = nullptr);
+
+/// The drops of a loop by their names in its journal: "rough 0", "rough 1" ... "smooth 0" ...
+std::vector<std::string> loop_items(const LoopConfig& config);
+
+/// Whether an item of loop_items is to be done.
+using ItemChoice = std::function<bool(const std::string& item)>;
+
+/// Simulates, records and detects some drops of a loop, for a run in several parts: run_loop does the rest when all
+/// are finished. Beside them it simulates the first drops only, which set gain and noise.
+/// @throws as run_loop
+void run_loop_drops(const LoopConfig& config, const ItemChoice& is_wanted, RunJournal& journal,
+                    const StageProgress& progress = {});
 
 /// How samples are made of the onsets of this experiment: its gravity, its ball.
 fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation);

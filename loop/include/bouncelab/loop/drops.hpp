@@ -27,8 +27,9 @@ struct DropRecording {
   std::optional<std::filesystem::path> folder;
 };
 
-/// Gain and noise are chosen for the first drops (up to 40): the weakest impact of so many has the SNR of the
-/// configuration.
+constexpr std::int64_t kDropsForLevels = 40;
+/// Gain and noise are chosen for the first drops (up to kDropsForLevels): the weakest impact of so many has the SNR of
+/// the configuration.
 /// @throws InvalidArgument where there is more than one channel
 DropRecording drop_recording(const synthesis::SynthesisConfig& config, const Impacts& impacts);
 

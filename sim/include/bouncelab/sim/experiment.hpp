@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -81,8 +82,36 @@ struct SimulationResult {
   Impacts impacts;  ///< ordered by drop and time
   EnergyLedger energy;
   std::array<std::int64_t, 4> n_ended{};  ///< drops by DropEnd
-  std::int64_t n_smooth = 0;              ///< impacts of the smooth sphere between the asperities
+  std::int64_t n_impacts = 0;
+  std::int64_t n_smooth = 0;  ///< impacts of the smooth sphere between the asperities
   std::vector<std::string> warnings;
+};
+
+/// Takes each drop as soon as it is simulated; from one thread at a time, in any order.
+/// @param k  its place among the drops asked for
+using DropSink = std::function<void(std::size_t k, DropResult&& drop)>;
+
+/// Some drops, by their numbers, in parallel: none is held here.
+/// @param progress  called with drops done; may throw to stop
+/// @throws InvalidArgument as `validate` and `simulate_drop`
+void simulate_each(const SimulationConfig& config, const Surface& surface, const std::vector<std::int64_t>& drops,
+                   const DropSink& sink, const ProgressCallback& progress = {});
+
+/// What is counted of drops while their impacts pass by; sums do not depend on the order of add().
+class SimulationCounts {
+ public:
+  /// @param k  the drop's place in the sums
+  void add(std::size_t k, const DropResult& drop);
+  /// With everything but the impacts.
+  SimulationResult result() const;
+
+ private:
+  struct Drop {
+    EnergyLedger energy;
+    DropEnd end = DropEnd::impacts_reached;
+    std::int64_t n_impacts = 0, n_smooth = 0;
+  };
+  std::vector<Drop> drops_;
 };
 
 /// All drops, in parallel; the bytes of the result depend neither on the number of threads nor on which other drops

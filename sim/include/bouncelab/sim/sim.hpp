@@ -9,6 +9,7 @@
 #include "bouncelab/sim/envelope.hpp"       // what can touch the plate, and where
 #include "bouncelab/sim/experiment.hpp"     // many drops: SimulationConfig -> Impacts
 #include "bouncelab/sim/flight.hpp"         // the first contact of a flight
+#include "bouncelab/sim/section.hpp"        // the ball cut through its centre, for a picture
 #include "bouncelab/sim/surface.hpp"        // asperities, drawn or read
 #include "bouncelab/sim/theory.hpp"         // the scatter in closed form
 #include "bouncelab/sim/vector3.hpp"        // vectors and rotations

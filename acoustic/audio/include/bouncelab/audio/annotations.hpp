@@ -35,6 +35,15 @@ struct Annotations {
 /// @throws InvalidArgument if there are no onsets, or onsets of several recordings
 Annotations annotations_of(const Onsets& onsets);
 
+/// The same points with labels that fit between impacts on a screen, DROP.IMPACT [FLAG|FLAG], at most 20 characters
+/// where there are no drops or impacts of more than nine digits: the rest of what is known has to be kept elsewhere.
+Annotations shortened(Annotations annotations);
+
+/// Undoes shortened(): points labelled DROP.IMPACT and nothing that is known of the onset get the label that
+/// annotations_of() gives the onset of that number.
+/// @param onsets  those that were shortened
+Annotations completed(Annotations annotations, const Onsets& onsets);
+
 /// Annotations as onsets, by time. If the t_s of a label equals the time of its point within half the file's
 /// resolution, the onset is restored as it was. If not, the point was moved by hand: its time is used, standard error
 /// and amplitude are unknown, and its only flag is `by_hand`. The same holds for a point without DROP.IMPACT, which

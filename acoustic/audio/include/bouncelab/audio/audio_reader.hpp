@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -12,22 +13,31 @@
 
 namespace bouncelab::audio {
 
-/// Format of an audio file, from its header.
+/// Format of a recording.
 struct AudioFormat {
   double rate_hz = 0.0;
   int n_channels = 0;
   std::int64_t n_frames = 0;  ///< samples per channel
   std::string description;    ///< container and encoding, in words
+  std::string lossy_coding;   ///< "MP3", "AAC" ...: its coding keeps what is heard, not the samples; empty: it does not
+  std::string ffmpeg;         ///< version of the ffmpeg that decodes it; empty where none does
+  std::string warning;        ///< one line where the header and what the file holds differ; empty where they agree
 };
 
-/// Reads any format that libsndfile knows (WAV, RF64, FLAC, OGG, MP3, AIFF, CAF ...), with random access, never
-/// resampled. Not for several threads at once; open the file once per thread instead.
+/// Reads recordings with random access, never resampled:
+///   - what libsndfile knows (WAV, RF64, W64, FLAC, OGG, MP3, AIFF, CAF ...); where the header of such a file gives
+///     another length than it has, or none, what is there is read, and format().warning says so
+///   - the sound of any other file by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
+///   - numbers: .npy of samples (x channels), tables of text with or without a column of times
+/// Not for several threads at once; open the file once per thread instead.
 class AudioReader {
  public:
-  /// @throws FileError naming the remedy: missing, empty, not audio, m4a (which libsndfile cannot read), truncated or
-  ///         with a header that promises more than the file holds, a sampling rate outside 4 kHz ... 4 MHz
-  explicit AudioReader(const std::filesystem::path& path);
-  /// The same for the bytes of a file in memory, which must outlive the reader.
+  /// @param rate_hz  sampling rate of numbers that come without one
+  /// @throws FileError naming the remedy: missing, empty, no sound in it, ffmpeg needed and not installed, numbers
+  ///         without a rate or with times that are not uniform, a sampling rate outside 4 kHz ... 4 MHz;
+  ///         InvalidArgument where rate_hz is given for a file with a rate of its own, or is out of range
+  explicit AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz = std::nullopt);
+  /// The same for the bytes of a file in memory, which must outlive the reader; by libsndfile alone.
   /// @param name  for messages. @throws FileError
   AudioReader(std::span<const std::byte> bytes, const std::string& name);
   AudioReader(AudioReader&&) noexcept;
@@ -47,5 +57,8 @@ class AudioReader {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The version of the ffmpeg that has decoded a recording in this process; empty where none has.
+std::string ffmpeg_version_used();
 
 }  // namespace bouncelab::audio

@@ -18,8 +18,8 @@ struct AudioSpec {
   SampleEncoding encoding = SampleEncoding::pcm24;
 };
 
-/// Writes a sound file, whole or not at all. The container follows the extension: .wav (RF64 by itself where the sound
-/// would pass the 4 GiB that WAV can hold), .rf64, .w64 (Sony Wave64) or .flac.
+/// Writes a sound file, whole or not at all. The container follows the extension, .wav where a stream has none: .wav
+/// (RF64 by itself where the sound would pass the 4 GiB that WAV can hold), .rf64, .w64 (Sony Wave64) or .flac.
 class AudioWriter {
  public:
   /// @param n_frames      length of the sound, as far as known; decides between WAV and RF64
@@ -34,10 +34,14 @@ class AudioWriter {
   /// Appends samples, interleaved by channel, full scale = 1. Integers are rounded to nearest; what is beyond full
   /// scale is clipped to it. @throws FileError (disk full)
   void write(std::span<const double> interleaved);
+  /// The same of floats, which float32 holds as they are, also those beyond full scale that a decoder gives.
+  void write(std::span<const float> interleaved);
   /// Closes the file and puts it in place; without it the destructor removes what was written. @throws FileError
   void commit();
 
  private:
+  void write_floats(std::span<const float> interleaved);
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -19,7 +19,10 @@ namespace bouncelab::detection {
 struct DetectionConfig {
   std::optional<int> channel;  ///< from 0; absent = the one whose tracks of impacts are the most probable
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0; gives the impact speeds g T / 2 for the contact-time law
+  std::optional<double> rate_hz;               ///< of numbers (.npy, tables) that come without their sampling rate
   std::int64_t min_impacts = 3;                ///< >= 3, one coefficient of restitution; drops of fewer are left out
+  /// RecordingSummary::lossy_coding of samples that something else has decoded; that of a file goes before it.
+  std::string lossy_coding;
 };
 
 enum class DetectionStatus {
@@ -46,6 +49,10 @@ struct DropSummary {
 
 /// Estimates of one recording as a whole.
 struct RecordingSummary {
+  std::string format;  ///< container and encoding, in words; empty where samples were in memory
+  std::string
+      lossy_coding;    ///< "MP3", "AAC" ...: its times may be off by more than stated; empty where it loses nothing
+  std::string ffmpeg;  ///< version of the ffmpeg that decoded it; empty where none did
   double rate_hz = 0.0;
   int n_channels = 0;
   int channel = 0;             ///< the one used
@@ -89,6 +96,9 @@ struct Detection {
   std::string message;                ///< one line: what was found, or why not
   std::vector<std::string> warnings;  ///< one line each
 };
+
+/// What is to be said of the times in sound of a RecordingSummary::lossy_coding; one line.
+std::string lossy_coding_warning(const std::string& coding);
 
 /// Impact times of bouncing balls in one recording: several drops one after the other, each a track of impacts with
 /// intervals T_{k+1} = eps_k T_k, where eps_k varies slowly but for single losses and gains.

@@ -26,6 +26,17 @@ struct WaveExcerpt {
   std::vector<Mark> marks;
 };
 
+/// A piece of the recording for the ear: one channel, 16 bit, its peak at 0.9 of full scale.
+struct ListeningCopy {
+  double t0_s = 0.0;  ///< of its first sample in the recording
+  double rate_hz = 0.0;
+  std::vector<std::int16_t> samples;
+};
+
+/// The sound from half a second before the first mark to half a second after the last, at most 30 s of it; decimated
+/// to at most 24 kHz: for listening, not for measuring. Empty where there is no mark or no sound.
+ListeningCopy listening_copy(const audio::AudioSource& sound, const Onsets& marks);
+
 /// A recording reduced for a plot: extremes in at most 2,000 columns, and a few impacts at full resolution.
 struct WavePreview {
   std::string recording;
@@ -36,6 +47,7 @@ struct WavePreview {
   std::vector<double> lo;          ///< least sample of the column
   std::vector<double> hi;          ///< greatest
   Onsets marks;
+  ListeningCopy copy;                 ///< of the whole recording's preview; empty of a drop's
   std::vector<WaveExcerpt> excerpts;  ///< an early, two middle, a late impact: 3 ms before to 8 ms after
 };
 
@@ -46,7 +58,8 @@ WavePreview wave_preview(const audio::AudioSource& sound, const std::string& rec
 /// and excerpts of that drop. @throws InvalidArgument where there is no such drop
 WavePreview drop_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
                          const Onsets& onsets, std::int64_t drop);
-/// @throws FileError where the recording cannot be read
-WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets);
+/// @param rate_hz  of numbers without a sampling rate. @throws FileError where the recording cannot be read
+WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets,
+                         std::optional<double> rate_hz = std::nullopt);
 
 }  // namespace bouncelab::detection

@@ -46,6 +46,10 @@ enum class GroundPreset { glass, sic, vitreloy };
 /// the loss factors are our assumptions (glass 2e-3, SiC 1e-3, Vitreloy 2e-3 with their layer).
 Ground ground_preset(GroundPreset preset);
 
+/// The ground for a plate by its material: glass, silicon carbide and Vitreloy are the presets; of any other material
+/// the plate has the size of the paper's, and the catalogue's loss factor, or that of glass where it has none.
+Ground ground_of(const Material& plate);
+
 /// The material the ball touches.
 const Material& contact_material(const Ground& ground);
 /// Does (x, y) lie on the surface the ball falls on?

@@ -63,7 +63,7 @@ struct TrueImpact {
   double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone
   double amplitude = 0.0;       ///< clean peak, full scale = 1
   double snr_db = 0.0;          ///< amplitude over noise rms
-  double contact_time_s = 0.0;  ///< Hertz
+  double contact_time_s = 0.0;  ///< of the ball on the ground, core/ball.hpp
   double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s, which is what a detector finds
   double x_m = 0.0, y_m = 0.0;  ///< point of contact
   double v_mps = 0.0;           ///< normal impact speed

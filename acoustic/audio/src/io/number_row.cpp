@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/number_row.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view trimmed(std::string_view text, std::string_view unwanted) {
+  const std::size_t first = text.find_first_not_of(unwanted);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(unwanted) - first + 1);
+}
+
+/// Half a unit of the last digit of 12.50e-3: 5e-6.
+double rounding_of(std::string_view number) {
+  const std::size_t exponent_at = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view mantissa = number.substr(0, exponent_at);
+  const std::size_t point = mantissa.find('.');
+  const double n_decimals = point == std::string_view::npos ? 0.0 : static_cast<double>(mantissa.size() - point - 1);
+  int exponent = 0;
+  if (exponent_at < number.size()) {
+    const char* begin = number.data() + exponent_at + 1;
+    if (begin < number.data() + number.size() && *begin == '+') ++begin;
+    std::from_chars(begin, number.data() + number.size(), exponent);
+  }
+  return 0.5 * pow(10.0, exponent - n_decimals);
+}
+
+/// The words of a title in small letters: letters, and whatever is not ASCII (the Greek mu).
+std::vector<std::string> words_of(std::string_view title) {
+  std::vector<std::string> words(1);
+  for (const char c : title) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x80 || std::isalpha(byte) != 0)
+      words.back() += static_cast<char>(byte < 0x80 ? std::tolower(byte) : byte);
+    else if (!words.back().empty())
+      words.emplace_back();
+  }
+  return words;
+}
+
+}  // namespace
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  if (separator == ' ') line = trimmed(line, kBlanks);
+  while (true) {
+    const std::size_t end =
+        std::min(separator == ' ' ? line.find_first_of(kBlanks) : line.find(separator), line.size());
+    cells.push_back(trimmed(line.substr(0, end), " \t\r\""));
+    if (end == line.size()) return cells;
+    line.remove_prefix(end + 1);
+    if (separator == ' ') line = trimmed(line, kBlanks);
+  }
+}
+
+std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
+  std::array<char, 64> text{};
+  if (cell.empty() || cell.size() > text.size()) return std::nullopt;
+  if (cell.front() == '+') cell.remove_prefix(1);
+  std::copy(cell.begin(), cell.end(), text.begin());
+  const std::string_view number(text.data(), cell.size());
+  if (decimal == ',') {
+    if (number.find('.') != std::string_view::npos) return std::nullopt;
+    std::replace(text.begin(), text.end(), ',', '.');
+  }
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value)) return std::nullopt;
+  return NumberCell{value, rounding_of(number)};
+}
+
+std::optional<CellFormat> format_of(std::string_view line) {
+  constexpr std::array<CellFormat, 7> kFormats{
+      {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {',', '.'}, {' ', '.'}, {' ', ','}}};
+  for (const CellFormat& format : kFormats) {
+    if (format.separator != ' ' && line.find(format.separator) == std::string_view::npos) continue;
+    int n_numbers = 0, n_others = 0;
+    for (const std::string_view cell : cells_of(line, format.separator)) {
+      if (cell.empty()) continue;
+      ++(number_of(cell, format.decimal) ? n_numbers : n_others);
+    }
+    if (n_numbers > 0 && n_others == 0) return format;
+  }
+  return std::nullopt;
+}
+
+bool is_ambiguous(std::string_view line, const CellFormat& format) {
+  if (format.separator != ',') return false;
+  const std::vector<std::string_view> cells = cells_of(line, ',');
+  const auto is_digits = [](std::string_view cell) {
+    return !cell.empty() && std::all_of(cell.begin(), cell.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  const auto without_sign = [](std::string_view cell) {
+    return cell.substr(!cell.empty() && (cell.front() == '-' || cell.front() == '+') ? 1 : 0);
+  };
+  return cells.size() == 2 && is_digits(without_sign(cells[0])) && is_digits(cells[1]);
+}
+
+std::optional<double> time_unit_s(std::string_view title) {
+  constexpr std::array<std::pair<std::string_view, double>, 19> kUnits{{{"s", 1.0},
+                                                                        {"sec", 1.0},
+                                                                        {"second", 1.0},
+                                                                        {"seconds", 1.0},
+                                                                        {"sekunde", 1.0},
+                                                                        {"sekunden", 1.0},
+                                                                        {"seconde", 1.0},
+                                                                        {"secondes", 1.0},
+                                                                        {"segundos", 1.0},
+                                                                        {"ms", 1e-3},
+                                                                        {"millisecond", 1e-3},
+                                                                        {"milliseconds", 1e-3},
+                                                                        {"us", 1e-6},
+                                                                        {"\xC2\xB5s", 1e-6},
+                                                                        {"\xCE\xBCs", 1e-6},
+                                                                        {"microsecond", 1e-6},
+                                                                        {"microseconds", 1e-6},
+                                                                        {"ns", 1e-9},
+                                                                        {"nanoseconds", 1e-9}}};
+  for (const std::string& word : words_of(title))
+    for (const auto& [name, unit_s] : kUnits)
+      if (word == name) return unit_s;
+  return std::nullopt;
+}
+
+bool is_time_title(std::string_view title) {
+  constexpr std::array<std::string_view, 7> kWords{"time", "t", "zeit", "temps", "tiempo", "tempo", "tid"};
+  const std::vector<std::string> words = words_of(title);
+  const bool says_time = std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+  });
+  return says_time || time_unit_s(title).has_value();
+}
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/number_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <istream>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/line_reader.hpp"
+#include "bouncelab/core/printable.hpp"
+#include "io/number_row.hpp"
+#include "io/time_grid.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+constexpr std::size_t kMostTitleLines = 200;  // of an oscilloscope's settings
+constexpr std::size_t kRowsToDecide = 16;     // sound does not grow by equal steps for so long
+constexpr std::size_t kTextSamplesAtOnce = 1 << 16;
+constexpr std::size_t kMostColumns = 1024;
+
+struct Row {
+  std::size_t line = 0;
+  std::vector<NumberCell> cells;
+};
+
+/// The rows of numbers of a table, and the titles in front of them.
+class NumberRows {
+ public:
+  NumberRows(std::istream& in, const std::string& name) : lines_(in, name) {}
+
+  /// @return false after the last. @throws FileError
+  bool next(Row& row) {
+    for (std::string line; lines_.next(line);) {
+      if (lines_.number() == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
+      const bool is_empty = line.find_first_not_of(" \t\r,;") == std::string::npos;
+      if (is_empty || line.front() == '#') continue;
+      if (!is_begun_ && !begin(line)) continue;
+      take(line, row);
+      return true;
+    }
+    if (!is_begun_) throw FileError(lines_.name(), "holds no numbers; a table of samples or a recording is needed");
+    return false;
+  }
+
+  /// What stands above a column, of all lines of titles.
+  std::string title(std::size_t column) const {
+    std::string all;
+    for (const std::string& line : titles_) {
+      const std::vector<std::string_view> cells = cells_of(line, format_.separator);
+      if (columns_[column] < cells.size()) all += std::string(cells[columns_[column]]) + " ";
+    }
+    return all;
+  }
+  std::size_t n_columns() const { return columns_.size(); }
+
+ private:
+  /// Whether the numbers begin with this line.
+  bool begin(const std::string& line) {
+    const std::optional<CellFormat> format = format_of(line);
+    if (!format) {
+      if (titles_.size() == kMostTitleLines)
+        throw FileError(lines_.name(), "line " + std::to_string(lines_.number()) +
+                                           ": no numbers up to here; a table of samples or a recording is needed");
+      titles_.push_back(line);
+      return false;
+    }
+    format_ = *format;
+    const bool has_titles =
+        std::any_of(titles_.begin(), titles_.end(), [](const std::string& t) { return t.find(',') != t.npos; });
+    if (is_ambiguous(line, format_) && !has_titles)
+      throw FileError(lines_.name(), "line " + std::to_string(lines_.number()) + ": " + printable(line) +
+                                         " is one number or two; write a decimal point, or separate by ;");
+    const std::vector<std::string_view> cells = cells_of(line, format_.separator);
+    n_cells_ = cells.size();
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      if (!cells[k].empty()) columns_.push_back(k);
+    if (columns_.size() > kMostColumns)
+      throw FileError(lines_.name(), "has " + std::to_string(columns_.size()) + " columns; write one row for a sample");
+    return is_begun_ = true;
+  }
+
+  void take(const std::string& line, Row& row) const {
+    const std::vector<std::string_view> cells = cells_of(line, format_.separator);
+    const auto place = [&] { return "line " + std::to_string(lines_.number()); };
+    if (cells.size() != n_cells_)
+      throw FileError(lines_.name(), place() + " has " + std::to_string(cells.size()) + " cells, the first row has " +
+                                         std::to_string(n_cells_));
+    row.line = lines_.number();
+    row.cells.clear();
+    for (const std::size_t column : columns_) {
+      const std::optional<NumberCell> number = number_of(cells[column], format_.decimal);
+      if (!number)
+        throw FileError(lines_.name(), place() + ", column " + std::to_string(column + 1) + ": '" +
+                                           printable(cells[column]) + "' is not a number; correct or remove the row");
+      row.cells.push_back(*number);
+    }
+  }
+
+  LineReader lines_;
+  bool is_begun_ = false;
+  std::vector<std::string> titles_;
+  CellFormat format_;
+  std::size_t n_cells_ = 0;
+  std::vector<std::size_t> columns_;  // that hold numbers
+};
+
+enum class FirstColumn { sample, index, time };
+
+/// What the first column is, by its title and its first rows.
+FirstColumn first_column_of(const NumberRows& table, const std::vector<Row>& rows) {
+  if (table.n_columns() < 2) return FirstColumn::sample;
+  if (is_time_title(table.title(0))) return FirstColumn::time;
+  if (rows.size() < 3) return FirstColumn::sample;
+  const double step = rows[1].cells[0].value - rows[0].cells[0].value;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const NumberCell &before = rows[k - 1].cells[0], &here = rows[k].cells[0];
+    const double rounding = 2.0 * (before.rounding + here.rounding);
+    if (!(here.value > before.value) || std::abs(here.value - before.value - step) > 0.1 * step + rounding)
+      return FirstColumn::sample;
+  }
+  return step == 1.0 ? FirstColumn::index : FirstColumn::time;
+}
+
+/// Samples on their way into the file.
+class SampleSink {
+ public:
+  explicit SampleSink(ScratchFile& file) : file_(file) {}
+  void add(double value) {
+    waiting_.push_back(static_cast<float>(value));
+    if (waiting_.size() >= kTextSamplesAtOnce) flush();
+  }
+  void flush() {
+    file_.append({reinterpret_cast<const char*>(waiting_.data()), waiting_.size() * sizeof(float)});
+    waiting_.clear();
+  }
+
+ private:
+  ScratchFile& file_;
+  std::vector<float> waiting_;
+};
+
+}  // namespace
+
+bool is_text(SoundBytes& bytes) {
+  std::array<std::byte, 4096> head{};
+  const std::int64_t n = bytes.read(0, head);
+  return n > 0 && std::all_of(head.begin(), head.begin() + n, [](std::byte b) {
+           const auto c = std::to_integer<unsigned char>(b);
+           return c == '\t' || c == '\n' || c == '\r' || (c >= ' ' && c != 0x7F);
+         });
+}
+
+NumberText::NumberText(std::istream& in, const std::string& name, std::optional<double> rate_hz)
+    : samples_(std::filesystem::temp_directory_path(), name) {
+  NumberRows table(in, name);
+  std::vector<Row> first_rows;
+  Row row;
+  while (first_rows.size() < kRowsToDecide && table.next(row)) first_rows.push_back(row);
+  const FirstColumn first_column = first_column_of(table, first_rows);
+  const bool has_times = first_column == FirstColumn::time;
+  if (has_times && rate_hz)
+    throw InvalidArgument("--rate: " + name + " has a column of times, which give its rate; leave --rate out");
+  if (!has_times && !rate_hz)
+    throw FileError(name, "holds numbers without times; give their sampling rate: --rate 48000");
+
+  const std::size_t n_skipped = first_column == FirstColumn::sample ? 0 : 1;
+  const double unit_s = has_times ? time_unit_s(table.title(0)).value_or(1.0) : 1.0;
+  TimeGrid times(name);
+  SampleSink sink(samples_);
+  const auto take = [&](const Row& r) {
+    if (has_times) times.add(unit_s * r.cells[0].value, unit_s * r.cells[0].rounding, r.line);
+    for (std::size_t k = n_skipped; k < r.cells.size(); ++k) sink.add(r.cells[k].value);
+    ++info_.n_frames;
+  };
+  for (const Row& r : first_rows) take(r);
+  while (table.next(row)) take(row);
+  sink.flush();
+  info_.rate_hz = has_times ? times.rate_hz() : *rate_hz;
+  check_rate(info_.rate_hz, name);
+  info_.n_channels = static_cast<std::int32_t>(table.n_columns() - n_skipped);
+  info_.description = "table of text, " + std::to_string(table.n_columns()) + " columns";
+}
+
+void NumberText::read(std::int64_t first, std::span<float> interleaved) const {
+  const std::string bytes =
+      samples_.at(first * info_.n_channels * static_cast<std::int64_t>(sizeof(float)), interleaved.size_bytes());
+  std::memcpy(interleaved.data(), bytes.data(), bytes.size());
+}
+
+}  // namespace bouncelab::audio

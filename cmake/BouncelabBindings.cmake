@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Adds python and vamp to BOUNCELAB_COMPONENTS where their development packages are installed (tools/setup --python,
+# --checks), so that a build of everything needs neither.
+include(${CMAKE_CURRENT_LIST_DIR}/BouncelabPython.cmake)
+find_package(Python3 QUIET COMPONENTS Interpreter Development.Module)
+find_package(pybind11 2.10 QUIET)
+if(Python3_FOUND AND pybind11_FOUND)
+  list(APPEND BOUNCELAB_COMPONENTS python)
+else()
+  message(STATUS "The Python module is left out: no pybind11-dev or python3-dev (tools/setup --python)")
+endif()
+find_package(PkgConfig QUIET)
+if(PkgConfig_FOUND)
+  pkg_check_modules(VAMP_SDK QUIET vamp-sdk vamp-hostsdk)
+endif()
+if(VAMP_SDK_FOUND)
+  list(APPEND BOUNCELAB_COMPONENTS vamp)
+else()
+  message(STATUS "The Vamp plugins are left out: no vamp-plugin-sdk (tools/setup --checks)")
+endif()
+unset(VAMP_SDK_FOUND CACHE)

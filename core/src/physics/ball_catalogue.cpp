@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/ball_catalogue.hpp"
+
+#include <numbers>
+
+namespace bouncelab {
+namespace {
+
+const char* const kPaper = "Montaine et al., Phys. Rev. E 84, 041306 (2011), doi:10.1103/PhysRevE.84.041306";
+const char* const kKayeLaby =
+    "Kaye & Laby, Tables of Physical and Chemical Constants, 16th ed. (1995), ISBN 0-582-22629-5";
+const char* const kAshby = "Ashby, Materials Selection in Mechanical Design, 4th ed. (2011), ISBN 978-1-85617-663-7";
+const char* const kGlassSource = "EN 572-1 (soda-lime glass)";
+const char* const kSiliconCarbideSource = "Munro, J. Phys. Chem. Ref. Data 26, 1195 (1997), doi:10.1063/1.556000";
+const char* const kVitreloySource =
+    "Conner, Dandliker & Johnson, Acta Mater. 46, 6089 (1998), doi:10.1016/S1359-6454(98)00275-4";
+const char* const kLoss = "; loss factor: Cremer, Heckl & Petersson, Structure-Borne Sound (2005), doi:10.1007/b137728";
+
+constexpr Material kBrass{100.6e9, 0.35, 8500.0};
+constexpr Material kAluminium{70.3e9, 0.345, 2700.0};
+
+/// Neither the elastic constants of a shell nor those of rubber give the contact.
+Material not_hertzian(double density_kgpm3) { return {0.0, 0.0, density_kgpm3, false}; }
+
+double mean_density_kgpm3(double diameter_m, double mass_kg) {
+  return mass_kg / (std::numbers::pi / 6.0 * diameter_m * diameter_m * diameter_m);
+}
+
+BallKind solid(const std::string& name, const std::string& what, const Material& material, const std::string& source) {
+  return {name, what, material, std::nullopt, kSolidBallInertia, source};
+}
+
+/// A ball of a sport, not of one piece.
+BallKind layered(const std::string& name, const std::string& what, double diameter_m, double mass_kg,
+                 const std::string& source) {
+  return {name, what, not_hertzian(mean_density_kgpm3(diameter_m, mass_kg)), diameter_m, kSolidBallInertia, source};
+}
+
+/// @param shell_density_kgpm3  of the wall, for the moment of inertia: that of a homogeneous shell
+BallKind hollow(const std::string& name, const std::string& what, double diameter_m, double mass_kg,
+                double shell_density_kgpm3, const std::string& source) {
+  BallKind kind = layered(name, what, diameter_m, mass_kg, source);
+  kind.inertia_factor = shell_inertia_factor(kind.material.density_kgpm3, shell_density_kgpm3);
+  return kind;
+}
+
+}  // namespace
+
+const std::vector<BallKind>& ball_kinds() {
+  static const std::vector<BallKind> kinds{
+      hollow("table-tennis", "hollow, plastic", 0.040, 2.7e-3, 1200.0,
+             "ITTF, The Laws of Table Tennis, 2.3: 40 mm, 2.7 g; wall of 1200 kg/m^3 assumed"),
+      hollow("tennis", "hollow, rubber and felt", 0.067, 57.7e-3, 800.0,
+             "ITF, Rules of Tennis, appendix I, type 2: 6.54 to 6.86 cm, 56.0 to 59.4 g; wall of 800 kg/m^3, felt "
+             "included, assumed"),
+      hollow("basketball", "hollow, size 7", 0.242, 0.600, 1100.0,
+             "FIBA, Official Basketball Rules, equipment, size 7: circumference 75 to 77 cm, 580 to 620 g; wall of "
+             "1100 kg/m^3 assumed"),
+      hollow("football", "hollow, size 5", 0.220, 0.430, 1100.0,
+             "IFAB, Laws of the Game, law 2: circumference 68 to 70 cm, 410 to 450 g; wall of 1100 kg/m^3 assumed"),
+      hollow("volleyball", "hollow", 0.210, 0.270, 1100.0,
+             "FIVB, Official Volleyball Rules, 3.1: circumference 65 to 67 cm, 260 to 280 g; wall of 1100 kg/m^3 "
+             "assumed"),
+      hollow("squash", "hollow, rubber", 0.040, 24.0e-3, 1150.0,
+             "World Squash, Specification for squash balls: 39.5 to 40.5 mm, 23 to 25 g; wall of 1150 kg/m^3 assumed"),
+      layered("golf", "core and cover", 0.04267, 45.93e-3,
+              "The R&A and USGA, Equipment Rules, part 4: at least 42.67 mm, at most 45.93 g; J of a homogeneous "
+              "sphere assumed"),
+      layered("billiard", "phenolic resin", 0.05715, 0.163,
+              "WPA, Equipment specifications, 16: 2.25 in, 156 to 170 g; J of a homogeneous sphere"),
+      solid("steel", "bearing steel, as the paper's ball", kSteel, kPaper),
+      solid("brass", "70 % copper, 30 % zinc", kBrass, kKayeLaby),
+      solid("aluminium", "pure", kAluminium, kKayeLaby),
+      solid("tungsten-carbide", "with 6 % cobalt", {534.4e9, 0.22, 14900.0}, kKayeLaby),
+      solid("glass", "soda-lime", kGlass, kGlassSource),
+      solid("sic", "sintered silicon carbide", kSiliconCarbide, kSiliconCarbideSource),
+      solid("silicon-nitride", "bearing balls", {310e9, 0.27, 3230.0}, "ISO 26602"),
+      solid("acrylic", "PMMA", {3.0e9, 0.39, 1190.0}, kAshby),
+      solid("nylon", "polyamide", {2.9e9, 0.35, 1130.0}, kAshby),
+      solid("rubber", "natural rubber, unfilled", not_hertzian(930.0), kAshby),
+      solid("superball", "polybutadiene, filled", not_hertzian(1100.0),
+            "density assumed: weigh the ball and add mass=; composition: Stingley, US patent 3241834 (1966)"),
+  };
+  return kinds;
+}
+
+const std::vector<PlateKind>& plate_kinds() {
+  static const std::vector<PlateKind> kinds{
+      {"glass", "soda-lime, as the paper's plate", kGlass, 2e-3, kGlassSource + std::string(kLoss)},
+      {"steel", "as the paper's ball", kSteel, 3e-4, kPaper + std::string(kLoss)},
+      {"aluminium", "pure", kAluminium, 3e-4, kKayeLaby + std::string(kLoss)},
+      {"brass", "70 % copper, 30 % zinc", kBrass, 1e-3, kKayeLaby + std::string(kLoss)},
+      {"sic", "sintered silicon carbide, as one of the paper's disks", kSiliconCarbide, 1e-3,
+       kSiliconCarbideSource + std::string("; loss factor assumed")},
+      {"vitreloy", "metallic glass, as one of the paper's disks", kVitreloy, 2e-3,
+       kVitreloySource + std::string("; loss factor assumed")},
+      {"granite",
+       "slab",
+       {50e9, 0.25, 2650.0},
+       3e-3,
+       "Jaeger, Cook & Zimmerman, Fundamentals of Rock Mechanics, 4th ed. (2007), ISBN 978-0-632-05759-7; loss factor "
+       "assumed"},
+      {"concrete", "C30/37", {33e9, 0.20, 2400.0}, 6e-3, "EN 1992-1-1, table 3.1 and 3.1.3" + std::string(kLoss)},
+      {"wood",
+       "oak; E along the grain",
+       {12.5e9, 0.35, 680.0, false},
+       9e-3,
+       "Forest Products Laboratory, Wood Handbook, FPL-GTR-190 (2010), tables 5-1 to 5-3" + std::string(kLoss)},
+  };
+  return kinds;
+}
+
+}  // namespace bouncelab

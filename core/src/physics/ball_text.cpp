@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string_view>
+
+#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/nearest_name.hpp"
+#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/units.hpp"
+
+namespace bouncelab {
+namespace {
+
+/// One of it is `times / over` of SI, both exact: dividing by 1000 gives the number nearest to 6 mm, multiplying by
+/// 0.001 does not always.
+struct Unit {
+  const char* name;
+  double times, over;
+};
+const std::vector<Unit> kLengths{{"um", 1.0, 1e6}, {"mm", 1.0, 1e3}, {"cm", 1.0, 1e2}, {"m", 1.0, 1.0}};
+const std::vector<Unit> kMasses{{"mg", 1.0, 1e6}, {"g", 1.0, 1e3}, {"kg", 1.0, 1.0}};
+const std::vector<Unit> kTimes{{"us", 1.0, 1e6}, {"ms", 1.0, 1e3}, {"s", 1.0, 1.0}};
+const std::vector<Unit> kPressures{{"GPa", 1e9, 1.0}, {"MPa", 1e6, 1.0}, {"kPa", 1e3, 1.0}, {"Pa", 1.0, 1.0}};
+const std::vector<Unit> kNone{};
+
+/// A number of a description, and what it may be.
+struct Quantity {
+  const char* key;
+  const std::vector<Unit>* units;
+  double least, greatest;  ///< in SI
+  const char* range;
+};
+const std::vector<Quantity> kQuantities{
+    {"diameter", &kLengths, 2e-6, 20.0, "from 2 um to 20 m, such as 6mm"},
+    {"radius", &kLengths, 1e-6, 10.0, "from 1 um to 10 m, such as 3mm"},
+    {"mass", &kMasses, 1e-12, 1e6, "from 1e-6 mg to 1e6 kg, such as 2.7g"},
+    {"density", &kNone, 1.0, 3e4, "from 1 to 30000, in kg/m^3, such as 7900"},
+    {"E", &kPressures, 1e3, 2e12, "from 1 kPa to 2000 GPa, such as 200GPa"},
+    {"nu", &kNone, 0.0, 0.4999, "from 0 to 0.4999"},
+    {"inertia", &kNone, 1e-3, 1.0, "from 0.001 to 1: J over m R^2, 0.4 of a solid sphere, 0.667 of a thin shell"},
+    {"contact-time", &kTimes, 1e-7, 1.0, "from 0.1 us to 1 s, such as 0.8ms"},
+};
+const std::map<std::string, std::string, std::less<>> kShort{{"d", "diameter"}, {"r", "radius"}};
+const std::map<std::string, std::string, std::less<>> kOtherNames{{"ping-pong", "table-tennis"},
+                                                                  {"pingpong", "table-tennis"},
+                                                                  {"soccer", "football"},
+                                                                  {"aluminum", "aluminium"},
+                                                                  {"silicon-carbide", "sic"}};
+using Numbers = std::map<std::string, double, std::less<>>;
+
+[[noreturn]] void refuse(std::string_view kind, std::string_view text, const std::string& why) {
+  throw InvalidArgument(std::string(kind) + " '" + printable(text) + "': " + why);
+}
+
+std::optional<double> in_si(std::string_view text, const Quantity& quantity) {
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{}) return std::nullopt;
+  std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
+  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+  if (quantity.units->empty() && unit.empty()) return value;
+  for (const Unit& known : *quantity.units)
+    if (unit == known.name) return value * known.times / known.over;
+  return std::nullopt;
+}
+
+/// What a description is made of: NAME, NAME:SIZE, KEY=VALUE, between commas.
+struct Description {
+  std::string name;  ///< empty: numbers only
+  Numbers numbers;
+};
+
+class DescriptionReader {
+ public:
+  DescriptionReader(std::string_view kind, std::string_view text, std::vector<std::string> keys)
+      : kind_(kind), text_(text), keys_(std::move(keys)) {}
+
+  Description read() const {
+    Description result;
+    for (std::size_t begin = 0; begin <= text_.size();) {
+      const std::size_t end = std::min(text_.find(',', begin), text_.size());
+      const std::string_view part = text_.substr(begin, end - begin);
+      const auto colon = part.find(':');
+      const bool has_name = colon != std::string_view::npos || part.find('=') == std::string_view::npos;
+      if (has_name && begin > 0) refuse(kind_, text_, "'" + printable(part) + "' is not KEY=VALUE");
+      if (has_name) {
+        result.name = std::string(part.substr(0, colon));
+        if (colon != std::string_view::npos) add_size(part.substr(colon + 1), result.numbers);
+      } else {
+        add(part, result.numbers);
+      }
+      begin = end + 1;
+    }
+    return result;
+  }
+
+ private:
+  void add_size(std::string_view size, Numbers& numbers) const {
+    if (size.find('=') != std::string_view::npos)
+      add(size, numbers);
+    else
+      add("diameter=" + std::string(size), numbers);
+  }
+
+  void add(std::string_view part, Numbers& numbers) const {
+    const auto equals = part.find('=');
+    std::string key(part.substr(0, equals));
+    if (const auto known = kShort.find(key); known != kShort.end()) key = known->second;
+    const auto quantity =
+        std::find_if(kQuantities.begin(), kQuantities.end(), [&](const Quantity& q) { return key == q.key; });
+    if (quantity == kQuantities.end() || std::find(keys_.begin(), keys_.end(), key) == keys_.end()) {
+      std::string known;
+      for (const std::string& k : keys_) known += (known.empty() ? "" : ", ") + k;
+      refuse(kind_, text_, "'" + printable(key) + "' is none of " + known);
+    }
+    const std::optional<double> value = in_si(part.substr(equals + 1), *quantity);
+    if (!value || !(*value >= quantity->least && *value <= quantity->greatest))
+      refuse(kind_, text_, key + " '" + printable(part.substr(equals + 1)) + "' must be " + quantity->range);
+    if (!numbers.emplace(key, *value).second) refuse(kind_, text_, key + " is given twice");
+  }
+
+  std::string_view kind_, text_;
+  std::vector<std::string> keys_;
+};
+
+template <class Kind>
+const Kind& kind_named(std::string_view what, std::string_view text, const std::string& name,
+                       const std::vector<Kind>& kinds) {
+  const auto other = kOtherNames.find(name);
+  const std::string& meant = other == kOtherNames.end() ? name : other->second;
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) {
+    if (kind.name == meant) return kind;
+    names.push_back(kind.name);
+  }
+  const std::string nearest = nearest_name(name, names);
+  refuse(what, text,
+         "'" + printable(name) + "' is not known" + (nearest.empty() ? "" : "; did you mean " + nearest + "?") +
+             " (bouncelab balls lists balls, materials and plates)");
+}
+
+const double* find(const Numbers& numbers, std::string_view key) {
+  const auto found = numbers.find(key);
+  return found == numbers.end() ? nullptr : &found->second;
+}
+
+/// E and nu, which make the contact Hertz's, into the material.
+void set_elastic(std::string_view kind, std::string_view text, const Numbers& numbers, Material& material) {
+  const double *e = find(numbers, "E"), *nu = find(numbers, "nu");
+  if (e == nullptr && nu == nullptr) return;
+  if (!material.hertzian && (e == nullptr || nu == nullptr)) refuse(kind, text, "E and nu belong together: give both");
+  if (e != nullptr) material.youngs_modulus_pa = *e;
+  if (nu != nullptr) material.poisson_ratio = *nu;
+  material.hertzian = true;
+}
+
+/// Shortest text of the number.
+std::string shortest(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
+}
+
+/// "6mm": a text that is read as exactly this number, with the unit if one allows that.
+std::string length_text(double length_m) {
+  const std::string text = shortest(length_m * 1e3) + "mm";
+  return in_si(text, kQuantities.front()) == length_m ? text : shortest(length_m) + "m";
+}
+
+std::string formatted_g(double value, const char* unit) {
+  std::array<char, 48> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.4g %s", value, unit);
+  return buffer.data();
+}
+
+}  // namespace
+
+Ball ball_from_text(const std::string& text) {
+  constexpr std::string_view kBall = "ball";
+  const Description given =
+      DescriptionReader(kBall, text, {"radius", "diameter", "mass", "density", "E", "nu", "inertia", "contact-time"})
+          .read();
+  const Numbers& numbers = given.numbers;
+  const double *radius = find(numbers, "radius"), *diameter = find(numbers, "diameter");
+  const double *mass = find(numbers, "mass"), *density = find(numbers, "density");
+  if (radius != nullptr && diameter != nullptr) refuse(kBall, text, "radius or diameter, not both");
+  if (mass != nullptr && density != nullptr) refuse(kBall, text, "mass or density, not both");
+  Ball ball;
+  ball.material = {0.0, 0.0, 0.0, false};
+  std::optional<double> radius_m;
+  if (!given.name.empty()) {
+    const BallKind& kind = kind_named(kBall, text, given.name, ball_kinds());
+    ball.material = kind.material;
+    ball.inertia_factor = kind.inertia_factor;
+    if (kind.diameter_m) radius_m = 0.5 * *kind.diameter_m;
+    if (kind.diameter_m && (radius != nullptr || diameter != nullptr) && mass == nullptr && density == nullptr)
+      refuse(kBall, text, "the rules give a " + kind.name + " ball its size; one of another size needs its mass= too");
+  }
+  if (radius != nullptr) radius_m = *radius;
+  if (diameter != nullptr) radius_m = 0.5 * *diameter;
+  if (!radius_m)
+    refuse(kBall, text,
+           given.name.empty() ? "radius= or diameter= is missing"
+                              : "its size is missing: " + given.name + ":6mm is a diameter of 6 mm");
+  ball.radius_m = *radius_m;
+  if (density != nullptr) ball.material.density_kgpm3 = *density;
+  if (mass != nullptr) ball.material.density_kgpm3 = *mass / (4.0 / 3.0 * kPi * *radius_m * *radius_m * *radius_m);
+  const Quantity& range = kQuantities[3];
+  if (!(ball.material.density_kgpm3 >= range.least && ball.material.density_kgpm3 <= range.greatest))
+    refuse(kBall, text,
+           ball.material.density_kgpm3 == 0.0
+               ? "mass= or density= is missing"
+               : "mass and size make a density of " + formatted_g(ball.material.density_kgpm3, "kg/m^3") +
+                     "; it must be " + range.range);
+  set_elastic(kBall, text, numbers, ball.material);
+  if (const double* inertia = find(numbers, "inertia")) ball.inertia_factor = *inertia;
+  if (const double* time = find(numbers, "contact-time")) ball.contact_time_s = *time;
+  return ball;
+}
+
+std::string to_text(const Ball& ball) {
+  std::string text;
+  for (const BallKind& kind : ball_kinds()) {
+    if (kind.material != ball.material) continue;
+    if (kind.diameter_m && 0.5 * *kind.diameter_m != ball.radius_m) continue;
+    text = kind.name + (kind.diameter_m ? "" : ":" + length_text(2.0 * ball.radius_m));
+    if (kind.inertia_factor != ball.inertia_factor) text += ",inertia=" + shortest(ball.inertia_factor);
+    break;
+  }
+  if (text.empty()) {
+    text = "diameter=" + length_text(2.0 * ball.radius_m) + ",density=" + shortest(ball.material.density_kgpm3);
+    if (ball.material.hertzian)
+      text += ",E=" + shortest(ball.material.youngs_modulus_pa) + "Pa,nu=" + shortest(ball.material.poisson_ratio);
+    text += ",inertia=" + shortest(ball.inertia_factor);
+  }
+  if (ball.contact_time_s) text += ",contact-time=" + shortest(*ball.contact_time_s) + "s";
+  return text;
+}
+
+std::string describe(const Ball& ball) {
+  return to_text(ball) + " (diameter " + formatted_g(2e3 * ball.radius_m, "mm") + ", radius " +
+         formatted_g(1e3 * ball.radius_m, "mm") + ", mass " + formatted_g(1e3 * mass_kg(ball), "g") +
+         ", J = " + formatted_g(ball.inertia_factor, "m R^2)");
+}
+
+Material plate_from_text(const std::string& text) {
+  constexpr std::string_view kPlate = "plate";
+  const Description given = DescriptionReader(kPlate, text, {"E", "nu", "density"}).read();
+  Material plate{0.0, 0.0, 0.0, false};
+  if (!given.name.empty()) plate = kind_named(kPlate, text, given.name, plate_kinds()).material;
+  if (const double* density = find(given.numbers, "density")) plate.density_kgpm3 = *density;
+  set_elastic(kPlate, text, given.numbers, plate);
+  if (!(plate.youngs_modulus_pa > 0.0 && plate.density_kgpm3 > 0.0))
+    refuse(kPlate, text, "give a name, or E=, nu= and density=");
+  return plate;
+}
+
+std::string plate_text(const Material& plate) {
+  for (const PlateKind& kind : plate_kinds()) {
+    Material of_density = kind.material;
+    of_density.density_kgpm3 = plate.density_kgpm3;
+    if (kind.material == plate) return kind.name;
+    if (of_density == plate) return kind.name + ",density=" + shortest(plate.density_kgpm3);
+  }
+  return "E=" + shortest(plate.youngs_modulus_pa) + "Pa,nu=" + shortest(plate.poisson_ratio) +
+         ",density=" + shortest(plate.density_kgpm3);
+}
+
+std::optional<double> plate_loss_factor(const Material& plate) {
+  for (const PlateKind& kind : plate_kinds())
+    if (kind.material == plate) return kind.loss_factor;
+  return std::nullopt;
+}
+
+}  // namespace bouncelab

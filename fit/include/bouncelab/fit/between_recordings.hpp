@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/fit/estimate.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+#include "bouncelab/fit/recording_date.hpp"
+#include "bouncelab/fit/recording_summary.hpp"
+
+namespace bouncelab::fit {
+
+/// Where and when a recording was made, as far as it is known.
+struct RecordingOrigin {
+  std::string plate;  ///< empty: not known
+  std::optional<RecordingDate> date;
+};
+
+struct CampaignRecording {
+  RecordingSummary summary;
+  RecordingOrigin origin;
+};
+
+/// How much eps differs from recording to recording, or from group to group, beyond the errors of each.
+struct StandardDeviation {
+  double value = 0.0;
+  Interval ci95;  ///< by the profile of the restricted likelihood
+};
+
+struct ChiSquareTest {
+  double chi2 = 0.0, ndf = 0.0, p_value = 1.0;
+};
+
+/// eps over the campaign, as a straight line.
+struct Drift {
+  bool by_date = true;  ///< false: too few dates are known, and the recordings are taken in their order
+  Estimate slope;       ///< of eps per day, or per recording
+  double p_value = 1.0;
+  double begin = 0.0, end = 0.0;  ///< of the campaign: days since 1970-01-01, or 0 and the number of the last recording
+  double middle = 0.0;            ///< the mean, to which the pooled law belongs
+};
+
+enum class GroupEffect {
+  none,    ///< not in the model: why, is in the notes
+  fixed,   ///< two to four groups: a constant for each, their mean 0
+  random,  ///< a standard deviation between groups: from five on, where five recordings are not the first of theirs
+};
+const char* to_string(GroupEffect effect);
+
+/// The recordings of one plate, or of one day.
+struct GroupRow {
+  std::string name;
+  std::size_t n = 0;  ///< recordings used, outliers left out
+  /// Mean offset from the pooled law of the whole, with the error that the recordings' errors and their standard
+  /// deviation tau give; of plates the drift, of days the plates are taken out, of days the drift is not.
+  double offset = 0.0, se = 0.0;
+};
+struct Grouping {
+  GroupEffect effect = GroupEffect::none;
+  std::optional<StandardDeviation> deviation;  ///< where the effect is random
+  std::vector<GroupRow> rows;                  ///< in order of name
+};
+
+/// A recording against the others.
+struct RecordingRow {
+  bool is_used = false;        ///< its own law has values; if not, the summary's message says why
+  double eps = 0.0, se = 0.0;  ///< at the reference speed, by the pooled law's shape; error of the recording
+  double offset = 0.0;         ///< from the pooled law
+  double standardised = 0.0;   ///< off what the other recordings predict of it, over the error of that
+  double p_value = 1.0;        ///< of so large a standardised offset in any of all recordings, at most 1
+  bool is_outlier = false;     ///< p < 0.05
+};
+
+/// What many recordings say together: the pooled law, how much the recordings differ, drift, outliers.
+struct BetweenRecordings {
+  FitStatus status = FitStatus::too_few_samples;
+  std::string message;
+  std::size_t n_recordings = 0, n_used = 0, n_outliers = 0;  ///< outliers are among the used, and not in the pool
+  std::size_t n_samples = 0;                                 ///< fitted, of the recordings used
+  LawKind kind = LawKind::series;
+  double v_mps = 0.0;                     ///< the reference speed
+  Estimate eps;                           ///< of the pooled law there; its error includes tau
+  Interval prediction95;                  ///< of one more recording there
+  std::vector<NamedEstimate> parameters;  ///< A2, A4, A5; fewer where the speeds do not determine them
+  Matrix correlation;                     ///< of `parameters`
+  std::vector<NodeEstimate> nodes;
+  std::vector<CurvePoint> curve;  ///< with the 95 % band of the pooled law
+  std::vector<Interval> curve_prediction95;
+  StandardDeviation tau;        ///< between recordings of one plate and day
+  ChiSquareTest heterogeneity;  ///< is tau 0, and is there no drift and no group?
+  ChiSquareTest shapes;         ///< do the recordings' curves differ by constants only?
+  std::optional<Drift> drift;
+  Grouping plates, days;
+  std::vector<RecordingRow> rows;  ///< as the recordings were given
+  std::vector<std::string> notes;
+};
+
+/// Recordings needed for a pooled law with a standard deviation between them.
+inline constexpr std::size_t kFewestPooled = 4;
+
+/// Recordings as a mixed linear model: each has the pooled law, a straight line in time, an offset of its plate and its
+/// day, an offset of its own of standard deviation tau, and the errors of its own law:
+///
+///   eps_r(v) = eps(v; A) + slope (t_r - middle) + plate + day + u_r,   var u_r = tau^2
+///
+/// A and slope by generalised least squares; standard deviations by restricted maximum likelihood (Patterson &
+/// Thompson, doi:10.1093/biomet/58.3.545); errors of A and slope include them, with Student's t by Satterthwaite's
+/// degrees of freedom (Fai & Cornelius, doi:10.1080/00949659608811740) and never below what the residuals say (Knapp &
+/// Hartung, Stat. Med. 22, 2693 (2003), doi:10.1002/sim.1482). Where the recordings' curves differ in shape by more
+/// than their errors, these are widened by Birge's ratio. Outliers are judged by the model without them, at 5 % for all
+/// recordings together, and left out of it. Takes about as long for each recording whatever their number.
+///
+/// Assumes: offsets are normal but for the outliers, the errors of the recordings' own laws are known, and a recording
+/// differs from the others by a constant.
+BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordings);
+
+/// The answer in a few sentences, the most important first. @param recordings  those compared
+std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings);
+
+/// comparison.json but for the rows of the recordings, of which it has the outliers and those that could not be used.
+std::string to_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings, int indent = 1);
+
+/// What the report draws: columns of the recordings used, in order of time; of more than `most` every so manieth, and
+/// always the outliers and the fifty furthest off.
+std::string points_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
+                        std::size_t most = 4000);
+
+/// comparison.csv: a row a recording.
+Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings);
+
+}  // namespace bouncelab::fit

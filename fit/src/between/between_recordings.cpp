@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/fit/between_recordings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "between/design.hpp"
+#include "between/outlying.hpp"
+#include "between/variance_components.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "law/distributions.hpp"
+#include "law/result_matrix.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// The fitted model and what its errors are made of.
+class Pool {
+ public:
+  Pool(const Design& design, const Judged& judged)
+      : design_(design),
+        judged_(judged),
+        solution_(judged.data, judged.deviations),
+        errors_(judged.data, judged.deviations) {
+    const double n_free = static_cast<double>(judged.data.n() - judged.data.n_fixed()) + design.within_rank;
+    if (n_free > 0.0) factor_ = std::max(1.0, solution_.sum_of_squares() / n_free);
+  }
+
+  const OffsetSolution& solution() const { return solution_; }
+  Eigen::VectorXd law() const { return design_.base + solution_.beta().head(design_.n_law); }
+  /// Of direction' beta; with `more_variance` what is added to the error's square.
+  Estimate estimate(double value, const Eigen::VectorXd& direction, double more_variance = 0.0) const {
+    const double variance = factor_ * direction.dot(solution_.covariance() * direction) + more_variance;
+    const double se = std::sqrt(std::max(0.0, variance));
+    const double n_free = errors_.degrees_of_freedom(direction, more_variance > 0.0 ? se : 0.0);
+    return normal_estimate(value, se, student_t_quantile(0.8413447460685429, n_free),
+                           student_t_quantile(0.975, n_free));
+  }
+  Eigen::VectorXd direction_of(const Eigen::RowVectorXd& law) const {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(judged_.data.n_fixed());
+    direction.head(design_.n_law) = law.transpose();
+    return direction;
+  }
+  double eps(double v_mps) const { return 1.0 + (design_.law.jacobian(std::span(&v_mps, 1), law()) * law())[0]; }
+  Estimate eps_at(double v_mps, double more_variance = 0.0) const {
+    return estimate(eps(v_mps), direction_of(design_.law.jacobian(std::span(&v_mps, 1), law()).row(0)), more_variance);
+  }
+  /// Of one more recording, on a plate and a day that may be any.
+  double variance_of_a_recording() const {
+    double sum = 0.0;
+    for (const double sd : judged_.deviations) sum += square(sd);
+    return sum;
+  }
+  Eigen::MatrixXd covariance() const { return factor_ * solution_.covariance(); }
+  double degrees_of_freedom(const Eigen::VectorXd& direction) const { return errors_.degrees_of_freedom(direction); }
+
+ private:
+  const Design& design_;
+  const Judged& judged_;
+  OffsetSolution solution_;
+  ErrorsOfErrors errors_;
+  double factor_ = 1.0;
+};
+
+void describe_law(BetweenRecordings& result, const Design& design, const Pool& pool) {
+  constexpr int kPoints = 60;
+  const LawModel& law = design.law;
+  const double spread = pool.variance_of_a_recording();
+  result.kind = law.kind;
+  result.v_mps = design.node_v_mps[design.node_v_mps.size() / 2];
+  result.eps = pool.eps_at(result.v_mps);
+  result.prediction95 = *pool.eps_at(result.v_mps, spread).ci95;
+  for (const double v : design.node_v_mps) result.nodes.push_back({v, pool.eps_at(v)});
+  const Eigen::VectorXd q = pool.law().array() + 1.0;
+  const Eigen::VectorXd values = law.reported(q);
+  const Eigen::MatrixXd rows = law.reported_jacobian(q);
+  const std::vector<std::string> names = law.names();
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    Estimate a = pool.estimate(values[i], pool.direction_of(rows.row(i)));
+    a.identified = 3.0 * *a.se < std::abs(a.value);
+    result.parameters.push_back({names[static_cast<std::size_t>(i)], a});
+  }
+  const Eigen::MatrixXd covariance = pool.covariance().topLeftCorner(design.n_law, design.n_law);
+  result.correlation = to_matrix(correlation_of(rows * covariance * rows.transpose()));
+  for (int k = 0; k < kPoints && !design.v_ends_mps.empty(); ++k) {
+    const double v = design.v_ends_mps[0] * pow(design.v_ends_mps[1] / design.v_ends_mps[0], k / (kPoints - 1.0));
+    const Estimate e = pool.eps_at(v);
+    result.curve.push_back({v, e.value, e.ci95, e.se});
+    result.curve_prediction95.push_back(*pool.eps_at(v, spread).ci95);
+  }
+}
+
+void describe_deviations(BetweenRecordings& result, const Design& design, const Judged& judged) {
+  const auto deviation = [&](std::size_t k) {
+    return StandardDeviation{judged.deviations[k], profile_interval(judged.data, judged.deviations, k)};
+  };
+  result.tau = deviation(0);
+  result.plates.effect = design.plates.effect;
+  result.days.effect = design.days.effect;
+  if (design.plates.effect == GroupEffect::random) result.plates.deviation = deviation(design.plate_grouping + 1);
+  if (design.days.effect == GroupEffect::random) result.days.deviation = deviation(design.day_grouping + 1);
+}
+
+/// Of all recordings used, by one law without drift, groups and tau.
+ChiSquareTest heterogeneity_of(const Design& design) {
+  OffsetData data = design.data;
+  data.h = data.h.leftCols(design.n_law).eval();
+  data.within = data.within.topLeftCorner(design.n_law, design.n_law).eval();
+  data.within_y = data.within_y.head(design.n_law).eval();
+  data.n_levels = {0, 0};
+  data.prepare();
+  const OffsetSolution solution(data, {0.0, 0.0, 0.0});
+  ChiSquareTest test;
+  test.chi2 = std::max(0.0, solution.sum_of_squares());
+  test.ndf = static_cast<double>(data.n() - design.n_law) + design.within_rank;
+  test.p_value = chi2_survival(test.chi2, test.ndf);
+  return test;
+}
+
+void describe_drift(BetweenRecordings& result, const Design& design, const Pool& pool) {
+  if (!design.has_drift) return;
+  Drift drift = design.drift;
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(design.data.n_fixed());
+  direction[direction.size() - 1] = 1.0 / design.time_unit;
+  drift.slope = pool.estimate(pool.solution().beta().dot(direction), direction);
+  const double t = drift.slope.value / *drift.slope.se;
+  drift.p_value = 2.0 * student_t_below(-std::abs(t), pool.degrees_of_freedom(direction));
+  result.drift = drift;
+}
+
+/// Weighted means of what is left of the offsets by group.
+std::vector<GroupRow> group_rows(const GroupLabels& labels, const Judged& judged, const Eigen::VectorXd& left) {
+  std::vector<GroupRow> rows(labels.names.size());
+  std::vector<double> weights(labels.names.size(), 0.0);
+  for (std::size_t k = 0; k < judged.kept.size(); ++k) {
+    const int label = labels.of_recording[static_cast<std::size_t>(judged.kept[k])];
+    if (label < 0) continue;
+    const auto g = static_cast<std::size_t>(label);
+    const auto r = static_cast<Eigen::Index>(k);
+    const double weight = 1.0 / (square(judged.deviations[0]) + judged.data.variance[r]);
+    ++rows[g].n;
+    rows[g].offset += weight * left[r];
+    weights[g] += weight;
+  }
+  for (std::size_t g = 0; g < rows.size(); ++g) {
+    rows[g].name = labels.names[g];
+    if (rows[g].n == 0) continue;
+    rows[g].offset /= weights[g];
+    rows[g].se = 1.0 / std::sqrt(weights[g]);
+  }
+  std::erase_if(rows, [](const GroupRow& row) { return row.n == 0; });
+  return rows;
+}
+
+void describe_groups(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
+  const Eigen::VectorXd& beta = pool.solution().beta();
+  const Eigen::VectorXd of_law = judged.data.m - judged.data.h.leftCols(design.n_law) * beta.head(design.n_law);
+  Eigen::VectorXd of_plates = of_law, of_days = of_law;
+  for (std::size_t k = 0; k < judged.kept.size(); ++k) {
+    const auto r = static_cast<Eigen::Index>(k);
+    const auto row = static_cast<std::size_t>(judged.kept[k]);
+    if (design.has_drift) of_plates[r] -= judged.data.h(r, judged.data.h.cols() - 1) * beta[beta.size() - 1];
+    if (design.days.effect == GroupEffect::random)
+      of_plates[r] -= pool.solution().effect(design.day_grouping, design.days.of_recording[row]);
+    const int plate = design.plates.of_recording[row];
+    of_days[r] -= design.plate_constant(beta, plate);
+    if (design.plates.effect == GroupEffect::random) of_days[r] -= pool.solution().effect(design.plate_grouping, plate);
+  }
+  result.plates.rows = group_rows(design.plates, judged, of_plates);
+  result.days.rows = group_rows(design.days, judged, of_days);
+}
+
+void describe_rows(BetweenRecordings& result, const Design& design, const Judged& judged, const Pool& pool) {
+  const Eigen::VectorXd beta = pool.solution().beta().head(design.n_law);
+  for (std::size_t k = 0; k < design.of_row.size(); ++k) {
+    const auto r = static_cast<Eigen::Index>(k);
+    RecordingRow& row = result.rows[design.of_row[k]];
+    row.is_used = true;
+    row.offset = design.data.m[r] - design.data.h.row(r).head(design.n_law).dot(beta);
+    row.eps = result.eps.value + row.offset;
+    row.se = std::sqrt(design.data.variance[r]);
+    row.standardised = judged.rows[k].standardised;
+    row.p_value = judged.rows[k].p_value;
+    row.is_outlier = judged.rows[k].is_outlier;
+    result.n_outliers += row.is_outlier;
+  }
+}
+
+}  // namespace
+
+const char* to_string(GroupEffect effect) {
+  switch (effect) {
+    case GroupEffect::none:
+      return "none";
+    case GroupEffect::fixed:
+      return "fixed";
+    case GroupEffect::random:
+      return "random";
+  }
+  return "unknown";
+}
+
+BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordings) {
+  BetweenRecordings result;
+  result.n_recordings = recordings.size();
+  result.rows.resize(recordings.size());
+  for (const CampaignRecording& recording : recordings) {
+    if (recording.summary.status != FitStatus::ok) continue;
+    ++result.n_used;
+    result.n_samples += recording.summary.n;
+  }
+  if (result.n_used < kFewestPooled) {
+    result.message = std::to_string(result.n_used) + " of " + std::to_string(result.n_recordings) +
+                     (result.n_recordings == 1 ? " recording has" : " recordings have") +
+                     " a law of its own: at least " + std::to_string(kFewestPooled) + " are needed";
+    return result;
+  }
+  const Design design = make_design(recordings);
+  if (design.data.n() < design.data.n_fixed() + 1) {
+    result.message = std::to_string(result.n_used) + " recordings do not determine law, drift and plates together";
+    return result;
+  }
+  const Judged judged = judge(design.data);
+  const Pool pool(design, judged);
+  result.status = FitStatus::ok;
+  result.notes = design.notes;
+  result.shapes = design.shapes;
+  result.heterogeneity = heterogeneity_of(design);
+  describe_law(result, design, pool);
+  describe_deviations(result, design, judged);
+  describe_drift(result, design, pool);
+  describe_groups(result, design, judged, pool);
+  describe_rows(result, design, judged, pool);
+  return result;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "between/offset_model.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <map>
+
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+/// With scaling, so that the columns' units do not matter.
+Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& m, double& log_det) {
+  const Eigen::VectorXd scale = m.diagonal().array().max(1e-300).sqrt().inverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> llt(scaled);
+  for (Eigen::Index i = 0; i < m.rows(); ++i) log_det += 2.0 * log(llt.matrixLLT()(i, i) / scale[i]);
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(m.rows(), m.cols());
+  return scale.asDiagonal() * llt.solve(unit) * scale.asDiagonal();
+}
+
+}  // namespace
+
+void OffsetData::prepare() {
+  h_and_m.resize(n(), n_fixed() + 1);
+  h_and_m << h, m;
+  pairs.clear();
+  pair_of_row.assign(static_cast<std::size_t>(n()), -1);
+  if (n_levels[0] == 0 || n_levels[1] == 0) return;
+  std::map<std::array<int, 2>, int> numbers;
+  const auto pair_of = [&](std::size_t r) { return std::array<int, 2>{level[0][r], level[1][r]}; };
+  for (std::size_t r = 0; r < pair_of_row.size(); ++r)
+    if (pair_of(r)[0] >= 0 && pair_of(r)[1] >= 0) numbers.emplace(pair_of(r), 0);
+  for (auto& [pair, number] : numbers) {
+    number = static_cast<int>(pairs.size());
+    pairs.push_back(pair);
+  }
+  for (std::size_t r = 0; r < pair_of_row.size(); ++r)
+    if (const auto found = numbers.find(pair_of(r)); found != numbers.end()) pair_of_row[r] = found->second;
+}
+
+OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviations, bool predicts)
+    : data_(data), deviations_(deviations) {
+  const Eigen::Index n_fixed = data.n_fixed();
+  for (std::size_t g = 0; g < 2; ++g) active_[g] = data.n_levels[g] > 0 && deviations[g + 1] > 0.0;
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n_fixed + 1, n_fixed + 1);
+  std::array<Eigen::MatrixXd, 2> t;
+  std::array<Eigen::VectorXd, 2> d;
+  std::vector<double> pairs;
+  add_up(products, t, d, pairs);
+  eliminate(t, d, pairs);
+  if (predicts) invert_diagonal();
+  for (std::size_t g = 0; g < 2; ++g)
+    if (active_[g]) products -= t[g].transpose() * u_[g];
+  const Eigen::MatrixXd information = products.topLeftCorner(n_fixed, n_fixed) + data.within;
+  const Eigen::VectorXd right = products.topRightCorner(n_fixed, 1) + data.within_y;
+  double log_det_information = 0.0;
+  covariance_ = inverse_of_positive(0.5 * (information + information.transpose()), log_det_information);
+  beta_ = covariance_ * right;
+  sum_of_squares_ = products(n_fixed, n_fixed) + data.within_yy - beta_.dot(right);
+  minus_two_log_likelihood_ = log_det_ + log_det_information + sum_of_squares_;
+}
+
+int OffsetSolution::level_of(std::size_t grouping, Eigen::Index r) const {
+  return active_[grouping] ? data_.level[grouping][static_cast<std::size_t>(r)] : -1;
+}
+
+/// f'Wf with f = [h, m], Z'Wf and the blocks of M, in one pass over the rows.
+void OffsetSolution::add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixXd, 2>& t,
+                            std::array<Eigen::VectorXd, 2>& d, std::vector<double>& pairs) {
+  const Eigen::Index n = data_.n(), n_columns = data_.n_fixed() + 1;
+  for (std::size_t g = 0; g < 2; ++g) {
+    const int levels = active_[g] ? data_.n_levels[g] : 0;
+    t[g] = Eigen::MatrixXd::Zero(n_columns, levels);  // transposed until the end: a level's numbers lie together
+    d[g] = Eigen::VectorXd::Constant(levels, levels > 0 ? 1.0 / square(deviations_[g + 1]) : 0.0);
+    if (levels > 0) log_det_ += 2.0 * levels * log(deviations_[g + 1]);
+  }
+  const bool has_pairs = active_[0] && active_[1];
+  pairs.assign(has_pairs ? data_.pairs.size() : 0, 0.0);
+  weights_.resize(n);
+  double product = 1.0;
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const double variance = data_.variance[r] + square(deviations_[0]), weight = 1.0 / variance;
+    weights_[r] = weight;
+    product *= variance;
+    if (r % 8 == 7 || r == n - 1) {  // eight variances of eps are far from the least double
+      log_det_ += log(product);
+      product = 1.0;
+    }
+    const double* f = data_.h_and_m.data() + r * n_columns;
+    for (Eigen::Index j = 0; j < n_columns; ++j) {
+      double* column = products.data() + j * n_columns;
+      const double weighted = weight * f[j];
+      for (Eigen::Index i = 0; i <= j; ++i) column[i] += weighted * f[i];
+    }
+    for (std::size_t g = 0; g < 2; ++g) {
+      const int k = level_of(g, r);
+      if (k < 0) continue;
+      d[g][k] += weight;
+      double* column = t[g].data() + k * n_columns;
+      for (Eigen::Index i = 0; i < n_columns; ++i) column[i] += weight * f[i];
+    }
+    if (const int pair = has_pairs ? data_.pair_of_row[static_cast<std::size_t>(r)] : -1; pair >= 0)
+      pairs[static_cast<std::size_t>(pair)] += weight;
+  }
+  products.triangularView<Eigen::StrictlyLower>() = products.transpose();
+  for (Eigen::MatrixXd& sums : t) sums.transposeInPlace();
+}
+
+void OffsetSolution::eliminate(const std::array<Eigen::MatrixXd, 2>& t, const std::array<Eigen::VectorXd, 2>& d,
+                               const std::vector<double>& pairs) {
+  diagonal_ = d[0];
+  sparse_.assign(static_cast<std::size_t>(d[0].size()), {});
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    sparse_[static_cast<std::size_t>(data_.pairs[k][0])].push_back({data_.pairs[k][1], pairs[k]});
+  Eigen::MatrixXd schur = d[1].asDiagonal();
+  Eigen::MatrixXd right = t[1];
+  for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
+    log_det_ += log(diagonal_[i]);
+    for (const Entry& a : sparse_[static_cast<std::size_t>(i)]) {
+      right.row(a.column) -= a.value / diagonal_[i] * t[0].row(i);
+      for (const Entry& b : sparse_[static_cast<std::size_t>(i)])
+        schur(a.column, b.column) -= a.value * b.value / diagonal_[i];
+    }
+  }
+  schur_inverse_ = schur.size() > 0 ? inverse_of_positive(schur, log_det_) : schur;
+  u_[1] = schur_inverse_ * right;
+  u_[0] = t[0];
+  for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
+    for (const Entry& a : sparse_[static_cast<std::size_t>(i)]) u_[0].row(i) -= a.value * u_[1].row(a.column);
+    u_[0].row(i) /= diagonal_[i];
+  }
+}
+
+void OffsetSolution::invert_diagonal() {
+  inverse_diagonal_.resize(diagonal_.size());
+  for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
+    double sum = 0.0;
+    for (const Entry& a : sparse_[static_cast<std::size_t>(i)])
+      for (const Entry& b : sparse_[static_cast<std::size_t>(i)])
+        sum += a.value * b.value * schur_inverse_(a.column, b.column);
+    inverse_diagonal_[i] = (1.0 + sum / diagonal_[i]) / diagonal_[i];
+  }
+}
+
+double OffsetSolution::effect(std::size_t grouping, int level) const {
+  if (!has(grouping, level)) return 0.0;
+  const auto row = u_[grouping].row(level);
+  return row[data_.n_fixed()] - row.head(data_.n_fixed()).dot(beta_);
+}
+
+double OffsetSolution::inverse_of(const std::array<int, 2>& level) const {
+  double sum = 0.0;
+  if (has(0, level[0])) sum += inverse_diagonal_[level[0]];
+  if (has(1, level[1])) sum += schur_inverse_(level[1], level[1]);
+  if (has(0, level[0]) && has(1, level[1]))
+    for (const Entry& a : sparse_[static_cast<std::size_t>(level[0])])
+      sum -= 2.0 * a.value * schur_inverse_(a.column, level[1]) / diagonal_[level[0]];
+  return sum;
+}
+
+OffsetSolution::Residual OffsetSolution::without(Eigen::Index r) const {
+  const Eigen::Index n_fixed = data_.n_fixed();
+  const std::array<int, 2> level{level_of(0, r), level_of(1, r)};
+  Eigen::RowVectorXd row = data_.h_and_m.row(r);
+  for (std::size_t g = 0; g < 2; ++g)
+    if (level[g] >= 0) row -= u_[g].row(level[g]);
+  row *= weights_[r];  // of V^-1 f
+  const Eigen::RowVectorXd of_h = row.head(n_fixed);
+  // diagonal of P and element of P m: the offset of a recording with a parameter of its own is their ratio
+  const double p = weights_[r] - square(weights_[r]) * inverse_of(level) - of_h * covariance_ * of_h.transpose();
+  const double p_m = row[n_fixed] - of_h.dot(beta_);
+  return p > 1e-9 * weights_[r] ? Residual{p_m / p, 1.0 / std::sqrt(p)} : Residual{};
+}
+
+OffsetSolution::Residual OffsetSolution::of_another(const Eigen::RowVectorXd& h, double m, double variance,
+                                                    const std::array<int, 2>& level) const {
+  Eigen::RowVectorXd row = h;
+  double value = m - h.dot(beta_);
+  for (std::size_t g = 0; g < 2; ++g)
+    if (has(g, level[g])) {
+      row -= u_[g].row(level[g]).head(data_.n_fixed());
+      value -= effect(g, level[g]);
+    }
+  const double of_new_levels = (data_.n_levels[0] > 0 && !has(0, level[0]) ? square(deviations_[1]) : 0.0) +
+                               (data_.n_levels[1] > 0 && !has(1, level[1]) ? square(deviations_[2]) : 0.0);
+  return {value, std::sqrt(variance + square(deviations_[0]) + of_new_levels + inverse_of(level) +
+                           (row * covariance_).dot(row))};
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace bouncelab::fit {
+
+/// Recordings as a mixed linear model. A recording r has values y_r at its node speeds, known but for errors of
+/// covariance S_r, and is off the common curve by a constant:
+///
+///   y_r = X_r beta + 1 (u_r + random effects of its groups) + e_r,   cov e_r = S_r,   var u_r = tau^2
+///
+/// Because all that is random between recordings goes along 1, a recording is sufficiently described by one number
+///
+///   m_r = 1' S_r^-1 y_r / a_r,   a_r = 1' S_r^-1 1,   m_r = h_r' beta + u_r + ...,   error variance 1/a_r,
+///   h_r = X_r' S_r^-1 1 / a_r,
+///
+/// and by what the shape of its curve adds on beta whatever its offset, which is summed over all recordings:
+/// within = sum X_r' S_r^-1 X_r - a_r h_r h_r', and likewise for y. Nothing of size n x n is ever made.
+struct OffsetData {
+  Eigen::MatrixXd h;         ///< a row a recording
+  Eigen::VectorXd m;         ///< offsets as above
+  Eigen::VectorXd variance;  ///< 1/a_r
+  Eigen::MatrixXd within;    ///< information on beta from inside the recordings
+  Eigen::VectorXd within_y;
+  double within_yy = 0.0;
+  /// Up to two groupings with a random effect for each of their levels; -1: none for this recording. Empty: no such
+  /// grouping. The second has the fewer levels: its matrix is dense.
+  std::array<std::vector<int>, 2> level;
+  std::array<int, 2> n_levels{0, 0};
+
+  /// What the solutions need of the rows in one place; to be called when all of the above is there.
+  void prepare();
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows h_and_m;
+  std::vector<std::array<int, 2>> pairs;  ///< of levels that some recording has, in order
+  std::vector<int> pair_of_row;           ///< -1: not of both groupings
+
+  Eigen::Index n() const { return m.size(); }
+  Eigen::Index n_fixed() const { return h.cols(); }
+};
+
+/// Standard deviations of the random effects: between recordings, and between the levels of the groupings.
+using Deviations = std::array<double, 3>;
+
+/// The model at given standard deviations: generalised least squares by Woodbury's identity, the larger grouping
+/// eliminated first. Time n, and the cube of the number of levels of the second grouping.
+class OffsetSolution {
+ public:
+  /// @param predicts  for without() and of_another()
+  OffsetSolution(const OffsetData& data, const Deviations& deviations, bool predicts = false);
+
+  /// -2 times the logarithm of the restricted likelihood, but for a constant. Source: Patterson & Thompson, Biometrika
+  /// 58, 545 (1971), doi:10.1093/biomet/58.3.545; Harville, J. Am. Stat. Assoc. 72, 320 (1977),
+  /// doi:10.1080/01621459.1977.10480998.
+  double minus_two_log_likelihood() const { return minus_two_log_likelihood_; }
+  const Eigen::VectorXd& beta() const { return beta_; }
+  const Eigen::MatrixXd& covariance() const { return covariance_; }
+  /// Weighted sum of squares of offsets and shapes about the fit.
+  double sum_of_squares() const { return sum_of_squares_; }
+  /// Predicted effect of a level of a grouping.
+  double effect(std::size_t grouping, int level) const;
+
+  struct Residual {
+    double value = 0.0;  ///< how far a recording is off what the others predict of it
+    double se = 0.0;     ///< of that, with its own error and tau
+  };
+  /// Of a recording of the data, predicted without it (the standard deviations are those of all).
+  Residual without(Eigen::Index r) const;
+  /// Of a recording that is not in the data. @param level  as in OffsetData
+  Residual of_another(const Eigen::RowVectorXd& h, double m, double variance, const std::array<int, 2>& level) const;
+
+ private:
+  bool has(std::size_t grouping, int level) const { return active_[grouping] && level >= 0; }
+  int level_of(std::size_t grouping, Eigen::Index r) const;
+  /// z' M^-1 z of the levels of a recording.
+  double inverse_of(const std::array<int, 2>& level) const;
+  void add_up(Eigen::MatrixXd& products, std::array<Eigen::MatrixXd, 2>& t, std::array<Eigen::VectorXd, 2>& d,
+              std::vector<double>& pairs);
+  void eliminate(const std::array<Eigen::MatrixXd, 2>& t, const std::array<Eigen::VectorXd, 2>& d,
+                 const std::vector<double>& pairs);
+  void invert_diagonal();
+
+  const OffsetData& data_;
+  Deviations deviations_;
+  std::array<bool, 2> active_{};
+  Eigen::VectorXd weights_;  ///< 1/(tau^2 + 1/a_r)
+  // M = G^-1 + Z'WZ in blocks: diagonal, sparse, dense
+  struct Entry {
+    int column;
+    double value;
+  };
+  Eigen::VectorXd diagonal_;
+  std::vector<std::vector<Entry>> sparse_;  ///< rows of the first grouping
+  Eigen::MatrixXd schur_inverse_;
+  double log_det_ = 0.0;
+  std::array<Eigen::MatrixXd, 2> u_;  ///< M^-1 Z'W f
+  Eigen::VectorXd inverse_diagonal_;  ///< of M^-1, first grouping
+  Eigen::VectorXd beta_;
+  Eigen::MatrixXd covariance_;
+  double sum_of_squares_ = 0.0, minus_two_log_likelihood_ = 0.0;
+};
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/ffmpeg_decoder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/program_output.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace bouncelab::audio {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::int16_t sample(std::int64_t k) { return static_cast<std::int16_t>((k * 7919) % 60013 - 30000); }
+
+class Ffmpeg : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!find_program("ffmpeg") || !find_program("ffprobe"))
+      GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
+  }
+
+  /// Stereo samples in QuickTime, which libsndfile does not read, unchanged.
+  std::filesystem::path movie(std::int64_t n_frames, const std::string& name = "sound.mov") {
+    std::vector<std::int16_t> x;
+    for (std::int64_t k = 0; k < 2 * n_frames; ++k) x.push_back(sample(k));
+    std::ofstream(folder_ / "raw", std::ios::binary)
+        .write(reinterpret_cast<const char*>(x.data()), static_cast<std::streamsize>(x.size() * sizeof x[0]));
+    const std::string command = "cd '" + folder_.path().string() +
+                                "' && ffmpeg -v error -f s16le -ar 48000 -ac 2 -i raw -c:a pcm_s16le -y './" + name +
+                                "'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    std::filesystem::remove(folder_ / "raw");
+    return folder_ / name;
+  }
+  static void expect_samples(AudioReader& reader, std::int64_t first, std::size_t n) {
+    std::vector<float> got(n);
+    for (const int channel : {0, 1}) {
+      reader.read(first, channel, got);
+      for (std::size_t k = 0; k < n; ++k)
+        ASSERT_EQ(got[k], static_cast<float>(sample(2 * (first + static_cast<std::int64_t>(k)) + channel)) * 0x1p-15F)
+            << first << " + " << k;
+    }
+  }
+  static std::string message_of(const std::filesystem::path& path) {
+    try {
+      AudioReader reader(path);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Ffmpeg, GivesEachSampleInTheRecordingsRateAndChannels) {
+  AudioReader reader(movie(20000));
+  EXPECT_EQ(reader.format().n_channels, 2);
+  EXPECT_EQ(reader.format().rate_hz, 48000.0);
+  ASSERT_EQ(reader.format().n_frames, 20000);
+  EXPECT_EQ(reader.format().lossy_coding, "");
+  EXPECT_EQ(reader.format().warning, "");
+  EXPECT_EQ(reader.format().ffmpeg, ffmpeg_version_used());
+  EXPECT_NE(ffmpeg_version_used(), "");
+  expect_samples(reader, 0, 20000);
+  expect_samples(reader, 12345, 10);
+}
+
+TEST_F(Ffmpeg, ALongRecordingIsReadInPiecesAlsoBackwards) {
+  // more than is held; the second place is in what is still held, the third is not, the last one far ahead
+  AudioReader reader(movie(9'000'000));
+  ASSERT_EQ(reader.format().n_frames, 9'000'000);
+  for (const std::int64_t first : {8'990'000, 8'000'000, 5, 7'000'000}) expect_samples(reader, first, 10000);
+  EXPECT_TRUE(reader.source(0).resident.empty());
+}
+
+TEST_F(Ffmpeg, NamesOfAnyKindAreFiles) {
+  std::filesystem::path last = movie(100);
+  for (const std::string name : {"-i a b.mov", "http:q'\"$(x)\n%d.mov"}) {
+    std::filesystem::rename(last, folder_ / name);
+    last = folder_ / name;
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(folder_.path());
+    AudioReader reader{std::filesystem::path(name)};
+    std::filesystem::current_path(before);
+    EXPECT_EQ(reader.format().n_frames, 100) << name;
+  }
+}
+
+TEST_F(Ffmpeg, WhatHoldsNoSoundIsNamedInOneLine) {
+  const std::string command =
+      "cd '" + folder_.path().string() + "' && ffmpeg -v error -f lavfi -i testsrc=d=1:s=64x64 -c:v mpeg4 silent.mp4";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_THAT(message_of(folder_ / "silent.mp4"), HasSubstr("holds no sound (QuickTime / MOV)"));
+  std::string noise(5000, '\0');
+  for (std::size_t k = 0; k < noise.size(); ++k)
+    noise[k] = static_cast<char>(sample(static_cast<std::int64_t>(k)) >> 3);
+  std::ofstream(folder_ / "noise", std::ios::binary) << noise;
+  EXPECT_THAT(message_of(folder_ / "noise"), HasSubstr("noise: not readable as audio"));
+  const auto cut = movie(20000);
+  std::filesystem::resize_file(cut, 30000);  // its index was at the end
+  EXPECT_THAT(message_of(cut), HasSubstr("ffmpeg"));
+}
+
+TEST_F(Ffmpeg, WhereItIsMissingTheMessageSaysHowToInstallIt) {
+  const auto path = movie(100);
+  const std::string before = std::getenv("PATH");
+  ::setenv("PATH", folder_.path().c_str(), 1);
+  const std::string message = message_of(path);
+  ::setenv("PATH", before.c_str(), 1);
+  EXPECT_THAT(message, HasSubstr("install ffmpeg"));
+  EXPECT_THAT(message, HasSubstr("apt install ffmpeg"));
+}
+
+TEST(ProgramOutput, IsEndedWithItsObjectHoweverLongItWouldRun) {
+  pid_t child = 0;
+  {
+    ProgramOutput running("/bin/sh", {"-c", "echo $$; exec sleep 1000"}, "x", STDIN_FILENO, 10.0);
+    std::array<std::byte, 1> digit{};
+    std::string text;
+    while (running.read(digit) == 1 && std::to_integer<char>(digit[0]) != '\n') text += std::to_integer<char>(digit[0]);
+    child = static_cast<pid_t>(std::stol(text));
+    EXPECT_EQ(::kill(child, 0), 0);
+  }
+  EXPECT_EQ(::kill(child, 0), -1);  // and was waited for
+  EXPECT_EQ(errno, ESRCH);
+}
+
+TEST(ProgramOutput, ManyComplaintsDoNotKeepItFromGoingOn) {
+  // a pipe holds 64 kB: a program whose complaints nobody reads would wait for ever
+  const ProgramResult result = run_program(
+      "/bin/sh", {"-c", "i=0; while [ $i -lt 20000 ]; do echo complaint $i >&2; i=$((i+1)); done; echo done; exit 3"},
+      "x", STDIN_FILENO, 100.0);
+  EXPECT_FALSE(result.ended_well);
+  EXPECT_EQ(result.output, "done\n");
+  EXPECT_THAT(result.complaints, ::testing::StartsWith("complaint 0\ncomplaint 1\n"));
+  EXPECT_LE(result.complaints.size(), 4096u);
+}
+
+TEST(ProgramOutput, ProcessorTimeIsLimited) {
+  const ProgramResult result = run_program("/bin/sh", {"-c", "while :; do :; done"}, "x", STDIN_FILENO, 1.0);
+  EXPECT_FALSE(result.ended_well);
+}
+
+}  // namespace
+}  // namespace bouncelab::audio

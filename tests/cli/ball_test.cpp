@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `bouncelab balls`, and --ball and --plate of every command that takes them.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+
+class BallOption : public ProgramTest {
+ protected:
+  Json json_of(const std::string& arguments) const {
+    const Result result = run(arguments + " --json");
+    EXPECT_LE(result.exit_code, 1) << arguments << "\n" << result.err;  // 1: few samples identify no constants
+    return Json::parse(result.out);
+  }
+  Json meta(const std::string& name) const { return Json::parse(content_of(folder_ / (name + ".meta.json"))); }
+  /// Onsets of a ball that loses 3 % of its speed in each bounce, without jitter.
+  void write_onsets() const {
+    std::string text = "drop,impact,t_s,sigma_t_s\n";
+    double t = 0.2, interval = 0.28;
+    for (int k = 0; k < 60; ++k) {
+      text += "0," + std::to_string(k) + "," + std::to_string(t) + ",1e-6\n";
+      t += interval;
+      interval *= 0.97;
+    }
+    write("o.csv", text);
+  }
+  double contact_us(const std::string& truth) const {
+    std::istringstream lines(content_of(folder_ / truth));
+    std::string header, row, name, cell;
+    std::getline(lines, header);
+    std::getline(lines, row);
+    std::istringstream names(header), cells(row);
+    while (std::getline(names, name, ',') && std::getline(cells, cell, ','))
+      if (name == "contact_time_s") return 1e6 * std::stod(cell);
+    return 0.0;
+  }
+};
+
+TEST_F(BallOption, TheListHasNumbersAndSources) {
+  const Result list = run("balls");
+  EXPECT_EQ(list.exit_code, 0);
+  for (const char* what :
+       {"table-tennis", "steel", "superball", "concrete", "diameter[mm]", "--ball steel:6mm", "ITTF"})
+    EXPECT_THAT(list.out, testing::HasSubstr(what));
+  const Json j = json_of("balls");
+  EXPECT_EQ(j.at("balls").at(0).at("name"), "table-tennis");
+  EXPECT_NEAR(j.at("balls").at(0).at("mass_kg").get<double>(), 2.7e-3, 1e-15);
+  EXPECT_EQ(j.at("balls").at(0).at("radius_m"), 0.02);
+  EXPECT_TRUE(j.at("balls").at(0).at("youngs_modulus_pa").is_null());
+  for (const char* list_name : {"balls", "plates"})
+    for (const Json& kind : j.at(list_name)) EXPECT_GT(kind.at("source").get<std::string>().size(), 8u);
+}
+
+TEST_F(BallOption, TheSoundIsThatOfTheBall) {
+  // R = 2 cm, 2500 kg/m^3, as stiff as steel: Hertz says 118 us at 1 m/s, not the 28 us of the 3 mm steel ball
+  const std::string heavy = "radius=2cm,density=2500,E=200GPa,nu=0.3";
+  write("i.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,0.3,0.9,0.8\n");
+  ASSERT_EQ(run("synthesize i.csv --rate 24000 --out heavy.wav --ball " + heavy).exit_code, 0);
+  ASSERT_EQ(run("synthesize i.csv --rate 24000 --out steel.wav").exit_code, 0);
+  EXPECT_NEAR(contact_us("heavy.truth.csv"), 117.5, 0.1);  // 2.943 (15 m / (16 E* sqrt R))^(2/5)
+  EXPECT_NEAR(contact_us("steel.truth.csv"), 27.9, 0.1);
+  EXPECT_NE(content_of(folder_ / "heavy.wav"), content_of(folder_ / "steel.wav"));
+  EXPECT_EQ(meta("heavy.wav").at("parameters").at("ball"), heavy);
+  EXPECT_EQ(meta("steel.wav").at("parameters").at("ball"), "steel:6mm");
+}
+
+TEST_F(BallOption, OfASimulationGoesWithItsImpacts) {
+  ASSERT_EQ(
+      run("simulate --drops 1 --impacts 5 --asperities 1000 --ball glass:16mm --plate steel --out i.csv").exit_code, 0);
+  const Json sound = json_of("synthesize i.csv --rate 24000 --out r.wav");
+  EXPECT_EQ(sound.at("ball").at("name"), "glass:16mm");
+  EXPECT_EQ(sound.at("plate").at("name"), "steel");
+  EXPECT_EQ(json_of("restitution i.csv --out s.csv").at("ball").at("name"), "glass:16mm");
+  EXPECT_EQ(json_of("restitution i.csv --out t.csv --ball golf").at("ball").at("name"), "golf");
+  EXPECT_EQ(meta("s.csv").at("parameters").at("ball"), "glass:16mm");
+  EXPECT_THAT(content_of(folder_ / "s.csv"), testing::HasSubstr(",glass:16mm,steel,"));
+  EXPECT_EQ(json_of("synthesize i.csv --rate 24000 --out r.wav --force --plate sic").at("plate").at("name"), "sic");
+}
+
+TEST_F(BallOption, NotNamedNothingIsAssumed) {
+  write_onsets();
+  EXPECT_TRUE(json_of("restitution o.csv --out s.csv").at("ball").is_null());
+  const Result fitted = run("fit s.csv --out f.json --goodness-replicates 0");
+  EXPECT_THAT(fitted.err, testing::HasSubstr("no ball was named (--ball, --plate)"));
+  EXPECT_THAT(fitted.err, testing::Not(testing::HasSubstr("steel")));
+  const Json budget = Json::parse(content_of(folder_ / "f.json")).at("budget");
+  EXPECT_TRUE(budget.at("ball").is_null());
+  EXPECT_TRUE(budget.at("rows").at(0).at("shift_drag").is_null());
+  expect_one_line_error(run("restitution o.csv --out t.csv --correct-drag"), 2, {"--ball", "bouncelab balls"});
+  expect_one_line_error(run("restitution o.csv --out t.csv --correct-contact-time --ball steel:6mm"), 2, {"--plate"});
+  expect_one_line_error(run("restitution o.csv --out t.csv --correct-contact-time --ball table-tennis --plate glass"),
+                        2, {"contact-time="});
+}
+
+TEST_F(BallOption, NamedToTheFitItIsThatOfTheBudget) {
+  write_onsets();
+  ASSERT_EQ(run("restitution o.csv --out s.csv --quiet").exit_code, 0);
+  const auto drag_of = [&](const std::string& ball) {
+    run("fit s.csv --out f.json --force --quiet --goodness-replicates 0 --plate glass --ball " + ball);
+    return Json::parse(content_of(folder_ / "f.json")).at("budget").at("rows").at(0).at("shift_drag").get<double>();
+  };
+  // deceleration 3 pi mu d v (1 + 0.15 Re^0.687) / m: 7.5 times that of the steel ball at 1 m/s, 6.7 times at 0.2 m/s
+  const double ratio = drag_of("table-tennis") / drag_of("steel:6mm");
+  EXPECT_TRUE(ratio > 6.4 && ratio < 8.0) << ratio;
+}
+
+TEST_F(BallOption, WhatIsNotKnownIsAnsweredWithTheNearestAndTheList) {
+  expect_one_line_error(run("simulate --out a.csv --ball tabletennis"), 2,
+                        {"--ball", "'tabletennis'", "table-tennis?", "bouncelab balls"});
+  expect_one_line_error(run("simulate --out a.csv --plate glas"), 2, {"--plate", "'glas'", "glass?"});
+  expect_one_line_error(run("analyze none.wav --out d --ball steel"), 2, {"--ball", "size is missing"});
+  write("c.toml", "drops = 1\nball = \"stele:6mm\"\n");
+  expect_one_line_error(run("simulate --out a.csv --config c.toml"), 2, {"c.toml: line 2", "steel?"});
+  write("i.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,0.3,0.9,0.8\n");
+  expect_one_line_error(run("synthesize i.csv --out r.wav --ball tennis"), 2, {"tennis", "contact-time="});
+  EXPECT_EQ(run("synthesize i.csv --out r.wav --rate 24000 --ball tennis,contact-time=5ms").exit_code, 0);
+  EXPECT_NEAR(contact_us("r.truth.csv"), 5000.0, 1e-6);
+  expect_one_line_error(run("simulate --out a.csv --contact-patch --ball squash"), 2, {"squash", "Hertz"});
+  write("s.csv", "v_mps,eps,ball\n0.5,0.98,steel:6mm\n0.4,0.98,stone\n");
+  expect_one_line_error(run("fit s.csv --out f.json"), 3, {"s.csv", "line 3", "'stone'"});
+  write("i.csv.meta.json", "no json");
+  expect_one_line_error(run("synthesize i.csv --out q.wav"), 3, {"i.csv.meta.json", "not JSON"});
+}
+
+TEST_F(BallOption, IsSetInConfigurationFilesAlsoInSectionsOfStages) {
+  write_onsets();
+  write("c.toml", "ball = \"glass:16mm\"\n[simulate]\ndrops = 1\nimpacts = 3\nasperities = 1000\n");
+  EXPECT_EQ(json_of("simulate --out a.csv --config c.toml").at("ball").at("name"), "glass:16mm");
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

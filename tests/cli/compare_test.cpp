@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `compare` on recordings whose truth is known, and on what is no campaign.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/restitution_law.hpp"
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+constexpr std::size_t kRecordings = 12, kPlates = 3, kBad = 7;
+constexpr double kDrift_per_day = 3e-4, kPlate = 8e-4, kBetween = 1.5e-4;
+
+std::string name_of(std::size_t k) {
+  return "ball_2026-03-" + std::to_string(10 + k) + "_" + std::to_string(10 + k % 8) + "30.wav";
+}
+
+class CompareCommand : public ProgramTest {
+ protected:
+  /// Twelve recordings of as many days, three drops of 35 impacts each. The scatter is that of the paper, two
+  /// exponentials of different slope and mean ~ 1/v convolved with a normal; recordings, and not values of laws, are
+  /// what is drawn. One recording is of another ball.
+  void write_samples() const {
+    std::ostringstream samples, groups;
+    samples << "recording,drop,impact,v_mps,eps\n";
+    groups << "recording,plate\n";
+    samples.precision(9);
+    const RestitutionLaw law = SeriesLaw{};
+    for (std::size_t k = 0; k < kRecordings; ++k) {
+      Random random(5, RandomStream::test, k);
+      const double offset = kBetween * random.normal() + kDrift_per_day * (static_cast<double>(k) - 5.5) +
+                            (k % kPlates == 1 ? kPlate : 0.0) - (k == kBad ? 8e-3 : 0.0);
+      groups << name_of(k) << ",glass " << k % kPlates + 1 << "\n";
+      for (int i = 0; i < 105; ++i) {
+        const double v = 0.25 * std::pow(1.35 / 0.25, random.uniform());
+        const double below = 4e-4 / v, above = 3e-4 / v;
+        const double side = random.uniform() < below / (below + above) ? -below : above;
+        const double eps = restitution(law, v) + offset + side * random.exponential() + 2e-4 * random.normal();
+        samples << name_of(k) << "," << i / 35 << "," << i % 35 + 1 << "," << v << "," << eps << "\n";
+      }
+    }
+    write("s.csv", samples.str());
+    write("g.csv", groups.str());
+  }
+  nlohmann::json comparison() const { return nlohmann::json::parse(content_of(folder_ / "o/comparison.json")); }
+};
+
+TEST_F(CompareCommand, FindsDriftPlateAndBadRecording) {
+  write_samples();
+  const Result result = run("compare s.csv --groups g.csv --out o");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto c = comparison();
+  EXPECT_EQ(c.at("n_recordings"), kRecordings);
+  EXPECT_EQ(c.at("n_samples").get<std::size_t>() / 100, 12u);  // 1260 but for lost bounces
+  // one seed: each interval leaves the truth out once in 20 of them
+  const auto holds = [](const nlohmann::json& ci, double truth) {
+    EXPECT_LT(ci.at(0).get<double>(), truth);
+    EXPECT_GT(ci.at(1).get<double>(), truth);
+  };
+  holds(c.at("drift").at("slope").at("ci95"), kDrift_per_day);
+  EXPECT_LT(c.at("drift").at("p_value"), 1e-3);
+  EXPECT_EQ(c.at("drift").at("per"), "day");
+  // of the mean of the plates, in the middle of the campaign
+  holds(c.at("eps").at("ci95"), restitution(SeriesLaw{}, c.at("v_mps")) + kPlate / 3.0);
+  ASSERT_EQ(c.at("outliers").size(), 1u);
+  EXPECT_EQ(c.at("outliers").at(0).at("recording"), name_of(kBad));
+  EXPECT_EQ(c.at("plates").at("effect"), "fixed");
+  ASSERT_EQ(c.at("plates").at("rows").size(), kPlates);
+  const auto& second = c.at("plates").at("rows").at(1);
+  EXPECT_EQ(second.at("name"), "glass 2");
+  // three standard errors, of the plate's and of the mean's
+  EXPECT_NEAR(second.at("offset"), kPlate * 2.0 / 3.0, 4.0 * second.at("se").get<double>());
+  EXPECT_THAT(result.out, testing::HasSubstr("rises over the campaign"));
+  EXPECT_THAT(result.out, testing::HasSubstr(name_of(kBad)));
+  const std::string table = content_of(folder_ / "o/comparison.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<std::ptrdiff_t>(kRecordings) + 1);
+  EXPECT_THAT(table, testing::HasSubstr(name_of(0) + ",glass 1,2026-03-10T10:30:00,"));
+  const std::string page = content_of(folder_ / "o/report.html");
+  EXPECT_THAT(page, testing::HasSubstr("rises over the campaign"));
+  EXPECT_LT(page.size(), 3000000u);  // the plotting library is half of it
+  EXPECT_THAT(content_of(folder_ / "o/comparison.json.meta.json"), testing::HasSubstr("g.csv"));
+}
+
+TEST_F(CompareCommand, SameBytesOnAnyNumberOfThreads) {
+  write_samples();
+  ASSERT_EQ(run("compare s.csv --out o --threads 1 --quiet").exit_code, 0);
+  const std::string one = content_of(folder_ / "o/comparison.json");
+  ASSERT_EQ(run("compare s.csv --out o --threads 3 --quiet --force").exit_code, 0);
+  EXPECT_EQ(content_of(folder_ / "o/comparison.json"), one);
+}
+
+TEST_F(CompareCommand, NamesRecordingsThatCannotBeUsed) {
+  write_samples();
+  std::string samples = content_of(folder_ / "s.csv");
+  for (int i = 0; i < 5; ++i) samples += "short.wav,0," + std::to_string(i + 1) + ",0.5,0.97\n";
+  write("s.csv", samples);
+  ASSERT_EQ(run("compare s.csv --out o --quiet").exit_code, 0);
+  ASSERT_EQ(comparison().at("not_used").size(), 1u);
+  EXPECT_EQ(comparison().at("not_used").at(0).at("recording"), "short.wav");
+  EXPECT_THAT(comparison().at("not_used").at(0).at("message").get<std::string>(), testing::HasSubstr("at least 8"));
+}
+
+TEST_F(CompareCommand, BadInputGetsOneLine) {
+  write_samples();
+  expect_one_line_error(run("compare none.csv --out o"), 3, {"none.csv", "no such file"});
+  expect_one_line_error(run("compare s.csv"), 2, {"--out"});
+  write("few.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\n");
+  expect_one_line_error(run("compare few.csv --out few --quiet"), 1, {"few.csv", "0 of 2 recordings", "at least 4"});
+  write("mixed.csv", "recording,v_mps,eps\na,0.5,0.97\nb,0.5,0.98\na,0.5,0.97\n");
+  expect_one_line_error(run("compare mixed.csv --out o"), 3, {"mixed.csv", "'a'", "sort"});
+  write("dates.csv", "recording,date\n" + name_of(0) + ",2026-02-30\n");
+  expect_one_line_error(run("compare s.csv --groups dates.csv --out o"), 3, {"dates.csv", "line 2", "2026-02-30"});
+  write("twice.csv", "recording,plate\na,x\na,y\n");
+  expect_one_line_error(run("compare s.csv --groups twice.csv --out o"), 3, {"twice.csv", "line 3", "'a'", "twice"});
+  write("neither.csv", "recording,colour\na,x\n");
+  expect_one_line_error(run("compare s.csv --groups neither.csv --out o"), 3, {"neither.csv", "plate", "date"});
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Samples as numbers: a table of text, or NumPy's .npy where the bytes begin as one.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "io/npy.hpp"
+#include "io/number_text.hpp"
+#include "target.hpp"
+
+namespace bouncelab::fuzz {
+namespace {
+
+void check(const audio::SoundInfo& info) {
+  require(info.rate_hz >= 4e3 && info.rate_hz <= 4e6, "the sampling rate is in the range promised");
+  require(info.n_channels > 0 && info.n_frames > 0, "there are samples");
+}
+
+void read_npy(audio::SoundBytes& bytes) {
+  const audio::SoundInfo info = audio::npy_info(bytes, "input", 48e3);
+  check(info);
+  const std::int64_t frame_bytes = std::int64_t{bytes_per_sample(info.plain)} * info.n_channels;
+  require(frame_bytes > 0 && info.n_frames <= (bytes.size() - info.first_byte) / frame_bytes,
+          "the samples are all in the file");
+}
+
+void read_text(const std::string& text, std::optional<double> rate_hz) {
+  std::istringstream in(text);
+  const audio::NumberText numbers(in, "input", rate_hz);
+  const audio::SoundInfo& info = numbers.info();
+  check(info);
+  require(info.n_frames * info.n_channels <= std::ssize(text), "a sample takes a byte of text at least");
+  std::vector<float> all(static_cast<std::size_t>(info.n_frames * info.n_channels));
+  numbers.read(0, all);
+  require(std::none_of(all.begin(), all.end(), [](float x) { return std::isnan(x); }), "no sample is NaN");
+}
+
+}  // namespace
+
+void run(Bytes input) {
+  audio::SoundBytes bytes(std::as_bytes(input));
+  if (audio::is_npy(bytes)) {
+    accepts([&] { read_npy(bytes); });
+    return;
+  }
+  const std::string text(reinterpret_cast<const char*>(input.data()), input.size());
+  accepts([&] { read_text(text, std::nullopt); });
+  accepts([&] { read_text(text, 48e3); });
+}
+
+}  // namespace bouncelab::fuzz

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keywords are the options of the command line; what is wrong is said as there, as Python's own errors."""
+import inspect
+import os
+import pathlib
+import re
+import unittest
+
+import bouncelab as bl
+import numpy as np
+from support import Case, program, small_impacts, small_sound
+
+# options that only choose how the program prints, or that are other things in Python: files of results are written by
+# the results, a file of options is a dict, several samples are one table, parts of a run are processes of the program
+NOT_IN_PYTHON = {"help", "json", "quiet", "config", "out", "labels", "force", "shard", "list"}
+NOT_IN = {"simulate": {"write_surface"}, "synthesize": {"truth", "each_drop"}, "fit": {"table"},
+          "restitution": {"seed", "threads"}}  # that draws no random numbers
+IN_PYTHON = {"progress", "name"}
+COMMANDS = ["simulate", "synthesize", "detect", "restitution", "fit", "roughness", "calibrate", "loop"]
+
+
+class Keywords(Case):
+    def test_names_are_those_of_the_help(self):
+        for command in COMMANDS:
+            text = program(command, "--help")
+            names = {name.replace("-", "_") for name in re.findall(r"^  (?:-\w )?--([a-z-]+)", text, re.M)}
+            names -= NOT_IN_PYTHON | NOT_IN.get(command, set())
+            if command == "loop":
+                names |= {"out", "force"}
+            found = inspect.signature(getattr(bl, command)).parameters
+            keywords = {p.name for p in found.values() if p.kind == p.KEYWORD_ONLY}
+            if command == "detect":  # a number beside the array
+                keywords.add("rate")
+            self.assertGreater(len(names), 2, command)
+            self.assertEqual(keywords - IN_PYTHON, names, command)
+
+    def test_every_keyword_is_documented_with_the_help_s_words(self):
+        for command in COMMANDS:
+            function = getattr(bl, command)
+            for name in inspect.signature(function).parameters:
+                self.assertRegex(function.__doc__, rf"(?m)^    {name} : ")
+        self.assertIn("Fall height [m]: one value, or LO,HI to draw between; 1e-06 to 1000.", bl.simulate.__doc__)
+
+    def test_unknown_keywords(self):
+        for command in COMMANDS:
+            with self.assertRaisesRegex(TypeError, "dropps"):
+                getattr(bl, command)(*([None] if "array" in str(command) else []), dropps=3)
+
+    def test_ranges_and_names_as_the_program_says_them(self):
+        for keywords, message in [
+                (dict(drops=0), "--drops: '0' must be a decimal integer from 1 to 1000000000"),
+                (dict(drops=1.5), "--drops: '1.5' must be a decimal integer"),
+                (dict(height=-1.0), "--height"),
+                (dict(beta=float("nan")), "--beta: 'nan' must be a finite decimal number"),
+                (dict(contact="papr"), "--contact"),
+                (dict(ball="stel"), "did you mean steel"),
+                (dict(law="series:A2"), "law"),
+                (dict(spin=(1, 2)), "--spin"),
+                (dict(seed=-1), "--seed"),
+                (dict(drops="many"), "--drops: 'many'"),
+                (dict(drops=True), "--drops"),
+        ]:
+            with self.subTest(keywords), self.assertRaisesRegex(ValueError, re.escape(message)):
+                bl.simulate(**keywords)
+
+    def test_numbers_of_numpy_texts_and_paths(self):
+        expected = small_impacts(bl, drops=2, height=0.1, spin=(1, 0, 0.5), seed=3)
+        for keywords in [dict(drops=np.int64(2), height=np.float64(0.1), spin=np.array([1, 0, 0.5]), seed=np.uint8(3)),
+                         dict(drops="2", height="0.1", spin="1,0,0.5", seed="3"),
+                         dict(drops=2, height=[0.1], spin=[np.float32(1), 0, 0.5], seed=3)]:
+            found = small_impacts(bl, **keywords)
+            np.testing.assert_array_equal(found.v, expected.v)
+        found = bl.fit(bl.Samples(v=expected.v, eps=expected.eps), nodes=np.array([0.8, 1.1]), goodness_replicates=0,
+                       orders=2)
+        self.assertEqual((list(found.nodes), list(found.parameters)), ([0.8, 1.1], ["A2"]))
+
+    def test_none_and_false_leave_the_default(self):
+        np.testing.assert_array_equal(small_impacts(bl, drops=2, ball=None, drag=False).v,
+                                      small_impacts(bl, drops=2).v)
+
+
+class Errors(Case):
+    def setUp(self):
+        super().setUp()
+        self.onsets = bl.Onsets(t=[0.0, 1.0, 1.9, 2.71])
+
+    def test_files(self):
+        here = self.path("there.csv")
+        with open(here, "w", encoding="ascii") as file:
+            file.write("t_s\n1\nx\n")
+        for call in [lambda: bl.detect("/nonexistent.wav"), lambda: bl.detect(["/none.wav", "/nonexistent.wav"]),
+                     lambda: bl.restitution("/nonexistent.csv"), lambda: bl.restitution(here),
+                     lambda: self.onsets.to_csv("/nonexistent/x.csv"), lambda: bl.Fit.from_json("/nonexistent.json"),
+                     lambda: bl.simulate(surface="/nonexistent.csv"), lambda: bl.Samples.from_csv(here)]:
+            with self.assertRaises(OSError):
+                call()
+        with self.assertRaisesRegex(OSError, "row 2|line 3"):
+            bl.restitution(pathlib.Path(here))
+
+    def test_one_of_several_recordings_that_cannot_be_read_is_left_out(self):
+        small_sound(bl, small_impacts(bl, drops=1)).write(self.path("s.wav"))
+        with self.assertWarnsRegex(bl.BouncelabWarning, "/nonexistent.wav: no such file.*left out"):
+            onsets = bl.detect(["/nonexistent.wav", self.path("s.wav")])
+        self.assertEqual(len(onsets), 30)
+
+    def test_files_that_exist_are_kept(self):
+        out = self.path("o.csv")
+        self.onsets.to_csv(out)
+        before = os.stat(out).st_mtime_ns
+        with self.assertRaisesRegex(FileExistsError, "force=True replaces it"):
+            bl.restitution(self.onsets).to_csv(out)
+        self.assertEqual(os.stat(out).st_mtime_ns, before)
+        bl.restitution(self.onsets).to_csv(out, force=True)
+        self.assertEqual(len(bl.Samples.from_csv(out)), 2)
+
+    def test_a_loop_in_a_folder_that_exists(self):
+        os.mkdir(self.path("loop"))
+        with open(self.path("loop/fit.json"), "w", encoding="ascii") as file:
+            file.write("mine")
+        with self.assertRaises(FileExistsError):
+            bl.loop(out=self.path("loop"), drops=2, impacts=12, asperities=1000)
+        with open(self.path("loop/fit.json"), encoding="ascii") as file:
+            self.assertEqual(file.read(), "mine")
+
+    def test_what_cannot_be_fitted(self):
+        with self.assertRaisesRegex(ValueError, "no three successive impacts"):
+            bl.restitution(bl.Onsets(t=[0.0, 1.0]))
+        for function in (bl.fit, bl.roughness):
+            with self.assertRaisesRegex(TypeError, "int given"):
+                function(3)
+            with self.assertRaisesRegex(ValueError, "eps|v_mps"):
+                function(bl.Samples())
+        few = bl.fit(bl.Samples(v=[1.0, 0.9], eps=[0.9, 0.9]))
+        self.assertNotIn(few.status, ("ok", "not_identifiable"))
+        for use in (lambda: few.eps(1.0), lambda: few.sample(1.0), lambda: few.law_text):
+            with self.assertRaisesRegex(ValueError, few.status):
+                use()
+        self.assertIn("Fit", repr(few))
+        self.assertIn("<p>", few._repr_html_())
+
+    def test_sound_without_a_rate(self):
+        with self.assertRaisesRegex(ValueError, "rate is missing"):
+            bl.detect(np.zeros(1000, np.float32))
+        for rate in (0, -1, 100, 1e9, float("nan"), float("inf")):
+            with self.subTest(rate), self.assertRaises(ValueError):
+                bl.detect(np.zeros(1000, np.float32), rate)
+
+    def test_warnings_of_the_program_are_warnings(self):
+        with self.assertWarnsRegex(bl.BouncelabWarning, "drops ended early"):
+            bl.simulate(drops=2, impacts=10, asperities=2000, plate_size=(0.05, 0.05), spin=(0, 50, 0))
+        with self.assertWarns(bl.BouncelabWarning) as seen:
+            bl.fit(bl.Samples(v=small_impacts(bl).v, eps=small_impacts(bl).eps), goodness_replicates=0)
+        self.assertEqual(os.path.basename(seen.filename), "test_arguments.py")  # of the caller, not of the package
+
+    def test_unknown_columns_and_attributes(self):
+        with self.assertRaisesRegex(TypeError, "no column 'tt'"):
+            bl.Onsets(tt=[1])
+        with self.assertRaises(AttributeError):
+            self.onsets.times
+        with self.assertRaisesRegex(AttributeError, "no column sigma_t_s"):
+            self.onsets.sigma
+        with self.assertRaises(AttributeError):
+            bl.nothing
+        with self.assertRaisesRegex(OSError, "."):
+            small_sound(bl, small_impacts(bl, drops=1)).write("/nonexistent/s.wav")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What results can do: intervals, draws, tables, reports, pictures."""
+import json
+import os
+import unittest
+import warnings
+
+import bouncelab as bl
+import numpy as np
+from support import Case, read, small_impacts, small_sound
+
+try:
+    import pandas
+except ImportError:
+    pandas = None
+try:
+    import matplotlib
+except ImportError:
+    matplotlib = None
+
+
+def fitted():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", bl.BouncelabWarning)
+        onsets = bl.detect(small_sound(bl, small_impacts(bl, drops=12, asperities=100000)))
+        return bl.fit(bl.restitution(onsets), goodness_replicates=9)
+
+
+class FitResults(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.fit = fitted()
+
+    def test_the_curve_at_its_points_is_that_of_fit_json(self):
+        curve = self.fit.law["curve"]
+        v = [p["v_mps"] for p in curve]
+        found = self.fit.eps(v)
+        # the law of the constants, written with 17 digits and summed again: some units in the last place
+        np.testing.assert_allclose(found.value, [p["eps"] for p in curve], rtol=1e-14)
+        known = [k for k, p in enumerate(curve) if p["lo95"] is not None]
+        self.assertGreater(len(known), 5)
+        np.testing.assert_allclose(found.lo95[known], [curve[k]["lo95"] for k in known], rtol=1e-14)
+        np.testing.assert_allclose(found.hi95[known], [curve[k]["hi95"] for k in known], rtol=1e-14)
+        for speed, node in self.fit.nodes.items():
+            value = self.fit.eps(speed)
+            self.assertAlmostEqual(value.value, node.value, delta=1e-12)
+            self.assertLess(value.lo95, node.value)
+            self.assertGreater(value.hi95, node.value)
+
+    def test_shapes_of_speeds(self):
+        self.assertIsInstance(self.fit.eps(0.8).value, float)
+        self.assertEqual(self.fit.eps(np.full((2, 3), 0.8)).se.shape, (2, 3))
+        self.assertEqual(self.fit.eps([]).value.shape, (0,))
+        outside = self.fit.eps([1e-3, 100.0])
+        self.assertTrue(np.isfinite(outside.value).all() and np.isnan(outside.lo95).all())
+        for bad in (0, -1, np.nan, np.inf, [1.0, 0.0]):
+            with self.assertRaisesRegex(ValueError, "finite and > 0"):
+                self.fit.eps(bad)
+            with self.assertRaisesRegex(ValueError, "finite and > 0"):
+                self.fit.sample(bad)
+
+    def test_draws_have_the_fitted_distribution(self):
+        """Kolmogorov-Smirnov against the normal-Laplace distribution (Reed & Jorgensen 2004), from its own formula."""
+        n = 40000
+        for v in (0.8, 1.2):
+            drawn = np.sort(self.fit.sample(v, n, np.random.default_rng(20)))
+            below, above, normal, peak_to_mean = self.scatter(v)
+            centre = self.fit.eps(v).value + peak_to_mean - (above - below)  # of the two exponentials' joint
+            cdf = normal_laplace(drawn - centre, below, above, normal)
+            ks = max(np.max(cdf - np.arange(n) / n), np.max(np.arange(1, n + 1) / n - cdf))
+            self.assertLess(ks, 1.95 / np.sqrt(n))  # exceeded with probability 1e-3 (Kolmogorov's limit), seed fixed
+            spread = np.sqrt(below**2 + above**2 + normal**2)
+            self.assertLess(abs(drawn.mean() - (self.fit.eps(v).value + peak_to_mean)), 4 * spread / np.sqrt(n))
+            self.assertLess(abs(drawn.std() / spread - 1), 4 * np.sqrt(5 / (4 * n)))  # kurtosis at most 6
+            # the law is the peak of what is drawn: of the density by its formula, on a grid of 1/200 of the spread
+            grid = centre + np.arange(-600, 601) * spread / 200
+            density = np.diff(normal_laplace(grid - centre, below, above, normal))
+            peak = (grid[1:] + grid[:-1])[density.argmax()] / 2
+            self.assertLess(abs(peak - self.fit.eps(v).value), 0.02 * spread)
+
+    def scatter(self, v):
+        model = self.fit.results["law"]["scatter"]
+        return (float(x) for x in bl._core.scatter(model["v_ref_mps"], model["log_below"], model["log_above"],
+                                                   model["normal_ratio"], np.array(v)))
+
+    def test_draws_are_those_of_the_generator(self):
+        draw = lambda seed, *shape: self.fit.sample(*shape, rng=np.random.default_rng(seed))  # noqa: E731
+        np.testing.assert_array_equal(draw(1, 0.8, 5), draw(1, 0.8, 5))
+        self.assertFalse((draw(1, 0.8, 5) == draw(2, 0.8, 5)).any())
+        self.assertEqual(draw(1, [0.8, 0.9], 3).shape, (3, 2))
+        self.assertEqual(draw(1, [0.8, 0.9]).shape, (2,))
+        self.assertEqual(np.ndim(draw(1, 0.8)), 0)
+        self.assertFalse((self.fit.sample(0.8, 3) == self.fit.sample(0.8, 3)).any())
+
+    def test_the_law_goes_on_as_an_option(self):
+        impacts = bl.simulate(drops=1, impacts=5, asperities=1, law=self.fit.law_text, min_speed=0.2)
+        np.testing.assert_allclose(impacts.eps_contact, self.fit.eps(impacts.v_contact).value, rtol=1e-12)
+
+    def test_estimates(self):
+        for name, found in self.fit.parameters.items():
+            self.assertEqual(found.value, self.fit.law[name]["value"])
+            self.assertEqual([found.lo95, found.hi95], self.fit.law[name]["ci95"])
+
+    def test_a_report_is_written_whole_or_not_at_all(self):
+        out = self.path("r.html")
+        self.fit.report(out, title="Drop & <tests>")
+        text = read(out)
+        self.assertIn("Drop &amp; &lt;tests&gt;", text)
+        self.assertTrue(text.rstrip().endswith("</html>"))
+        self.assertEqual([name for name in os.listdir(self.folder) if name.endswith(".html")], ["r.html"])
+        with self.assertRaises(FileExistsError):
+            self.fit.report(out)
+        self.assertEqual(read(out), text)
+        self.fit.report(out, force=True)
+        self.assertNotEqual(read(out), text)
+        with self.assertRaises(OSError):
+            self.fit.report(self.path("none/r.html"))
+        bl.Fit(self.fit._text).report(self.path("alone.html"))  # without samples and sound
+
+    def test_texts(self):
+        self.assertIn(self.fit.status, repr(self.fit))
+        self.assertIn("ε", self.fit.answer)
+        self.assertEqual(self.fit.to_dict(), json.loads(self.fit._text))
+
+    @unittest.skipIf(pandas is None, "pandas is not installed")
+    def test_a_table_of_the_fit(self):
+        table = self.fit.to_pandas()
+        self.assertEqual(list(table.columns), ["value", "se", "lo95", "hi95"])
+        self.assertEqual(table.loc["A2", "value"], self.fit.parameters["A2"].value)
+
+
+def normal_laplace(x, below, above, normal):
+    """Distribution function of a normal number plus an exponential one above less one below, by quadrature."""
+    # E[F_L(x - normal z)] over z normal; F_L of the asymmetric Laplace. Gauss-Hermite of 80 nodes where the exponential
+    # sides are wider than the normal part; a grid of 4,001 points otherwise: the same, and exact to 1e-6 for both
+    z = np.linspace(-8, 8, 4001)
+    weights = np.exp(-z * z / 2)
+    weights /= weights.sum()
+    points = np.linspace(x.min() - 1e-12, x.max() + 1e-12, 2001)
+    at = points[:, None] - normal * z
+    share = below / (below + above)
+    laplace = np.where(at < 0, share * np.exp(np.minimum(at, 0) / below),
+                       1 - (1 - share) * np.exp(-np.maximum(at, 0) / above))
+    return np.interp(x, points, laplace @ weights)
+
+
+class Tables(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.onsets = bl.detect(small_sound(bl))
+        cls.samples = bl.restitution(cls.onsets)
+
+    def test_they_are_mappings(self):
+        self.assertEqual(list(self.onsets), list(self.onsets.to_dict()))
+        self.assertIs(self.onsets["t"], self.onsets["t_s"])
+        self.assertIs(self.onsets.t, self.onsets.to_dict()["t_s"])  # no copy
+        self.assertIn("t", dir(self.onsets))
+        self.assertEqual(len(self.onsets), len(self.onsets.t))
+        with self.assertRaises(KeyError):
+            self.onsets["nothing"]
+        again = bl.restitution(self.onsets.to_dict())
+        np.testing.assert_array_equal(again.eps, self.samples.eps)
+
+    def test_pickles_and_copies(self):
+        import copy
+        import pickle
+
+        for table in (self.onsets, self.samples, small_impacts(bl, drops=1)):
+            for again in (pickle.loads(pickle.dumps(table)), copy.deepcopy(table), copy.copy(table)):
+                self.assertEqual(type(again), type(table))
+                for name in table:
+                    np.testing.assert_array_equal(again[name], table[name])
+
+    @unittest.skipIf(pandas is None, "pandas is not installed")
+    def test_round_trip_through_pandas(self):
+        frame = self.onsets.to_pandas()
+        self.assertEqual(list(frame.columns), list(self.onsets))
+        self.assertEqual(len(frame), len(self.onsets))
+        np.testing.assert_array_equal(bl.restitution(frame).eps, self.samples.eps)
+        first = frame[frame["drop"] == 0]  # an index that has holes, columns that are views
+        self.assertEqual(len(bl.restitution(first)), 28)
+        both = pandas.concat([self.samples.to_pandas(), self.samples.to_pandas().assign(recording="another")])
+        self.assertEqual(bl.fit(both, goodness_replicates=0).results["n_used"], 2 * len(self.samples))
+        frame.to_csv(self.path("pandas.csv"), index=False)
+        np.testing.assert_array_equal(bl.restitution(self.path("pandas.csv")).eps, self.samples.eps)
+
+    def test_files_of_every_format(self):
+        for name in ("o.csv", "o.jsonl", "o.h5"):
+            with self.subTest(name):
+                self.onsets.to_csv(self.path(name))
+                again = bl.Onsets.from_csv(self.path(name))
+                for column in self.onsets:
+                    np.testing.assert_array_equal(again[column], self.onsets[column])
+
+    def test_the_message_says_what_was_found(self):
+        self.assertRegex(self.onsets.message, "180 impacts in 6 drops")
+
+    def test_a_temporary_loop_goes_with_its_result(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", bl.BouncelabWarning)
+            loop = bl.loop(drops=2, impacts=15, asperities=5000, rate=22050, max_mode=10000)
+        folder = loop.folder
+        self.assertEqual(len(loop.onsets), 30)
+        self.assertEqual(len(loop.truth), 30)
+        self.assertTrue(os.path.exists(loop.report))
+        del loop
+        self.assertFalse(os.path.exists(folder))
+
+
+@unittest.skipIf(matplotlib is None, "Matplotlib is not installed")
+class Pictures(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.fit = fitted()
+
+    def test_they_are_drawn_where_one_wants_them(self):
+        from matplotlib import pyplot
+
+        figure, axes = pyplot.subplots(1, 3)
+        self.addCleanup(pyplot.close, "all")
+        sound = small_sound(bl, small_impacts(bl, drops=1))
+        self.assertIs(bl.plot.restitution(self.fit, ax=axes[0]), axes[0])
+        self.assertIs(bl.plot.density(self.fit, ax=axes[1]), axes[1])
+        self.assertIs(bl.plot.sound(sound.samples, sound.rate, sound.truth, ax=axes[2]), axes[2])
+        self.assertEqual(len(pyplot.get_fignums()), 1)  # none but ours
+        figure.savefig(self.path("p.png"))
+        self.assertIsNot(bl.plot.restitution(self.fit).figure, figure)
+        curve = axes[0].get_lines()[-1]
+        np.testing.assert_allclose(curve.get_ydata(), self.fit.eps(curve.get_xdata()).value)
+        with self.assertRaisesRegex(ValueError, "window 99: the fit has"):
+            bl.plot.density(self.fit, window=99)
+        with self.assertRaisesRegex(ValueError, "window 0 has .* too few for a histogram"):
+            bl.plot.density(self.fit, window=0)  # at 0.3 m/s, slower than any impact
+
+    def test_notebooks_show_the_answer_and_a_picture(self):
+        from matplotlib import pyplot
+
+        html = self.fit._repr_html_()
+        self.assertIn("data:image/png;base64,", html)
+        self.assertIn("ε", html)
+        self.assertEqual(pyplot.get_fignums(), [])
+        table = bl.Onsets(t=np.arange(12.0), recording=["<b>&"] * 12)._repr_html_()
+        self.assertIn("&lt;b&gt;&amp;", table)
+        self.assertIn("12 rows", table)
+        self.assertIn("<img", small_sound(bl, small_impacts(bl, drops=1))._repr_html_())
+
+
+if __name__ == "__main__":
+    unittest.main()

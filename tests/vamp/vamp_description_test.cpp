@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The library, its descriptions in files beside it, and a host that is a program.
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/detection/detect.hpp"
+#include "hosted_plugin.hpp"
+#include "support/bouncing_sound.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace bouncelab::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string quoted(const std::string& text) { return '"' + text + '"'; }
+
+class VampDescription : public testing::TestWithParam<const char*> {};
+
+TEST_P(VampDescription, TheFilesSayWhatThePluginSays) {
+  const auto plugin = hosted(GetParam(), 48000.0F);
+  const std::filesystem::path folder = BOUNCELAB_VAMP_FOLDER;
+  const std::string n3 = text_of(folder / "bouncelab.n3");
+  EXPECT_THAT(text_of(folder / "bouncelab.cat"), HasSubstr("vamp:bouncelab:" + plugin->getIdentifier() + "::"));
+  EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + " a vamp:Plugin"));
+  for (const std::string& text :
+       {plugin->getName(), plugin->getDescription(), plugin->getMaker(), plugin->getCopyright()}) {
+    EXPECT_NE(text, "");
+    EXPECT_THAT(n3, HasSubstr(quoted(text)));
+  }
+  for (const auto& output : plugin->getOutputDescriptors()) {
+    EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + "_output_" + output.identifier + " a "));
+    EXPECT_THAT(n3, HasSubstr(quoted(output.description)));
+    EXPECT_EQ(output.sampleType, Vamp::Plugin::OutputDescriptor::VariableSampleRate);
+    EXPECT_EQ(output.sampleRate, 0.0F);
+  }
+  for (const auto& parameter : plugin->getParameterDescriptors()) {
+    EXPECT_THAT(n3, HasSubstr("plugbase:" + plugin->getIdentifier() + "_param_" + parameter.identifier + " a "));
+    std::string names;
+    for (const std::string& name : parameter.valueNames) names += (names.empty() ? "" : " ") + quoted(name);
+    EXPECT_THAT(n3, HasSubstr(names));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfBoth, VampDescription, testing::Values("impacts", "restitution"));
+
+TEST(VampLibrary, ShowsItsEntryPointAndNothingElse) {
+  void* const library = dlopen(BOUNCELAB_VAMP_FOLDER "/bouncelab.so", RTLD_NOW | RTLD_LOCAL);
+  ASSERT_NE(library, nullptr) << dlerror();
+  EXPECT_NE(dlsym(library, "vampGetPluginDescriptor"), nullptr);
+  EXPECT_EQ(dlsym(library, "_ZN9bouncelab10ball_kindsEv"), nullptr);  // it is inside
+  dlclose(library);
+}
+
+TEST(VampLibrary, SimpleHostPrintsTheImpacts) {
+  if (std::system("command -v vamp-simple-host >/dev/null") != 0) GTEST_SKIP() << "no vamp-simple-host";
+  BouncingSound sound;
+  sound.n_impacts = 12;
+  const std::vector<float> samples = render(sound);
+  const TemporaryFolder folder;
+  const std::filesystem::path wav = folder.path() / "drop.wav";
+  audio::AudioWriter writer(wav, {.rate_hz = 48000}, std::ssize(samples), false);
+  writer.write(std::span<const float>(samples));
+  writer.commit();
+  const std::string command =
+      "VAMP_PATH='" BOUNCELAB_VAMP_FOLDER "' vamp-simple-host bouncelab:impacts '" + wav.string() + "' 2>/dev/null";
+  std::FILE* const pipe = popen(command.c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::string printed;
+  std::array<char, 4096> piece{};
+  for (std::size_t n = 0; (n = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) printed.append(piece.data(), n);
+  ASSERT_EQ(pclose(pipe), 0);
+  const Onsets onsets = detection::detect(wav).onsets;
+  ASSERT_GE(onsets.size(), 10u);
+  for (const Onset& onset : onsets)
+    EXPECT_THAT(printed, HasSubstr("drop 0, impact " + std::to_string(onset.impact))) << printed;
+}
+
+}  // namespace
+}  // namespace bouncelab::test

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "bouncelab/core/ball_catalogue.hpp"
+
+namespace bouncelab::cli {
+
+/// The ball and what it falls on, as the user describes them.
+struct BallChoice {
+  std::string ball;   ///< for ball_from_text; empty: not named
+  std::string plate;  ///< for plate_from_text; empty: not named
+};
+
+/// The ball that is simulated where none is named: the paper's, on its glass plate.
+inline const BallChoice kPaperBall{"steel:6mm", "glass"};
+
+/// `choice`, where a part is not named that of the command which wrote `file` (its provenance), if it had one.
+/// @throws FileError where the provenance cannot be read
+BallChoice with_provenance(BallChoice choice, const std::filesystem::path& file);
+
+/// What was understood, as a line.
+std::string ball_line(const BallChoice& choice);
+
+inline std::optional<Ball> ball_of(const BallChoice& choice) {
+  return choice.ball.empty() ? std::nullopt : std::optional(ball_from_text(choice.ball));
+}
+inline std::optional<Material> plate_of(const BallChoice& choice) {
+  return choice.plate.empty() ? std::nullopt : std::optional(plate_from_text(choice.plate));
+}
+
+}  // namespace bouncelab::cli

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "bouncelab/core/ball_catalogue.hpp"
+
+namespace bouncelab::cli {
+
+/// What was understood of --ball.
+nlohmann::ordered_json ball_json(const Ball& ball);
+/// Likewise of --plate.
+nlohmann::ordered_json plate_json(const Material& plate);
+}  // namespace bouncelab::cli

@@ -1,0 +1,523 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the functions give back: tables of arrays, and fits."""
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Union
+
+from . import _core
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+    import pandas as pd
+
+    Array = npt.NDArray[np.float64]
+    Path = Union[str, "os.PathLike[str]"]
+
+
+class BouncelabWarning(UserWarning):
+    """What the command line prints as a warning."""
+
+
+class Estimate(NamedTuple):
+    """A value with its standard error and 95 % interval, NaN where they are not known; numbers, or arrays."""
+
+    value: Any
+    se: Any
+    lo95: Any
+    hi95: Any
+
+
+def _estimate(found: Mapping[str, Any], value: str = "value") -> Estimate:
+    lo, hi = found["ci95"] or (None, None)
+    return Estimate(*(float("nan") if x is None else x for x in (found[value], found["se"], lo, hi)))
+
+
+def _speeds(v: npt.ArrayLike) -> Array:
+    import numpy as np
+
+    speeds = np.asarray(v, dtype=float)
+    if not np.all((speeds > 0) & np.isfinite(speeds)):
+        raise ValueError("v: speeds must be finite and > 0 [m/s]")
+    return speeds
+
+
+class Table(Mapping[str, Any]):
+    """Columns by name, each a NumPy array; the names and units of docs/formats.md.
+
+    Parameters
+    ----------
+    columns : mapping, optional
+        Arrays by the names of their columns; those with short names may be given as keywords (``t=``, ``v=``).
+    """
+
+    _kind = ""
+    _short: Dict[str, str] = {}
+
+    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None, **arrays: Any):
+        import numpy as np
+
+        self._columns: Dict[str, Any] = dict(columns or {})
+        for name, values in arrays.items():
+            if name not in self._short and name not in self._short.values():
+                raise TypeError(f"{type(self).__name__} has no column '{name}'; it has {', '.join(self._short)}")
+            self._columns[self._short.get(name, name)] = np.asarray(values)
+        #: What the command prints with --json.
+        self.summary: dict = summary or {}
+
+    @classmethod
+    def of(cls, values: Any) -> Any:
+        """`values` itself, or the table of its columns: a mapping, a DataFrame, or the name of a file."""
+        if isinstance(values, cls):
+            return values
+        if isinstance(values, (str, os.PathLike)):
+            return cls.from_csv(values)
+        if hasattr(values, "columns") and hasattr(values, "to_numpy"):  # pandas
+            return cls({name: values[name].to_numpy() for name in values.columns})
+        if isinstance(values, Mapping):
+            return cls(values)
+        raise TypeError(f"{type(values).__name__} given; {cls.__name__}, columns by name or the name of a file are needed")
+
+    @classmethod
+    def from_csv(cls, path: Path) -> Any:
+        """Reads a table as the command line writes it: .csv, .jsonl or .h5."""
+        return cls(_core.read_columns(os.fspath(path), cls._kind))
+
+    def to_csv(self, path: Path, force: bool = False) -> None:
+        """Writes the table as the command line does, whole or not at all; the extension chooses the format.
+
+        Parameters
+        ----------
+        path : str or path
+            .csv, .jsonl or .h5.
+        force : bool, default False
+            Replace a file that exists.
+        """
+        _core.write_columns(os.fspath(path), self._columns, self._kind, force)
+
+    def to_dict(self) -> Dict[str, Any]:
+        """The arrays by the names of their columns; not copied."""
+        return dict(self._columns)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A DataFrame with the same columns."""
+        import pandas as pd
+
+        return pd.DataFrame(self._columns)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._columns[self._short.get(name, name)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self._columns.values()), ()))
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._short:
+            raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'")
+        try:
+            return self._columns[self._short[name]]
+        except KeyError:
+            raise AttributeError(f"these {self._kind} have no column {self._short[name]}") from None
+
+    def __dir__(self) -> List[str]:
+        return sorted({*super().__dir__(), *self._short})
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {len(self)} rows of {', '.join(self._columns)}>"
+
+    def _repr_html_(self) -> str:
+        from .notebook import table_html
+
+        return table_html(self)
+
+
+class Impacts(Table):
+    """Impacts of simulated drops: drop, impact, t [s] from the release, v and v_after [m/s], eps, asperity."""
+
+    _kind = "impacts"
+    _short = {"drop": "drop", "impact": "impact", "t": "t_s", "v": "v_mps", "v_after": "v_after_mps",
+              "eps": "eps_macro", "v_contact": "v_contact_mps", "eps_contact": "eps_contact", "asperity": "asperity"}
+
+    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
+                 world: Optional[Dict[str, str]] = None, **arrays: Any):
+        super().__init__(columns, summary=summary, **arrays)
+        #: Ball and plate as they were named.
+        self.world: Dict[str, str] = world or {}
+
+
+class Onsets(Table):
+    """Impacts as found in sound: t [s] from the first sample, its standard error sigma [s], drop and impact, amplitude
+    (full scale = 1), snr [dB], flags, probability, recording."""
+
+    _kind = "onsets"
+    _short = {"recording": "recording", "drop": "drop", "impact": "impact", "t": "t_s", "sigma": "sigma_t_s",
+              "amplitude": "amplitude", "snr": "snr_db", "flags": "flags", "probability": "probability"}
+
+    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
+                 source: Optional[dict] = None, **arrays: Any):
+        super().__init__(columns, summary=summary, **arrays)
+        self._source = source or {}
+
+    @property
+    def message(self) -> str:
+        """What was found, or why nothing was: a line for each recording."""
+        return "\n".join(f"{r['recording']}: {r['message']}" for r in self.summary.get("recordings", []))
+
+    def _wave_json(self) -> str:
+        """Envelope and excerpts of the first recording, for a report; empty where its sound is not there."""
+        first = next((r for r in self.summary.get("recordings", []) if r.get("n_impacts", r.get("n_onsets", 0))), None)
+        if first is None or len(self) == 0:
+            return ""
+        name, channel = first["recording"], first.get("channel", 0)
+        if self._source:
+            return _core.wave_of_samples(self._source["samples"], self._source["rate"], name, channel, self._columns)
+        return _core.wave_of_file(name, channel, self._columns, 0.0) if os.path.exists(name) else ""
+
+
+class Samples(Table):
+    """Coefficients of restitution: v [m/s], eps, its standard error sigma from the timing alone, t [s], drop, impact,
+    recording, flags."""
+
+    _kind = "samples"
+    _short = {"recording": "recording", "drop": "drop", "impact": "impact", "t": "t_s", "v": "v_mps", "eps": "eps",
+              "sigma": "sigma_eps", "sigma_v": "sigma_v_mps", "flags": "flags"}
+
+    def __init__(self, columns: Optional[Mapping[str, Any]] = None, *, summary: Optional[dict] = None,
+                 onsets: Optional[Onsets] = None, **arrays: Any):
+        super().__init__(columns, summary=summary, **arrays)
+        #: The onsets that they were computed from, where there were any.
+        self.onsets: Optional[Onsets] = onsets
+
+
+class Recording:
+    """Sound that was synthesized.
+
+    Attributes
+    ----------
+    samples : ndarray of float32
+        Full scale = 1; (frames,) or (frames, channels).
+    rate : int
+        Sampling rate [Hz].
+    truth : Onsets
+        True times, and Cramér-Rao bounds in place of standard errors.
+    others : dict
+        Other sounds, ``kind`` and ``t_s``.
+    """
+
+    def __init__(self, samples: Any, rate: int, *, name: str, truth: Onsets, others: Dict[str, Any], bits: str):
+        self.samples, self.rate, self.name, self.truth, self.others = samples, rate, name, truth, others
+        self._bits = str(bits)
+
+    @property
+    def duration(self) -> float:
+        """Length [s]."""
+        return len(self.samples) / self.rate
+
+    def write(self, path: Path, force: bool = False) -> None:
+        """Writes the sound: .wav, .flac, .w64 or .rf64, with the bits that it was made with.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+        force : bool, default False
+            Replace a file that exists.
+        """
+        _core.write_sound(os.fspath(path), self.samples, self.rate, self._bits, force)
+
+    def __repr__(self) -> str:
+        return f"<Recording {self.name}: {self.duration:.1f} s at {self.rate} Hz, {len(self.truth)} impacts>"
+
+    def _repr_html_(self) -> str:
+        from .notebook import recording_html
+
+        return recording_html(self)
+
+
+class Fit:
+    """The law eps(v) and the distribution of eps about it: everything of fit.json.
+
+    Parameters
+    ----------
+    text : str
+        fit.json as the command line writes it, too.
+    samples : Samples, optional
+        What was fitted; few samples are shown one by one in pictures and reports.
+    """
+
+    def __init__(self, text: str, samples: Optional[Samples] = None):
+        self._text = text
+        #: fit.json as a dict (docs/formats.md).
+        self.results: dict = json.loads(text)
+        self.samples: Optional[Samples] = samples
+
+    @classmethod
+    def from_json(cls, path: Path) -> Fit:
+        """Reads fit.json."""
+        with open(path, encoding="utf-8") as file:
+            return cls(file.read())
+
+    @property
+    def status(self) -> str:
+        """``ok``, ``not_identifiable`` (the curve is known, A2, A4, A5 are not), or why there is none."""
+        return self.results["status"]
+
+    @property
+    def warnings(self) -> List[str]:
+        """What to know before use, most important first."""
+        return self.results["warnings"]
+
+    @property
+    def answer(self) -> str:
+        """The result in a few sentences."""
+        return "\n".join(self.results["answer"]["sentences"])
+
+    @property
+    def law(self) -> dict:
+        """The fit that the answer is taken of: the one with memory where that holds, else that of independent impacts."""
+        memory = self.results.get("memory")
+        return memory if memory and self.results["answer"].get("with_memory") else self.results["law"]
+
+    @property
+    def parameters(self) -> Dict[str, Estimate]:
+        """A2, A4, A5 ... (or gamma, or eps) with standard errors and 95 % intervals."""
+        return {name: _estimate(self.law[name]) for name in self.law["parameters"]}
+
+    @property
+    def nodes(self) -> Dict[float, Estimate]:
+        """eps(v) by the speeds [m/s] at which it is reported."""
+        return {node["v_mps"]: _estimate(node, "eps") for node in self.law["nodes"]}
+
+    @property
+    def law_text(self) -> str:
+        """The law as the options ``--law`` and ``law=`` take it."""
+        kind = self.results["law"]["law"]
+        values = {name: self.law[name]["value"] for name in self.law["parameters"]}
+        if not values:
+            raise ValueError(f"the fit has no law ({self.status}): {self.results['law']['message']}")
+        if kind == "series":
+            return "series:" + ",".join(f"{name}={value!r}" for name, value in values.items())
+        return f"{kind}:{next(iter(values.values()))!r}"
+
+    def eps(self, v: npt.ArrayLike) -> Estimate:
+        """The law at these speeds.
+
+        Parameters
+        ----------
+        v : array_like
+            Normal impact speeds [m/s], > 0.
+
+        Returns
+        -------
+        Estimate
+            Value, standard error and 95 % interval: numbers, or arrays of the shape of `v`. The band is that of
+            fit.json's curve, interpolated; NaN outside the speeds of the data.
+        """
+        import numpy as np
+
+        speeds = _speeds(v)
+        value = _core.restitution_of_law(self.law_text, speeds)
+        curve = [p for p in self.law["curve"] if p["lo95"] is not None]
+        x, y, lo, hi = (np.array([p[key] for p in curve], dtype=float) for key in ("v_mps", "eps", "lo95", "hi95"))
+
+        def band(edge: Any) -> Any:
+            if len(x) < 2:
+                return np.full(speeds.shape, np.nan)
+            return value + np.interp(speeds, x, edge - y, left=np.nan, right=np.nan)
+
+        lo95, hi95 = band(lo), band(hi)
+        estimate = Estimate(value, (hi95 - lo95) / (2 * 1.959963984540054), lo95, hi95)
+        return Estimate(*map(float, estimate)) if speeds.ndim == 0 else estimate
+
+    def sample(self, v: npt.ArrayLike, n: Optional[int] = None, rng: Optional[np.random.Generator] = None) -> Array:
+        """Coefficients of restitution as they scatter, for simulations: two exponentials and a normal about the law.
+
+        Parameters
+        ----------
+        v : array_like
+            Normal impact speeds [m/s], > 0.
+        n : int, optional
+            Draws for each speed; one without a further dimension where absent.
+        rng : numpy.random.Generator, optional
+            Source of random numbers; a new one where absent.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of `v`, or (n, *shape of `v`). Independent of each other: what a ball's earlier impacts have
+            stored in spin (docs/physics.md, 7) is not known here.
+        """
+        import numpy as np
+
+        scatter = self.results["law"]["scatter"]
+        if scatter is None:
+            raise ValueError(f"the fit has no model of the scatter ({self.status})")
+        rng = np.random.default_rng() if rng is None else rng
+        speeds = _speeds(v)
+        below, above, normal, mean_minus_peak = _core.scatter(
+            scatter["v_ref_mps"], scatter["log_below"], scatter["log_above"], scatter["normal_ratio"], speeds)
+        shape = speeds.shape if n is None else (n, *speeds.shape)
+        # the difference of two exponentials has the density of both sides, joined at its peak
+        drawn = above * rng.exponential(size=shape) - below * rng.exponential(size=shape)
+        drawn += normal * rng.standard_normal(size=shape)
+        return _core.restitution_of_law(self.law_text, speeds) + mean_minus_peak - (above - below) + drawn
+
+    def report(self, path: Path, title: Optional[str] = None, force: bool = False) -> None:
+        """Writes a report, one HTML file that needs no network.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+        title : str, optional
+            Heading; the recording's name where absent.
+        force : bool, default False
+            Replace a file that exists.
+        """
+        onsets = self.samples.onsets if self.samples is not None else None
+        if title is None:
+            recordings = [] if onsets is None else onsets.summary.get("recordings", [])
+            title = "Restitution from " + os.path.basename(recordings[0]["recording"]) if recordings else "Restitution"
+        _core.write_report(os.fspath(path), title, self._text, "" if onsets is None else onsets._wave_json(),
+                           {} if self.samples is None else self.samples.to_dict(), force)
+
+    def to_dict(self) -> dict:
+        """fit.json as a dict."""
+        return self.results
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The speeds reported and the constants, a row each: value, se, lo95, hi95."""
+        import pandas as pd
+
+        rows = {f"eps({v:g} m/s)": estimate for v, estimate in self.nodes.items()}
+        rows.update(self.parameters)
+        return pd.DataFrame.from_dict(rows, orient="index", columns=list(Estimate._fields))
+
+    def __repr__(self) -> str:
+        return f"<Fit ({self.status}): {self.results['answer']['sentences'][0] if self.answer else self.results['law']['message']}>"
+
+    def _repr_html_(self) -> str:
+        from .notebook import fit_html
+
+        return fit_html(self)
+
+
+class Roughness:
+    """The roughness of a ball from how its coefficients of restitution scatter.
+
+    Attributes
+    ----------
+    results : dict
+        What ``bouncelab roughness --json`` prints.
+    """
+
+    def __init__(self, results: dict):
+        self.results = results
+
+    @property
+    def holds(self) -> bool:
+        """Whether the scatter is that of a rough ball; otherwise q means nothing."""
+        return self.results["holds"]
+
+    @property
+    def q(self) -> Estimate:
+        """q = c s2, s2 the mean square offset of the contact over the ball's radius, each component."""
+        found = self.results["roughness"]
+        if found is None:
+            raise ValueError(self.results["message"])
+        return _estimate({"q": found["q"], "se": found["q_se"], "ci95": found["q_ci95"]}, "q")
+
+    def to_dict(self) -> dict:
+        """What ``bouncelab roughness --json`` prints."""
+        return self.results
+
+    def __repr__(self) -> str:
+        if self.results["roughness"] is None:
+            return f"<Roughness: {self.results['message']}>"
+        return f"<Roughness: q = {self.q.value:.3g} ± {self.q.se:.2g}{'' if self.holds else ', does not hold'}>"
+
+
+class Loop:
+    """The closed loop: files of every stage in a folder.
+
+    Attributes
+    ----------
+    folder : str
+        Where the files lie; a temporary folder goes with this object.
+    summary : dict
+        summary.json: what went in and what came out.
+    """
+
+    def __init__(self, folder: str, summary: dict, temporary: Any = None):
+        self.folder, self.summary, self._temporary = folder, summary, temporary
+
+    def path(self, name: str) -> str:
+        """Of a file in the folder."""
+        return os.path.join(self.folder, name)
+
+    @property
+    def impacts(self) -> Impacts:
+        """As simulated."""
+        return Impacts.from_csv(self.path("impacts.csv"))
+
+    @property
+    def truth(self) -> Onsets:
+        """True times in the recording."""
+        return Onsets.from_csv(self.path("truth.csv"))
+
+    @property
+    def onsets(self) -> Onsets:
+        """Times found in the sound."""
+        return Onsets.from_csv(self.path("onsets.csv"))
+
+    @property
+    def samples(self) -> Samples:
+        """Coefficients of restitution from the times found."""
+        return Samples.from_csv(self.path("samples.csv"))
+
+    @property
+    def fit(self) -> Fit:
+        """Fitted to the times found."""
+        return Fit.from_json(self.path("fit.json"))
+
+    @property
+    def report(self) -> str:
+        """Path of the report."""
+        return self.path("report.html")
+
+    def __repr__(self) -> str:
+        return f"<Loop in {self.folder}: {self.summary.get('n_found')} of {self.summary.get('n_impacts')} impacts found>"
+
+
+class Calibration:
+    """Pulls and coverage of the fit over many simulated experiments.
+
+    Attributes
+    ----------
+    results : dict
+        What ``bouncelab calibrate --json`` prints.
+    experiments : dict or None
+        With ``memory=True`` the experiments one by one: columns by name.
+    """
+
+    def __init__(self, results: dict, experiments: Optional[Dict[str, Any]]):
+        self.results, self.experiments = results, experiments
+
+    def to_dict(self) -> dict:
+        """What ``bouncelab calibrate --json`` prints."""
+        return self.results
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each quantity, or with ``memory=True`` for each experiment."""
+        import pandas as pd
+
+        return pd.DataFrame(self.results["rows"] if self.experiments is None else self.experiments)
+
+    def __repr__(self) -> str:
+        return f"<Calibration: {json.dumps(self.results)[:200]}>"

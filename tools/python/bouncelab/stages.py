@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the functions of the package do with their keywords."""
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from typing import Any, Dict, List
+
+from . import _core
+from .progress import shown
+from .results import BouncelabWarning, Calibration, Fit, Impacts, Loop, Onsets, Recording, Roughness, Samples
+
+
+def _text(value: Any) -> str:
+    """As the command line has it."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, (list, tuple)) or hasattr(value, "__array__") and getattr(value, "ndim", 0) > 0:
+        return ",".join(_text(item) for item in value)
+    if hasattr(value, "item"):
+        value = value.item()  # of NumPy
+    return repr(value)
+
+
+class _Each(List[str]):
+    """The values of an option that is given once for each."""
+
+
+def each(values: Any) -> Any:
+    """What an option takes that may be given several times: one value, or a sequence of them."""
+    if values is None or isinstance(values, (str, os.PathLike)) or not hasattr(values, "__len__"):
+        return values
+    return _Each(map(_text, values))
+
+
+def _arguments(keywords: Dict[str, Any]) -> List[str]:
+    arguments = []
+    for name, value in keywords.items():
+        option = "--" + name.replace("_", "-")
+        if value is None or value is False:
+            continue
+        if value is True:
+            arguments.append(option)
+        elif isinstance(value, _Each):
+            arguments += [f"{option}={item}" for item in value]
+        else:
+            arguments.append(f"{option}={_text(value)}")
+    return arguments
+
+
+def _warn(lines: List[str]) -> None:
+    for line in lines:
+        warnings.warn(line, BouncelabWarning, stacklevel=4)
+
+
+def simulate(keywords: Dict[str, Any], progress: Any) -> Impacts:
+    with shown(progress) as callback:
+        found = _core.simulate(_arguments(keywords), callback)
+    _warn(found["warnings"])
+    world = {name: keywords[name] for name in ("ball", "plate") if keywords.get(name) is not None}
+    return Impacts(found["columns"], summary=json.loads(found["summary"]), world=world)
+
+
+def synthesize(impacts: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Recording:
+    impacts = Impacts.of(impacts)
+    given = dict(impacts.world, **{k: v for k, v in keywords.items() if v is not None})
+    with shown(progress) as callback:
+        found = _core.synthesize(impacts.to_dict(), name, _arguments(given), callback)
+    return Recording(found["samples"], found["rate"], name=name, truth=Onsets(found["truth"]), others=found["others"],
+                     bits=given.get("bits", "24"))
+
+
+def _is_name(recording: Any) -> bool:
+    return isinstance(recording, (str, os.PathLike))
+
+
+def detect(recording: Any, rate: Any, name: str, keywords: Dict[str, Any], progress: Any) -> Onsets:
+    source: Dict[str, Any] = {}
+    with shown(progress) as callback:
+        if _is_name(recording) or isinstance(recording, (list, tuple)) and recording and all(map(_is_name, recording)):
+            files = [os.fspath(recording)] if _is_name(recording) else [os.fspath(file) for file in recording]
+            if rate is not None:
+                keywords = dict(keywords, rate=rate)
+            found = _core.detect_files(files, _arguments(keywords), callback)
+        else:
+            if isinstance(recording, Recording):
+                rate = recording.rate if rate is None else rate
+                name = recording.name
+                recording = recording.samples
+            if rate is None:
+                raise ValueError("rate is missing: samples need their sampling rate [Hz]")
+            import numpy as np
+
+            source = {"samples": np.asarray(recording), "rate": float(rate)}
+            found = _core.detect_samples(source["samples"], source["rate"], name, _arguments(keywords), callback)
+    _warn(found["warnings"])
+    return Onsets(found["columns"], summary=json.loads(found["summary"]), source=source)
+
+
+def restitution(onsets: Any, keywords: Dict[str, Any]) -> Samples:
+    onsets = Onsets.of(onsets)
+    found = _core.restitution(onsets.to_dict(), _arguments(keywords))
+    return Samples(found["columns"], summary=json.loads(found["summary"]), onsets=onsets)
+
+
+def fit(samples: Any, keywords: Dict[str, Any], progress: Any) -> Fit:
+    samples = Samples.of(samples)
+    with shown(progress) as callback:
+        fitted = Fit(_core.fit(samples.to_dict(), _arguments(keywords), callback), samples=samples)
+    _warn(fitted.warnings)
+    return fitted
+
+
+def roughness(samples: Any, keywords: Dict[str, Any], progress: Any) -> Roughness:
+    with shown(progress) as callback:
+        found = Roughness(json.loads(_core.roughness(Samples.of(samples).to_dict(), _arguments(keywords), callback)))
+    _warn(found.results["warnings"])
+    return found
+
+
+def loop(out: Any, keywords: Dict[str, Any], progress: Any) -> Loop:
+    temporary = None
+    if out is None:
+        import tempfile
+
+        temporary = tempfile.TemporaryDirectory(prefix="bouncelab-")
+        out = os.path.join(temporary.name, "loop")
+    with shown(progress) as callback:
+        found = _core.loop(_arguments(dict(keywords, out=os.fspath(out))), callback)
+    _warn(found["warnings"])
+    if found["error"]:
+        warnings.warn(found["error"], BouncelabWarning, stacklevel=3)
+    return Loop(os.fspath(out), json.loads(found["summary"]), temporary)
+
+
+def calibrate(keywords: Dict[str, Any], progress: Any) -> Calibration:
+    with shown(progress) as callback:
+        found = _core.calibrate(_arguments(keywords), callback)
+    return Calibration(json.loads(found["summary"]), found["columns"])

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`pip install tools/python`: CMake builds the component `python` of the repository, and what it installs is the package.
+
+The build folder stays (build/pip-cp311 in the repository): the next installation compiles what changed. Further
+variables of CMake: the environment's CMAKE_ARGS.
+"""
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+ROOT = Path(__file__).resolve().parents[2]
+SETUP = "tools/setup --python installs what is needed"
+
+
+def version() -> str:
+    lists = ROOT / "CMakeLists.txt"
+    found = re.search(r"^project\(bouncelab VERSION ([0-9.]+)", lists.read_text() if lists.exists() else "", re.MULTILINE)
+    if found is None:
+        sys.exit(f"bouncelab: {ROOT} is not the repository: the module is built from the whole of it, in place "
+                 "(git clone, then pip install tools/python)")
+    return found[1]
+
+
+class CMakeBuild(build_ext):
+    """Takes what CMake installs."""
+
+    def run(self) -> None:
+        missing = [tool for tool in ("cmake", "ninja", "c++", "pkg-config") if shutil.which(tool) is None]
+        if not Path(sysconfig.get_paths()["include"], "Python.h").exists():
+            missing.append("Python.h of " + sys.executable + " (python3-dev)")
+        if missing:
+            sys.exit(f"bouncelab: missing: {', '.join(missing)}; {SETUP}")
+        build = ROOT / "build" / "pip-cp{}{}".format(*sys.version_info[:2])
+        self.call("cmake", "--preset", "release", "-B", build, "-DBOUNCELAB_COMPONENTS=python",
+                  "-DBOUNCELAB_BINDINGS=OFF", "-DBOUNCELAB_TESTS=OFF", f"-DPython3_EXECUTABLE={sys.executable}",
+                  "-DBOUNCELAB_PYTHON_DIR=.", *shlex.split(os.environ.get("CMAKE_ARGS", "")))
+        self.call("cmake", "--build", build, "--target", "bouncelab_python_package")
+        self.call("cmake", "--install", build, "--component", "python", "--strip", "--prefix",
+                  Path(self.build_lib).resolve())
+
+    @staticmethod
+    def call(*command) -> None:
+        # pip's own PYTHONPATH is not for the interpreters that the build starts
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        try:
+            subprocess.run(command, cwd=ROOT, check=True, env=environment)
+        except subprocess.CalledProcessError:
+            sys.exit(f"bouncelab: the build stopped in: {' '.join(map(str, command[:3]))} ...; the reason is above; {SETUP}")
+
+
+setup(version=version(), packages=[], py_modules=[], ext_modules=[Extension("bouncelab._core", [])],
+      cmdclass={"build_ext": CMakeBuild})

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <utility>
+
+#include "arrays.hpp"
+#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/fluctuation.hpp"
+#include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/fit/json.hpp"
+#include "files/table_file.hpp"
+#include "json/calibration_json.hpp"
+#include "json/stage_json.hpp"
+#include "json/wave_json.hpp"
+#include "progress_line.hpp"
+#include "report.hpp"
+#include "stages.hpp"
+#include "work.hpp"
+
+namespace bouncelab::python {
+
+std::string fit(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = fit_call(arguments);
+  RestitutionSamples samples = samples_of(columns);
+  name_ball(samples, cli::ball_of(options.world), cli::plate_of(options.world));
+  std::string json;
+  python::run(run, progress, [&, &options = options, &run = run] {
+    json = to_json(fit::fit_all(samples, cli::fit_config(options, run.common), cli::progress_line(run, "fit", "fits")));
+  });
+  return json;
+}
+
+std::string roughness(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = roughness_call(arguments);
+  RestitutionSamples samples = samples_of(columns);
+  name_ball(samples, cli::ball_of(options.world), cli::plate_of(options.world));
+  fit::RoughnessConfig config = options.config;
+  config.seed = run.common.seed;
+  config.n_threads = run.common.n_threads;
+  std::string json;
+  python::run(run, progress, [&] { json = to_json(fit::measure_roughness(samples, config)); });
+  return json;
+}
+
+py::dict calibrate(const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = calibrate_call(arguments);
+  py::dict result;
+  if (!options.memory) {
+    const fit::CalibrationConfig config = cli::calibration_config(options, run.common);
+    fit::CalibrationResult calibrated;
+    python::run(run, progress, [&, &run = run] {
+      calibrated = fit::calibrate(config, cli::progress_line(run, "calibrate", "seeds"));
+    });
+    result["summary"] = cli::calibrate_json(calibrated);
+    result["columns"] = py::none();
+    return result;
+  }
+  const loop::MemoryCalibrationConfig config = cli::memory_calibration_config(options, run.common);
+  std::vector<loop::MemoryExperiment> experiments;
+  python::run(run, progress, [&, &run = run] {
+    experiments = loop::calibrate_memory(config, cli::progress_line(run, "calibrate", "experiments"));
+  });
+  result["summary"] = cli::memory_calibration_json(loop::memory_calibration_groups(experiments));
+  result["columns"] = columns_of(to_table(experiments));
+  return result;
+}
+
+py::dict loop(const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = loop_call(arguments);
+  cli::Outcome outcome;
+  python::run(run, progress, [&, &options = options, &run = run] { outcome = cli::run_loop(options, run); });
+  py::dict result;
+  result["summary"] = outcome.json;
+  result["warnings"] = outcome.warnings;
+  result["error"] = outcome.error;
+  return result;
+}
+
+namespace {
+
+/// f of each number, in an array of the same shape.
+template <class Function>
+py::array_t<double> of_each(const py::array_t<double>& numbers, const Function& f) {
+  const auto from = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(numbers);
+  py::array_t<double> to(std::vector<py::ssize_t>(numbers.shape(), numbers.shape() + numbers.ndim()));
+  std::transform(from.data(), from.data() + from.size(), to.mutable_data(), f);
+  return to;
+}
+
+}  // namespace
+
+py::array_t<double> restitution_of_law(const std::string& text, const py::array_t<double>& v_mps) {
+  const RestitutionLaw law = restitution_law_from_text(text);
+  return of_each(v_mps, [&law](double v) { return bouncelab::restitution(law, v); });
+}
+
+py::tuple sides_of_fluctuation(double q, const py::array_t<double>& v_mps, const py::array_t<double>& eps,
+                               const py::array_t<double>& eps_slope_spm, const py::array_t<double>& path_m2ps2) {
+  const auto v = v_mps.unchecked<1>(), e = eps.unchecked<1>(), slope = eps_slope_spm.unchecked<1>(),
+             path = path_m2ps2.unchecked<1>();
+  if (e.size() != v.size() || slope.size() != v.size() || path.size() != v.size())
+    throw InvalidArgument("v, eps, path and eps_slope: as many of each are needed");
+  std::vector<double> below, above;
+  for (py::ssize_t k = 0; k < v.size(); ++k) {
+    const FluctuationSides sides = fluctuation_sides(q, {v(k), e(k), slope(k), 0.0}, path(k));
+    below.push_back(sides.below);
+    above.push_back(sides.above);
+  }
+  return py::make_tuple(array_of(std::move(below)), array_of(std::move(above)));
+}
+
+py::tuple scatter(double v_ref_mps, const std::vector<double>& log_below, const std::vector<double>& log_above,
+                  double normal_ratio, const py::array_t<double>& v_mps) {
+  const fit::ScatterModel model{v_ref_mps, log_below, log_above, normal_ratio};
+  return py::make_tuple(of_each(v_mps, [&](double v) { return model.below(v); }),
+                        of_each(v_mps, [&](double v) { return model.above(v); }),
+                        of_each(v_mps, [&](double v) { return model.normal(v); }),
+                        of_each(v_mps, [&](double v) { return model.mean_minus_peak(v); }));
+}
+
+void write_report(const std::string& path, const std::string& title, const std::string& fit_json,
+                  const std::string& wave_json, const py::dict& columns, bool force) {
+  constexpr std::size_t kMostSamplesShown = 400;  // as in `bouncelab report`
+  report::ReportInput input;
+  input.title = title;
+  input.fit_json = fit_json;
+  input.wave_json = wave_json;
+  if (!columns.empty()) {
+    const RestitutionSamples samples = samples_of(columns);
+    if (samples.size() <= kMostSamplesShown) input.samples_json = cli::samples_json(samples);
+  }
+  cli::write_text(writing(force), path, report::render(input));
+}
+
+}  // namespace bouncelab::python

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "arrays.hpp"
+#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/scratch_file.hpp"
+#include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/synthesis/synthesize.hpp"
+#include "files/table_file.hpp"
+#include "json/stage_json.hpp"
+#include "json/wave_json.hpp"
+#include "progress_line.hpp"
+#include "work.hpp"
+
+namespace bouncelab::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Tables in memory are no files: what is wrong with them is an argument's fault.
+template <class Read>
+auto read_in_memory(const Read& read) {
+  try {
+    return read();
+  } catch (const FileError& error) {
+    throw InvalidArgument(error.what());
+  }
+}
+
+Impacts impacts_of(const py::dict& columns) {
+  const Table table = table_of(columns, impact_columns(), "impacts");
+  return read_in_memory([&] { return impacts_from_table(table, "impacts"); });
+}
+
+Onsets onsets_of(const py::dict& columns) {
+  const Table table = table_of(columns, onset_columns(), "onsets");
+  return read_in_memory([&] { return onsets_from_table(table, "onsets"); });
+}
+
+py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
+                  std::vector<std::string> warnings) {
+  Table table = to_table(Onsets{});
+  std::vector<cli::RecordingResult> recordings;
+  bool any = false;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    recordings.push_back(cli::recording_result(names[k], found[k]));
+    if (found[k].onsets.empty()) continue;
+    Table rows = to_table(found[k].onsets);
+    any ? table.append(rows) : void(table = std::move(rows));
+    any = true;
+  }
+  py::dict result;
+  result["summary"] = cli::detect_json(recordings, warnings);
+  for (const std::string& warning : cli::warnings_of(recordings)) warnings.push_back(warning);
+  result["columns"] = columns_of(std::move(table));
+  result["warnings"] = warnings;
+  return result;
+}
+
+/// As detection says it of one channel.
+void require_finite(const SoundArray& sound) {
+  const auto samples = sound.samples();
+  const auto bad = std::find_if_not(samples.begin(), samples.end(), [](float x) { return std::isfinite(x); });
+  if (bad == samples.end()) return;
+  const auto index = bad - samples.begin();
+  throw InvalidArgument("sample " + std::to_string(index / sound.n_channels()) + " of channel " +
+                        std::to_string(index % sound.n_channels()) + " is not a finite number; remove or repair it");
+}
+
+/// Samples of several channels, as a recording in a file that vanishes.
+class TemporaryRecording {
+ public:
+  TemporaryRecording(const SoundArray& sound, double rate_hz) {
+    if (rate_hz != static_cast<int>(rate_hz))
+      throw InvalidArgument("rate " + short_number(rate_hz) + ": several channels need a rate that is an integer");
+    std::string name = (fs::temp_directory_path() / "bouncelab-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw FileError(name, "cannot be made");
+    folder_ = name;
+    const auto samples = sound.samples();
+    const auto n_channels = static_cast<std::size_t>(sound.n_channels());
+    audio::AudioWriter writer(path(), {static_cast<int>(rate_hz), sound.n_channels(), audio::SampleEncoding::float32},
+                              static_cast<std::int64_t>(samples.size() / n_channels), false);
+    writer.write(samples);  // as they are, also those beyond full scale
+    writer.commit();
+  }
+  TemporaryRecording(const TemporaryRecording&) = delete;
+  TemporaryRecording& operator=(const TemporaryRecording&) = delete;
+  ~TemporaryRecording() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  fs::path path() const { return folder_ / "sound.wav"; }
+
+ private:
+  fs::path folder_;
+};
+
+audio::SampleEncoding encoding_named(const std::string& bits) {
+  static const std::map<std::string, audio::SampleEncoding> encodings{{"16", audio::SampleEncoding::pcm16},
+                                                                      {"24", audio::SampleEncoding::pcm24},
+                                                                      {"32", audio::SampleEncoding::pcm32},
+                                                                      {"float", audio::SampleEncoding::float32}};
+  const auto found = encodings.find(bits);
+  if (found == encodings.end()) throw InvalidArgument("bits '" + bits + "': 16, 24, 32 or float");
+  return found->second;
+}
+
+}  // namespace
+
+cli::Run writing(bool force) {
+  cli::Run run;
+  run.common.force = force;
+  run.common.quiet = true;
+  run.command_line = {"bouncelab (Python)"};
+  return run;
+}
+
+py::dict simulate(const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = simulate_call(arguments);
+  const sim::SimulationConfig config = cli::simulation_config(options, run.common);
+  sim::SimulationResult simulated;
+  Table table;
+  python::run(run, progress, [&, &options = options, &run = run] {
+    const sim::Surface surface = cli::surface_of(options, config, cli::progress_line(run, "surface", "asperities"));
+    simulated = sim::simulate(config, surface, cli::progress_line(run, "simulate", "drops"));
+    table = to_table(simulated.impacts);
+  });
+  if (simulated.impacts.rows.empty())
+    throw InvalidArgument("no drop had an impact; see plate_size, min_speed and max_time");
+  py::dict result;
+  result["columns"] = columns_of(std::move(table));
+  result["summary"] = cli::simulate_json(simulated, config.ball);
+  result["warnings"] = simulated.warnings;
+  return result;
+}
+
+py::dict synthesize(const py::dict& columns, const std::string& recording, const Arguments& arguments,
+                    const py::object& progress) {
+  auto [options, run] = synthesize_call(arguments);
+  if (options.world.ball.empty()) options.world.ball = cli::kPaperBall.ball;
+  if (options.world.plate.empty()) options.world.plate = cli::kPaperBall.plate;
+  const synthesis::SynthesisConfig config = cli::synthesis_config(options, run.common);
+  const Impacts impacts = impacts_of(columns);
+  std::vector<float> samples;
+  Table truth, others;
+  python::run(run, progress, [&, &run = run] {
+    const ProgressCallback done = cli::progress_line(run, "synthesize", "segments");
+    const synthesis::SyntheticRecording sound(impacts, config);
+    samples.reserve(static_cast<std::size_t>(sound.n_frames()) * config.channels.size());
+    for (std::int64_t k = 0; k < sound.n_segments(); ++k) {
+      const std::vector<float> read = audio::as_read_back(sound.segment(k), config.encoding);
+      samples.insert(samples.end(), read.begin(), read.end());
+      done(static_cast<double>(k + 1), static_cast<double>(sound.n_segments()));
+    }
+    truth = synthesis::truth_table(sound.truth(), recording);
+    others = synthesis::others_table(sound.others());
+  });
+  py::dict result;
+  const auto n_channels = static_cast<py::ssize_t>(config.channels.size());
+  const auto n_frames = static_cast<py::ssize_t>(samples.size()) / n_channels;
+  result["samples"] =
+      n_channels == 1 ? array_of(std::move(samples)) : array_of(std::move(samples), {n_frames, n_channels});
+  result["rate"] = config.rate_hz;
+  result["truth"] = columns_of(std::move(truth));
+  result["others"] = columns_of(std::move(others));
+  return result;
+}
+
+py::dict detect_files(const std::vector<std::string>& names, const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = detect_call(arguments);
+  if (names.empty()) throw InvalidArgument("no recording is given");
+  std::vector<std::string> warnings, once;
+  std::vector<detection::Detection> found;
+  python::run(run, progress, [&, &options = options, &run = run] {
+    const std::vector<fs::path> paths = cli::each_once({names.begin(), names.end()}, warnings, run);
+    for (const fs::path& path : paths) once.push_back(path.string());
+    found = detection::detect(paths, cli::detection_config(options), run.common.n_threads,
+                              cli::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
+  });
+  const auto unreadable = [](const detection::Detection& d) {
+    return d.status == detection::DetectionStatus::unreadable;
+  };
+  if (!found.empty() && std::all_of(found.begin(), found.end(), unreadable))
+    throw FileError(once.front(), "none of the " + std::to_string(found.size()) +
+                                      " recordings can be read: " + found.front().message);
+  return detected(found, once, warnings);
+}
+
+py::dict detect_samples(const py::array& array, double rate_hz, const std::string& recording,
+                        const Arguments& arguments, const py::object& progress) {
+  auto [options, run] = detect_call(arguments);
+  const SoundArray sound(array);
+  detection::DetectionConfig config = cli::detection_config(options);
+  config.rate_hz.reset();  // that of numbers in files
+  std::vector<detection::Detection> found;
+  python::run(run, progress, [&, &run = run] {
+    const ProgressCallback done = cli::progress_line(run, "detect", "s of sound");
+    if (sound.n_channels() == 1) {
+      found.push_back(detection::detect(sound.samples(), rate_hz, recording, config, done));
+      return;
+    }
+    require_finite(sound);
+    const TemporaryRecording file(sound, rate_hz);
+    found.push_back(detection::detect(file.path(), config, done));
+    for (Onset& onset : found.back().onsets) onset.recording = recording;
+  });
+  return detected(found, {recording}, {});
+}
+
+py::dict restitution(const py::dict& columns, const Arguments& arguments) {
+  auto [options, run] = restitution_call(arguments);
+  const fit::RestitutionConfig config = cli::restitution_config(options);
+  fit::Restitution found = fit::restitution_samples(onsets_of(columns), config);
+  if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
+  py::dict result;
+  result["columns"] = columns_of(to_table(found.samples));
+  result["summary"] = cli::restitution_json(found.counts, config.ball, config.plate);
+  return result;
+}
+
+std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz) {
+  return cli::wave_json(detection::wave_preview(fs::path(recording), channel, onsets_of(onsets),
+                                                rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt));
+}
+
+std::string wave_of_samples(const py::array& array, double rate_hz, const std::string& recording, int channel,
+                            const py::dict& onsets) {
+  const SoundArray sound(array);
+  if (channel < 0 || channel >= sound.n_channels())
+    throw InvalidArgument("channel " + std::to_string(channel) + ": the sound has " +
+                          std::to_string(sound.n_channels()));
+  if (sound.n_channels() == 1)
+    return cli::wave_json(
+        detection::wave_preview(audio::source_in_memory(sound.samples(), rate_hz), recording, 0, onsets_of(onsets)));
+  std::vector<float> one;
+  const auto samples = sound.samples();
+  for (auto k = static_cast<std::size_t>(channel); k < samples.size();
+       k += static_cast<std::size_t>(sound.n_channels()))
+    one.push_back(samples[k]);
+  return cli::wave_json(
+      detection::wave_preview(audio::source_in_memory(one, rate_hz), recording, channel, onsets_of(onsets)));
+}
+
+void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits, bool force) {
+  const SoundArray sound(array);
+  const auto samples = sound.samples();
+  audio::AudioWriter writer(path, {rate_hz, sound.n_channels(), encoding_named(bits)},
+                            static_cast<std::int64_t>(samples.size()) / sound.n_channels(), force);
+  writer.write(samples);
+  writer.commit();
+}
+
+void write_columns(const std::string& path, const py::dict& columns, const std::string& kind, bool force) {
+  const Table table = kind == "impacts"  ? to_table(impacts_of(columns))
+                      : kind == "onsets" ? to_table(onsets_of(columns))
+                                         : to_table(samples_of(columns));
+  cli::write_table(writing(force), path, table);
+}
+
+py::dict read_columns(const std::string& path, const std::string& kind) {
+  if (kind == "impacts") return columns_of(to_table(impacts_from_table(cli::read_table(path, impact_columns()), path)));
+  if (kind == "onsets") return columns_of(to_table(onsets_from_table(cli::read_table(path, onset_columns()), path)));
+  return columns_of(to_table(samples_from_table(cli::read_table(path, sample_columns()), path)));
+}
+
+RestitutionSamples samples_of(const py::dict& columns) {
+  const Table table = table_of(columns, sample_columns(), "samples");
+  return read_in_memory([&] { return samples_from_table(table, "samples"); });
+}
+
+}  // namespace bouncelab::python

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The first screen: the answer in a few sentences, the picture of eps against speed, the sound; then the questions.
+
+/// Recordings by file name where that tells them apart: "a.wav" for "/home/me/a.wav".
+const fileName = path => String(path).replace(/^.*[/\\]/, '') || String(path);
+const recordingPaths = [...new Set([...((summary && summary.recordings) || []), ...((fit && fit.recordings) || []), wave || {}].map(r => r.recording).filter(Boolean))];
+const namesDiffer = new Set(recordingPaths.map(fileName)).size === recordingPaths.length;
+const shownName = path => namesDiffer ? fileName(path) : path;
+const withoutPaths = text => namesDiffer ? [...recordingPaths].sort((a, b) => b.length - a.length).reduce((t, path) => t.replaceAll(path, fileName(path)), text) : text;
+
+const lengthText = h => !known(h) ? '–' : h < 0.01 ? `${number(1e3 * h, 2)} mm` : h < 1 ? `${number(1e2 * h, 2)} cm` : `${number(h, 2)} m`;
+const timeText = t => known(t) ? `${number(t, 2)} s` : '–';
+
+/// What the signs of the answer mean, each where it is used.
+function explanations(answer) {
+  const at = answer.at || (answer.recordings || []).map(r => r.at).find(Boolean), parts = [];
+  if (at && known(at.eps)) parts.push('ε (epsilon), the coefficient of restitution: speed just after a bounce over speed just before it; 1 would be a ball that loses nothing.');
+  if (at && known(at.se)) parts.push('± is the standard error: how far off the value typically is.');
+  if (at && at.ci95) parts.push('95 %: of 20 such ranges 19 hold the true value.');
+  if (answer.seen && known(answer.seen.drop_height_m)) parts.push('The height follows from the first intervals, without air resistance.');
+  return parts.join(' ');
+}
+
+/// A table with a row for each of several recordings.
+function recordingRows(parent, answer) {
+  const rows = (answer.recordings || []).slice(0, 50);
+  if (!rows.length) return;
+  const lengthOf = name => (((summary && summary.recordings) || []).find(r => r.recording === name) || {}).duration_s;
+  const percent = x => known(x) ? `${(100 * x).toFixed(1)} %` : '–';
+  table('Recording by recording', ['recording', 'ε', '95 %', 'speed', 'energy lost', 'impacts', 'height', 'bouncing', 'length'],
+        rows.map(r => [shownName(r.recording) || '(no name)', r.at ? measured(r.at.eps, r.at.se) : r.missing || '–', interval(r.at && r.at.ci95), r.at ? speed(r.at.v_mps) : '–', percent(r.at && r.at.energy_lost),
+                       number(r.seen.n_impacts), lengthText(r.seen.drop_height_m), timeText(r.seen.duration_s), timeText(lengthOf(r.recording))]),
+        'Each recording alone: ε with its standard error and 95 % range at that speed, energy lost in a bounce, height of the drop, time from first to last impact, length of the recording. Heights only where the recording begins early enough for the first impact to be known as the first.' +
+        (answer.recordings.length > rows.length ? ` The first ${rows.length} of ${answer.recordings.length}; all are in fit.json.` : ''), parent);
+}
+
+function firstScreen() {
+  const answer = fit && fit.answer;
+  if (!fit) return;
+  const section = add('section', {class: 'first', id: 'answer', 'aria-label': 'The answer'});
+  const words = element('div', {class: 'says'});
+  section.append(words);
+  if (answer) {
+    const [lead, ...rest] = answer.sentences;
+    words.append(element('p', {class: 'lead'}, lead), ...rest.map(s => element('p', {}, s)));
+    if (explanations(answer)) words.append(element('p', {class: 'caption'}, explanations(answer)));
+  }
+  const hasCurve = law && (law.curve || []).length;
+  if (few || hasCurve || (fit.density && fit.density.counts.length)) {
+    const places = figure('law', 'ε against impact speed', lawCaption(), section);
+    drawLaw(places);
+  }
+  if (answer) recordingRows(page, answer);
+  if (wave && wave.envelope) drawSound();
+}
+
+function lawCaption() {
+  return (few ? 'Points: bounces, with the error that timing alone gives them.' : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
+      ' Line and band: ε(v), the most frequent ε at each speed, with its 95 % range. A bounce that puts energy into spin or sideways motion lies below the line, so most points may.';
+}
+
+function questions() {
+  const answers = (fit && fit.answers) || [];
+  if (!answers.length) return;
+  add('h2', {id: 'questions'}, 'Questions and answers');
+  add('dl', {class: 'answers'}, answers.map(a => [element('dt', {}, a.question), element('dd', {}, withoutPaths(a.answer).replace(/\+-/g, '±'))]));
+}
+
+function notes() {
+  const warnings = [...new Set([...((summary && summary.warnings) || []), ...((fit && fit.warnings) || [])])];
+  if (!warnings.length) return;
+  add('h2', {id: 'notes'}, 'What to know before using it');
+  add('div', {class: 'warnings'}, element('ul', {}, warnings.map(w => element('li', {}, withoutPaths(w)))));
+}

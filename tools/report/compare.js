@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Many recordings: the pooled law, eps by recording, plate and day, drift, outliers.
+
+
+const dayMs = 86400000;
+const isoTime = day => new Date(day * dayMs).toISOString().slice(0, 19);
+const pIs = p => p < 1e-4 ? pText(p) : '= ' + pText(p);
+const isoDay = day => isoTime(day).slice(0, 10);
+
+/// Places of the recordings along the campaign: dates, or numbers in their order.
+function campaignAxis(drift) {
+  const byDate = drift && drift.per === 'day';
+  return {byDate, at: t => !known(t) ? null : byDate ? isoTime(t) : t, axis: byDate ? axis('date', {type: 'date'}) : axis('recording, in their order')};
+}
+
+/// A band between two straight lines. @param rise  of both, from x0 to x1
+function straightBand(x0, x1, lo, hi, rise, color, name) {
+  return {x: [x0, x1, x1, x0], y: [lo, lo + rise, hi + rise, hi], fill: 'toself', fillcolor: color, line: {width: 0}, hoverinfo: 'skip', name, type: 'scatter', mode: 'lines'};
+}
+
+function drawCampaign(parent, c, points) {
+  const {byDate, at, axis: time} = campaignAxis(c.drift), eps = c.eps.value, tau = c.tau.value;
+  const places = points.time.filter(known), begin = Math.min(...places), end = Math.max(...places);
+  const line = t => c.drift ? c.drift.slope.value * (t - c.drift.middle) : 0;  // of eps at the middle of the campaign
+  const along = (lo, hi, color, name) => straightBand(at(begin), at(end), lo + line(begin), hi + line(begin), line(end) - line(begin), color, name);
+  const indices = points.eps.map((_, k) => k), inside = indices.filter(k => !points.outlier[k]), outside = indices.filter(k => points.outlier[k]);
+  const many = inside.length > 400;
+  const trace = (of, name, marker, errors) => ({
+    x: of.map(k => at(points.time[k])), y: of.map(k => points.eps[k]), type: 'scatter', mode: 'markers', name, marker,
+    error_y: {type: 'data', array: of.map(k => points.se[k]), thickness: 1, width: 0, color: grey, visible: errors},
+    text: of.map(k => `${points.recording[k]}${points.plate[k] ? ', plate ' + points.plate[k] : ''}<br>${number(points.n_samples[k])} samples, ${points.standardised[k].toFixed(1)} standard deviations off`),
+    hovertemplate: '%{text}<br>ε = %{y:.5f}<extra></extra>'});
+  const traces = [];
+  if (places.length) {
+    traces.push(along(c.prediction95[0], c.prediction95[1], 'rgba(31,95,168,.08)', '95 % of recordings'));
+    if (tau > 0) traces.push(along(eps - tau, eps + tau, 'rgba(31,95,168,.18)', 'pooled ε ± τ'));
+  }
+  traces.push(trace(inside, 'recordings', {size: many ? 3.5 : 6.5, color: blue, opacity: many ? 0.6 : 1}, !many));
+  if (c.drift) {
+    traces.push({x: [begin, end].map(at), y: [eps + line(begin), eps + line(end)], type: 'scatter', mode: 'lines', name: 'straight line', line: {color: red, width: 2}, hoverinfo: 'skip'});
+  }
+  if (outside.length) traces.push(trace(outside, 'outliers', {size: 10, color: orange, symbol: 'diamond', line: {color: ink, width: 1}}, true));
+  draw(parent, '', traces, {showlegend: true, xaxis: time, yaxis: axis(`ε at ${speed(c.v_mps)}`)});
+}
+
+/// Mean offsets of plates or days from the pooled law.
+function drawGroups(parent, grouping, isDay) {
+  const rows = grouping.rows, x = rows.map(r => r.name);
+  const sd = grouping.deviation && grouping.deviation.value;
+  const traces = [];
+  if (sd > 0 && isDay) traces.push(straightBand(x[0], x.at(-1), -sd, sd, 0, 'rgba(31,95,168,.14)', '± standard deviation between days'));
+  traces.push({x, y: rows.map(r => r.offset), type: 'scatter', mode: 'markers', name: isDay ? 'days' : 'plates', marker: {size: rows.length > 150 ? 4 : 8, color: blue},
+               error_y: {type: 'data', array: rows.map(r => r.se), thickness: 1.2, width: rows.length > 40 ? 0 : 3, color: blue}, text: rows.map(r => number(r.n)),
+               hovertemplate: '%{x}<br>%{y:.2e} off the pooled law<br>%{text} recordings<extra></extra>'});
+  draw(parent, 'low', traces, {showlegend: false, xaxis: axis(isDay ? 'day' : 'plate', {type: isDay ? 'date' : 'category'}), yaxis: axis('offset of ε', {exponentformat: 'power'}),
+                               shapes: [{type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 0, y1: 0, line: {color: red, width: 1.4}}]});
+}
+
+function drawPooledLaw(parent, c) {
+  const curve = c.law.curve, v = curve.map(p => p.v_mps);
+  const wide = curve.map(p => ({v_mps: p.v_mps, lo95: p.prediction95[0], hi95: p.prediction95[1]}));
+  draw(parent, '', [band(wide, 'rgba(31,95,168,.14)', 'one more recording, 95 %'), band(curve, 'rgba(192,57,43,.22)', 'pooled law, 95 %'),
+                    {x: v, y: curve.map(p => p.eps), mode: 'lines', type: 'scatter', name: 'ε(v)', line: {color: red, width: 2}, hovertemplate: 'v = %{x:.3f} m/s<br>ε(v) = %{y:.5f}<extra></extra>'}],
+       {showlegend: true, xaxis: axis('normal impact speed v (m/s)'), yaxis: axis('coefficient of restitution ε')});
+}
+
+function comparisonTables(c, points) {
+  const law = c.law, named = [...law.parameters.filter(name => law[name].identified !== false).map(name => [name, law[name]]),
+                              ...law.nodes.map(n => [`ε(${speed(n.v_mps)})`, {...n, value: n.eps}])];
+  const sd = (name, s) => s ? [[name, significant(s.value), s.ci95.map(significant).join(' … ')]] : [];
+  const test = (name, t) => t ? [[name, `χ²/ndf = ${number(t.chi2, 4)}/${number(t.ndf)}`, `p ${pIs(t.p_value)}`]] : [];
+  table('The pooled law', ['quantity', 'value ± standard error', '95 %'], named.map(([name, e]) => [name, measured(e.value, e.se), interval(e.ci95)]),
+        'Errors include what differs from recording to recording. Constants that the recordings do not determine are left out.');
+  table('How much the recordings differ', ['', 'standard deviation of ε, or test', '95 %, or p'],
+        [...sd('between recordings, τ', c.tau), ...sd('between plates', c.plates.deviation), ...sd('between days', c.days.deviation),
+         ...test('do they differ at all?', c.heterogeneity), ...test('do their curves differ in shape?', c.shapes),
+         ...(c.drift ? [[`drift of ε a ${c.drift.per}`, `${significant(c.drift.slope.value)} ± ${significant(c.drift.slope.se)}`, `p ${pIs(c.drift.p_value)}`]] : [])]);
+  const most = 50, order = points.eps.map((_, k) => k).sort((a, b) => Math.abs(points.standardised[b]) - Math.abs(points.standardised[a])).slice(0, most);
+  const when = k => !known(points.time[k]) ? '–' : c.drift && c.drift.per === 'day' ? isoDay(points.time[k]) : number(points.time[k] + 1);
+  table('Recordings, those furthest off first', ['recording', '', 'when', ...(points.plate.some(Boolean) ? ['plate'] : []), 'samples', 'ε', 'offset', 'sd off'],
+        order.map(k => [points.recording[k] || '(no name)', points.outlier[k] ? 'outlier' : '', when(k), ...(points.plate.some(Boolean) ? [points.plate[k] || '–'] : []), number(points.n_samples[k]), measured(points.eps[k], points.se[k]),
+                        significant(points.offset[k]), points.standardised[k].toFixed(2)]),
+        `ε at ${speed(c.v_mps)} with the error of the recording alone; offset from the pooled law; sd off: how many standard deviations it is off what the other recordings predict of it.` +
+        (points.n > order.length ? ` The ${order.length} furthest off of ${number(points.n)}; all are in comparison.csv.` : ''));
+  table('Recordings that could not be used', ['recording', 'samples', 'why'], c.not_used.slice(0, most).map(r => [r.recording || '(no name)', number(r.n), element('span', {class: 'words'}, r.message)]),
+        c.not_used.length > most ? `The first ${most} of ${number(c.not_used.length)}; all are in comparison.csv.` : '');
+}
+
+function comparisonPage(c, points) {
+  const section = add('section', {class: 'first', id: 'answer', 'aria-label': 'The answer'}), words = element('div', {class: 'says'});
+  section.append(words);
+  const [lead, ...rest] = c.answer;
+  words.append(element('p', {class: 'lead'}, lead), ...rest.map(s => element('p', {}, s)));
+  if (c.status === 'ok') {
+    words.append(element('p', {class: 'caption'}, 'ε (epsilon), the coefficient of restitution: speed just after a bounce over speed just before it. ± is the standard error; it includes what differs from recording to recording.'));
+    const thinned = points.n > points.eps.length ? ` ${number(points.eps.length)} of ${number(points.n)} recordings are drawn, all outliers among them.` : '';
+    drawCampaign(figure('campaign', 'ε over the campaign', 'Points: recordings, with the error of each alone. Dark band: pooled ε and the standard deviation between recordings, τ; light band: where 95 % of recordings are expected. Line: the drift, which both bands follow; plates are not taken out.' + thinned, section), c, points);
+  }
+  if (c.notes.length) {
+    add('h2', {id: 'notes'}, 'What to know before using it');
+    add('div', {class: 'warnings'}, element('ul', {}, c.notes.map(note => element('li', {}, note))));
+  }
+  if (c.status !== 'ok') return comparisonTables({...c, law: {parameters: [], nodes: []}, heterogeneity: null, tau: null}, points);
+  if (c.plates.rows.length > 1)
+    drawGroups(figure('plates', 'By plate', 'Mean offset of each plate’s recordings from the pooled law, with its standard error; drift taken out.'), c.plates, false);
+  if (c.days.rows.length > 1)
+    drawGroups(figure('days', 'By day', 'Mean offset of each day’s recordings from the pooled law, with its standard error; plates taken out, drift not.'), c.days, true);
+  if (c.law.curve.length)
+    drawPooledLaw(figure('law', 'ε against impact speed', 'Line and inner band: the pooled law ε(v) with its 95 % range. Outer band: where the law of one more recording is expected, 95 %.'), c);
+  comparisonTables(c, points);
+}

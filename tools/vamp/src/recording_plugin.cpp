@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recording_plugin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <iostream>
+
+#include "bouncelab/core/units.hpp"
+#include "decimal.hpp"
+
+namespace bouncelab::vamp {
+namespace {
+
+constexpr std::int64_t kNanosecondsASecond = 1'000'000'000;
+// what detection::detect takes
+constexpr float kLeastRate_hz = 4e3F, kMostRate_hz = 4e6F;
+
+}  // namespace
+
+RecordingPlugin::RecordingPlugin(float rate_hz)
+    : Plugin(rate_hz), gravity_mps2_(static_cast<float>(kDefaultGravity_mps2)) {}
+
+std::string RecordingPlugin::getMaker() const { return "The bouncelab authors"; }
+std::string RecordingPlugin::getCopyright() const {
+  return "Copyright 2026 The bouncelab authors. GNU General Public License, version 3 or later";
+}
+int RecordingPlugin::getPluginVersion() const { return 1; }
+
+Vamp::Plugin::ParameterList RecordingPlugin::getParameterDescriptors() const {
+  ParameterDescriptor gravity;
+  gravity.identifier = "gravity";
+  gravity.name = "Gravity";
+  gravity.description = "Gravitational acceleration, for the impact speeds";
+  gravity.unit = "m/s^2";
+  gravity.minValue = 0.1F;
+  gravity.maxValue = 100.0F;
+  gravity.defaultValue = static_cast<float>(kDefaultGravity_mps2);
+  ParameterDescriptor impacts;
+  impacts.identifier = "minimpacts";
+  impacts.name = "Fewest impacts of a drop";
+  impacts.description = "Drops of fewer impacts are left out";
+  impacts.minValue = 3.0F;
+  impacts.maxValue = 100.0F;
+  impacts.defaultValue = 3.0F;
+  impacts.isQuantized = true;
+  impacts.quantizeStep = 1.0F;
+  return {gravity, impacts};
+}
+
+float RecordingPlugin::getParameter(std::string identifier) const {
+  if (identifier == "gravity") return gravity_mps2_;
+  if (identifier == "minimpacts") return min_impacts_;
+  return 0.0F;
+}
+
+void RecordingPlugin::setParameter(std::string identifier, float value) {
+  if (std::isnan(value)) return;
+  if (identifier == "gravity") gravity_mps2_ = std::clamp(value, 0.1F, 100.0F);
+  if (identifier == "minimpacts") min_impacts_ = std::round(std::clamp(value, 3.0F, 100.0F));
+}
+
+bool RecordingPlugin::initialise(size_t n_channels, size_t step_size, size_t block_size) {
+  if (!(m_inputSampleRate >= kLeastRate_hz && m_inputSampleRate <= kMostRate_hz)) {
+    say("the sampling rate is " + std::to_string(m_inputSampleRate) + " Hz; it has to be 4 kHz to 4 MHz");
+    return false;
+  }
+  if (n_channels != 1 || step_size == 0 || step_size > block_size) {
+    say("takes one channel and steps of at most a block");
+    return false;
+  }
+  recording_ = RecordingBuffer(step_size, block_size);
+  reset();
+  return true;
+}
+
+void RecordingPlugin::reset() {
+  recording_.clear();
+  has_begun_ = is_lost_ = false;
+  begin_ns_ = 0;
+}
+
+Vamp::Plugin::FeatureSet RecordingPlugin::process(const float* const* channels, Vamp::RealTime timestamp) {
+  if (is_lost_) return {};
+  if (!has_begun_) begin_ns_ = timestamp.sec * kNanosecondsASecond + timestamp.nsec;
+  has_begun_ = true;
+  try {
+    recording_.add(channels[0]);
+  } catch (const std::exception&) {
+    is_lost_ = true;
+    recording_ = {};
+    say("the recording is too long for this machine's memory");
+  }
+  return {};
+}
+
+Vamp::Plugin::FeatureSet RecordingPlugin::getRemainingFeatures() {
+  if (is_lost_) return {};
+  try {
+    detection::DetectionConfig config;
+    config.gravity_mps2 = gravity_mps2();
+    config.min_impacts = static_cast<std::int64_t>(min_impacts_);
+    const detection::Detection found =
+        detection::detect(recording_.samples(), static_cast<double>(m_inputSampleRate), "recording", config);
+    if (found.onsets.empty()) say(found.message);
+    return features(found);
+  } catch (const std::exception& error) {
+    say(error.what());
+  }
+  return {};
+}
+
+Vamp::Plugin::OutputDescriptor RecordingPlugin::output(const std::string& identifier, const std::string& name,
+                                                       const std::string& description, const std::string& unit,
+                                                       size_t n_values) {
+  OutputDescriptor descriptor;
+  descriptor.identifier = identifier;
+  descriptor.name = name;
+  descriptor.description = description;
+  descriptor.unit = unit;
+  descriptor.hasFixedBinCount = true;
+  descriptor.binCount = n_values;
+  descriptor.sampleType = OutputDescriptor::VariableSampleRate;
+  descriptor.sampleRate = 0.0F;  // no resolution: the times are not those of samples
+  return descriptor;
+}
+
+Vamp::RealTime RecordingPlugin::nanoseconds(std::int64_t ns) {
+  return {static_cast<int>(ns / kNanosecondsASecond), static_cast<int>(ns % kNanosecondsASecond)};
+}
+
+Vamp::Plugin::Feature RecordingPlugin::feature_at(double t_s) const {
+  Feature feature;
+  feature.hasTimestamp = true;
+  feature.timestamp = nanoseconds(begin_ns_ + std::llround(t_s * static_cast<double>(kNanosecondsASecond)));
+  return feature;
+}
+
+double RecordingPlugin::gravity_mps2() const { return decimal_value(gravity_mps2_); }
+
+void RecordingPlugin::say(const std::string& what) const {
+  std::cerr << "vamp:bouncelab:" << getIdentifier() << ": " << what << '\n';
+}
+
+}  // namespace bouncelab::vamp

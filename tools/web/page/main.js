@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page as a whole: three ways to a sound, one way from there to the result.
+import {Engine} from './engine.js';
+import {acceptFiles, readFile} from './files.js';
+import {Microphone} from './microphone.js';
+import {Settings} from './settings.js';
+import {SoundSection} from './sound_section.js';
+import {Trouble, checkBrowser, say, sayTrouble, working} from './trouble.js';
+import {drawDistributions, drawLaw, showAnswer} from './result.js';
+import {showDownloads} from './downloads.js';
+import {scatterOptions, showClosedLoop, showScatter, simulateOptions, trueCurve} from './simulate.js';
+
+const $ = id => document.getElementById(id);
+let open = null;        // what is on the page: {stem, rate_hz, wav, simulated}
+let section = null;     // the sound and its marks
+let refitting = false, wanted = null;
+
+let turn = 0;           // counts the sounds that were begun: what belongs to an earlier one is not shown any more
+let works = 0;
+let microphone, engine;
+
+/// Work on the sound that is begun, or on the one that is open. Cancel is offered after a second.
+async function work(action, begins = false) {
+  const mine = begins ? ++turn : turn, stays = () => { if (mine !== turn) throw null; };
+  ++works;
+  working(true);
+  const offer = setTimeout(() => { $('cancel').hidden = false; }, 1000);
+  try {
+    await action(stays);
+  } catch (error) {
+    if (mine === turn && error !== null) sayTrouble(error);
+  }
+  clearTimeout(offer);
+  if (--works) return;
+  $('cancel').hidden = true;
+  working(false);
+}
+
+const settings = new Settings(() => { if (open && section) refit(section.marks.list); });
+/// A simulated ball and plate are known.
+const optionsNow = () => ({...settings.options(), ...open.simulated?.known});
+
+/// Yields to the browser: what comes before it is shown, and no task is long.
+const breath = () => new Promise(resolve => setTimeout(resolve, 0));
+
+async function show(result) {
+  showAnswer(result);
+  await breath();
+  drawLaw(result, trueCurve(open.simulated?.law));
+  await breath();
+  drawDistributions(result);
+  if (open.simulated) showClosedLoop(open.simulated, section.marks.list);
+  showDownloads($('downloads'), engine, open.stem, !result.failed, open.wav, sayTrouble);
+}
+
+async function analyze(stays) {
+  $('closed-loop').hidden = $('scatter').hidden = true;
+  const result = await engine.run({task: 'analyze', options: optionsNow()});
+  stays();
+  $('result').hidden = false;
+  await breath();
+  if (!section) section = new SoundSection($('sound'), marks => refit(marks));
+  section.load(result.mono, result.envelope, open.rate_hz, result.marks);
+  await breath();
+  await show(result);
+  const seconds = `${open.note ? open.note + ' ' : ''}${number(open.duration_s, 3)} s of sound at ${number(open.rate_hz)} Hz, ${open.format}; computed in ${number(result.seconds, 2)} s.`;
+  say(open.said ? `${open.said}${seconds}` : seconds);
+  $('answer').scrollIntoView({block: 'nearest'});
+  document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
+}
+
+/// Corrected marks, or other settings: the newest are fitted, those between are skipped.
+async function refit(marks) {
+  wanted = marks;
+  if (refitting) return;
+  refitting = true;
+  $('answer').classList.add('stale');
+  await work(async stays => {
+    while (wanted) {
+      const now = wanted;
+      wanted = null;
+      const result = await engine.run({task: 'refit', marks: now, options: optionsNow()});
+      stays();
+      if (!wanted) await show(result);
+    }
+  });
+  wanted = null;
+  refitting = false;
+  $('answer').classList.remove('stale');
+  document.dispatchEvent(new CustomEvent('bouncelab-refit'));
+}
+
+async function openSound(summary, more, stays) {
+  stays();
+  const {name, rate_hz, duration_s, format, peak} = summary;
+  open = {stem: name.replace(/\.[^.]*$/, '') || 'sound', rate_hz, duration_s, format, ...more};
+  if (peak === 0) {
+    clear();
+    throw new Trouble(`${name} is silent: all of its samples are zero.`);
+  }
+  say('Finding the bounces …');
+  await analyze(stays);
+}
+
+/// What was found in the sound before is no answer to the next one.
+function clear() {
+  $('result').hidden = true;
+  open = null;
+}
+
+function takeFile(file) {
+  return work(async stays => {
+    clear();
+    say(`Reading ${file.name} …`);
+    const {bytes, channels, note, refused, ...rest} = await readFile(file);
+    await engine.ready;
+    stays();
+    const transfer = bytes ? [bytes.buffer] : channels.map(c => c.buffer);
+    const opened = engine.run({task: 'open', name: file.name, bytes, channels, ...rest}, transfer);
+    await openSound(await (refused ? opened.catch(() => { throw new Trouble(refused); }) : opened), {note}, stays);
+  }, true);
+}
+
+/// Several files: the first at once, the others by their names.
+function takeFiles(files) {
+  if (!files.length) return;
+  const list = $('recordings');
+  list.hidden = files.length < 2;
+  list.replaceChildren(...files.map((file, k) => {
+    const button = element('button', {type: 'button', 'aria-pressed': String(k === 0)}, file.name);
+    button.addEventListener('click', () => {
+      for (const other of list.children) other.setAttribute('aria-pressed', String(other === button));
+      takeFile(file);
+    });
+    return button;
+  }));
+  microphone.close();
+  panel(null);
+  takeFile(files[0]);
+}
+
+function panel(name) {
+  for (const way of ['microphone', 'simulate']) {
+    const shown = way === name && $(way).hidden;
+    $(way).hidden = !shown;
+    $(`way-${way}`).setAttribute('aria-expanded', String(shown));
+  }
+  $('settings').hidden = !$('simulate').hidden;  // ball and height of a simulated drop are known
+}
+
+/// The sound that was made here can be saved too.
+const wav = () => engine.run({task: 'wav'});
+
+async function simulate() {
+  await work(async stays => {
+    clear();
+    say('Dropping the ball …');
+    const options = simulateOptions(settings), simulated = await engine.run({task: 'simulate', options});
+    simulated.known = {ball: options.ball, plate: options.plate, gravity: 9.81, 'correct-drag': true, 'correct-contact-time': true};
+    $('recordings').hidden = true;
+    await openSound(simulated, {simulated, wav}, stays);
+    section.playAll();
+    const {theory} = await engine.run({task: 'scatter', options: scatterOptions(options)});
+    stays();
+    showScatter(theory);
+  }, true);
+}
+
+async function recorded(why) {
+  await work(async stays => {
+    const name = `recording-${new Date().toISOString().slice(0, 19).replace(/:/g, '')}.wav`;
+    const summary = await engine.run({task: 'live-end', name});
+    $('recordings').hidden = true;
+    await openSound(summary, {said: why, wav}, stays);
+  }, true);
+}
+
+function keepOffline() {
+  if ('serviceWorker' in navigator && location.protocol !== 'file:') navigator.serviceWorker.register('service_worker.js').catch(() => {});  // without it the page works as long as there is a connection
+}
+
+function start() {
+  checkBrowser();
+  engine = new Engine();
+  engine.onTrouble = sayTrouble;
+  engine.onRestart = clear;  // the worker that is new has no sound
+  engine.ready.then(started => {
+    settings.fill(started);
+    $('version').textContent = `bouncelab ${started.version}`;
+    keepOffline();
+  }).catch(sayTrouble);
+  microphone = new Microphone(engine, settings, clear, recorded);
+  microphone.onTrouble = sayTrouble;
+  acceptFiles($('way-file'), $('file'), takeFiles);
+  $('way-microphone').addEventListener('click', () => { panel('microphone'); if ($('microphone').hidden) microphone.close(); });
+  $('way-simulate').addEventListener('click', () => { panel('simulate'); microphone.close(); });
+  $('simulate-run').addEventListener('click', simulate);
+  $('cancel').addEventListener('click', () => { engine.restart('Cancelled.'); });
+}
+
+try {
+  start();
+} catch (error) {
+  sayTrouble(error);
+  for (const way of ['file', 'microphone', 'simulate']) $(`way-${way}`).disabled = true;
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Recording: raw samples of the microphone, level, clipping, ε(v) as it comes, stop at rest.
+import {drawPicture, paddedRange} from './picture.js';
+import {Trouble, say} from './trouble.js';
+
+const $ = id => document.getElementById(id);
+const kLongest_s = 600;
+
+/// What a browser's refusal means.
+function refusal(error) {
+  const why = {
+    NotAllowedError: 'The microphone was denied; allow it in the browser\'s settings of this page, or choose a recording.',
+    SecurityError: 'The microphone is not allowed on this page; choose a recording.',
+    NotFoundError: 'No microphone was found; choose a recording.',
+    NotReadableError: 'The microphone is used by another program; close that, or choose a recording.',
+  }[error.name];
+  return why ? new Trouble(why) : error;
+}
+
+export class Microphone {
+  /// @param engine  the worker; @param settings  gives options; @param begun, finished  are called before and after
+  constructor(engine, settings, begun, finished) {
+    Object.assign(this, {engine, settings, begun, finished, recording: false});
+    $('record').addEventListener('click', () => (this.recording ? this.stop('') : this.start()).catch(error => this.fail(error)));
+  }
+
+  fail(error) {
+    this.close();
+    this.onTrouble(error);
+  }
+
+  async start() {
+    if (!navigator.mediaDevices?.getUserMedia || !window.AudioWorkletNode)
+      throw new Trouble('This browser gives the microphone only to pages opened by https; choose a recording.');
+    this.recording = true;
+    $('record').textContent = 'Stop';
+    $('level').value = 0;
+    try {
+      this.stream = await navigator.mediaDevices.getUserMedia({audio: {echoCancellation: false, noiseSuppression: false, autoGainControl: false, channelCount: 1}});
+    } catch (error) {
+      throw refusal(error);
+    }
+    if (!this.recording) return this.close();
+    this.begun();
+    const rate = this.stream.getAudioTracks()[0].getSettings().sampleRate;
+    this.context = new AudioContext(rate ? {sampleRate: rate} : {});
+    const context = this.context;
+    await context.audioWorklet.addModule('level_worklet.js');
+    if (context !== this.context) return;  // stopped meanwhile
+    this.recorder = new AudioWorkletNode(this.context, 'recorder', {numberOfOutputs: 0, channelCount: 1, channelCountMode: 'explicit'});
+    this.clipped = this.samples = 0;
+    this.recorder.port.onmessage = ({data}) => this.take(data);
+    this.engine.tell({task: 'live-begin', rate_hz: this.context.sampleRate, gravity_mps2: this.settings.options().gravity});
+    this.engine.onLive = message => this.show(message);
+    this.context.createMediaStreamSource(this.stream).connect(this.recorder);
+    $('live-plot').replaceChildren();
+    say('Recording. Drop the ball.');
+    this.seen = false;
+  }
+
+  take({samples, peak, clipped}) {
+    if (!this.recording) return;
+    this.samples += samples.length;
+    this.clipped += clipped;
+    const seconds = this.samples / this.context.sampleRate;
+    // a meter in decibels, -60 to 0, as ears judge loudness
+    $('level').value = Math.max(0, Math.min(1, 1 + 20 * Math.log10(Math.max(peak, 1e-9)) / 60));
+    $('record-time').textContent = `${seconds.toFixed(1)} s`;
+    $('level-says').textContent = this.clipped > 0 ? 'Too loud: the sound is cut off (clipped). Move the phone further from the ball.' :
+        seconds > 3 && this.loudest() < 1e-4 ? 'The microphone gives hardly any sound; is it switched off?' : $('level-says').textContent;
+    this.peak = Math.max(this.peak ?? 0, peak);
+    this.engine.tell({task: 'live-more', samples}, [samples.buffer]);
+    if (seconds > kLongest_s) this.stop('Ten minutes are recorded; that is the longest.');
+  }
+  loudest() { return this.peak ?? 0; }
+
+  show({points, n_onsets, rest, marked, seconds, heard_s}) {
+    if (!this.recording) return;
+    document.dispatchEvent(new CustomEvent('bouncelab-live', {detail: {n_onsets, marked, seconds, heard_s}}));
+    if (n_onsets) say(`Recording: ${n_onsets} ${n_onsets === 1 ? 'bounce' : 'bounces'} so far.`);
+    if (points.v.length) {
+      const last = points.v.length - 1;
+      drawPicture($('live-plot'), {
+        height: 260, label: `Plot: ε against impact speed of ${points.v.length} bounces so far`,
+        x: {title: 'impact speed v (m/s)', range: [0, paddedRange(points.v)[1]]}, y: {title: 'ε', range: paddedRange(points.eps)},
+        layers: [{kind: 'points', x: points.v, y: points.eps}, {kind: 'newest', x: [points.v[last]], y: [points.eps[last]]}]});
+    }
+    if (points.v.length && !this.seen) {
+      this.seen = true;
+      $('microphone').scrollIntoView({block: 'start'});  // on a phone the picture would be below the window
+    }
+    if (rest && $('stop-at-rest').checked) this.stop('The ball is at rest. ').catch(error => this.fail(error));
+  }
+
+  async stop(why) {
+    if (!this.recording) return;
+    const begun = Boolean(this.recorder);
+    this.close();
+    if (begun) await this.finished(why);
+  }
+
+  close() {
+    this.recording = false;
+    $('record').textContent = 'Start recording';
+    $('level').value = 0;
+    this.recorder?.disconnect();
+    this.stream?.getTracks().forEach(track => track.stop());
+    this.context?.close();
+    this.recorder = this.stream = this.context = null;
+    this.peak = 0;
+  }
+}

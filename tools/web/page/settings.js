@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ball, floor, height and gravity: what the computation may know.
+import {Trouble} from './trouble.js';
+
+const $ = id => document.getElementById(id);
+const name = text => text.replaceAll('-', ' ');
+const option = entry => element('option', {value: entry.name}, `${name(entry.name)}${entry.what ? ` (${entry.what})` : ''}`);
+
+export class Settings {
+  constructor(changed) {
+    this.changed = changed;
+    for (const id of ['ball', 'diameter', 'plate', 'height', 'gravity']) $(id).addEventListener('change', () => { this.show(); changed(); });
+    this.balls = [];
+  }
+
+  /// The catalogue, once the worker knows it.
+  fill({balls, plates}) {
+    this.balls = balls;
+    if ($('ball').length > 1) return;
+    $('ball').append(...balls.map(option));
+    $('plate').append(...plates.map(option));
+    $('simulate-ball').append(...balls.filter(ball => ball.hertzian).map(ball => element('option', {value: ball.name}, name(ball.name))));
+    $('simulate-ball').value = 'steel';
+  }
+
+  /// A ball of the catalogue has its size, or is a material, whose size has to be given.
+  isMaterial(ball) { return Boolean(ball) && !this.balls.find(b => b.name === ball)?.radius_m; }
+
+  show() {
+    $('diameter-field').hidden = !this.isMaterial($('ball').value);
+    const parts = [this.ballText(), $('height').value ? `${$('height').value} cm` : ''].filter(Boolean);
+    $('settings-now').textContent = parts.length ? `(${parts.join(', ')})` : '(not given)';
+  }
+  ballText() {
+    const ball = $('ball').value;
+    return this.isMaterial(ball) ? `${name(ball)}, ${$('diameter').value} mm` : name(ball);
+  }
+
+  options() {
+    const gravity = this.number('gravity', 'Gravity', 0.001, 1000), options = {gravity};
+    const ball = $('ball').value;
+    if (ball) options.ball = this.isMaterial(ball) ? `${ball}:${this.number('diameter', 'The diameter', 0.1, 1000)}mm` : ball;
+    if ($('plate').value) options.plate = $('plate').value;
+    if ($('height').value) options.drop_height_m = this.number('height', 'The drop height', 0.01, 1e5) / 100;
+    return options;
+  }
+  number(id, what, least, most) {
+    const value = $(id).valueAsNumber;
+    if (!(value >= least && value <= most)) throw new Trouble(`${what} has to be a number from ${least} to ${most}.`);
+    return value;
+  }
+}

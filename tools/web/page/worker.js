@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// All computation of the page: the module, the sound that is open, and what was found in it. One task at a time, each
+// answered by its number; a live recording is detected again and again in between.
+import createModule from './bouncelab.js';
+import {Live} from './live.js';
+import {interleave, soundSummary, envelopeOf, channelOf} from './sound.js';
+import {marksFrom, onsetsCsv, columns} from './tables.js';
+
+let module = null, sound = null, found = null, live = null;
+
+/// What the page draws; the rest stays here until it is saved.
+function resultFor(analysis, withSound) {
+  found = analysis;
+  const summary = JSON.parse(analysis.summary), fit = JSON.parse(analysis.fitJson), wave = analysis.waveJson ? JSON.parse(analysis.waveJson) : null;
+  const recording = summary.recordings?.[0] ?? {};
+  const channel = wave?.channel ?? recording.channel ?? 0;
+  const result = {
+    summary, channel, status: recording.status, message: recording.message,
+    answer: fit?.answer ?? null, curve: fit?.law?.curve ?? [],
+    histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
+    warnings: [...new Set([...sound.warnings, ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
+    samples: columns(analysis.samplesCsv, ['v_mps', 'eps', 'sigma_eps'], ['flags']),
+    marks: marksFrom(analysis.onsetsCsv),
+  };
+  return withSound ? {...result, ...drawn(channelOf(sound, channel))} : result;
+}
+
+/// A channel with its envelope, given away to the page.
+function drawn(mono) {
+  const envelope = envelopeOf(mono);
+  return {mono, envelope, transfer: [mono.buffer, envelope.lo.buffer, envelope.hi.buffer]};
+}
+/// What the module asks for: the sound and the options, with the coding by which its samples came.
+const soundAnd = options => [sound.samples, sound.rate_hz, sound.n_channels, sound.name, JSON.stringify({...options, 'lossy-coding': sound.lossy || null})];
+const nothingFound = message => ({failed: true, summary: {}, channel: 0, message, answer: null, curve: [], histograms: [], warnings: sound.warnings, samples: {n: 0}, marks: []});
+
+/// Out of memory, or a fault inside the module: it cannot go on, and the page starts another one.
+const isFatal = error => error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+
+/// A small experiment that nobody sees: the browser compiles code when it first runs, which would else make the first
+/// recording take twice as long.
+function warmUp() {
+  if (sound || live) return;  // too late: it would only delay
+  const made = module.simulate(JSON.stringify({drops: 1, impacts: 30, asperities: 1000, rate: 48000}));
+  if (!sound && !live) module.analyze(made.samples, made.rate_hz, 1, 'warm-up', '{}');
+}
+
+const tasks = {
+  async start() {
+    module = await createModule();
+    setTimeout(warmUp, 200);  // once the page has been drawn
+    return {version: module.version(), ...JSON.parse(module.balls())};
+  },
+  open({name, bytes, channels, rate_hz, format, lossy}) {
+    sound = found = null;
+    if (bytes) {
+      const read = module.readSound(bytes, name);
+      sound = {name, samples: read.samples, rate_hz: read.rate_hz, n_channels: read.n_channels, format: read.format, lossy: read.lossy_coding, warnings: [...read.warnings]};
+    } else {
+      sound = {name, samples: interleave(channels), rate_hz, n_channels: channels.length, format, lossy, warnings: []};
+    }
+    return soundSummary(sound);
+  },
+  analyze({options}) {
+    let analysis;
+    try {
+      analysis = module.analyze(...soundAnd(options));
+    } catch (error) {
+      if (isFatal(error)) throw error;
+      return {...nothingFound(String(error?.message ?? error)), ...drawn(channelOf(sound, 0))};  // the sound is shown, to be marked by hand
+    }
+    return resultFor(analysis, true);
+  },
+  refit({marks, options}) {
+    return resultFor(module.analyzeOnsets(onsetsCsv(sound.name, marks), ...soundAnd(options)), false);
+  },
+  simulate({options}) {
+    const made = module.simulate(JSON.stringify(options));
+    sound = {name: 'simulated', samples: made.samples, rate_hz: made.rate_hz, n_channels: 1, format: 'simulated', warnings: []};
+    found = null;
+    const playable = made.samples.slice();
+    return {...soundSummary(sound), samples: playable, truth: columns(made.truthCsv, ['drop', 'impact', 't_s', 'travel_time_s', 'v_mps'], []),
+            impacts: columns(made.impactsCsv, ['drop', 'impact', 't_s', 'vn_before_mps', 'vn_after_mps', 'v_before_mps', 'v_after_mps', 'eps'], []),
+            law: JSON.parse(made.lawJson), transfer: [playable.buffer]};
+  },
+  async save({kind}) {
+    const text = found[kind];
+    return {text: kind === 'reportHtml' ? module.withPlotly(text, await (await fetch('plotly.js')).text()) : text};
+  },
+  scatter({options}) {
+    return {theory: JSON.parse(module.scatter(JSON.stringify(options)))};
+  },
+  wav() {
+    const bytes = module.wav(sound.samples, sound.rate_hz, sound.n_channels);
+    return {bytes, transfer: [bytes.buffer]};
+  },
+  'live-begin'({rate_hz, gravity_mps2}) {
+    live = new Live(module, rate_hz, gravity_mps2, message => self.postMessage({live: message}));
+  },
+  'live-more'({samples}) {
+    live?.take(samples);
+  },
+  'live-end'({name}) {
+    sound = {name, samples: live.all(), rate_hz: live.rate_hz, n_channels: 1, format: 'microphone, 32-bit float', warnings: []};
+    live.end();
+    live = found = null;
+    return soundSummary(sound);
+  },
+};
+
+self.onmessage = async ({data}) => {
+  const begin = performance.now();
+  try {
+    const {transfer = [], ...result} = await tasks[data.task](data) ?? {};
+    if (data.id !== undefined) self.postMessage({id: data.id, result, seconds: (performance.now() - begin) / 1e3}, transfer);
+  } catch (error) {
+    self.postMessage({id: data.id, error: String(error?.message ?? error), fatal: isFatal(error) || module === null});
+  }
+};

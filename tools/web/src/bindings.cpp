@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The functions of bouncelab.js (tools/web/README.md). Each returns {result} or {error}, which api.js turns into a
+// value or an exception of JavaScript.
+#include <emscripten/bind.h>
+#include <emscripten/val.h>
+
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "analysis.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/version.hpp"
+#include "json/balls_json.hpp"
+#include "simulation.hpp"
+
+namespace bouncelab::web {
+namespace {
+
+using emscripten::val;
+
+/// What a browser has to be told of a failure: one line.
+template <class Work>
+val guarded(Work&& work) {
+  val answer = val::object();
+  const auto failed = [&](const std::string& message) { answer.set("error", message); };
+  try {
+    answer.set("result", work());
+  } catch (const std::bad_alloc&) {
+    failed("out of memory; choose a shorter recording");
+  } catch (const std::length_error&) {
+    failed("out of memory; choose a shorter recording");
+  } catch (const std::filesystem::filesystem_error& error) {
+    failed(error.path1().string() + ": " + error.code().message());
+  } catch (const std::exception& error) {
+    failed(error.what());
+  }
+  return answer;
+}
+
+/// A copy that JavaScript owns: an array of its own of the numbers' type.
+template <class Number>
+val array_of(const Number* values, std::size_t n) {
+  return val(emscripten::typed_memory_view(n, values)).template call<val>("slice");
+}
+
+val strings(const std::vector<std::string>& texts) {
+  val list = val::array();
+  for (const std::string& text : texts) list.call<void>("push", text);
+  return list;
+}
+
+Sound sound_of(const val& samples, double rate_hz, int n_channels, const std::string& name) {
+  return {emscripten::convertJSArrayToNumberVector<float>(samples), rate_hz, n_channels, name, {}, {}, {}};
+}
+
+val value_of(const Sound& sound) {
+  val value = val::object();
+  value.set("rate_hz", sound.rate_hz);
+  value.set("n_channels", sound.n_channels);
+  value.set("samples", array_of(sound.samples.data(), sound.samples.size()));
+  value.set("format", sound.format);
+  value.set("lossy_coding", sound.lossy_coding);
+  value.set("warnings", strings(sound.warnings));
+  return value;
+}
+
+val value_of(const Analysis& analysis) {
+  val value = val::object();
+  value.set("summary", analysis.summary);
+  value.set("onsetsCsv", analysis.onsets_csv);
+  value.set("samplesCsv", analysis.samples_csv);
+  value.set("fitJson", analysis.fit_json);
+  value.set("waveJson", analysis.wave_json);
+  value.set("reportHtml", analysis.report_html);
+  value.set("labels", analysis.labels);
+  return value;
+}
+
+val value_of(const Simulation& made) {
+  val value = value_of(made.sound);
+  value.set("impactsCsv", made.impacts_csv);
+  value.set("truthCsv", made.truth_csv);
+  value.set("lawJson", made.law_json);
+  return value;
+}
+
+val bound_version() {
+  return guarded([] { return std::string(version()) + " (" + std::string(commit()) + ")"; });
+}
+val bound_balls() {
+  return guarded([] { return cli::balls_json(); });
+}
+val bound_read_sound(const val& bytes, const std::string& name) {
+  return guarded([&] {
+    const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
+    return value_of(read_sound({content.begin(), content.end()}, name));
+  });
+}
+val bound_detect(const val& samples, double rate_hz, int n_channels, const std::string& name,
+                 const std::string& options) {
+  return guarded([&] { return detect(sound_of(samples, rate_hz, n_channels, name), options); });
+}
+val bound_analyze(const val& samples, double rate_hz, int n_channels, const std::string& name,
+                  const std::string& options) {
+  return guarded([&] { return value_of(analyze(sound_of(samples, rate_hz, n_channels, name), options)); });
+}
+val bound_analyze_onsets(const std::string& onsets_csv, const val& samples, double rate_hz, int n_channels,
+                         const std::string& name, const std::string& options) {
+  return guarded(
+      [&] { return value_of(analyze_onsets(onsets_csv, sound_of(samples, rate_hz, n_channels, name), options)); });
+}
+val bound_simulate(const std::string& options) {
+  return guarded([&] { return value_of(simulate(options)); });
+}
+val bound_scatter(const std::string& options) {
+  return guarded([&] { return scatter(options); });
+}
+val bound_wav(const val& samples, double rate_hz, int n_channels) {
+  return guarded([&] {
+    const std::string bytes = wav_of(sound_of(samples, rate_hz, n_channels, "sound.wav"));
+    return array_of(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  });
+}
+
+}  // namespace
+
+EMSCRIPTEN_BINDINGS(bouncelab) {
+  emscripten::function("bound_version", &bound_version);
+  emscripten::function("bound_balls", &bound_balls);
+  emscripten::function("bound_readSound", &bound_read_sound);
+  emscripten::function("bound_detect", &bound_detect);
+  emscripten::function("bound_analyze", &bound_analyze);
+  emscripten::function("bound_analyzeOnsets", &bound_analyze_onsets);
+  emscripten::function("bound_simulate", &bound_simulate);
+  emscripten::function("bound_scatter", &bound_scatter);
+  emscripten::function("bound_wav", &bound_wav);
+}
+
+}  // namespace bouncelab::web

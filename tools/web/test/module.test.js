@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The module by itself, in node.
+import assert from 'node:assert/strict';
+import {before, describe, test} from 'node:test';
+import {existsSync, readFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {Live} from '../page/live.js';
+import {clean, site, truth} from './harness.js';
+
+const missing = existsSync(join(site, 'bouncelab.wasm')) ? false : `no ${site}; tools/web/build makes it`;
+
+describe('the module', {skip: missing}, () => {
+  let module;
+  before(async () => {
+    const {default: create} = await import(pathToFileURL(join(site, 'bouncelab.js')));
+    module = await create({wasmBinary: readFileSync(join(site, 'bouncelab.wasm'))});
+  });
+
+  test('live: every bounce is marked by the second detection that heard a tenth of a second beyond it', async t => {
+    const kStep_s = 0.2, kBeyond_s = 0.1, kEnd_s = 9;
+    const {samples, rate_hz} = module.readSound(readFileSync(clean), 'clean.flac'), step = kStep_s * rate_hz;
+    const reports = [], live = new Live(module, rate_hz, 9.81, report => reports.push(report));
+    for (let n = 0; n < kEnd_s * rate_hz; n += step) {
+      live.take(samples.slice(n, n + step));
+      live.cost = 1;  // the shortest window, whatever the machine
+      await new Promise(resolve => setTimeout(resolve, 1));
+    }
+    const first = reports.findIndex(r => r.marked.length), known = reports[first].marked.length;
+    // that a rhythm is a bouncing ball and no other is held for ten times as probable from the seventh bounce on: those
+    // before are marked together
+    assert.ok(known >= 3 && known <= 8, `${known}`);
+    const marks = reports.flatMap((r, k) => r.marked.map(({t_s}) => ({t_s, k})));
+    t.diagnostic(`${reports.length} detections; the first ${known} bounces are marked together, ${Math.max(...marks.filter(m => m.k > first).map(m => reports[m.k].heard_s - m.t_s)).toFixed(2)} s of sound follow a later one at most before it is marked`);
+    for (const {t_s, k} of marks.filter(m => m.k > first))
+      assert.ok(reports.slice(0, k).filter(r => r.heard_s > t_s + kBeyond_s).length < 2, `${t_s}`);
+    for (const {t_s} of truth.filter(impact => impact.t_s < kEnd_s - kStep_s - kBeyond_s))
+      assert.equal(marks.filter(m => Math.abs(m.t_s - t_s) < 1e-3).length, 1, `${t_s}`);
+  });
+
+  test('a simulated scatter is that of its closed form within the errors of counting', () => {
+    const options = {drops: 60, impacts: 95, asperities: 20000, 'radius-law': 'uniform:1e-3,3e-3', seed: 3, ball: 'steel:6mm', plate: 'glass', drag: true};
+    const theory = JSON.parse(module.scatter(JSON.stringify(options)));
+    assert.equal(theory.n_drops, 60);
+    assert.deepEqual(theory.densities.map(d => d.v_mps), [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1]);
+    // q = c s2: 5/7 of half the root of pi w/N, but for the share exp(-N w/4) = 5e-5 of places that no asperity of radii
+    // from 1e-3 on covers higher than that (docs/physics.md, section 7); the ball is solid
+    assert.ok(Math.abs(theory.q / (5 / 7 * 0.5 * Math.sqrt(Math.PI * 2e-3 / 20000)) - 1) < 5e-5, `${theory.q}`);
+    for (const d of theory.densities) {
+      const n = d.simulated_counts.length, begin = d.eps_edges[0], width = d.eps_edges[1] - begin, expected = Array(n).fill(0);
+      for (let k = 0; k + 1 < d.eps.length; ++k) {
+        const area = (d.density[k] + d.density[k + 1]) / 2 * (d.eps[k + 1] - d.eps[k]);
+        expected[Math.min(n - 1, Math.floor(((d.eps[k] + d.eps[k + 1]) / 2 - begin) / width))] += area;
+      }
+      // all but exp(-5) of either side, by trapezia of a sixteenth of a mean distance: h^2/12 = 3e-4
+      const integral = expected.reduce((a, b) => a + b);
+      assert.ok(Math.abs(integral - (1 - Math.exp(-5))) < 1e-3, `${d.v_mps} m/s: ${integral}`);
+      const tested = expected.map((e, k) => [e * d.n_simulated, d.simulated_counts[k]]).filter(([e]) => e >= 5);
+      const chi2 = tested.reduce((sum, [e, found]) => sum + (found - e) ** 2 / e, 0);
+      // Wilson and Hilferty's quantile of .999; impacts of a drop share their reservoir, which makes errors of counts up
+      // to 1.65 times those of Poisson's (docs/physics.md, section 7)
+      const f = tested.length, bound = f * (1 - 2 / (9 * f) + 3.09 * Math.sqrt(2 / (9 * f))) ** 3;
+      assert.ok(tested.length > 10 && chi2 < 1.65 ** 2 * bound, `${d.v_mps} m/s: chi2 ${chi2} of ${f}`);
+    }
+    const spread = d => d.eps_edges.at(-1) - d.eps_edges[0];
+    assert.ok(spread(theory.densities[0]) > spread(theory.densities[7]), 'slow impacts scatter more');
+  });
+
+  test('of a ball whose smooth sphere touches there is no closed form', () => {
+    const theory = JSON.parse(module.scatter(JSON.stringify({drops: 2, impacts: 20, asperities: 20000, 'radius-law': 'constant:1e-5', seed: 1})));
+    // exp(-N r/2): asperities lie too far apart
+    assert.ok(Math.abs(theory.smooth_share - Math.exp(-0.1)) < 1e-3, `${theory.smooth_share}`);
+    assert.deepEqual(theory.densities, []);
+  });
+
+  test('a WAV file holds the samples as they are, read back the same', () => {
+    const samples = Float32Array.of(0.25, -0.5, 1.75, -2, 1e-30, 0), bytes = module.wav(samples, 44100, 2);
+    const read = module.readSound(bytes, 'a.wav');
+    assert.deepEqual([...read.samples], [...samples]);
+    assert.equal(read.rate_hz, 44100);
+    assert.equal(read.n_channels, 2);
+    for (const [rate, channels] of [[0.5, 1], [44100.5, 1], [44100, 4], [44100, 0]]) assert.throws(() => module.wav(samples, rate, channels), Error, `${rate} ${channels}`);
+  });
+
+  test('a file that nobody here can read is refused in one sentence that asks for nothing to be installed', () => {
+    for (const bytes of [new TextEncoder().encode('RIFF\x10\0\0\0WAVEnonsense'), Uint8Array.from({length: 5000}, (_, k) => (k * k) % 251)])
+      assert.throws(() => module.readSound(bytes, 'a.wav'), error => /^a\.wav: /.test(error.message) && !/install|ffmpeg|libsndfile|\n/.test(error.message), bytes.length);
+  });
+
+  test('sound that comes from a lossy coding is warned of as by the program, also where marks are given', () => {
+    const {samples, rate_hz} = module.readSound(readFileSync(clean), 'clean.flac'), sound = [samples.slice(0, 5 * rate_hz), rate_hz, 1, 'clean.m4a'];
+    const text = 'clean.m4a: lossy coding (AAC): times may be off by more than stated; record as WAV or FLAC', options = JSON.stringify({'lossy-coding': 'AAC'});
+    const found = module.analyze(...sound, options), warnings = analysis => JSON.parse(analysis.summary).warnings;
+    assert.ok(warnings(found).includes(text), `${warnings(found)}`);
+    assert.equal(JSON.parse(found.summary).recordings[0].lossy_coding, 'AAC');
+    assert.ok(warnings(module.analyzeOnsets(found.onsetsCsv, ...sound, options)).includes(text));
+    assert.ok(!warnings(module.analyze(...sound, '{}')).some(w => /lossy/.test(w)));
+  });
+});

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The parts of the page that need no browser.
+import assert from 'node:assert/strict';
+import {test} from 'node:test';
+import {readFileSync} from 'node:fs';
+import {containerRate, isOurs} from '../page/container_rate.js';
+import {added, moved, removed, Marks} from '../page/marks.js';
+import {columns, marksFrom, onsetsCsv} from '../page/tables.js';
+import {envelopeOf, interleave, kBlock} from '../page/sound.js';
+import {compare} from '../page/simulate.js';
+import {roundTicks} from '../page/picture.js';
+import {Live} from '../page/live.js';
+import {clean, fromClean, made} from './harness.js';
+
+test('the header of each container gives the sampling rate and the coding that the sound was written with', t => {
+  const formats = [['a.m4a', 44100, 'AAC', '-ar', '44100', '-c:a', 'aac'], ['b.m4a', 48000, 'AAC', '-c:a', 'aac'], ['c.mp3', 32000, 'MP3', '-ar', '32000'], ['d.mp3', 22050, 'MP3', '-ar', '22050'],
+                   ['e.ogg', 44100, 'Vorbis', '-ar', '44100', '-c:a', 'libvorbis'], ['f.ogg', 48000, 'Opus', '-c:a', 'libopus'], ['g.webm', 48000, 'Opus', '-c:a', 'libopus'], ['h.webm', 44100, 'Vorbis', '-ar', '44100', '-c:a', 'libvorbis'],
+                   ['i.mov', 48000, '', '-c:a', 'pcm_s16le'], ['j.aac', 44100, 'AAC', '-ar', '44100', '-c:a', 'aac'], ['k.mkv', 32000, 'AAC', '-ar', '32000', '-c:a', 'aac'], ['l.m4a', 48000, '', '-c:a', 'alac'],
+                   ['n.mkv', 48000, '', '-c:a', 'flac'], ['o.mkv', 48000, '', '-c:a', 'pcm_s24le'], ['p.mp4', 48000, '', '-c:a', 'flac', '-strict', '-2'], ['q.mp2', 48000, 'MP2', '-c:a', 'mp2'],
+                   ['r.mkv', 48000, 'MP3', '-c:a', 'libmp3lame'], ['s.mp4', 48000, 'Opus', '-c:a', 'libopus']];
+  let n = 0;
+  for (const [name, rate, lossy, ...options] of formats) {
+    const file = fromClean(name, '-t', '1', ...options);
+    if (!file) continue;
+    ++n;
+    const bytes = readFileSync(file), header = containerRate(bytes);
+    assert.equal(header.rate_hz, rate, name);
+    assert.equal(header.hasSound, true, name);
+    assert.equal(header.lossy, lossy, name);
+    assert.equal(isOurs(bytes), false, name);
+    for (const length of [0, 1, 7, 30, 60, 300])  // cut off anywhere: no exception
+      assert.ok('rate_hz' in containerRate(bytes.subarray(0, length)), `${name}, ${length} bytes`);
+  }
+  if (!n) t.skip('no ffmpeg to make the files with');
+});
+
+test('a video without sound is known by its header', t => {
+  const files = ['a.mp4', 'b.webm'].map(name => made(name, '-f', 'lavfi', '-i', 'testsrc=duration=1:size=64x64:rate=5')).filter(Boolean);
+  if (!files.length) return t.skip('no ffmpeg to make the files with');
+  for (const file of files) assert.equal(containerRate(readFileSync(file)).hasSound, false, file);
+});
+
+test('FLAC and WAV are left to our own reader', () => {
+  assert.ok(isOurs(readFileSync(clean)));
+  assert.ok(isOurs(new TextEncoder().encode('RIFF....WAVE')));
+  assert.ok(!isOurs(new Uint8Array()));
+});
+
+const csv = 'recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags,probability\n"a, b.wav",0,0,0.1265638213977415812,1e-06,0.5,40,,0.99\n"a, b.wav",0,1,0.5,2e-06,0.4,38,doubtful|clipped,\n' +
+    '"a, b.wav",0,3,1.1,2e-06,0.3,36,,1\n"a, b.wav",1,0,3,2e-06,0.3,36,,1\n';
+
+test('a table of onsets that nobody touched is written digit by digit as it was read', () => {
+  assert.equal(onsetsCsv('a, b.wav', marksFrom(csv)), csv);
+  assert.deepEqual(columns(csv, ['t_s'], ['flags']).flags, ['', 'doubtful|clipped', '', '']);
+});
+
+test('a mark that was moved keeps its number and loses its error and its flags', () => {
+  const list = moved(marksFrom(csv), 1, 0.51);
+  assert.equal(list[1].t_s, 0.51);
+  assert.equal(list[1].impact, 1);
+  assert.equal(list[1].flags, 'by_hand');
+  assert.match(onsetsCsv('x', list), /^x,0,1,0\.51,,,,by_hand,$/m);
+});
+
+const numbers = list => list.map(m => `${m.drop}.${m.impact}`).join(' ');
+test('a mark added in a gap of a missing impact takes its number, elsewhere those after it move up', () => {
+  const list = marksFrom(csv);
+  assert.equal(numbers(added(list, 0.8)), '0.0 0.1 0.2 0.3 1.0');
+  assert.equal(numbers(added(list, 0.3)), '0.0 0.1 0.2 0.4 1.0');
+  assert.equal(numbers(added(list, 0.05)), '0.0 0.1 0.2 0.4 1.0');
+  assert.equal(numbers(added(list, 1.4)), '0.0 0.1 0.3 0.4 1.0');
+  assert.equal(numbers(added(list, 2.9)), '0.0 0.1 0.3 1.0 1.1');
+  assert.equal(numbers(added([], 2.9)), '0.0');
+});
+
+test('a mark that is deleted leaves no gap, and what was done is undone', () => {
+  assert.equal(numbers(removed(marksFrom(csv), 1)), '0.0 0.2 1.0');
+  assert.equal(numbers(removed(marksFrom(csv), 0)), '0.0 0.2 1.0');
+  const marks = new Marks(marksFrom(csv));
+  marks.step(1);
+  marks.remove();
+  marks.add(0.7);
+  marks.move(0.71);
+  for (let k = 0; k < 5; ++k) marks.undo();
+  assert.equal(onsetsCsv('a, b.wav', marks.list), csv);
+});
+
+test('the envelope holds every extreme and channels are interleaved sample by sample', () => {
+  const mono = Float32Array.from({length: 3 * kBlock + 17}, (_, k) => Math.sin(0.1 * k * k)), {lo, hi} = envelopeOf(mono);
+  assert.equal(lo.length, 4);
+  assert.equal(Math.max(...hi), Math.max(...mono));
+  assert.equal(Math.min(...lo), Math.min(...mono));
+  assert.deepEqual([...interleave([Float32Array.of(1, 2), Float32Array.of(3, 4)])], [1, 3, 2, 4]);
+});
+
+test('found beside the truth: missed and invented impacts are counted, the common shift is no error', () => {
+  const times = {t_s: [0, 1, 1.9, 2.7], travel_time_s: [1e-3, 1e-3, 1e-3, 1e-3], impact: [0, 1, 2, 3], drop: [0, 0, 0, 0]};
+  const marks = [0.101, 1.101, 1.5, 2.801].map(t_s => ({t_s, flags: ''}));
+  const found = compare(times, marks);
+  assert.equal(found.n_missed, 1);
+  assert.equal(found.n_invented, 1);
+  assert.ok(found.rms_s < 1e-12, `${found.rms_s}`);  // 0.1 s each, up to rounding
+});
+
+test('axes have round numbers', () => {
+  assert.deepEqual(roundTicks(0, 1.4, 4).map(t => t.text), ['0.0', '0.5', '1.0']);
+  assert.deepEqual(roundTicks(-1, 1, 2).map(t => t.text), ['−1', '0', '1']);
+  assert.deepEqual(roundTicks(0.97, 0.986, 3).map(t => t.text), ['0.97', '0.98']);
+});
+
+/// A detector that knows the truth, but only of impacts that begin 20 ms before the end of what it is given.
+class Fixed {
+  constructor(times, rate) { Object.assign(this, {times, rate}); }
+  detect(samples) {
+    const begin = samples[0] * 1e3, end = begin + samples.length / this.rate;  // the sound carries its own clock
+    const seen = this.times.filter(t => t >= begin && t < end - 0.02);
+    return JSON.stringify({recordings: [{drops: [{doubtful: seen.length < 3}]}], onsets: seen.map((t, impact) => ({drop: 0, impact, t_s: t - begin}))});
+  }
+}
+test('live: a window that moves on keeps earlier bounces and their numbers, and the ball is at rest four intervals after the last', async () => {
+  const rate = 1000, eps = 0.9, times = [0.5];
+  for (let interval = 0.6; times.length < 12; interval *= eps) times.push(times.at(-1) + interval);
+  const reports = [], live = new Live(new Fixed(times, rate), rate, 9.81, message => reports.push(message));
+  for (let n = 0; !reports.at(-1)?.rest && n < 20 * rate; n += 100) {
+    live.take(Float32Array.from({length: 100}, (_, k) => (n + k) / rate / 1e3));
+    live.cost = 1;  // a slow machine: the shortest window
+    await new Promise(resolve => setTimeout(resolve, 1));
+  }
+  const last = reports.at(-1);
+  assert.ok(last.rest);
+  assert.equal(last.n_onsets, times.length);
+  assert.equal(last.points.eps.length, times.length - 2);
+  for (const e of last.points.eps) assert.ok(Math.abs(e - eps) < 1e-3, `${e}`);  // the clock in 32-bit floats has 1 µs or so
+  const wait = last.heard_s - times.at(-1), interval = times.at(-1) - times.at(-2);
+  assert.ok(wait > Math.max(1, 4 * interval) && wait < Math.max(1, 4 * interval) + 0.3, `${wait}`);  // chunks of 0.1 s
+});
