@@ -158,7 +158,8 @@ TEST(WaveMeter, ClosedFormEqualsTheSumOverSamples) {
   PoleValues amplitudes(poles.size());
   for (std::size_t p = 0; p < poles.size(); ++p) amplitudes.set(p, {0.1 * static_cast<double>(p), p == 3 ? 0.0 : 0.5});
   const Contact contact{100.37, 3.1, 0.7};
-  const WaveMeasure measure = WaveMeter(bank).measure(contact, amplitudes, FlickerFilter(0.0, kRate_hz));
+  const WaveMeasure measure =
+      WaveMeter(bank).measure(bank.wave(contact, amplitudes, true), {bank, FlickerFilter(0.0, kRate_hz)});
 
   const ContactWave wave = bank.wave(contact, amplitudes, true);
   double energy = 0.0, peak = 0.0;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
 
@@ -65,19 +66,25 @@ int container(const std::filesystem::path& path, const AudioSpec& spec, std::int
   return n_bytes > kWavLimit_bytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
 }
 
-/// Samples of full scale 1 as integers of some bits.
-class Rounding {
- public:
-  explicit Rounding(SampleEncoding encoding)
-      : full_scale_(std::ldexp(1.0, 8 * bytes_per_sample(encoding) - 1)), step_to_32_bits_(0x1p31 / full_scale_) {}
-  double steps(double x) const { return std::clamp(std::nearbyint(x * full_scale_), -full_scale_, full_scale_ - 1.0); }
-  /// In the upper bits of 32.
-  int left_aligned(double x) const { return static_cast<int>(steps(x) * step_to_32_bits_); }
-  float read_back(double x) const { return static_cast<float>(steps(x) / full_scale_); }
+/// Of samples of full scale 1.
+double full_scale(SampleEncoding encoding) { return std::ldexp(1.0, 8 * bytes_per_sample(encoding) - 1); }
 
- private:
-  double full_scale_, step_to_32_bits_;
-};
+double steps(double x, double full_scale) {
+  const double rounded = std::nearbyint(x * full_scale);
+  const double at_least = rounded < -full_scale ? -full_scale : rounded;
+  return at_least > full_scale - 1.0 ? full_scale - 1.0 : at_least;
+}
+
+/// Whole steps in the upper bits of 32.
+BOUNCELAB_VECTOR_CLONES void left_align(const double* x, std::size_t n, double full_scale, int* words) {
+  const double step_to_32_bits = 0x1p31 / full_scale;
+  for (std::size_t k = 0; k < n; ++k) words[k] = static_cast<int>(steps(x[k], full_scale) * step_to_32_bits);
+}
+
+BOUNCELAB_VECTOR_CLONES void round_to_steps(const double* x, std::size_t n, double full_scale, float* samples) {
+  const double step = 1.0 / full_scale;  // a power of two
+  for (std::size_t k = 0; k < n; ++k) samples[k] = static_cast<float>(steps(x[k], full_scale) * step);
+}
 
 SF_INFO checked_info(const std::filesystem::path& path, const AudioSpec& spec, std::int64_t n_frames) {
   const std::string name = path.string();
@@ -196,9 +203,7 @@ void AudioWriter::write(std::span<const double> interleaved) {
   // rounded here: libsndfile cuts off the lower bits, half a step of offset
   std::vector<int>& words = state_->words;
   words.resize(interleaved.size());
-  const Rounding rounding(state_->encoding);
-  std::transform(interleaved.begin(), interleaved.end(), words.begin(),
-                 [&](double x) { return rounding.left_aligned(x); });
+  left_align(interleaved.data(), interleaved.size(), full_scale(state_->encoding), words.data());
   state_->check_written(sf_write_int(state_->file, words.data(), std::ssize(words)), words.size());
 }
 
@@ -225,8 +230,7 @@ std::vector<float> as_read_back(std::span<const double> samples, SampleEncoding 
                    [](double x) { return static_cast<float>(std::clamp(x, -1.0, 1.0)); });
     return floats;
   }
-  const Rounding rounding(encoding);
-  std::transform(samples.begin(), samples.end(), floats.begin(), [&](double x) { return rounding.read_back(x); });
+  round_to_steps(samples.data(), samples.size(), full_scale(encoding), floats.data());
   return floats;
 }
 

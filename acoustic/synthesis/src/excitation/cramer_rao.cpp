@@ -20,6 +20,13 @@ double largest(std::span<const double> samples, double so_far) {
 
 }  // namespace
 
+Whitening::Whitening(const ResonatorBank& bank, const FlickerFilter& noise_) : noise(noise_), slope_gains(bank.size()) {
+  for (std::size_t p = 0; p < bank.size(); ++p) {
+    const Complex s = bank.poles_per_s()[p] / bank.rate_hz();
+    slope_gains.set(p, s * noise.whitening_gain(exp(s)));
+  }
+}
+
 WaveMeter::WaveMeter(const ResonatorBank& bank) : bank_(bank) {
   std::vector<Complex> steps;
   for (const Complex& pole : bank.poles_per_s()) steps.push_back(exp(pole / bank.rate_hz()));
@@ -60,23 +67,16 @@ double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
   return peak;
 }
 
-double WaveMeter::peak(const Contact& contact, const PoleValues& amplitudes) const {
-  ContactWave wave = bank_.wave(contact, amplitudes, false);
-  return ringing_peak(std::move(wave.ringing), largest(wave.samples, 0.0));
-}
+double WaveMeter::peak(const ContactWave& wave) const { return ringing_peak(wave.ringing, largest(wave.samples, 0.0)); }
 
-WaveMeasure WaveMeter::measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const {
-  ContactWave wave = bank_.wave(contact, amplitudes, true);
-  noise.whiten(wave.slopes);
+WaveMeasure WaveMeter::measure(ContactWave wave, const Whitening& whitening) const {
+  whitening.noise.whiten(wave.slopes);
   WaveMeasure result;
   for (const double slope : wave.slopes) result.slope_energy += slope * slope;
   PoleValues slopes(bank_.size());
-  for (std::size_t p = 0; p < bank_.size(); ++p) {
-    const Complex s = bank_.poles_per_s()[p] / bank_.rate_hz();
-    slopes.set(p, wave.ringing[p] * s * noise.whitening_gain(exp(s)));
-  }
+  for (std::size_t p = 0; p < bank_.size(); ++p) slopes.set(p, wave.ringing[p] * whitening.slope_gains[p]);
   result.slope_energy += ringing_energy(slopes);
-  result.peak = ringing_peak(wave.ringing, largest(wave.samples, 0.0));
+  result.peak = peak(wave);
   return result;
 }
 

@@ -14,6 +14,14 @@ struct WaveMeasure {
   double slope_energy = 0.0;  ///< sum over all samples of (whitened dy per sample)^2
 };
 
+/// What a noise's whitening filter makes of slopes: the filter, and its gain at each pole times s / rate.
+struct Whitening {
+  Whitening(const ResonatorBank& bank, const FlickerFilter& noise);
+
+  FlickerFilter noise;
+  PoleValues slope_gains;
+};
+
 /// Measures waves of one bank.
 ///
 /// In white noise of standard deviation s per sample the time of a known wave cannot be estimated better than
@@ -25,8 +33,9 @@ struct WaveMeasure {
 class WaveMeter {
  public:
   explicit WaveMeter(const ResonatorBank& bank);
-  double peak(const Contact& contact, const PoleValues& amplitudes) const;
-  WaveMeasure measure(const Contact& contact, const PoleValues& amplitudes, const FlickerFilter& noise) const;
+  double peak(const ContactWave& wave) const;
+  /// @param wave  with slopes
+  WaveMeasure measure(ContactWave wave, const Whitening& whitening) const;
 
  private:
   double ringing_energy(const PoleValues& slopes) const;

@@ -48,13 +48,15 @@ void add_scaled(PoleValues& z, const PoleValues& k, double factor) {
 constexpr std::size_t kTogether = 4;
 
 /// Free ringing of four resonators: blocks of out_j += sum_k Re((re_k + i im_k)(c_kj + i s_kj)), each followed by the
-/// values' rotation over a block. @param c, s  four rows of kBlock
-BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re,
+/// values' rotation over a block. The values are rotated in double precision and ring in single: 1e-7 of each
+/// resonator's amplitude, and no more with time.
+/// @param c, s  four rows of kBlock
+BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, const float* s, const double* step_re,
                                          const double* step_im, double silence, double* re, double* im) {
   constexpr auto kFrames = static_cast<std::size_t>(ResonatorBank::kBlock);
-  const double *c1 = c + kFrames, *c2 = c1 + kFrames, *c3 = c2 + kFrames;
-  const double *s1 = s + kFrames, *s2 = s1 + kFrames, *s3 = s2 + kFrames;
-  for (double* y = out.data(); y != out.data() + out.size(); y += kFrames) {
+  const float *c1 = c + kFrames, *c2 = c1 + kFrames, *c3 = c2 + kFrames;
+  const float *s1 = s + kFrames, *s2 = s1 + kFrames, *s3 = s2 + kFrames;
+  for (float* y = out.data(); y != out.data() + out.size(); y += kFrames) {
     double loudest = 0.0;
     for (std::size_t k = 0; k < kTogether; ++k) loudest = std::max(loudest, std::abs(re[k]) + std::abs(im[k]));
     if (loudest < silence) {
@@ -62,8 +64,10 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c,
       std::fill_n(im, kTogether, 0.0);
       return;
     }
-    const double re0 = re[0], re1 = re[1], re2 = re[2], re3 = re[3];
-    const double im0 = im[0], im1 = im[1], im2 = im[2], im3 = im[3];
+    const auto re0 = static_cast<float>(re[0]), re1 = static_cast<float>(re[1]), re2 = static_cast<float>(re[2]),
+               re3 = static_cast<float>(re[3]);
+    const auto im0 = static_cast<float>(im[0]), im1 = static_cast<float>(im[1]), im2 = static_cast<float>(im[2]),
+               im3 = static_cast<float>(im[3]);
     for (std::size_t j = 0; j < kFrames; ++j)
       y[j] += ((re0 * c[j] - im0 * s[j]) + (re1 * c1[j] - im1 * s1[j])) +
               ((re2 * c2[j] - im2 * s2[j]) + (re3 * c3[j] - im3 * s3[j]));
@@ -73,6 +77,10 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c,
       im[k] = re_before * step_im[k] + im[k] * step_re[k];
     }
   }
+}
+
+BOUNCELAB_VECTOR_CLONES void add_to_double(std::span<const float> x, double* out) {
+  for (std::size_t k = 0; k < x.size(); ++k) out[k] += static_cast<double>(x[k]);
 }
 
 std::size_t rounded_up(std::size_t n) { return (n + kTogether - 1) / kTogether * kTogether; }
@@ -113,7 +121,9 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
       step_(size()),
       block_step_(rounded_up(size())),
       kick_(interval_.nodes.size(), PoleValues(size())),
-      table_(rounded_up(size()) * static_cast<std::size_t>(kBlock)) {
+      table_(size() * static_cast<std::size_t>(kBlock)),
+      cosines_(rounded_up(size()) * static_cast<std::size_t>(kBlock)),
+      sines_(cosines_.size()) {
   for (std::size_t p = 0; p < size(); ++p) {
     const Complex s = poles_[p] / rate_hz;
     pole_steps_.set(p, s);
@@ -124,6 +134,8 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
     for (std::int64_t j = 0; j < kBlock; ++j)
       table_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j), exp(s * static_cast<double>(j)));
   }
+  std::transform(table_.re.begin(), table_.re.end(), cosines_.begin(), [](double x) { return static_cast<float>(x); });
+  std::transform(table_.im.begin(), table_.im.end(), sines_.begin(), [](double x) { return static_cast<float>(x); });
 }
 
 std::vector<double> ResonatorBank::force(const Contact& contact, std::int64_t first, std::size_t n_frames,
@@ -166,21 +178,40 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
 }
 
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
-  for (std::size_t p = 0; p < size(); p += kTogether) {
-    const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
-    double re[kTogether]{}, im[kTogether]{};
-    std::copy_n(state.re.data() + p, n, re);
-    std::copy_n(state.im.data() + p, n, im);
-    add_ringing(out, table_.re.data() + at, table_.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
-                silence, re, im);
-    std::copy_n(re, n, state.re.data() + p);
-    std::copy_n(im, n, state.im.data() + p);
+  constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
+  for (; !out.empty(); out = out.subspan(std::min(kRun, out.size()))) {
+    float run[kRun]{};
+    const std::span<float> sound(run, std::min(kRun, out.size()));
+    for (std::size_t p = 0; p < size(); p += kTogether) {
+      const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
+      double re[kTogether]{}, im[kTogether]{};
+      std::copy_n(state.re.data() + p, n, re);
+      std::copy_n(state.im.data() + p, n, im);
+      add_ringing(sound, cosines_.data() + at, sines_.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
+                  silence, re, im);
+      std::copy_n(re, n, state.re.data() + p);
+      std::copy_n(im, n, state.im.data() + p);
+    }
+    add_to_double(sound, out.data());
   }
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {
   const double seconds = static_cast<double>(n_frames) / rate_hz_;
   for (std::size_t p = 0; p < size(); ++p) state.set(p, state[p] * exp(poles_[p] * seconds));
+}
+
+void ResonatorBank::advance_in_block(PoleValues& state, std::int64_t n_frames) const {
+  for (std::size_t p = 0; p < size(); ++p)
+    state.set(p, state[p] * table_[p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(n_frames)]);
+}
+
+void ResonatorBank::continue_ringing(PoleValues state, std::size_t n_frames, std::vector<double>& samples,
+                                     std::vector<double>& slopes) const {
+  for (std::size_t k = 0; k < n_frames; ++k, rotate(state, step_)) {
+    samples.push_back(std::accumulate(state.re.begin(), state.re.end(), 0.0));
+    slopes.push_back(real_part_of_product(pole_steps_, state));
+  }
 }
 
 }  // namespace bouncelab::synthesis

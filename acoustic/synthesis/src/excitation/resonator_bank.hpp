@@ -65,11 +65,16 @@ class ResonatorBank {
   std::int64_t memory_frames() const { return memory_frames_; }
 
   ContactWave wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const;
-  /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
-  /// are all below `silence` at a block's begin are set to zero.
+  /// Adds free ringing to `out` (a multiple of kBlock frames), in single precision, and advances the state to its end,
+  /// in double. Four neighbours that are all below `silence` at a block's begin are set to zero.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;
+  /// The same for less than a block, from a table.
+  void advance_in_block(PoleValues& state, std::int64_t n_frames) const;
+  /// Appends n_frames of free ringing and of its slope to `samples` and `slopes`.
+  void continue_ringing(PoleValues state, std::size_t n_frames, std::vector<double>& samples,
+                        std::vector<double>& slopes) const;
 
  private:
   /// g at frames first + fraction, first + fraction + 1 ...
@@ -79,11 +84,12 @@ class ResonatorBank {
   double rate_hz_;
   std::int64_t memory_frames_;
   ConverterFilter filter_;
-  QuadratureRule interval_;       // nodes within one sample interval
-  PoleValues pole_steps_;         // s / rate
-  PoleValues step_, block_step_;  // exp(s / rate), exp(s kBlock / rate)
-  std::vector<PoleValues> kick_;  // by node: weight exp(s (1 - node) / rate)
-  PoleValues table_;              // kBlock values for each pole: exp(s j / rate); zeros make up whole fours
+  QuadratureRule interval_;             // nodes within one sample interval
+  PoleValues pole_steps_;               // s / rate
+  PoleValues step_, block_step_;        // exp(s / rate), exp(s kBlock / rate)
+  std::vector<PoleValues> kick_;        // by node: weight exp(s (1 - node) / rate)
+  PoleValues table_;                    // kBlock values for each pole: exp(s j / rate)
+  std::vector<float> cosines_, sines_;  // the same in single precision; zeros make up whole fours
 };
 
 }  // namespace bouncelab::synthesis

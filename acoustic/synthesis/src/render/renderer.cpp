@@ -40,15 +40,15 @@ Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, cons
 
 template <class Use>
 void Renderer::for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const {
-  const PoleValues amplitudes = sound_.amplitudes(channel, strike);
+  const StrikeSound::Wave wave = sound_.wave_at(channel, strike);
   Contact direct = sound_.contact(channel, strike);
   direct.impulse *= levels_.gain;
-  use(direct, amplitudes);
+  use(direct, wave);
   for (const Echo& echo : config_.sensor.echoes) {
     Contact late = direct;
     late.arrival_samples += echo.delay_s * config_.rate_hz;
     late.impulse *= echo.gain;
-    use(late, amplitudes);
+    use(late, wave);
   }
 }
 
@@ -59,9 +59,9 @@ std::vector<double> Renderer::strikes_sound(std::size_t channel, std::int64_t fi
   PoleValues state(bank.size());
   std::vector<std::pair<std::int64_t, PoleValues>> joining;  // block at whose begin a wave joins the free ringing
 
-  const auto add_contact = [&](const Contact& contact, const PoleValues& amplitudes) {
+  const auto add_contact = [&](const Contact& contact, const StrikeSound::Wave& wave_of) {
     if (contact.arrival_samples - ConverterFilter::kHalfWidth_samples >= static_cast<double>(end)) return;
-    ContactWave wave = bank.wave(contact, amplitudes, false);
+    ContactWave wave = wave_of(contact, false);
     if (wave.end() <= first) {
       bank.advance(wave.ringing, first - wave.end());
       add_to(state, wave.ringing);
@@ -86,12 +86,11 @@ std::vector<double> Renderer::strikes_sound(std::size_t channel, std::int64_t fi
 void Renderer::ring(std::vector<std::pair<std::int64_t, PoleValues>>& joining, PoleValues& state,
                     std::span<double> out) const {
   std::stable_sort(joining.begin(), joining.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  constexpr std::int64_t kRun = 16;  // blocks rung in one go: they fit the first-level cache
   const auto n_blocks = static_cast<std::int64_t>(out.size()) / kBlock;
   auto next = joining.begin();
   for (std::int64_t block = 0; block < n_blocks;) {
     for (; next != joining.end() && next->first == block; ++next) add_to(state, next->second);
-    const std::int64_t until = std::min({block + kRun, n_blocks, next == joining.end() ? n_blocks : next->first});
+    const std::int64_t until = next == joining.end() ? n_blocks : next->first;
     const auto at = static_cast<std::size_t>(block * kBlock),
                length = static_cast<std::size_t>((until - block) * kBlock);
     sound_.instrument().bank().ring(state, silence_, out.subspan(at, length));

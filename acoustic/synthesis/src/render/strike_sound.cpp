@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <mutex>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -20,11 +22,51 @@ std::size_t first_live_channel(const std::vector<Channel>& channels) {
 
 }  // namespace
 
+struct StrikeSound::Responses {
+  struct Place {
+    std::size_t channel;
+    double x_m, y_m;
+    bool operator==(const Place&) const = default;
+  };
+
+  std::mutex mutex;
+  std::vector<std::pair<Place, std::shared_ptr<const PointResponse>>> kept;
+};
+
 StrikeSound::StrikeSound(const SynthesisConfig& config, std::shared_ptr<const Instrument> instrument)
     : config_(config),
       instrument_(std::move(instrument)),
       wanted_channel_(first_live_channel(config.channels)),
-      noise_(config.noise_corner_hz, config.rate_hz) {}
+      whitening_(instrument_->bank(), FlickerFilter(config.noise_corner_hz, config.rate_hz)),
+      responses_(std::make_unique<Responses>()) {}
+
+StrikeSound::~StrikeSound() = default;
+
+/// A few at a time: those of the drop that sounds and of the one before, in each channel. All are the same whoever asks
+/// first.
+std::shared_ptr<const PointResponse> StrikeSound::response(std::size_t channel, const Strike& strike) const {
+  const Responses::Place place{channel, strike.x_m, strike.y_m};
+  const std::lock_guard lock(responses_->mutex);
+  auto& kept = responses_->kept;
+  for (const auto& [at, response] : kept)
+    if (at == place) return response;
+  if (kept.size() == 2 * config_.channels.size()) kept.erase(kept.begin());
+  kept.emplace_back(place, std::make_shared<const PointResponse>(instrument_->bank(), amplitudes(channel, strike)));
+  return kept.back().second;
+}
+
+StrikeSound::Wave StrikeSound::wave_at(std::size_t channel, const Strike& strike) const {
+  const Disturbances& d = config_.disturbances;
+  const bool is_as_before = strike.shares_point && d.timbre_wander == 0.0 && d.phase_wander_rad == 0.0 &&
+                            strike.duration_s * config_.rate_hz <= PointResponse::kLongestContact_samples;
+  if (is_as_before)
+    return [at = response(channel, strike)](const Contact& contact, bool with_slopes) {
+      return at->wave(contact, with_slopes);
+    };
+  return [this, at = amplitudes(channel, strike)](const Contact& contact, bool with_slopes) {
+    return instrument_->bank().wave(contact, at, with_slopes);
+  };
+}
 
 PoleValues StrikeSound::amplitudes(std::size_t channel, const Strike& strike) const {
   std::vector<double> shapes = instrument_->shapes_under_ball(strike.x_m, strike.y_m);
@@ -58,20 +100,20 @@ double StrikeSound::largest_delay_s() const {
 std::vector<double> StrikeSound::peaks(std::span<const Strike> strikes) const {
   std::vector<double> result(strikes.size());
   parallel_for(strikes.size(), config_.n_threads, [&](std::size_t k) {
-    result[k] =
-        instrument_->meter().peak(contact(wanted_channel_, strikes[k]), amplitudes(wanted_channel_, strikes[k]));
+    const ContactWave wave = wave_at(wanted_channel_, strikes[k])(contact(wanted_channel_, strikes[k]), false);
+    result[k] = instrument_->meter().peak(wave);
   });
   return result;
 }
 
 TrueImpact StrikeSound::true_impact(const Strike& strike) const {
-  const WaveMeasure wave =
-      instrument_->meter().measure(contact(wanted_channel_, strike), amplitudes(wanted_channel_, strike), noise_);
+  const WaveMeasure wave = instrument_->meter().measure(
+      wave_at(wanted_channel_, strike)(contact(wanted_channel_, strike), true), whitening_);
   TrueImpact row;
   row.drop = strike.drop;
   row.impact = strike.impact;
   row.t_s = strike.t_s;
-  row.sigma_t_s = 1.0 / (noise_.rms() * config_.rate_hz * std::sqrt(wave.slope_energy));
+  row.sigma_t_s = 1.0 / (whitening_.noise.rms() * config_.rate_hz * std::sqrt(wave.slope_energy));
   row.amplitude = wave.peak;
   row.contact_time_s = strike.duration_s;
   row.travel_time_s = instrument_->travel_time_s(wanted_channel_, strike.x_m, strike.y_m);

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "excitation/cramer_rao.hpp"
+#include "excitation/point_response.hpp"
 #include "scene/noise.hpp"
 #include "scene/schedule.hpp"
 #include "sensor/instrument.hpp"
@@ -18,10 +21,13 @@ class StrikeSound {
  public:
   /// The configuration must outlive this.
   StrikeSound(const SynthesisConfig& config, std::shared_ptr<const Instrument> instrument);
+  ~StrikeSound();
 
   const Instrument& instrument() const { return *instrument_; }
-  PoleValues amplitudes(std::size_t channel, const Strike& strike) const;
   Contact contact(std::size_t channel, const Strike& strike) const;
+  /// What strikes make sound like in a channel, from the place of this one.
+  using Wave = std::function<ContactWave(const Contact& contact, bool with_slopes)>;
+  Wave wave_at(std::size_t channel, const Strike& strike) const;
   /// Longest time from a strike to the begin of its last echo in any channel, plus a contact.
   double largest_delay_s() const;
 
@@ -31,12 +37,16 @@ class StrikeSound {
   std::vector<TrueImpact> truth(std::span<const Strike> strikes) const;
 
  private:
+  PoleValues amplitudes(std::size_t channel, const Strike& strike) const;
+  std::shared_ptr<const PointResponse> response(std::size_t channel, const Strike& strike) const;
   TrueImpact true_impact(const Strike& strike) const;
 
   const SynthesisConfig& config_;
   std::shared_ptr<const Instrument> instrument_;
   std::size_t wanted_channel_;
-  FlickerFilter noise_;
+  Whitening whitening_;
+  struct Responses;
+  std::unique_ptr<Responses> responses_;  // of points that many strikes share; safe from any thread
 };
 
 /// From gain 1 and noise of rms 1 to these levels.

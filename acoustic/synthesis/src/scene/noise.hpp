@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -21,8 +20,9 @@ class WhiteNoise {
   void add(std::int64_t first_frame, double rms, std::span<double> out) const;
 
  private:
-  static constexpr std::size_t kBlock = 8;  // samples of one call of Philox
-  std::array<double, kBlock> block(std::int64_t index) const;
+  static constexpr std::size_t kBlock = 8;               // samples of one call of Philox
+  static constexpr std::size_t kTogether = 32 * kBlock;  // made at once
+  void draw(std::int64_t index, std::span<std::uint32_t> words) const;
   double rejected_sample(std::int64_t frame, std::uint32_t word) const;
   std::uint64_t seed_, source_;
 };

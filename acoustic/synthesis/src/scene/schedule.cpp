@@ -57,16 +57,17 @@ std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
   Random random(config_.seed, RandomStream::plate, static_cast<std::uint64_t>(drop.rows.front().drop));
   double x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
   double y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+  const bool moves = config_.simulated_positions && !drop.states.empty();
   std::vector<Strike> strikes;
   for (std::size_t k = 0; k < drop.rows.size(); ++k) {
     const Impact& impact = drop.rows[k];
-    if (config_.simulated_positions && !drop.states.empty()) {
+    if (moves) {
       x_m = drop.states[k].position_m[0];
       y_m = drop.states[k].position_m[1];
     }
     strikes.push_back({release_s + impact.t_s, x_m, y_m,
                        contact_time_s(config_.ball, contact_material(config_.ground), impact.v_mps).value(),
-                       impulse_ns(config_, impact), n_impacts_++, impact.drop, impact.impact, impact.v_mps});
+                       impulse_ns(config_, impact), n_impacts_++, impact.drop, impact.impact, impact.v_mps, !moves});
   }
   window_end_s_ = strikes.back().t_s + config_.pause_s;
   return strikes;

@@ -19,6 +19,7 @@ struct Strike {
   std::int64_t impact_index = -1;  ///< number among all impacts of the recording; -1: not the ball
   std::int64_t drop = 0, impact = 0;
   double v_mps = 0.0;
+  bool shares_point = false;  ///< the whole drop strikes this point
 };
 
 /// An electric click, straight into the converter; level in units of the weakest wanted peak.

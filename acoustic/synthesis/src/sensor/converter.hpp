@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <span>
-#include <vector>
+
+#include "sensor/kernel_table.hpp"
 
 namespace bouncelab::synthesis {
 
@@ -19,16 +19,13 @@ class ConverterFilter {
   static constexpr int kHalfWidth_samples = 34;
 
   ConverterFilter();
-  /// Adds weight h(n + offset) to samples[n], for all n; h from a table by cubic interpolation, within 1e-8 of its
-  /// peak.
-  void add(double offset_samples, double weight, std::span<double> samples) const;
+  /// Adds weight h(n + offset) to samples[n], for all n, within 1e-8 of its peak.
+  void add(double offset_samples, double weight, std::span<double> samples) const {
+    table_.add(offset_samples, weight, samples);
+  }
 
  private:
-  static constexpr int kPhases = 256;                      // of the table, in one sample
-  static constexpr int kRow = 2 * kHalfWidth_samples + 1;  // h at one phase, a sample apart
-  const double* row(int phase) const { return table_.data() + std::ptrdiff_t{phase + 1} * kRow; }
-
-  std::vector<double> table_;  // phases -1 to kPhases + 1: what the interpolation reaches
+  KernelTable table_;
 };
 
 }  // namespace bouncelab::synthesis
