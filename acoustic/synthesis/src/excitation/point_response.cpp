@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "excitation/point_response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/hertz_pulse.hpp"
+#include "plate/bessel.hpp"
+#include "sensor/kernel_table.hpp"
+
+namespace bouncelab::synthesis {
+namespace {
+
+constexpr int kReach = ConverterFilter::kHalfWidth_samples;
+/// K is zero before -kReach; what the interpolation reaches before that is stored as zeros.
+constexpr auto kFirst = static_cast<std::int64_t>(-kReach - PointResponse::kLongestContact_samples - 6);
+/// From here on the impulse rings freely.
+constexpr std::int64_t kFree = kReach + 1;
+/// A wave goes on to the next end of a block, after the contact and the converter's reach.
+constexpr auto kRow =
+    static_cast<std::size_t>(PointResponse::kLongestContact_samples + kReach + ResonatorBank::kBlock + 8 - kFirst);
+
+/// Interpolates between quarters of a sample: Kaiser's windowed sinc. It passes 0.5 cycles in a sample within 1e-8, and
+/// stops their images, from 3.5 on, as well.
+constexpr int kHalfWidth_quarters = 8;
+
+double windowed_sinc_of_quarters(double u) {
+  constexpr double kBeta = 16.7;  // 160 dB: 0.1102 (160 - 8.7)
+  const double x = u / kHalfWidth_quarters;
+  if (std::abs(x) > 1.0) return 0.0;
+  const double sinc = u == 0.0 ? 1.0 : sin(std::numbers::pi * u) / (std::numbers::pi * u);
+  return sinc * bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) / bessel_i(0, kBeta);
+}
+
+const KernelTable& interpolation() {
+  static const KernelTable table(windowed_sinc_of_quarters, kHalfWidth_quarters);
+  return table;
+}
+
+/// out_n += sum over four rows of weight x row_n.
+BOUNCELAB_VECTOR_CLONES void add_four(const double* const rows[4], const double weights[4], std::size_t n,
+                                      double* out) {
+  const double *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
+  for (std::size_t k = 0; k < n; ++k)
+    out[k] += (weights[0] * a[k] + weights[1] * b[k]) + (weights[2] * c[k] + weights[3] * d[k]);
+}
+
+/// z = z e + tap, pole by pole.
+BOUNCELAB_VECTOR_CLONES void horner_step(const double* e_re, const double* e_im, double tap, std::size_t n, double* re,
+                                         double* im) {
+  for (std::size_t p = 0; p < n; ++p) {
+    const double before = re[p];
+    re[p] = (before * e_re[p] - im[p] * e_im[p]) + tap;
+    im[p] = before * e_im[p] + im[p] * e_re[p];
+  }
+}
+
+std::int64_t quotient_rounded_up(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
+std::int64_t quotient_rounded_down(std::int64_t a, std::int64_t b) { return -quotient_rounded_up(-a, b); }
+
+}  // namespace
+
+PointResponse::PointResponse(const ResonatorBank& bank, const PoleValues& amplitudes)
+    : bank_(bank), quarter_step_(bank.size()) {
+  for (std::size_t p = 0; p < bank.size(); ++p)
+    quarter_step_.set(p, exp(bank.poles_per_s()[p] / (kPhases * bank.rate_hz())));
+  tabulate(amplitudes);
+}
+
+void PointResponse::tabulate(const PoleValues& amplitudes) {
+  for (int phase = 0; phase < kPhases; ++phase) {
+    // the impulse arrives before frame 0, so that frame n is at n + phase / 4 after it
+    const ContactWave wave = bank_.wave({-static_cast<double>(phase) / kPhases, 0.0, 1.0}, amplitudes, true);
+    std::vector<double>&values = values_[static_cast<std::size_t>(phase)],
+    &slopes = slopes_[static_cast<std::size_t>(phase)];
+    values.assign(static_cast<std::size_t>(wave.first - kFirst), 0.0);
+    slopes = values;
+    values.insert(values.end(), wave.samples.begin(), wave.samples.end());
+    slopes.insert(slopes.end(), wave.slopes.begin(), wave.slopes.end());
+    bank_.continue_ringing(wave.ringing, kRow - values.size(), values, slopes);
+    PoleValues& free = free_[static_cast<std::size_t>(phase)];
+    free = wave.ringing;
+    bank_.advance(free, kFree - wave.end());
+  }
+}
+
+PointResponse::Filter PointResponse::filter_of(const Contact& contact) {
+  const double begin = kPhases * contact.arrival_samples, length = kPhases * contact.duration_samples;
+  Filter filter;
+  filter.first = static_cast<std::int64_t>(std::ceil(begin - kHalfWidth_quarters));
+  const auto last = static_cast<std::int64_t>(std::floor(begin + length + kHalfWidth_quarters));
+  // a multiple of 4 taps: no remainder
+  filter.taps.assign(static_cast<std::size_t>(last - filter.first + 4) / 4 * 4, 0.0);
+  const PointImpulses pulse = hertz_impulses(contact.duration_samples);
+  for (std::size_t q = 0; q < pulse.nodes.size(); ++q)
+    interpolation().add(static_cast<double>(filter.first) - begin - length * pulse.nodes[q],
+                        contact.impulse * pulse.weights[q], filter.taps);
+  return filter;
+}
+
+std::vector<double> PointResponse::filtered(const Filter& filter, const Rows& rows, std::int64_t first, std::size_t n) {
+  std::vector<double> out(n, 0.0);
+  for (std::size_t k = 0; k < filter.taps.size(); k += 4) {
+    const double* sources[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      // 4 n - m = 4 (n - whole) + phase
+      const std::int64_t m = filter.first + static_cast<std::int64_t>(k + i);
+      const std::int64_t whole = quotient_rounded_up(m, kPhases);
+      const auto phase = static_cast<std::size_t>(whole * kPhases - m);
+      sources[i] = rows[phase].data() + (first - whole - kFirst);
+    }
+    add_four(sources, filter.taps.data() + k, n, out.data());
+  }
+  return out;
+}
+
+/// At the first frame at which all taps ring freely, or later: `from_quarter` quarters after the filter's last tap.
+PoleValues PointResponse::ringing(const Filter& filter, std::int64_t from_quarter) const {
+  const std::size_t n = bank_.size();
+  PoleValues sum(n);
+  for (const double tap : filter.taps)
+    horner_step(quarter_step_.re.data(), quarter_step_.im.data(), tap, n, sum.re.data(), sum.im.data());
+  const std::int64_t later = from_quarter - kFree * kPhases;
+  const PoleValues& free = free_[static_cast<std::size_t>(later % kPhases)];
+  for (std::size_t p = 0; p < n; ++p) sum.set(p, sum[p] * free[p]);
+  bank_.advance_in_block(sum, later / kPhases);
+  return sum;
+}
+
+ContactWave PointResponse::wave(const Contact& contact, bool with_slopes) const {
+  constexpr std::int64_t kBlock = ResonatorBank::kBlock;
+  const Filter filter = filter_of(contact);
+  const std::int64_t last = filter.first + static_cast<std::int64_t>(filter.taps.size()) - 1;
+  ContactWave wave;
+  wave.first = quotient_rounded_down(filter.first, kPhases) - kReach;
+  const std::int64_t end = quotient_rounded_up(quotient_rounded_up(last, kPhases) + kFree, kBlock) * kBlock;
+  const auto n = static_cast<std::size_t>(end - wave.first);
+  wave.samples = filtered(filter, values_, wave.first, n);
+  if (with_slopes) wave.slopes = filtered(filter, slopes_, wave.first, n);
+  wave.ringing = ringing(filter, end * kPhases - last);
+  return wave;
+}
+
+}  // namespace bouncelab::synthesis
