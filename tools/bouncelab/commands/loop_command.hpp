@@ -18,7 +18,8 @@ struct LoopOptions {
   BallChoice world = kPaperBall;  ///< of both stages, in place of their own
   SimulateOptions simulate;
   SynthesizeOptions synthesize;
-  bool keep_sound = false;  ///< of a run through memory
+  bool keep_sound = false;   ///< of a run through memory
+  bool with_memory = false;  ///< of a run through memory: the fit with memory too
 };
 
 /// The loop through memory that the options describe. @throws InvalidArgument

@@ -68,7 +68,8 @@ LoopWork work_of(const loop::LoopResult& loop, const SecondsByStage& later_s) {
 loop::LoopConfig paper_config(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config = loop_config(options, run.common);
   config.surface = surface_from_file(options.simulate, config.simulation.ball);
-  config.with_smooth_ball = config.with_memory = true;
+  config.with_smooth_ball = true;
+  config.with_memory = options.with_memory;
   if (config.sound_folder) {
     fs::create_directories(*config.sound_folder);
     remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already
