@@ -141,12 +141,13 @@ void share_memory_under_a_limit() {
 #endif
 }
 
-/// What is freed in pieces above a megabyte goes back to the system, and what is free above 4 MB at the end of the
-/// heap. By itself glibc keeps all that is below the largest freed so far: a fifth more memory for an hour of music.
+/// What is freed in pieces above 16 MB goes back to the system, and what is free above 32 MB at the end of the heap. By
+/// itself glibc keeps all that is below the largest freed so far: a fifth more memory for an hour of music. With limits
+/// of one megabyte the loop spends a tenth of its time on pages that come back empty, drop after drop.
 void give_large_memory_back() {
 #ifdef M_MMAP_THRESHOLD
-  ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
-  ::mallopt(M_TRIM_THRESHOLD, 1 << 22);
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 24);
+  ::mallopt(M_TRIM_THRESHOLD, 1 << 25);
 #endif
 }
 

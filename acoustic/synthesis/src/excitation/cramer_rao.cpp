@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::synthesis {
@@ -32,22 +33,22 @@ WaveMeter::WaveMeter(const ResonatorBank& bank) : bank_(bank) {
   for (const Complex& pole : bank.poles_per_s()) steps.push_back(exp(pole / bank.rate_hz()));
   for (const Complex& p : steps)
     for (const Complex& q : steps) {
-      sums_.push_back(1.0 / (1.0 - p * q));
-      sums_conjugate_.push_back(1.0 / (1.0 - p * std::conj(q)));
+      const Complex sum = 1.0 / (1.0 - p * q), conjugate = 1.0 / (1.0 - p * std::conj(q));
+      re_of_re_.push_back(sum.real() + conjugate.real());
+      re_of_im_.push_back(conjugate.imag() - sum.imag());
+      im_of_re_.push_back(conjugate.imag() + sum.imag());
+      im_of_im_.push_back(sum.real() - conjugate.real());
     }
 }
 
 double WaveMeter::ringing_energy(const PoleValues& d) const {
   double total = 0.0;
   const std::size_t n = d.size();
-  for (std::size_t p = 0; p < n; ++p) {
-    double re = 0.0, im = 0.0;
-    for (std::size_t q = 0; q < n; ++q) {
-      const Complex a = sums_[p * n + q], b = sums_conjugate_[p * n + q];
-      re += a.real() * d.re[q] - a.imag() * d.im[q] + b.real() * d.re[q] + b.imag() * d.im[q];
-      im += a.real() * d.im[q] + a.imag() * d.re[q] - b.real() * d.im[q] + b.imag() * d.re[q];
-    }
-    total += 0.5 * (d.re[p] * re - d.im[p] * im);
+  const double *of_re = d.re.data(), *of_im = d.im.data();
+  for (std::size_t p = 0, row = 0; p < n; ++p, row += n) {
+    const double re = audio::dot(re_of_re_.data() + row, of_re, n) + audio::dot(re_of_im_.data() + row, of_im, n);
+    const double im = audio::dot(im_of_re_.data() + row, of_re, n) + audio::dot(im_of_im_.data() + row, of_im, n);
+    total += 0.5 * (of_re[p] * re - of_im[p] * im);
   }
   return total;
 }

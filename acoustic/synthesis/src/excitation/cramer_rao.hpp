@@ -42,7 +42,8 @@ class WaveMeter {
   double ringing_peak(PoleValues ringing, double peak_so_far) const;
 
   const ResonatorBank& bank_;
-  std::vector<std::complex<double>> sums_, sums_conjugate_;  // row p, column q: 1/(1 - E_p E_q), 1/(1 - E_p E_q*)
+  // row p, column q: what the real and the imaginary part of d_q add to those of sum_q (d_q A_pq + d_q* B_pq)
+  std::vector<double> re_of_re_, re_of_im_, im_of_re_, im_of_im_;
 };
 
 }  // namespace bouncelab::synthesis

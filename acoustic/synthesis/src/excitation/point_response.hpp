@@ -14,7 +14,7 @@ namespace bouncelab::synthesis {
 ///   y(n) = integral K(n - a - u) force(u) du,   K(t) = sum_g kappa(4 t - g) K(g / 4)
 ///
 /// K is stored at quarters of a sample. It is band-limited (ConverterFilter), so kappa, Kaiser's windowed sinc of 16
-/// quarters, leaves 1e-8 of the peak; with the force as point impulses w_q at u_q the sum over both is one short
+/// quarters, leaves 3e-8 of the peak; with the force as point impulses w_q at u_q the sum over both is one short
 /// filter, F(m) = sum_q w_q kappa(m - 4 (a + u_q)), y(n) = sum_m F(m) K(n - m / 4). Free ringing is the same sum over
 /// exponentials.
 class PointResponse {
@@ -26,7 +26,7 @@ class PointResponse {
   /// @param amplitudes  of the point, by pole
   PointResponse(const ResonatorBank& bank, const PoleValues& amplitudes);
 
-  /// As bank.wave(contact, amplitudes, with_slopes), within 1e-8 of the peak; up to the longest contact.
+  /// As bank.wave(contact, amplitudes, with_slopes), within 3e-8 of the peak; up to the longest contact.
   ContactWave wave(const Contact& contact, bool with_slopes) const;
 
  private:

@@ -48,15 +48,15 @@ void add_scaled(PoleValues& z, const PoleValues& k, double factor) {
 constexpr std::size_t kTogether = 4;
 
 /// Free ringing of four resonators: blocks of out_j += sum_k Re((re_k + i im_k)(c_kj + i s_kj)), each followed by the
-/// values' rotation over a block. The values are rotated in double precision and ring in single: 1e-7 of each
-/// resonator's amplitude, and no more with time.
+/// values' rotation over a block. The values are rotated in double precision, whatever T they ring in.
 /// @param c, s  four rows of kBlock
-BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, const float* s, const double* step_re,
-                                         const double* step_im, double silence, double* re, double* im) {
+template <class T>
+[[gnu::always_inline]] inline void add_four(std::span<T> out, const T* c, const T* s, const double* step_re,
+                                            const double* step_im, double silence, double* re, double* im) {
   constexpr auto kFrames = static_cast<std::size_t>(ResonatorBank::kBlock);
-  const float *c1 = c + kFrames, *c2 = c1 + kFrames, *c3 = c2 + kFrames;
-  const float *s1 = s + kFrames, *s2 = s1 + kFrames, *s3 = s2 + kFrames;
-  for (float* y = out.data(); y != out.data() + out.size(); y += kFrames) {
+  const T *c1 = c + kFrames, *c2 = c1 + kFrames, *c3 = c2 + kFrames;
+  const T *s1 = s + kFrames, *s2 = s1 + kFrames, *s3 = s2 + kFrames;
+  for (T* y = out.data(); y != out.data() + out.size(); y += kFrames) {
     double loudest = 0.0;
     for (std::size_t k = 0; k < kTogether; ++k) loudest = std::max(loudest, std::abs(re[k]) + std::abs(im[k]));
     if (loudest < silence) {
@@ -64,10 +64,10 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, c
       std::fill_n(im, kTogether, 0.0);
       return;
     }
-    const auto re0 = static_cast<float>(re[0]), re1 = static_cast<float>(re[1]), re2 = static_cast<float>(re[2]),
-               re3 = static_cast<float>(re[3]);
-    const auto im0 = static_cast<float>(im[0]), im1 = static_cast<float>(im[1]), im2 = static_cast<float>(im[2]),
-               im3 = static_cast<float>(im[3]);
+    const T re0 = static_cast<T>(re[0]), re1 = static_cast<T>(re[1]), re2 = static_cast<T>(re[2]),
+            re3 = static_cast<T>(re[3]);
+    const T im0 = static_cast<T>(im[0]), im1 = static_cast<T>(im[1]), im2 = static_cast<T>(im[2]),
+            im3 = static_cast<T>(im[3]);
     for (std::size_t j = 0; j < kFrames; ++j)
       y[j] += ((re0 * c[j] - im0 * s[j]) + (re1 * c1[j] - im1 * s1[j])) +
               ((re2 * c2[j] - im2 * s2[j]) + (re3 * c3[j] - im3 * s3[j]));
@@ -77,6 +77,16 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, c
       im[k] = re_before * step_im[k] + im[k] * step_re[k];
     }
   }
+}
+
+BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, const float* s, const double* step_re,
+                                         const double* step_im, double silence, double* re, double* im) {
+  add_four(out, c, s, step_re, step_im, silence, re, im);
+}
+
+BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re,
+                                         const double* step_im, double silence, double* re, double* im) {
+  add_four(out, c, s, step_re, step_im, silence, re, im);
 }
 
 BOUNCELAB_VECTOR_CLONES void add_to_double(std::span<const float> x, double* out) {
@@ -121,9 +131,8 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
       step_(size()),
       block_step_(rounded_up(size())),
       kick_(interval_.nodes.size(), PoleValues(size())),
-      table_(size() * static_cast<std::size_t>(kBlock)),
-      cosines_(rounded_up(size()) * static_cast<std::size_t>(kBlock)),
-      sines_(cosines_.size()) {
+      waves_(rounded_up(size()) * static_cast<std::size_t>(kBlock)),
+      single_waves_(waves_.re.size()) {
   for (std::size_t p = 0; p < size(); ++p) {
     const Complex s = poles_[p] / rate_hz;
     pole_steps_.set(p, s);
@@ -132,10 +141,11 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
     for (std::size_t i = 0; i < kick_.size(); ++i)
       kick_[i].set(p, interval_.weights[i] * exp(s * (1.0 - interval_.nodes[i])));
     for (std::int64_t j = 0; j < kBlock; ++j)
-      table_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j), exp(s * static_cast<double>(j)));
+      waves_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j), exp(s * static_cast<double>(j)));
   }
-  std::transform(table_.re.begin(), table_.re.end(), cosines_.begin(), [](double x) { return static_cast<float>(x); });
-  std::transform(table_.im.begin(), table_.im.end(), sines_.begin(), [](double x) { return static_cast<float>(x); });
+  const auto in_single = [](double x) { return static_cast<float>(x); };
+  std::transform(waves_.re.begin(), waves_.re.end(), single_waves_.re.begin(), in_single);
+  std::transform(waves_.im.begin(), waves_.im.end(), single_waves_.im.begin(), in_single);
 }
 
 std::vector<double> ResonatorBank::force(const Contact& contact, std::int64_t first, std::size_t n_frames,
@@ -177,22 +187,32 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
   return wave;
 }
 
+template <class T>
+void ResonatorBank::ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves,
+                                  std::span<T> out) const {
+  for (std::size_t p = 0; p < size(); p += kTogether) {
+    const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
+    double re[kTogether]{}, im[kTogether]{};
+    std::copy_n(state.re.data() + p, n, re);
+    std::copy_n(state.im.data() + p, n, im);
+    add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
+                silence, re, im);
+    std::copy_n(re, n, state.re.data() + p);
+    std::copy_n(im, n, state.im.data() + p);
+  }
+}
+
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
   constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
   for (; !out.empty(); out = out.subspan(std::min(kRun, out.size()))) {
-    float run[kRun]{};
-    const std::span<float> sound(run, std::min(kRun, out.size()));
-    for (std::size_t p = 0; p < size(); p += kTogether) {
-      const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
-      double re[kTogether]{}, im[kTogether]{};
-      std::copy_n(state.re.data() + p, n, re);
-      std::copy_n(state.im.data() + p, n, im);
-      add_ringing(sound, cosines_.data() + at, sines_.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
-                  silence, re, im);
-      std::copy_n(re, n, state.re.data() + p);
-      std::copy_n(im, n, state.im.data() + p);
+    const std::span<double> run = out.first(std::min(kRun, out.size()));
+    if (silence < kSingleFrom) {
+      ring_together(state, silence, waves_, run);
+      continue;
     }
-    add_to_double(sound, out.data());
+    float sound[kRun]{};
+    ring_together(state, silence, single_waves_, std::span(sound, run.size()));
+    add_to_double({sound, run.size()}, run.data());
   }
 }
 
@@ -203,7 +223,7 @@ void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {
 
 void ResonatorBank::advance_in_block(PoleValues& state, std::int64_t n_frames) const {
   for (std::size_t p = 0; p < size(); ++p)
-    state.set(p, state[p] * table_[p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(n_frames)]);
+    state.set(p, state[p] * waves_[p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(n_frames)]);
 }
 
 void ResonatorBank::continue_ringing(PoleValues state, std::size_t n_frames, std::vector<double>& samples,

@@ -12,17 +12,20 @@
 namespace bouncelab::synthesis {
 
 /// One complex value for each pole of a bank.
-struct PoleValues {
-  std::vector<double> re, im;
+template <class T>
+struct PoleValuesOf {
+  std::vector<T> re, im;
 
-  explicit PoleValues(std::size_t n = 0) : re(n, 0.0), im(n, 0.0) {}
+  explicit PoleValuesOf(std::size_t n = 0) : re(n, T{}), im(n, T{}) {}
   std::size_t size() const { return re.size(); }
-  std::complex<double> operator[](std::size_t k) const { return {re[k], im[k]}; }
-  void set(std::size_t k, std::complex<double> value) {
+  std::complex<T> operator[](std::size_t k) const { return {re[k], im[k]}; }
+  void set(std::size_t k, std::complex<T> value) {
     re[k] = value.real();
     im[k] = value.imag();
   }
 };
+
+using PoleValues = PoleValuesOf<double>;
 
 /// A contact as seen by one sensor, in samples.
 struct Contact {
@@ -53,6 +56,8 @@ class ResonatorBank {
  public:
   /// Free ringing is rendered in blocks of this many frames.
   static constexpr std::int64_t kBlock = 64;
+  /// Of amplitudes of about 1: 40 dB below a noise of which this is 80 dB below, rounding is not to be found.
+  static constexpr double kSingleFrom = 1e-9;
 
   /// @param poles  s_p in 1/s, real part < 0, imaginary part >= 0 (0: a real pole)
   ResonatorBank(std::vector<std::complex<double>> poles, double rate_hz);
@@ -65,8 +70,9 @@ class ResonatorBank {
   std::int64_t memory_frames() const { return memory_frames_; }
 
   ContactWave wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const;
-  /// Adds free ringing to `out` (a multiple of kBlock frames), in single precision, and advances the state to its end,
-  /// in double. Four neighbours that are all below `silence` at a block's begin are set to zero.
+  /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
+  /// are all below `silence` at a block's begin are set to zero. From a silence of kSingleFrom on the sound, not the
+  /// state, is in single precision: 1e-7 of each resonator's amplitude.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;
@@ -77,6 +83,8 @@ class ResonatorBank {
                         std::vector<double>& slopes) const;
 
  private:
+  template <class T>
+  void ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves, std::span<T> out) const;
   /// g at frames first + fraction, first + fraction + 1 ...
   std::vector<double> force(const Contact& contact, std::int64_t first, std::size_t n_frames, double fraction) const;
 
@@ -84,12 +92,12 @@ class ResonatorBank {
   double rate_hz_;
   std::int64_t memory_frames_;
   ConverterFilter filter_;
-  QuadratureRule interval_;             // nodes within one sample interval
-  PoleValues pole_steps_;               // s / rate
-  PoleValues step_, block_step_;        // exp(s / rate), exp(s kBlock / rate)
-  std::vector<PoleValues> kick_;        // by node: weight exp(s (1 - node) / rate)
-  PoleValues table_;                    // kBlock values for each pole: exp(s j / rate)
-  std::vector<float> cosines_, sines_;  // the same in single precision; zeros make up whole fours
+  QuadratureRule interval_;       // nodes within one sample interval
+  PoleValues pole_steps_;         // s / rate
+  PoleValues step_, block_step_;  // exp(s / rate), exp(s kBlock / rate)
+  std::vector<PoleValues> kick_;  // by node: weight exp(s (1 - node) / rate)
+  PoleValues waves_;              // kBlock values for each pole: exp(s j / rate); zeros make up whole fours
+  PoleValuesOf<float> single_waves_;
 };
 
 }  // namespace bouncelab::synthesis
