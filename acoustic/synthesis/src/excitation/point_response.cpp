@@ -33,7 +33,8 @@ double windowed_sinc_of_quarters(double u) {
   const double x = u / kHalfWidth_quarters;
   if (std::abs(x) > 1.0) return 0.0;
   const double sinc = u == 0.0 ? 1.0 : sin(std::numbers::pi * u) / (std::numbers::pi * u);
-  return sinc * bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) / bessel_i(0, kBeta);
+  static const double peak = bessel_i(0, kBeta);
+  return sinc * bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) / peak;
 }
 
 const KernelTable& interpolation() {

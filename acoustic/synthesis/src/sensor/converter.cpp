@@ -19,7 +19,7 @@ double windowed_sinc(double u) {
   const double argument = 2.0 * std::numbers::pi * kCutoff * u;
   const double sinc = u == 0.0 ? 1.0 : sin(argument) / argument;
   // Kaiser's window less its pedestal (3e-4 of its height): without a step at its ends, quadrature over them is exact
-  const double pedestal = 1.0 / bessel_i(0, kBeta);
+  static const double pedestal = 1.0 / bessel_i(0, kBeta);
   const double window = bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) * pedestal;
   return 2.0 * kCutoff * sinc * (window - pedestal);
 }
