@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/impact_template.hpp"
 
 namespace bouncelab::detection {
@@ -46,6 +47,7 @@ class Ringing {
   const audio::AudioSource& sound_;
   const ImpactTemplate& learned_;
   std::int64_t n_window_;
+  audio::WhiteSound white_;
   audio::RealFft fourier_;
   std::vector<Known> impacts_;
 };
