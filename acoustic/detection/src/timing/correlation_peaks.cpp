@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
@@ -47,7 +48,7 @@ Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sou
     : scale_(0.5 * static_cast<double>(filter.n_window()) / filter.energy()) {
   // steps of half a sample: with whole samples a peak near the Nyquist frequency could fall between two steps
   audio::RealFft twice(2 * filter.n_window());
-  const std::vector<float> products = twice.inverse(audio::product_conj(filter.spectrum(), sound));
+  const std::span<const float> products = twice.inverse_of_product_conj(filter.spectrum(), sound);
   const auto n = static_cast<std::int64_t>(products.size());
   lowest_ = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
   const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest_, n / 2 - 2);

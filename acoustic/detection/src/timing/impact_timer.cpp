@@ -117,20 +117,18 @@ MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
   return {fourier_.forward(placed), learned_.filter.n_window()};
 }
 
-ImpactTimer::FitWindow ImpactTimer::cut(std::int64_t first, std::int64_t end) {
+void ImpactTimer::cut(std::int64_t first, std::int64_t end, FitWindow& window) {
   constexpr std::int64_t kMinFit = 8;  // samples after the start of contact
   const auto contact = static_cast<std::int64_t>(learned_.contact_index);
-  FitWindow window;
   window.first = first;
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
   window.is_clipped = is_clipped(first);
-  window.sound = known_.window_without(first);
+  known_.window_without(first, {}, window.sound);
   multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
-  window.spectrum = fourier_.forward(window.sound);
-  return window;
+  fourier_.forward(window.sound, window.spectrum);
 }
 
 Correlation ImpactTimer::correlation_in(const FitWindow& window, double from, double to) {
@@ -147,19 +145,22 @@ double ImpactTimer::residual_variance(const FitWindow& window, double log_likeli
 }
 
 double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) {
-  const audio::Spectrum& w = learned_.filter.spectrum();
-  audio::Spectrum rest = window.spectrum;
-  audio::Spectrum placed = audio::phase_shifted(w, -learned_.filter.omega() * r.shift);
+  const MatchedFilter& filter = learned_.filter;
+  audio::Spectrum placed = audio::phase_shifted(filter.spectrum(), -filter.omega() * r.shift);
   if (!window.mask.empty()) {
     std::vector<float> wave = fourier_.inverse(placed);
     multiply(wave, window.mask);
-    placed = fourier_.forward(wave);
+    fourier_.forward(wave, placed);
   }
-  audio::add_scaled(rest, placed, -std::max(0.0, r.amplitude));
+  const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
+  const audio::Spectrum& sound = window.spectrum;
   double sum = 0.0;
-  for (std::size_t k = 0; k < learned_.filter.n_filled(); ++k)
-    sum += learned_.filter.energy(k, k + 1) * audio::bin_power(rest, k);
-  return 0.5 * sum / (learned_.filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
+  for (std::size_t k = 0; k < filter.n_filled(); ++k) {
+    const auto re = static_cast<double>(sound.re[k] - amplitude * placed.re[k]);
+    const auto im = static_cast<double>(sound.im[k] - amplitude * placed.im[k]);
+    sum += filter.energy(k, k + 1) * (re * re + im * im);
+  }
+  return 0.5 * sum / (filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }
 
 DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) {
@@ -182,14 +183,15 @@ std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, 
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  FitWindow window = cut(start, end);
+  FitWindow& window = window_;
+  cut(start, end, window);
   Correlation products = correlation_in(window, -reach, reach);
   // of a clipped impact the correlation does not show the likelihood
   if (!window.is_clipped && kMostBetweenSteps * products.highest().log_likelihood_ratio <= log_likelihood_ratio)
     return std::nullopt;
   for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
-    window = cut(window.first + std::llround(products.highest().shift), end);
+    cut(window.first + std::llround(products.highest().shift), end, window);
     const auto moved = static_cast<double>(window.first - start);
     products = correlation_in(window, -reach - moved, reach - moved);
   }

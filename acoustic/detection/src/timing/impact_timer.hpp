@@ -55,7 +55,7 @@ class ImpactTimer {
     audio::Spectrum spectrum;
   };
   /// @param end  sample from which on the sound belongs to the next impact
-  FitWindow cut(std::int64_t first, std::int64_t end);
+  void cut(std::int64_t first, std::int64_t end, FitWindow& window);
   Correlation correlation_in(const FitWindow& window, double from, double to);
   /// Samples that hold sound.
   double n_of(const FitWindow& window) const;
@@ -81,6 +81,7 @@ class ImpactTimer {
   audio::RealFft fourier_;
   double noise_;
   Ringing known_;
+  FitWindow window_;  // that is searched; kept for its memory
 };
 
 }  // namespace bouncelab::detection

@@ -66,16 +66,21 @@ const std::vector<float>& Ringing::placed(Known& impact) {
 }
 
 std::vector<float> Ringing::window_without(std::int64_t first, std::optional<std::size_t> except) {
-  std::vector<float> x(static_cast<std::size_t>(n_window_));
+  std::vector<float> window;
+  window_without(first, except, window);
+  return window;
+}
+
+void Ringing::window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& x) {
+  x.resize(static_cast<std::size_t>(n_window_));
   white_.read(first, x);
   for (std::size_t k = 0; k < impacts_.size(); ++k) {
     const SharedSamples shared = shared_samples(first - impacts_[k].first, n_window_);
     if (k == except || shared.size == 0) continue;
     const float* wave = placed(impacts_[k]).data() + shared.begin_in_first;
     const auto a = static_cast<float>(impacts_[k].amplitude);
-    for (std::size_t i = 0; i < shared.size; ++i) x[shared.begin + i] -= a * wave[i];
+    audio::add_scaled(x.data() + shared.begin, -a, wave, shared.size);
   }
-  return x;
 }
 
 void Ringing::fit_amplitudes(const std::vector<bool>& free) {
