@@ -254,8 +254,7 @@ TEST(CorrelationPeaks, HoldEveryCycleOfAPacketTheHighestFirst) {
   };
   audio::RealFft fourier(kWindow);
   const MatchedFilter filter(fourier.forward(packet(500.0)), kWindow);
-  const std::vector<CorrelationPeak> peaks =
-      find_correlation_peaks(filter, fourier.forward(packet(506.0)), -50.0, 50.0);
+  const std::vector<CorrelationPeak> peaks = Correlation(filter, fourier.forward(packet(506.0)), -50.0, 50.0).peaks();
   ASSERT_GE(peaks.size(), 5U);
   EXPECT_NEAR(peaks[0].shift, 6.0, 0.5);
   for (std::size_t k = 1; k < 5; ++k) {

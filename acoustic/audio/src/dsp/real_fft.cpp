@@ -127,6 +127,12 @@ BOUNCELAB_VECTOR_CLONES void pack(const float* re, const float* im, const float*
 RealFft::RealFft(std::size_t n) : n_(n), plan_(&plan_for(n)) { assert(n >= 4 && std::has_single_bit(n)); }
 
 Spectrum RealFft::forward(std::span<const float> x) {
+  Spectrum spectrum;
+  forward(x, spectrum);
+  return spectrum;
+}
+
+void RealFft::forward(std::span<const float> x, Spectrum& spectrum) {
   assert(x.size() <= n_);
   const std::size_t h = n_ / 2;
   const Plan& plan = *plan_;
@@ -136,30 +142,47 @@ Spectrum RealFft::forward(std::span<const float> x) {
   deinterleave(work.out, work.re, work.im, h);
   work.re[h] = work.re[0];
   work.im[h] = work.im[0];
-  Spectrum spectrum{std::vector<float>(h + 1), std::vector<float>(h + 1)};
+  spectrum.re.resize(h + 1);
+  spectrum.im.resize(h + 1);
   unpack(work.re, work.im, plan.cosine.data(), plan.sine.data(),
          static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), spectrum.re.data(), spectrum.im.data(), h);
-  spectrum.re[0] = spectrum.im[0] = 0.0F;
-  return spectrum;
+  spectrum.re[0] = spectrum.im[0] = spectrum.re[h] = spectrum.im[h] = 0.0F;
 }
 
 std::vector<float> RealFft::inverse(const Spectrum& spectrum) {
   const std::size_t h = n_ / 2;
-  const Plan& plan = *plan_;
-  Workspace& work = workspace_for(n_);
   const float* re = spectrum.re.data();
   const float* im = spectrum.im.data();
   if (spectrum.size() < h) {
+    Workspace& work = workspace_for(n_);
     std::fill(std::copy(spectrum.re.begin(), spectrum.re.end(), work.re), work.re + h, 0.0F);
     std::fill(std::copy(spectrum.im.begin(), spectrum.im.end(), work.im), work.im + h, 0.0F);
     re = work.re;
     im = work.im;
   }
+  const std::span<const float> x = inverse_of(re, im);
+  return {x.begin(), x.end()};
+}
+
+std::span<const float> RealFft::inverse_of_product_conj(const Spectrum& a, const Spectrum& b) {
+  Workspace& work = workspace_for(n_);
+  const std::size_t h = n_ / 2;
+  const std::size_t n = std::min({a.size(), b.size(), h});
+  product_conj(a, b, n, work.re, work.im);
+  std::fill(work.re + n, work.re + h, 0.0F);
+  std::fill(work.im + n, work.im + h, 0.0F);
+  return inverse_of(work.re, work.im);
+}
+
+std::span<const float> RealFft::inverse_of(const float* re, const float* im) {
+  const std::size_t h = n_ / 2;
+  const Plan& plan = *plan_;
+  Workspace& work = workspace_for(n_);
   work.in[0] = work.in[1] = 0.0F;
   pack(re, im, plan.cosine.data(), plan.sine.data(), static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))),
        work.in, h);
   fftwf_execute_dft(plan.inverse.get(), as_complex(work.in), as_complex(work.out));
-  return {work.out, work.out + n_};
+  return {work.out, n_};
 }
 
 }  // namespace bouncelab::audio

@@ -89,6 +89,9 @@ Spectrum phase_ramp(std::size_t n, double angle) {
   return phase_shifted({std::vector<float>(n, 1.0F), std::vector<float>(n, 0.0F)}, angle);
 }
 
+void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, float* re, float* im) {
+  multiply(a.re.data(), a.im.data(), -1.0F, b.re.data(), b.im.data(), re, im, n);
+}
 Spectrum product_conj(const Spectrum& a, const Spectrum& b) { return multiplied(a, -1.0F, b); }
 Spectrum product(const Spectrum& a, const Spectrum& b) { return multiplied(a, 1.0F, b); }
 

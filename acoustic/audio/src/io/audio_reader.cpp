@@ -27,7 +27,8 @@ namespace bouncelab::audio {
 namespace {
 
 constexpr std::int64_t kFramesPerPiece = 1 << 14;  // 64 kB of one channel: stays in the cache
-constexpr std::uint32_t kExponent = 0x7f800000;    // of a float
+constexpr std::int64_t kFramesOfJump = 1 << 10;
+constexpr std::uint32_t kExponent = 0x7f800000;  // of a float
 // samples up to which a recording is held whole: 64 MB where decoding costs more than memory, 4 MB where it does not
 constexpr std::int64_t kMostHeldWhole = GuardedDecoder::kMostSamples;
 constexpr std::int64_t kMostPlainHeldWhole = 1 << 20;
@@ -95,11 +96,15 @@ struct AudioReader::State {
     return info.n_frames <= (is_plain() ? kMostPlainHeldWhole : kMostHeldWhole) / info.n_channels;
   }
 
-  void fill_buffer(std::int64_t first) {
+  /// @param n_wanted  frames; what goes on from the last ones is read in larger pieces
+  void fill_buffer(std::int64_t first, std::int64_t n_wanted) {
     const bool whole = is_held_whole();
     if (whole) first = 0;
     const std::int64_t n_most = whole ? info.n_frames : std::min(kFramesPerPiece, info.n_frames);
-    const std::int64_t n = std::min(n_most, info.n_frames - first);
+    const bool goes_on = first == buffered_first + std::ssize(buffered) / info.n_channels;
+    const std::int64_t n = std::min(
+        whole || goes_on || !is_plain() ? n_most : std::clamp(n_wanted, std::min(kFramesOfJump, n_most), n_most),
+        info.n_frames - first);
     buffered = {};
     buffered = ffmpeg                   ? ffmpeg->read(first, n)
                : guarded && !is_plain() ? guarded->read(first, n)
@@ -178,7 +183,9 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
     const std::int64_t at = first + done;
     const std::int64_t n_buffered = static_cast<std::int64_t>(s.buffered.size()) / s.format.n_channels;
     if (at < s.buffered_first || at >= s.buffered_first + n_buffered) {
-      s.fill_buffer(at);
+      if (n - done >= kFramesPerPiece && s.is_plain() && s.format.n_channels == 1 && !s.info.may_be_infinite)
+        return s.read_plain(at, out.subspan(static_cast<std::size_t>(done)));  // without a copy
+      s.fill_buffer(at, n - done);
       continue;
     }
     const std::int64_t n_here = std::min(n - done, s.buffered_first + n_buffered - at);
@@ -197,7 +204,7 @@ AudioSource AudioReader::source(int channel) {
                      {},
                      0};
   if (s.format.n_channels == 1 && s.is_held_whole()) {
-    if (s.buffered.empty()) s.fill_buffer(0);
+    if (s.buffered.empty()) s.fill_buffer(0, s.format.n_frames);
     source.resident = s.buffered;
   }
   return source;

@@ -2,6 +2,7 @@
 #include "candidates/band_energies.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -23,14 +24,21 @@ constexpr float kMinLogOddsOfBand = -2.5F;
 constexpr float kIndependence = 0.5F;  // factor on the log odds, since octaves are correlated
 constexpr float kMaxLogOdds = 4.0F;
 
-/// Octave of each bin; -1 = below all.
-std::vector<int> octaves(std::size_t n_bins, double bin_hz) {
-  std::vector<int> octave;
-  for (std::size_t k = 0; k < n_bins; ++k)
-    octave.push_back(static_cast<double>(k) * bin_hz < kLowest_hz
-                         ? -1
-                         : std::min(kEnergyBands - 1, std::ilogb(static_cast<double>(k) * bin_hz / kLowest_hz)));
-  return octave;
+/// The first bin of each octave, and the one behind the last.
+std::array<std::size_t, kEnergyBands + 1> octave_begins(std::size_t n_bins, double bin_hz) {
+  std::array<std::size_t, kEnergyBands + 1> begin;
+  begin.fill(n_bins);
+  for (std::size_t k = n_bins; k-- > 0;) {
+    const double over_lowest = static_cast<double>(k) * bin_hz / kLowest_hz;
+    if (over_lowest < 1.0) break;
+    const auto octave = static_cast<std::size_t>(std::min(kEnergyBands - 1, std::ilogb(over_lowest)));
+    std::fill(begin.begin(), begin.begin() + static_cast<std::ptrdiff_t>(octave) + 1, k);
+  }
+  return begin;
+}
+
+float power(const audio::Spectrum& spectrum, std::size_t k) {
+  return spectrum.re[k] * spectrum.re[k] + spectrum.im[k] * spectrum.im[k];
 }
 
 // values, so that nothing branches
@@ -102,26 +110,26 @@ std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
                                                 const std::vector<Candidate>& candidates) {
   const std::size_t n = std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kWindow_s * sound.rate_hz)));
   audio::RealFft fourier(n);
-  const std::vector<int> octave = octaves(n / 2, sound.rate_hz / static_cast<double>(n));
+  const auto begin = octave_begins(n / 2, sound.rate_hz / static_cast<double>(n));
   std::vector<float> window;
   for (std::size_t k = 0; k < n; ++k)
     window.push_back(static_cast<float>(0.5 + 0.5 * cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
   std::vector<float> x(2 * n + 1);
   std::vector<float> part(n);
-  const auto powers = [&] {
-    std::array<float, kEnergyBands> power{};
-    const audio::Spectrum spectrum = fourier.forward(part);
-    for (std::size_t k = 0; k < octave.size(); ++k)
-      if (octave[k] >= 0) power[octave[k]] += spectrum.re[k] * spectrum.re[k] + spectrum.im[k] * spectrum.im[k];
-    return power;
-  };
+  audio::Spectrum spectrum_after, spectrum_before;
   std::vector<BandEnergies> band_energies(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     audio::read_padded(sound, std::llround(candidates[c].t_s * sound.rate_hz) - static_cast<std::int64_t>(n) - 1, x);
     for (std::size_t k = 0; k < n; ++k) part[k] = window[k] * (x[n + k + 1] - x[n + k]);
-    const auto after = powers();
+    fourier.forward(part, spectrum_after);
     for (std::size_t k = 0; k < n; ++k) part[k] = window[k] * (x[n - k] - x[n - k - 1]);
-    const auto before = powers();
+    fourier.forward(part, spectrum_before);
+    std::array<float, kEnergyBands> after{}, before{};
+    for (int b = 0; b < kEnergyBands; ++b)
+      for (std::size_t k = begin[b]; k < begin[b + 1]; ++k) {  // both at once: each addition waits for the last one
+        after[b] += power(spectrum_after, k);
+        before[b] += power(spectrum_before, k);
+      }
     for (int b = 0; b < kEnergyBands; ++b) {
       const float added = std::max(0.0F, after[b] - before[b]);
       band_energies[c].log_power[b] = static_cast<float>(log(std::max(added, kDetectable * before[b]) + 1e-20F));

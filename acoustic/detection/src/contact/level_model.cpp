@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
@@ -20,9 +21,10 @@ using Values = std::vector<double>;
 // The loops over the bands of one impact. All are elementwise.
 
 /// @param one_over_pulse, dlogp_dtau2  hold P and its slope before
-void divide_by_pulse(const double* level, const double* f_hz, double half_u_over_tau, const double* active,
-                     double* __restrict one_over_pulse, double* __restrict dlogp_dtau2,
-                     double* __restrict level_over_pulse, double* __restrict weight, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void divide_by_pulse(const double* level, const double* f_hz, double half_u_over_tau,
+                                             const double* active, double* __restrict one_over_pulse,
+                                             double* __restrict dlogp_dtau2, double* __restrict level_over_pulse,
+                                             double* __restrict weight, std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double one_over = 1.0 / (one_over_pulse[m] > 0.02 ? one_over_pulse[m] : 0.02);
     one_over_pulse[m] = one_over;
@@ -32,9 +34,10 @@ void divide_by_pulse(const double* level, const double* f_hz, double half_u_over
   }
 }
 
-void relative_residuals(double one_over_amplitude, const double* one_over_response, const double* one_over_pulse,
-                        const double* level_over_pulse, const double* level_noise2, double* __restrict residual,
-                        double* __restrict noise2, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void relative_residuals(double one_over_amplitude, const double* one_over_response,
+                                                const double* one_over_pulse, const double* level_over_pulse,
+                                                const double* level_noise2, double* __restrict residual,
+                                                double* __restrict noise2, std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double scale = one_over_amplitude * one_over_response[m];
     const double unit = scale * one_over_pulse[m];
@@ -44,8 +47,9 @@ void relative_residuals(double one_over_amplitude, const double* one_over_respon
 }
 
 /// Adds what the squares of the residuals have beyond the noise, weighted by their variances.
-void add_excess(const double* residual, const double* noise2, const double* scatter2, double row_inflation,
-                double* __restrict sum, double* __restrict weights, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void add_excess(const double* residual, const double* noise2, const double* scatter2,
+                                        double row_inflation, double* __restrict sum, double* __restrict weights,
+                                        std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double size2 = scatter2[m] + noise2[m];
     const double weight = 1.0 / (size2 * size2);
@@ -56,8 +60,8 @@ void add_excess(const double* residual, const double* noise2, const double* scat
   }
 }
 
-void limited_squares(const double* residual, const double* noise2, const double* scatter2, double* __restrict squares,
-                     std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void limited_squares(const double* residual, const double* noise2, const double* scatter2,
+                                             double* __restrict squares, std::size_t n) {
   constexpr double kLargest = 100.0;
   for (std::size_t m = 0; m < n; ++m) {
     const double square = residual[m] * residual[m] / (scatter2[m] + noise2[m]);
@@ -65,8 +69,9 @@ void limited_squares(const double* residual, const double* noise2, const double*
   }
 }
 
-void huber_weights(const double* residual, const double* noise2, const double* scatter2, const double* active,
-                   double row_inflation, double* __restrict weight, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void huber_weights(const double* residual, const double* noise2, const double* scatter2,
+                                           const double* active, double row_inflation, double* __restrict weight,
+                                           std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
     const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);

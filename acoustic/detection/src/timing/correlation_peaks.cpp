@@ -3,62 +3,94 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
+#include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
 constexpr std::size_t kMaxPeaks = 8;
+constexpr std::size_t kAtOnce = 64;  // values tested at once: most hold nothing
 
-struct Peak {
-  std::int64_t at = 0;  // in halves of a sample
-  double height = 0.0;
-};
+// no branches but one for many values: they would be mispredicted half of the time
+BOUNCELAB_VECTOR_CLONES bool any_equal(const float* x, std::size_t n, float value) {
+  int any = 0;
+  for (std::size_t k = 0; k < n; ++k) any |= static_cast<int>(x[k] == value);
+  return any != 0;
+}
+
+/// @param x  n values and one on either side
+BOUNCELAB_VECTOR_CLONES bool any_peak_over(const float* x, std::size_t n, float least) {
+  const float* before = x - 1;
+  const float* after = x + 1;
+  int any = 0;
+  for (std::size_t k = 0; k < n; ++k)
+    any |= static_cast<int>(x[k] > least) & static_cast<int>(x[k] >= before[k]) & static_cast<int>(x[k] >= after[k]);
+  return any != 0;
+}
+
+/// The first place of the largest value.
+std::size_t place_of_largest(const std::vector<float>& x) {
+  const float value = audio::largest(x);
+  std::size_t k = 0;
+  while (k + kAtOnce < x.size() && !any_equal(x.data() + k, kAtOnce, value)) k += kAtOnce;
+  while (x[k] != value) ++k;
+  return k;
+}
 
 }  // namespace
 
-std::vector<CorrelationPeak> find_correlation_peaks(const MatchedFilter& filter, const audio::Spectrum& sound,
-                                                    double from, double to) {
+Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sound, double from, double to)
+    // the inverse holds sums of products over sqrt(n_window)
+    : scale_(0.5 * static_cast<double>(filter.n_window()) / filter.energy()) {
   // steps of half a sample: with whole samples a peak near the Nyquist frequency could fall between two steps
   audio::RealFft twice(2 * filter.n_window());
-  const std::vector<float> products = twice.inverse(audio::product_conj(filter.spectrum(), sound));
+  const std::span<const float> products = twice.inverse_of_product_conj(filter.spectrum(), sound);
   const auto n = static_cast<std::int64_t>(products.size());
-  const std::int64_t lowest = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
-  const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest, n / 2 - 2);
-  std::vector<float> correlation(static_cast<std::size_t>(highest - lowest + 3), -INFINITY);  // and one on either side
-  for (std::int64_t k = lowest; k <= highest; ++k)
-    correlation[static_cast<std::size_t>(k - lowest + 1)] = products[static_cast<std::size_t>(k < 0 ? k + n : k)];
-  const auto top = std::find(correlation.begin(), correlation.end(), audio::largest(correlation));
-  const Peak best{top - correlation.begin() - 1 + lowest, *top};
-  std::vector<Peak> peaks;  // the highest others, by falling height
-  float least = 0.0F;       // that is of interest
-  for (std::size_t k = 1; k + 1 < correlation.size(); ++k) {
-    // no branches but one that is seldom taken: they would be mispredicted half of the time
-    const int is_peak = static_cast<int>(correlation[k] > least) &
-                        static_cast<int>(correlation[k] >= correlation[k - 1]) &
-                        static_cast<int>(correlation[k] >= correlation[k + 1]);
-    if (is_peak == 0) continue;
-    const Peak here{static_cast<std::int64_t>(k) - 1 + lowest, correlation[k]};
-    if (std::abs(here.at - best.at) <= 2) continue;
-    peaks.insert(std::upper_bound(peaks.begin(), peaks.end(), here,
-                                  [](const Peak& a, const Peak& b) { return a.height > b.height; }),
-                 here);
-    if (peaks.size() < kMaxPeaks) continue;
-    peaks.pop_back();
-    least = static_cast<float>(peaks.back().height);
-  }
-  // the inverse holds sums of products over sqrt(n_window)
-  const double scale = 0.5 * static_cast<double>(filter.n_window()) / filter.energy();
-  const auto to_peak = [&](const Peak& peak) {
-    const double height = std::max(0.0, peak.height);
-    return CorrelationPeak{0.5 * static_cast<double>(peak.at), scale * height * height};
+  lowest_ = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
+  const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest_, n / 2 - 2);
+  values_.reserve(static_cast<std::size_t>(highest - lowest_ + 3));
+  values_.push_back(-INFINITY);
+  // negative shifts are at the end
+  if (lowest_ < 0)
+    values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));
+  if (highest >= 0)
+    values_.insert(values_.end(), products.begin() + std::max<std::int64_t>(0, lowest_),
+                   products.begin() + highest + 1);
+  values_.push_back(-INFINITY);
+  top_ = place_of_largest(values_);
+}
+
+CorrelationPeak Correlation::peak_at(std::size_t k) const {
+  const double height = std::max(0.0, static_cast<double>(values_[k]));
+  return {0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * height * height};
+}
+
+std::vector<CorrelationPeak> Correlation::peaks() const {
+  std::vector<std::size_t> others;  // the highest, by falling height
+  float least = 0.0F;               // that is of interest
+  const auto take = [&](std::size_t k) {
+    const float here = values_[k];
+    if (!(here > least && here >= values_[k - 1] && here >= values_[k + 1])) return;
+    if ((k > top_ ? k - top_ : top_ - k) <= 2) return;
+    others.insert(std::upper_bound(others.begin(), others.end(), k,
+                                   [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; }),
+                  k);
+    if (others.size() < kMaxPeaks) return;
+    others.pop_back();
+    least = values_[others.back()];
   };
-  std::vector<CorrelationPeak> found{to_peak(best)};
-  for (const Peak& peak : peaks) found.push_back(to_peak(peak));
+  const std::size_t end = values_.size() - 1;
+  for (std::size_t at = 1; at < end; at += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, end - at);
+    if (!any_peak_over(values_.data() + at, n, least)) continue;
+    for (std::size_t k = at; k < at + n; ++k) take(k);
+  }
+  std::vector<CorrelationPeak> found{highest()};
+  for (const std::size_t k : others) found.push_back(peak_at(k));
   return found;
 }
 

@@ -19,6 +19,9 @@ constexpr int kCoarseSteps = 8;
 constexpr double kFine = 1.12;
 constexpr int kFineSteps = 3;  // on either side
 constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
+// the largest likelihood over that at the steps of half a sample, 1 / cos^2(pi / 4): of a sound at the Nyquist
+// frequency
+constexpr double kMostBetweenSteps = 2.0;
 
 std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
   return std::llround(duration_s * sound.rate_hz);
@@ -114,25 +117,23 @@ MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
   return {fourier_.forward(placed), learned_.filter.n_window()};
 }
 
-ImpactTimer::FitWindow ImpactTimer::cut(std::int64_t first, std::int64_t end) {
+void ImpactTimer::cut(std::int64_t first, std::int64_t end, FitWindow& window) {
   constexpr std::int64_t kMinFit = 8;  // samples after the start of contact
   const auto contact = static_cast<std::int64_t>(learned_.contact_index);
-  FitWindow window;
   window.first = first;
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
   window.is_clipped = is_clipped(first);
-  window.sound = known_.window_without(first);
+  known_.window_without(first, {}, window.sound);
   multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
-  window.spectrum = fourier_.forward(window.sound);
-  return window;
+  fourier_.forward(window.sound, window.spectrum);
 }
 
-std::vector<CorrelationPeak> ImpactTimer::peaks_in(const FitWindow& window, double from, double to) {
-  if (window.mask.empty()) return find_correlation_peaks(learned_.filter, window.spectrum, from, to);
-  return find_correlation_peaks(masked_template(0.0, window.mask), window.spectrum, from, to);
+Correlation ImpactTimer::correlation_in(const FitWindow& window, double from, double to) {
+  if (window.mask.empty()) return {learned_.filter, window.spectrum, from, to};
+  return {masked_template(0.0, window.mask), window.spectrum, from, to};
 }
 
 double ImpactTimer::n_of(const FitWindow& window) const {
@@ -144,23 +145,25 @@ double ImpactTimer::residual_variance(const FitWindow& window, double log_likeli
 }
 
 double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) {
-  const audio::Spectrum& w = learned_.filter.spectrum();
-  audio::Spectrum rest = window.spectrum;
-  audio::Spectrum placed = audio::phase_shifted(w, -learned_.filter.omega() * r.shift);
+  const MatchedFilter& filter = learned_.filter;
+  audio::Spectrum placed = audio::phase_shifted(filter.spectrum(), -filter.omega() * r.shift);
   if (!window.mask.empty()) {
     std::vector<float> wave = fourier_.inverse(placed);
     multiply(wave, window.mask);
-    placed = fourier_.forward(wave);
+    fourier_.forward(wave, placed);
   }
-  audio::add_scaled(rest, placed, -std::max(0.0, r.amplitude));
+  const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
+  const audio::Spectrum& sound = window.spectrum;
   double sum = 0.0;
-  for (std::size_t k = 0; k < learned_.filter.n_filled(); ++k)
-    sum += learned_.filter.energy(k, k + 1) * audio::bin_power(rest, k);
-  return 0.5 * sum / (learned_.filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
+  for (std::size_t k = 0; k < filter.n_filled(); ++k) {
+    const auto re = static_cast<double>(sound.re[k] - amplitude * placed.re[k]);
+    const auto im = static_cast<double>(sound.im[k] - amplitude * placed.im[k]);
+    sum += filter.energy(k, k + 1) * (re * re + im * im);
+  }
+  return 0.5 * sum / (filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }
 
-DelayEstimate ImpactTimer::estimate_in(const FitWindow& window) {
-  double shift = window.peaks.front().shift;
+DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) {
   if (window.is_clipped) return estimate_clipped(window, shift);
   if (window.mask.empty()) return estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
   DelayEstimate r;
@@ -172,21 +175,35 @@ DelayEstimate ImpactTimer::estimate_in(const FitWindow& window) {
 }
 
 ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
+  return *time_if_over(-INFINITY, t_s, reach_s, until_s);
+}
+
+std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, double t_s, double reach_s,
+                                                   double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  FitWindow window = cut(start, end);
-  window.peaks = peaks_in(window, -reach, reach);
-  for (int again = 0; again < kMaxCuts && std::abs(window.peaks.front().shift) > kRecutDistance_samples; ++again) {
+  FitWindow& window = window_;
+  cut(start, end, window);
+  Correlation products = correlation_in(window, -reach, reach);
+  // of a clipped impact the correlation does not show the likelihood
+  if (!window.is_clipped && kMostBetweenSteps * products.highest().log_likelihood_ratio <= log_likelihood_ratio)
+    return std::nullopt;
+  for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
-    window = cut(window.first + std::llround(window.peaks.front().shift), end);
+    cut(window.first + std::llround(products.highest().shift), end, window);
     const auto moved = static_cast<double>(window.first - start);
-    window.peaks = peaks_in(window, -reach - moved, reach - moved);
+    products = correlation_in(window, -reach - moved, reach - moved);
   }
+  return fit_of(window, products);
+}
+
+ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {
   const auto time_of = [&](double shift) {
     return (static_cast<double>(window.first) + shift + learned_.contact_index) / sound_.rate_hz;
   };
-  const DelayEstimate r = estimate_in(window);
+  const std::vector<CorrelationPeak> peaks = products.peaks();
+  const DelayEstimate r = estimate_in(window, peaks.front().shift);
   ImpactFit fit;
   fit.t_s = time_of(r.shift);
   fit.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
@@ -201,10 +218,10 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
   fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
   fit.correlation = correlation(r, window.total);
-  for (std::size_t k = 1; k < window.peaks.size(); ++k) {
+  for (std::size_t k = 1; k < peaks.size(); ++k) {
     const double margin =
-        log_odds_margin(window.peaks[0].log_likelihood_ratio, window.peaks[k].log_likelihood_ratio, fit.disturbance);
-    if (margin < kUnambiguousLogOdds) fit.alternatives.push_back({time_of(window.peaks[k].shift), margin});
+        log_odds_margin(peaks[0].log_likelihood_ratio, peaks[k].log_likelihood_ratio, fit.disturbance);
+    if (margin < kUnambiguousLogOdds) fit.alternatives.push_back({time_of(peaks[k].shift), margin});
   }
   return fit;
 }

@@ -21,8 +21,27 @@ namespace {
 
 constexpr std::size_t kOwnTemplate = 12;  // impacts from which a track has a template of its own, with noise 11 dB down
 
+/// Memory for the sound around one track after another: fresh memory would cost more than what is read into it.
+class TrackMemory {
+ public:
+  /// n samples that hold anything.
+  std::span<float> of_size(std::size_t n) {
+    if (n > n_held_) {
+      held_.reset();
+      held_ = std::make_unique_for_overwrite<float[]>(n);
+      n_held_ = n;
+    }
+    return {held_.get(), n};
+  }
+
+ private:
+  std::unique_ptr<float[]> held_;
+  std::size_t n_held_ = 0;
+};
+
 /// The sound around a track, read once into memory where it is no longer than a few minutes.
-audio::AudioSource resident_around(const audio::AudioSource& sound, double begin_s, double end_s) {
+/// @param memory  of the result, which ends with its next use
+audio::AudioSource resident_around(const audio::AudioSource& sound, double begin_s, double end_s, TrackMemory& memory) {
   constexpr double kAround_s = 0.2;
   constexpr std::int64_t kMost = 1 << 24;  // samples, 64 MB
   const std::int64_t first =
@@ -31,17 +50,17 @@ audio::AudioSource resident_around(const audio::AudioSource& sound, double begin
       std::clamp<std::int64_t>(std::llround((end_s + kAround_s) * sound.rate_hz), first, sound.n_samples);
   const auto n = static_cast<std::size_t>(last - first);
   if (last - first > kMost || last == first || !audio::resident_span(sound, first, n).empty()) return sound;
-  const auto samples = std::make_shared<std::vector<float>>(n);
-  sound.read(first, *samples);
+  const std::span<float> samples = memory.of_size(n);
+  sound.read(first, samples);
   return {sound.rate_hz, sound.n_samples,
           [sound, samples, first, last](std::int64_t from, std::span<float> out) {
             const std::int64_t to = from + static_cast<std::int64_t>(out.size());
             if (from >= first && to <= last)
-              std::copy_n(samples->begin() + (from - first), out.size(), out.begin());
+              std::copy_n(samples.begin() + (from - first), out.size(), out.begin());
             else
               sound.read(from, out);
           },
-          *samples, first};
+          samples, first};
 }
 
 /// Where the next track begins, or the recording ends.
@@ -70,11 +89,12 @@ TimedDrops time_drops(const TimingInput& input) {
                                      [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
   const std::optional<ImpactTemplate> shared = is_shared ? template_of(input, input.tracks) : std::nullopt;
   std::size_t longest = 0;
+  TrackMemory memory;
   for (std::size_t k = 0; k < input.tracks.size(); ++k) {
     const Track& track = input.tracks[k];
     const double begin_s = input.candidates[track.impacts.front().candidate].t_s;
     const double last_s = input.candidates[track.impacts.back().candidate].t_s;
-    const audio::AudioSource band = resident_around(input.band, begin_s, last_s);
+    const audio::AudioSource band = resident_around(input.band, begin_s, last_s, memory);
     const TimingInput here{band,
                            input.is_full_band ? band : input.whole,
                            input.is_full_band,

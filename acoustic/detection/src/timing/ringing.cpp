@@ -10,12 +10,12 @@
 #include <Eigen/Sparse>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kRidge = 1e-6;  // of the diagonal: where two impacts are at one time, they share the amplitude
+constexpr std::size_t kWindowsKept = 4;  // of one impact and of the one before and after
+constexpr double kRidge = 1e-6;          // of the diagonal: where two impacts are at one time, they share the amplitude
 
 /// The samples that two windows of n samples share, the second one beginning `offset` samples after the first:
 /// sample i of the second is sample i + offset of the first.
@@ -37,6 +37,7 @@ Ringing::Ringing(const audio::AudioSource& sound, const ImpactTemplate& learned)
     : sound_(sound),
       learned_(learned),
       n_window_(static_cast<std::int64_t>(learned.filter.n_window())),
+      white_(sound, learned.whitener, kWindowsKept * learned.filter.n_window()),
       fourier_(learned.filter.n_window()) {}
 
 void Ringing::add(double t_s, double amplitude, std::optional<audio::Spectrum> wave) {
@@ -65,15 +66,21 @@ const std::vector<float>& Ringing::placed(Known& impact) {
 }
 
 std::vector<float> Ringing::window_without(std::int64_t first, std::optional<std::size_t> except) {
-  std::vector<float> x = audio::read_white(sound_, learned_.whitener, first, static_cast<std::size_t>(n_window_)).sound;
+  std::vector<float> window;
+  window_without(first, except, window);
+  return window;
+}
+
+void Ringing::window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& x) {
+  x.resize(static_cast<std::size_t>(n_window_));
+  white_.read(first, x);
   for (std::size_t k = 0; k < impacts_.size(); ++k) {
     const SharedSamples shared = shared_samples(first - impacts_[k].first, n_window_);
     if (k == except || shared.size == 0) continue;
     const float* wave = placed(impacts_[k]).data() + shared.begin_in_first;
     const auto a = static_cast<float>(impacts_[k].amplitude);
-    for (std::size_t i = 0; i < shared.size; ++i) x[shared.begin + i] -= a * wave[i];
+    audio::add_scaled(x.data() + shared.begin, -a, wave, shared.size);
   }
-  return x;
 }
 
 void Ringing::fit_amplitudes(const std::vector<bool>& free) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/impact_template.hpp"
 
 namespace bouncelab::detection {
@@ -27,6 +28,8 @@ class Ringing {
 
   /// The whitened window that begins at a sample, less the sound of all known impacts but one.
   std::vector<float> window_without(std::int64_t first, std::optional<std::size_t> except = std::nullopt);
+  /// The same into a window that has memory already.
+  void window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& window);
 
   /// Sets the amplitudes of impacts whose windows overlap, jointly, to those of least squares: normal equations
   /// sum_j <w_i, w_j> A_j = <w_i, x>, banded since only neighbours overlap. Those of no others change.
@@ -46,6 +49,7 @@ class Ringing {
   const audio::AudioSource& sound_;
   const ImpactTemplate& learned_;
   std::int64_t n_window_;
+  audio::WhiteSound white_;
   audio::RealFft fourier_;
   std::vector<Known> impacts_;
 };

@@ -177,10 +177,10 @@ SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& no
 
 DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start) {
-  audio::Spectrum z = audio::product_conj(filter.spectrum(), sound);
-  z.re.resize(filter.n_filled());
-  z.im.resize(filter.n_filled());
-  audio::Spectrum moved = z;
+  const std::size_t n_filled = std::min(filter.n_filled(), sound.size());
+  audio::Spectrum z{std::vector<float>(n_filled), std::vector<float>(n_filled)};
+  audio::product_conj(filter.spectrum(), sound, n_filled, z.re.data(), z.im.data());
+  audio::Spectrum moved{std::vector<float>(n_filled), std::vector<float>(n_filled)};
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;

@@ -45,8 +45,7 @@ void align(TemplateEstimation& e, bool search) {
       impact.correlation = 0.0;
       continue;
     }
-    if (search)
-      impact.position = find_correlation_peaks(e.learned.filter, impact.spectrum, -reach, reach).front().shift;
+    if (search) impact.position = Correlation(e.learned.filter, impact.spectrum, -reach, reach).highest().shift;
     if (std::abs(impact.position) > kRecutDistance_samples) {
       const std::int64_t moved = std::llround(impact.position);
       cut_training_window(e, impact.window.first + moved, impact);

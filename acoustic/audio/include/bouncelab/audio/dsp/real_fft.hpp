@@ -27,12 +27,19 @@ class RealFft {
   std::size_t size() const { return n_; }
   /// @param x  at most n samples; what is missing is 0
   Spectrum forward(std::span<const float> x);
+  /// The same into a spectrum that has memory already.
+  void forward(std::span<const float> x, Spectrum& spectrum);
   /// n samples; bins that are missing are 0
   std::vector<float> inverse(const Spectrum& spectrum);
+  /// inverse(product_conj(a, b)), until the thread's next transform: nothing is copied.
+  std::span<const float> inverse_of_product_conj(const Spectrum& a, const Spectrum& b);
 
   struct Plan;
 
  private:
+  /// Of the thread's workspace, from h bins.
+  std::span<const float> inverse_of(const float* re, const float* im);
+
   std::size_t n_;
   const Plan* plan_;  // made once for each length and kept
 };
@@ -45,7 +52,8 @@ void phase_shift(const Spectrum& a, double angle, Spectrum& out);
 /// exp(i k angle) for k = 0 ... n-1, to 1e-6.
 Spectrum phase_ramp(std::size_t n, double angle);
 
-/// conj(a) b
+/// conj(a) b, of bins 0 ... n - 1, both of which have so many
+void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, float* re, float* im);
 Spectrum product_conj(const Spectrum& a, const Spectrum& b);
 /// a b
 Spectrum product(const Spectrum& a, const Spectrum& b);

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
 
 namespace bouncelab::audio {
 
@@ -16,5 +18,23 @@ struct WhiteWindow {
 };
 WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
                        std::size_t n);
+
+/// A recording whitened as by read_white(), the same bytes, of which what was read last is kept: windows that overlap
+/// cost little more than one.
+class WhiteSound {
+ public:
+  /// @param source   kept by reference
+  /// @param n_kept   samples, at least; a window that is read must be no longer
+  WhiteSound(const AudioSource& source, const std::vector<float>& whitener, std::size_t n_kept);
+  void read(std::int64_t first, std::span<float> out);
+
+ private:
+  void make_blocks(std::int64_t first, std::int64_t last);
+
+  const AudioSource& source_;
+  ArModel model_;
+  std::vector<float> kept_;            ///< blocks; each has the place of its number modulo how many are kept
+  std::vector<std::int64_t> numbers_;  ///< of the blocks that are there
+};
 
 }  // namespace bouncelab::audio
