@@ -19,10 +19,9 @@ def print_line(part, case, what, value, unit):
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one run of a command: on the clock; of processors, user and system; and the most memory it held."""
+    """Of one run of a command: on the clock; of processors, user and system."""
     wall_s: float
     cpu_s: float
-    peak_bytes: int
 
 
 def cost_of(command, allowed=(0,), environment=None):
@@ -37,7 +36,7 @@ def cost_of(command, allowed=(0,), environment=None):
         if code not in allowed:
             message.seek(0)
             sys.exit(f"{' '.join(map(str, command))}: exit code {code}: {message.read().decode(errors='replace').strip()}")
-    return Cost(wall_s, usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss)
+    return Cost(wall_s, usage.ru_utime + usage.ru_stime)
 
 
 def alternating(tasks, n_rounds):

@@ -30,7 +30,7 @@ def in_process(task):
     """@return what the task returns, and its cost"""
     wall_s, cpu_s = time.perf_counter(), time.process_time()
     out = task()
-    return out, Cost(time.perf_counter() - wall_s, time.process_time() - cpu_s, 0)
+    return out, Cost(time.perf_counter() - wall_s, time.process_time() - cpu_s)
 
 
 def detect(program, recording, out, threads=1):
@@ -95,6 +95,7 @@ def compare(program, case, recording, truth_file, n_runs, folder):
         found["aubioonset"] = np.array([float(t) for t in lines])
     for name, costs in alternating(tasks, n_runs).items():
         print_line("detect", case, name, least_cpu_s(costs), "s")
+        print_line("detect", case, name + ", runs", n_runs, "1")
         print_score(case, name, found[name], *truth_of(truth_file))
 
 
@@ -122,7 +123,6 @@ def measure_kinds(program, hour_s, folder):
     print_line("detect", case, "sound", hour_s, "s")
     cost = detect(program, recording, f"{folder}/onsets.csv")
     print_line("detect", case, "bouncelab", cost.cpu_s, "s")
-    print_line("detect", case, "peak memory", cost.peak_bytes, "B")
     if shutil.which("aubioonset"):
         print_line("detect", case, "aubioonset", cost_of(["aubioonset", "-i", recording]).cpu_s, "s")
 

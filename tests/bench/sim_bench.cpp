@@ -2,7 +2,6 @@
 /// sim_bench [LARGEST_N [LAW]]: cost of an impact for the radius laws and N = 1e4 ... LARGEST_N (default 1e6), one
 /// thread. Baselines in the same run: the same ball without asperities, which takes turns with each rough one, and the
 /// brute-force twin of tests/reference, which multiplies every asperity's direction twice per flight.
-#include <sys/resource.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -14,12 +13,6 @@
 
 namespace bouncelab {
 namespace {
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
 
 /// Seconds per impact of 200 drops.
 double cost_of_impact_s(const sim::SimulationConfig& config, const sim::Envelope& envelope) {
@@ -49,7 +42,7 @@ void measure(const sim::SimulationConfig& config, const sim::Envelope& smooth, c
   std::optional<sim::Envelope> envelope;
   print("envelope", bench::seconds_of([&] { envelope.emplace(config.ball, surface); }), "s");
   print("bytes of the index", static_cast<double>(envelope->n_bytes()), "B");
-  print("peak memory so far", peak_bytes(), "B");
+  print("peak memory so far", bench::peak_bytes(), "B");
   double rough_s = 1e300, smooth_s = 1e300;
   for (int round = 0; round < 5; ++round) {
     rough_s = std::min(rough_s, cost_of_impact_s(config, *envelope));

@@ -30,28 +30,20 @@ def drops(program, folder, length_s, rate_hz, bits=16, channels=1):
     return str(sound), str(truth)
 
 
-def write(path, rate_hz, samples):
-    with wave.open(str(path), "wb") as file:
-        file.setparams((1, 2, rate_hz, 0, "NONE", ""))
-        file.writeframes(np.round(32767 * np.clip(samples, -1, 1)).astype("<i2").tobytes())
-
-
 def bursts(generator, n, rate_hz, per_s):
     """Like speech or music: bursts of coloured noise of 20 to 300 ms with sharp begins, several a second, over one another."""
-    out = 1e-3 * generator.standard_normal(n).astype(np.float32)
-    for begin in np.sort(generator.integers(0, n, int(per_s * n / rate_hz))):
+    out = 1e-3 * generator.standard_normal(n)
+    for begin in generator.integers(0, n, int(per_s * n / rate_hz)):
         length = min(int(rate_hz * generator.uniform(0.02, 0.3)), n - begin)
         t_s = np.arange(length) / rate_hz
         envelope = np.minimum(t_s / generator.uniform(5e-4, 5e-3), 1) * np.exp(-t_s * generator.uniform(15, 80))
         radius, angle = generator.uniform(0.9, 0.995), 2 * math.pi * generator.uniform(200, 8000) / rate_hz
         sound = signal.lfilter([1 - radius], [1, -2 * radius * math.cos(angle), radius**2], generator.standard_normal(length))
-        out[begin:begin + length] += (10 ** generator.uniform(-1.5, 0) * envelope * sound).astype(np.float32)
-    return 0.8 * out / np.max(np.abs(out))
+        out[begin:begin + length] += 10 ** generator.uniform(-1.5, 0) * envelope * sound
+    return out
 
 
-def without_a_ball(kind, n, rate_hz):
-    """@return samples, or None for a kind that there is not"""
-    generator = np.random.default_rng(22)
+def without_a_ball(kind, generator, n, rate_hz):
     t_s = np.arange(n) / rate_hz
     if kind == "silence":
         return np.zeros(n)
@@ -61,16 +53,22 @@ def without_a_ball(kind, n, rate_hz):
         return 0.3 * np.sin(2 * math.pi * 440 * t_s) + 1e-4 * generator.standard_normal(n)
     if kind == "a click every 50 ms":
         clicks = np.zeros(n)
-        clicks[::rate_hz // 20] = 0.5
-        return signal.lfilter([1], [1, -1.8, 0.9], clicks) / 8 + 1e-3 * generator.standard_normal(n)
-    return {"5 bursts a second": lambda: bursts(generator, n, rate_hz, 5), "20 bursts a second": lambda: bursts(generator, n, rate_hz, 20)}[kind]()
+        clicks[::rate_hz // 20] = 0.06
+        return signal.lfilter([1], [1, -1.8, 0.9], clicks) + 1e-3 * generator.standard_normal(n)
+    return bursts(generator, n, rate_hz, {"5 bursts a second": 5, "20 bursts a second": 20}[kind])
 
 
 KINDS = ("silence", "white noise", "tone of 440 Hz in faint noise", "a click every 50 ms", "5 bursts a second", "20 bursts a second")
 
 
 def kind_of_sound(folder, kind, length_s, rate_hz):
+    """WAV of 16 bits, made minute by minute."""
     path = Path(folder) / f"{kind.replace(' ', '_')}_{length_s:g}s.wav"
     if not path.exists():
-        write(path, rate_hz, without_a_ball(kind, int(length_s * rate_hz), rate_hz))
+        generator = np.random.default_rng(22)
+        with wave.open(str(path), "wb") as file:
+            file.setparams((1, 2, rate_hz, 0, "NONE", ""))
+            for begin_s in range(0, int(length_s), 60):
+                samples = without_a_ball(kind, generator, int(min(60, length_s - begin_s) * rate_hz), rate_hz)
+                file.writeframes(np.round(32767 * np.clip(samples, -1, 1)).astype("<i2").tobytes())
     return str(path)

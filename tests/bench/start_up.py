@@ -35,4 +35,5 @@ with tempfile.TemporaryDirectory() as folder:
              for name, (command, environment) in commands.items()}
     for name, costs in alternating(tasks, arguments.runs).items():
         print_line("start-up", name, "wall, median", median_wall_s(costs), "s")
+        print_line("start-up", name, "runs", arguments.runs, "1")
         print_line("start-up", name, "processor, least", least_cpu_s(costs), "s")

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// synthesis_bench: the synthesizer on one thread, in seconds a second of sound: one drop at one point, many points,
 /// noise alone; against the direct sum over impacts and modes; and its peak memory.
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -21,12 +20,6 @@ using namespace bouncelab;
 
 constexpr int kDrops = 10, kImpacts = 95;
 volatile double sink;  // what is not used is not computed
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
 
 void print_line(const std::string& of, const char* what, double value, const char* unit) {
   bench::print_line("synthesize", of, what, value, unit);
@@ -139,7 +132,7 @@ void print_memory(int n_drops, synthesis::SynthesisConfig config) {
   std::filesystem::remove(out);
   const std::string name = std::to_string(result.n_impacts) + " impacts to a file";
   print_line(name, "sound", result.duration_s, "s");
-  print_line(name, "peak memory so far", peak_bytes(), "B");
+  print_line(name, "peak memory so far", bench::peak_bytes(), "B");
 }
 
 }  // namespace
