@@ -5,6 +5,7 @@ import growth_section
 import roofline_section
 import sections
 from measured import number, table
+from summary_section import summary
 
 INTRODUCTION = """# Performance
 
@@ -30,4 +31,4 @@ def facts(measured):
 def page_of(measured):
     parts = [section(measured) for name, section in SECTIONS if measured.has(name)]
     numbered = [part.replace("## ", f"## {k + 1}. ", 1) for k, part in enumerate(parts)]
-    return "\n".join([INTRODUCTION, facts(measured), *numbered])
+    return "\n".join([part for part in (INTRODUCTION, summary(measured), facts(measured), *numbered) if part])

@@ -88,7 +88,7 @@ def roofline(measured):
     limits = {"memory": get("memory, copied"), "float": get(FLOATS), "double": get(DOUBLES), **{n: get(f"FFTW, float, n = {n}") for n in (TRANSFORM, CONVOLUTION)}}
     machine = [(what, with_unit(value, "s", {"µ": 1e-6, "n": 1e-9}) if "latency" in what else with_unit(value, "FLOP/s" if "copied" not in what and "read" not in what else "B/s", GIGA))
                for what in measured.names("machine", "one core") if (value := get(what))]
-    counted = "\n".join(f"- **{stage.name}**: {stage.counted}." for stage in stages(measured))
+    counted = "\n".join(f"- **{stage.name}**: {stage.counted}." for stage in stages(measured) if stage.cost_s is not None)
     return """## What the machine could do (roofline)
 
 One core of this machine, measured in the same run: memory by `memcpy` of 256 MiB (bytes read and written both count) and by following random addresses in 256 MiB; arithmetic by ten independent chains of fused multiplications and additions in registers, the widest that the processor has (two operations each);
