@@ -88,6 +88,7 @@ def compare(program, case, recording, truth_file, n_runs, folder):
     def aubio():
         return cost_of(["aubioonset", "-i", recording])
 
+    print_line("detect", case, "impacts", len(truth_of(truth_file)[0]), "1")
     tasks = {"bouncelab": bouncelab, SCIPY: scipy}
     if shutil.which("aubioonset"):
         tasks["aubioonset"] = aubio

@@ -14,7 +14,7 @@ How fast bouncelab is, beside what one would use otherwise, and how far from wha
 - **Ratios before seconds.** Each figure stands beside a named baseline that ran in the same run, mostly in turn with it. Another machine, or other work on it, changes seconds a lot and ratios little.
 - **Processor time** is user and system time of all threads of a command (or of one thread, inside a program): the least of several runs. **Wall** is time on the clock. Both are in seconds unless stated.
 - **Times real time**: length of the sound over the time taken; larger is faster.
-- **Bars** are the project's own aims for two cores of a server of 2023. *met* and *missed* are what this run found; no test asserts a time.
+- **Bars** are the project's own aims for two cores. *met* and *missed* are what this run found; no test asserts a time.
 - Words are those of the [glossary](glossary.md): a *drop* is a flight from rest and a series of impacts, an *asperity* a small sphere on the ball's surface, an *onset* a detected impact.
 """
 
