@@ -6,10 +6,14 @@ import math
 class Measured:
     def __init__(self, lines):
         self.values = {(line["part"], line["case"], line["what"]): line["value"] for line in lines}
+        self.units = {(line["part"], line["case"], line["what"]): line["unit"] for line in lines}
 
     def get(self, part, case, what):
         """None where it was not measured."""
         return self.values.get((part, case, what))
+
+    def unit(self, part, case, what):
+        return self.units[part, case, what]
 
     def has(self, part):
         return any(key[0] == part for key in self.values)

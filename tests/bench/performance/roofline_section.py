@@ -8,20 +8,19 @@ DOUBLES = "multiplications and additions, double"
 GIGA = {"T": 1e12, "G": 1e9, "M": 1e6, "": 1.0}
 
 
-def limit_s(stage, limits):
-    """The larger of what memory and arithmetic need."""
-    arithmetic = (stage.flop - stage.fft_flop) / limits["double" if stage.doubles else "float"] + stage.fft_flop / limits[stage.fft_n]
-    return max(stage.n_bytes / limits["memory"], arithmetic, stage.other_s)
+def limit_of(stage, limits):
+    """(seconds, what sets them): the largest of what memory, arithmetic and anything else need."""
+    arithmetic_s = (stage.flop - stage.fft_flop) / limits["double" if stage.doubles else "float"] + stage.fft_flop / limits[stage.fft_n]
+    return max((stage.n_bytes / limits["memory"], "memory"), (arithmetic_s, "transforms" if stage.fft_flop else "arithmetic"), (stage.other_s, stage.other))
 
 
 def rows_of(measured, limits):
     for stage in stages(measured):
         if stage.cost_s is None:
             continue
-        limit = limit_s(stage, limits)
-        by = ("latency" if stage.unit == "impact" else "file") if limit == stage.other_s else "memory" if limit == stage.n_bytes / limits["memory"] else "transforms" if stage.fft_flop else "arithmetic"
-        yield (stage.name, stage.unit, seconds(stage.cost_s), number(stage.n_bytes), number(stage.flop), seconds(limit), by,
-               number(stage.cost_s / limit) + " ×", with_unit(stage.flop / stage.cost_s, "FLOP/s", GIGA))
+        limit_s, set_by = limit_of(stage, limits)
+        yield (stage.name, stage.unit, seconds(stage.cost_s), number(stage.n_bytes), number(stage.flop), seconds(limit_s), set_by,
+               number(stage.cost_s / limit_s) + " ×", with_unit(stage.flop / stage.cost_s, "FLOP/s", GIGA))
 
 
 def kernels(measured):
@@ -36,8 +35,8 @@ def kernels(measured):
 def roofline(measured):
     get = lambda what: measured.get("machine", "one core", what)
     limits = {"memory": get("memory, copied"), "float": get(FLOATS), "double": get(DOUBLES), **{n: get(f"FFTW, float, n = {n}") for n in (TRANSFORM, CONVOLUTION)}}
-    machine = [(what, with_unit(value, "s", {"µ": 1e-6, "n": 1e-9}) if "latency" in what else with_unit(value, "FLOP/s" if "copied" not in what and "read" not in what else "B/s", GIGA))
-               for what in measured.names("machine", "one core") if (value := get(what))]
+    units = {"s": ("s", {"µ": 1e-6, "n": 1e-9}), "B/s": ("B/s", GIGA), "FLOP/s": ("FLOP/s", GIGA)}
+    machine = [(what, with_unit(get(what), *units[measured.unit("machine", "one core", what)])) for what in measured.names("machine", "one core")]
     counted = "\n".join(f"- **{stage.name}**: {stage.counted}." for stage in stages(measured) if stage.cost_s is not None)
     return """## What the machine could do (roofline)
 

@@ -22,7 +22,8 @@ class Stage:
     fft_flop: float = 0.0  # of flop: in Fourier transforms of fft_n, at FFTW's speed
     fft_n: int = TRANSFORM
     doubles: bool = False
-    other_s: float = 0.0   # what is measured and cannot be avoided
+    other: str = ""        # what else sets a limit, and the time that it takes
+    other_s: float = 0.0
 
 
 def transforms_of(n, count):
@@ -55,7 +56,7 @@ def stages(measured):
               f"the least known: convolution of a train of impulses with one response by overlapping transforms of {CONVOLUTION:,} (2 × 2.5 n log₂ n for n/2 samples), "
               "a complex product, noise. Written once as a double, and as 24 bits", fft_flop=transforms, fft_n=CONVOLUTION),
         Stage("reading PCM of 16 bits", "sample", over(get("kernels", "AudioReader::read, 2e6 of 16 bits", "bouncelab"), 2e6 // 2**14 * 2**14), 2, 1,
-              "2 bytes of a file that is in memory, at the rate of reading one; the floats stay in the cache; one multiplication", other_s=over(2, file_rate) or 0),
+              "2 bytes of a file that is in memory, at the rate of reading one; the floats stay in the cache; one multiplication", other="file", other_s=over(2, file_rate) or 0),
         Stage("innovations, their energy, candidates (noise in memory)", "sample", get("detect", "noise in memory, 44100 Hz", "bouncelab, a sample"), 4, 98,
               "linear prediction of order 48: 96; the square and the sum: 2. Read once as a float"),
         Stage(f"Fourier transform of {TRANSFORM:,}", "sample", over(get("kernels", f"RealFft::forward, {TRANSFORM}", "bouncelab"), TRANSFORM), 8,
@@ -67,7 +68,7 @@ def stages(measured):
               "the method needs tens of them, for the template, the alignment and the sub-bands", fft_flop=transforms_of(2048, 2)),
         Stage("contact search (uniform radii, N = 10⁶)", "impact", get("simulate", BALL, "impact"), 192, 400,
               "the smooth ball's impact as measured, then three lines of 64 bytes, each known only when the one before is there: node, list, asperity, at the latency of memory. "
-              "Operations: eight asperities twice at 20, and 80 for the turning of the ball", doubles=True, other_s=(smooth or 0) + 3 * (latency or 0)),
+              "Operations: eight asperities twice at 20, and 80 for the turning of the ball", doubles=True, other="latency", other_s=(smooth or 0) + 3 * (latency or 0)),
         Stage("likelihood of the fit", "sample", get("fit", "density of a sample", "closed form, with four derivatives"), 56, 150,
               "two Mills ratios of 33, two exponentials of 15, sums and derivatives 54. Seven doubles read: ε, its error and inverse, log v, three of the law", doubles=True),
     ]
