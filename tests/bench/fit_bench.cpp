@@ -1,69 +1,82 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The law's fit with profile intervals against the same likelihood in iminuit (fit_iminuit.py), and the histograms.
-#include <chrono>
+/// fit_bench N [FOLDER]: the law's fit with profile intervals of N samples, the histograms, and the likelihood's
+/// density. With FOLDER the samples are written there, for fit_iminuit.py, which fits the same. Baseline of the
+/// density: the convolution of exponentials and normal by quadrature.
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "../fit/synthetic_samples.hpp"
+#include "bench_lines.hpp"
 #include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/units.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "law/normal_laplace.hpp"
 
 namespace {
 
 using namespace bouncelab;
 
-double seconds_of(auto&& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+volatile double sink;  // what is not used is not computed
+
+/// Simpson's rule over 8 standard deviations either side, fine enough for five digits.
+[[gnu::noinline]] double density_by_quadrature(double d, double b_below, double b_above, double tau) {
+  constexpr int kSteps = 256;
+  const double h = 16.0 * tau / kSteps;
+  double sum = 0.0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double u = -8.0 * tau + h * k, at = d - u;
+    const double laplace = std::exp(at < 0.0 ? at / b_below : -at / b_above) / (b_below + b_above);
+    const double weight = k == 0 || k == kSteps ? 1.0 : (k % 2 == 1 ? 4.0 : 2.0);
+    sum += weight * laplace * std::exp(-0.5 * u * u / (tau * tau));
+  }
+  return sum * h / 3.0 / (tau * std::sqrt(2.0 * kPi));
 }
 
-/// What fit_iminuit.py prints; null where it does not run (no python3-iminuit).
-nlohmann::json run_iminuit(const std::string& samples) {
-  const std::string output = samples + ".json";
-  const std::string line = "/usr/bin/python3 " BOUNCELAB_FIT_IMINUIT " " + samples + " > " + output;
-  if (std::system(line.c_str()) != 0) return nullptr;
-  std::ifstream in(output);
-  return nlohmann::json::parse(in);
+void print_density() {
+  constexpr int kSamples = 1000;
+  constexpr double kBelow = 4e-4, kAbove = 3e-4, kTau = 2e-4;
+  const auto residual = [](int k) { return 2e-6 * (k - kSamples / 2); };
+  const auto closed = [&] {
+    double sum = 0.0;
+    for (int k = 0; k < kSamples; ++k) sum += fit::normal_laplace(residual(k), kBelow, kAbove, kTau).log_density();
+    sink = sum;
+  };
+  const auto quadrature = [&] {
+    double sum = 0.0;
+    for (int k = 0; k < kSamples; ++k) sum += std::log(density_by_quadrature(residual(k), kBelow, kAbove, kTau));
+    sink = sum;
+  };
+  const bench::Pair pair = bench::alternating(closed, quadrature, 10);
+  bench::print_line("fit", "density of a sample", "closed form, with four derivatives", pair.ours_s / kSamples, "s");
+  bench::print_line("fit", "density of a sample", "convolution by quadrature", pair.baseline_s / kSamples, "s");
 }
 
-void compare(std::size_t n, double noise_at_1mps) {
+void fit_samples(std::size_t n, double noise_at_1mps, const std::string& timing, const char* folder) {
   testing::SyntheticRun run;
   const auto samples = testing::independent_samples(run, n, 0.2, 1.4, noise_at_1mps);
-  const std::string path = (std::filesystem::temp_directory_path() / "bouncelab_fit_bench_samples.csv").string();
-  {
-    std::ofstream out(path);
+  const std::string name = std::to_string(n) + " samples, timing noise " + timing;
+  if (folder != nullptr) {
+    std::ofstream out(std::filesystem::path(folder) / (name + ".csv"));
     write_csv(out, to_table(samples));
   }
   fit::LawFit fit;
   fit::LawFitConfig config;
   config.node_speeds_mps = {0.25, 0.6, 1.2};
   config.n_scatter_terms = 3;  // as in fit_iminuit.py
-  const double seconds = seconds_of([&] { fit = fit::fit_law(samples, config); });
-  std::printf("%zu samples, timing noise %g of the scatter\n", n, noise_at_1mps / 5e-4);
-  std::printf("  law with profile intervals of 3 nodes and 3 constants: %.2f s, status %s\n", seconds,
-              fit::to_string(fit.status));
-  std::vector<fit::HistogramFit> histograms;
-  const double seconds_histograms = seconds_of([&] { histograms = fit::fit_histograms(samples, {}, fit); });
-  std::printf("  histograms of %zu windows: %.2f s\n", histograms.size(), seconds_histograms);
-  const auto minuit = run_iminuit(path);
-  if (minuit.is_null()) {
-    std::printf("  iminuit did not run: install python3-iminuit and python3-scipy\n");
-    return;
-  }
-  std::printf("  iminuit, profile intervals of 3 nodes: %.1f s (%d calls; MIGRAD alone %.1f s)\n",
-              minuit["seconds"].get<double>(), minuit["n_calls"].get<int>(), minuit["seconds_fit"].get<double>());
-  std::printf("  ratio iminuit / bouncelab: %.1f\n", minuit["seconds"].get<double>() / seconds);
-  for (std::size_t j = 0; j < 3; ++j) {
-    const fit::Estimate& e = fit.nodes[j].eps;
-    std::printf("  eps(%.2f): %.7f [%.7f, %.7f] here, %.7f [%.7f, %.7f] iminuit\n", fit.nodes[j].v_mps, e.value,
-                e.ci95->lo, e.ci95->hi, minuit["nodes"][j].get<double>(), minuit["ci95"][j][0].get<double>(),
-                minuit["ci95"][j][1].get<double>());
+  const double law_s = bench::least_s([&] { fit = fit::fit_law(samples, config); }, n > 50000 ? 2 : 5, 0.0);
+  bench::print_line("fit", name, "law with profile intervals", law_s, "s");
+  const double histograms_s =
+      bench::seconds_of([&] { sink = static_cast<double>(fit::fit_histograms(samples, {}, fit).size()); });
+  bench::print_line("fit", name, "histograms", histograms_s, "s");
+  for (const fit::NodeEstimate& node : fit.nodes) {
+    const std::string speed = "eps(" + std::to_string(node.v_mps).substr(0, 4) + ")";
+    bench::print_line("fit", name, speed + ", bouncelab", node.eps.value, "1");
+    if (node.eps.se) bench::print_line("fit", name, speed + ", standard error", *node.eps.se, "1");
   }
 }
 
@@ -71,6 +84,10 @@ void compare(std::size_t n, double noise_at_1mps) {
 
 int main(int argc, char** argv) {
   const std::size_t n = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 220000;
-  compare(n, 1e-4);  // none at all leaves a kink on which MIGRAD fails
-  compare(n, 8.7e-4);
+  const char* const folder = argc > 2 ? argv[2] : nullptr;
+  with_threads(1, [&] {
+    print_density();
+    fit_samples(n, 1e-4, "0.2 of the scatter", folder);  // none at all leaves a kink on which MIGRAD fails
+    fit_samples(n, 8.7e-4, "1.7 of the scatter", folder);
+  });
 }

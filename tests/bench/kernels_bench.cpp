@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// kernels_bench: the hand-made loops of bouncelab::audio against plain ones compiled alike, FFTW's real transform and
-/// libsndfile's decoder. Each row: time of one call and how many times as long the baseline takes. Times are of the
-/// thread, the least of many, so that neighbours disturb less.
+/// libsndfile's decoder. Prints seconds of one call of each; they take turns, and the least of many counts.
 #include <fftw3.h>
 #include <sndfile.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,39 +15,22 @@
 #include <random>
 #include <vector>
 
+#include "bench_lines.hpp"
 #include "bouncelab/audio/audio.hpp"
 #include "bouncelab/audio/dsp/kernels.hpp"
 
 namespace {
 
+using namespace bouncelab;
 using namespace bouncelab::audio;
 using Floats = std::vector<float>;
 using Doubles = std::vector<double>;
 
-double thread_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// Seconds per call, the least of 30 rounds of about a millisecond.
-double time_of(const std::function<void()>& call) {
-  double begin_s = thread_s();
-  call();
-  const int n = std::clamp(static_cast<int>(1e-3 / (thread_s() - begin_s + 1e-9)), 1, 100000);
-  double least_s = 1e300;
-  for (int round = 0; round < 30; ++round) {
-    begin_s = thread_s();
-    for (int k = 0; k < n; ++k) call();
-    least_s = std::min(least_s, (thread_s() - begin_s) / n);
-  }
-  return least_s;
-}
-
 void print_row(const char* kernel, const char* baseline, const std::function<void()>& ours,
                const std::function<void()>& theirs) {
-  const double ours_s = time_of(ours), theirs_s = time_of(theirs);
-  std::printf("%-34s %10.3f us   %5.2f x   %s\n", kernel, 1e6 * ours_s, theirs_s / ours_s, baseline);
+  const bench::Pair least = bench::alternating(ours, theirs);
+  bench::print_line("kernels", kernel, "bouncelab", least.ours_s, "s");
+  bench::print_line("kernels", kernel, baseline, least.baseline_s, "s");
 }
 
 volatile double sink;  // what is not used is not computed
@@ -240,7 +221,6 @@ void print_decoding(SampleEncoding encoding, const char* name) {
 }  // namespace
 
 int main() {
-  std::printf("%-34s %13s   %7s   %s\n", "kernel", "ours", "ratio", "baseline");
   print_sums();
   print_products();
   print_filter();

@@ -1,83 +1,68 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// sim_bench [LARGEST_N [LAW]]: cost of an impact for the radius laws and N = 1e4 ... LARGEST_N (default 1e6), one
-/// thread. Baselines in the same run: the same ball without asperities, and the brute-force twin of tests/reference,
-/// which multiplies every asperity's direction twice per flight. Times are of the processor, so that neighbours disturb
-/// less.
-#include <sys/resource.h>
-#include <time.h>
+/// thread. Baselines in the same run: the same ball without asperities, which takes turns with each rough one, and the
+/// brute-force twin of tests/reference, which multiplies every asperity's direction twice per flight.
 
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 
 #include "../reference/brute_force.hpp"
+#include "bench_lines.hpp"
 #include "bouncelab/sim/sim.hpp"
 
 namespace bouncelab {
 namespace {
 
-double processor_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-/// Seconds per impact, the least of three runs of so many drops of 100 impacts.
-double cost_of_impact_s(const sim::SimulationConfig& config, const sim::Envelope& envelope, std::int64_t n_drops) {
-  double least = 1e300;
-  for (int repeat = 0; repeat < 3; ++repeat) {
-    std::size_t n = 0;
-    const double begin = processor_s();
-    for (std::int64_t drop = 0; drop < n_drops; ++drop)
+/// Seconds per impact of 200 drops.
+double cost_of_impact_s(const sim::SimulationConfig& config, const sim::Envelope& envelope) {
+  constexpr std::int64_t kDrops = 200;
+  std::size_t n = 0;
+  const double seconds = bench::seconds_of([&] {
+    for (std::int64_t drop = 0; drop < kDrops; ++drop)
       n += sim::simulate_drop(config, envelope, drop).impacts.rows.size();
-    least = std::min(least, (processor_s() - begin) / static_cast<double>(n));
-  }
-  return least;
+  });
+  return seconds / static_cast<double>(n);
 }
 
 double cost_of_brute_force_s(const sim::SimulationConfig& config, const sim::Surface& surface) {
   constexpr int kImpacts = 20;
-  const double begin = processor_s();
-  sim::reference::bounce(config, surface, sim::release(config, 0), kImpacts);
-  return (processor_s() - begin) / kImpacts;
+  const auto bounce = [&] { sim::reference::bounce(config, surface, sim::release(config, 0), kImpacts); };
+  return bench::least_s(bounce, 2, 0.0) / kImpacts;
 }
 
-void print_row(const sim::SimulationConfig& config, const sim::RadiusLaw& law, std::int64_t n, double smooth_s) {
-  const double before_bytes = peak_bytes();
-  const double t0 = processor_s();
-  const sim::Surface surface = sim::make_surface(config.ball, n, law, 1);
-  const double t1 = processor_s();
-  const sim::Envelope envelope(config.ball, surface);
-  const double t2 = processor_s();
-  const double bytes = (peak_bytes() - before_bytes) / static_cast<double>(n);
-  const double impact_s = cost_of_impact_s(config, envelope, 200), brute_s = cost_of_brute_force_s(config, surface);
-  std::printf("%-24s %9ld %8.3f %8.3f %6.0f %9ld %8.0f %8.2f %9.0f %10.0f\n", to_text(law).c_str(),
-              static_cast<long>(n), t1 - t0, t2 - t1, bytes, static_cast<long>(envelope.n_sites()), 1e9 * impact_s,
-              impact_s / smooth_s, 1e6 * brute_s, brute_s / impact_s);
-  std::fflush(stdout);
+void measure(const sim::SimulationConfig& config, const sim::Envelope& smooth, const sim::RadiusLaw& law,
+             std::int64_t n) {
+  const std::string name = to_text(law) + ", N = " + std::to_string(n);
+  const auto print = [&](const char* what, double value, const char* unit) {
+    bench::print_line("simulate", name, what, value, unit);
+  };
+  sim::Surface surface;
+  print("surface", bench::seconds_of([&] { surface = sim::make_surface(config.ball, n, law, 1); }), "s");
+  std::optional<sim::Envelope> envelope;
+  print("envelope", bench::seconds_of([&] { envelope.emplace(config.ball, surface); }), "s");
+  print("bytes of the index", static_cast<double>(envelope->n_bytes()), "B");
+  print("peak memory so far", bench::peak_bytes(), "B");
+  double rough_s = 1e300, smooth_s = 1e300;
+  for (int round = 0; round < 5; ++round) {
+    rough_s = std::min(rough_s, cost_of_impact_s(config, *envelope));
+    smooth_s = std::min(smooth_s, cost_of_impact_s(config, smooth));
+  }
+  print("impact", rough_s, "s");
+  print("impact of the smooth ball", smooth_s, "s");
+  print("impact by brute force", cost_of_brute_force_s(config, surface), "s");
 }
 
 int run(int argc, char** argv) {
-  const auto largest = static_cast<std::int64_t>(argc > 1 ? std::atof(argv[1]) : 1e6);
-  sim::SimulationConfig config;
-  const double smooth_s = cost_of_impact_s(config, sim::Envelope(config.ball, sim::Surface{}), 1000);
-  std::printf("without asperities: %.0f ns an impact\n", 1e9 * smooth_s);
-  std::printf("peak is that of the process: bytes per asperity mean something in the first row and where N grows\n");
-  std::printf("%-24s %9s %8s %8s %6s %9s %8s %8s %9s %10s\n", "radii", "N", "surface", "envelope", "peak", "sites",
-              "impact", "times", "brute", "times");
-  std::printf("%-24s %9s %8s %8s %6s %9s %8s %8s %9s %10s\n", "", "", "s", "s", "B/N", "", "ns", "smooth", "us",
-              "faster");
+  const double largest = argc > 1 ? std::atof(argv[1]) : 1e6;
+  const sim::SimulationConfig config;
+  const sim::Envelope smooth(config.ball, sim::Surface{});
   for (const sim::RadiusLaw& law :
        {sim::RadiusLaw{sim::ConstantRadii{}}, sim::RadiusLaw{sim::UniformRadii{}}, sim::RadiusLaw{sim::NormalRadii{}},
         sim::RadiusLaw{sim::LognormalRadii{}}, sim::RadiusLaw{sim::ExponentialRadii{}}}) {
     if (argc > 2 && std::strncmp(to_text(law).c_str(), argv[2], std::strlen(argv[2])) != 0) continue;
-    for (std::int64_t n = 10'000; n <= largest; n *= 10) print_row(config, law, n, smooth_s);
+    // two a decade, for the slope against N
+    for (double n = 1e4; n < 1.01 * largest; n *= std::sqrt(10.0)) measure(config, smooth, law, std::llround(n));
   }
   return 0;
 }

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each stage costs, as measured, and the bytes and operations that it cannot do without, as counted by hand."""
+import math
+from dataclasses import dataclass
+
+from measured import over
+
+TRANSFORM = 4096     # samples, of the transforms of the detector
+CONVOLUTION = 65536  # samples, of the transforms by which a drop could be convolved
+BALL = "uniform:5e-04,0.0015, N = 1000000"
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What a stage costs and what it cannot do without, of one sample or impact."""
+    name: str
+    unit: str
+    cost_s: float | None
+    n_bytes: float
+    flop: float
+    counted: str
+    fft_flop: float = 0.0  # of flop: in Fourier transforms of fft_n, at FFTW's speed
+    fft_n: int = TRANSFORM
+    doubles: bool = False
+    other: str = ""        # what else sets a limit, and the time that it takes
+    other_s: float = 0.0
+
+
+def transforms_of(n, count):
+    """FLOP of so many real Fourier transforms."""
+    return count * 2.5 * n * math.log2(n)
+
+
+def timing_s(measured):
+    """Of an impact at 44.1 kHz."""
+    what = ("sound", "bouncelab", "impacts")
+    sound_s, cost_s, n_impacts = (measured.get("detect", "drops, 44100 Hz", name) for name in what)
+    noise_s, start_s = measured.get("detect", "noise in memory, 44100 Hz", "bouncelab, a sample"), measured.get("start-up", "bouncelab --version", "processor, least")
+    known = None not in (sound_s, cost_s, n_impacts, noise_s, start_s)
+    return (cost_s - start_s - noise_s * sound_s * 44100) / n_impacts if known else None
+
+
+def stages(measured):
+    get = measured.get
+    per_sample = lambda what: over(get("synthesize", "96000 Hz", what), 96000)
+    transforms = transforms_of(CONVOLUTION, 2) / (CONVOLUTION / 2)
+    smooth = get("simulate", BALL, "impact of the smooth ball")
+    latency = get("machine", "one core", "memory, latency")
+    file_rate = get("machine", "one core", "file in memory, read")
+    drops_s = get("detect", "drops, 44100 Hz", "sound")
+    detect_s = get("detect", "drops, 44100 Hz", "bouncelab")
+    return [
+        Stage("noise generation", "sample", per_sample("noise alone"), 8, 16,
+              "Philox: 10 rounds of 8 integer operations make 8 samples; 6 for the ziggurat. Written once as a double"),
+        Stage("synthesis, one point a drop, with noise", "sample", per_sample("one point a drop"), 11, transforms + 6 + 16,
+              f"the least known: convolution of a train of impulses with one response by overlapping transforms of {CONVOLUTION:,} (2 × 2.5 n log₂ n for n/2 samples), "
+              "a complex product, noise. Written once as a double, and as 24 bits", fft_flop=transforms, fft_n=CONVOLUTION),
+        Stage("reading PCM of 16 bits", "sample", over(get("kernels", "AudioReader::read, 2e6 of 16 bits", "bouncelab"), 2e6 // 2**14 * 2**14), 2, 1,
+              "2 bytes of a file that is in memory, at the rate of reading one; the floats stay in the cache; one multiplication", other="file", other_s=over(2, file_rate) or 0),
+        Stage("innovations, their energy, candidates (noise in memory)", "sample", get("detect", "noise in memory, 44100 Hz", "bouncelab, a sample"), 4, 98,
+              "linear prediction of order 48: 96; the square and the sum: 2. Read once as a float"),
+        Stage(f"Fourier transform of {TRANSFORM:,}", "sample", over(get("kernels", f"RealFft::forward, {TRANSFORM}", "bouncelab"), TRANSFORM), 8,
+              transforms_of(TRANSFORM, 1) / TRANSFORM, "2.5 n log₂ n, as FFTW's authors count; read and written once as floats", fft_flop=transforms_of(TRANSFORM, 1) / TRANSFORM),
+        Stage("detection, the whole command at 44.1 kHz", "sample", over(detect_s, drops_s * 44100 if drops_s else None), 6, 99,
+              "reading and innovations as above; the start of the program and the timing of eight impacts a second are on top and not counted"),
+        Stage("timing of an impact", "impact", timing_s(measured), 16384, transforms_of(2048, 2) + 6 * 1025,
+              "the whole command less its start and less noise of the same length, over the impacts. One matched filter: a transform of 2,048 samples forth and back and a complex product; "
+              "the method needs tens of them, for the template, the alignment and the sub-bands", fft_flop=transforms_of(2048, 2)),
+        Stage("contact search (uniform radii, N = 10⁶)", "impact", get("simulate", BALL, "impact"), 192, 400,
+              "the smooth ball's impact as measured, then three lines of 64 bytes, each known only when the one before is there: node, list, asperity, at the latency of memory. "
+              "Operations: eight asperities twice at 20, and 80 for the turning of the ball", doubles=True, other="latency", other_s=(smooth or 0) + 3 * (latency or 0)),
+        Stage("likelihood of the fit", "sample", get("fit", "density of a sample", "closed form, with four derivatives"), 56, 150,
+              "two Mills ratios of 33, two exponentials of 15, sums and derivatives 54. Seven doubles read: ε, its error and inverse, log v, three of the law", doubles=True),
+    ]
