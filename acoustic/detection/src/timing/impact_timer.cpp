@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
@@ -19,9 +20,6 @@ constexpr int kCoarseSteps = 8;
 constexpr double kFine = 1.12;
 constexpr int kFineSteps = 3;  // on either side
 constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
-// the largest likelihood over that at the steps of half a sample, 1 / cos^2(pi / 4): of a sound at the Nyquist
-// frequency
-constexpr double kMostBetweenSteps = 2.0;
 
 std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
   return std::llround(duration_s * sound.rate_hz);
@@ -178,17 +176,28 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   return *time_if_over(-INFINITY, t_s, reach_s, until_s);
 }
 
+double ImpactTimer::energy_in_reach(std::int64_t start, double reach) {
+  const std::int64_t n_reach = static_cast<std::int64_t>(std::ceil(reach)) + 1;
+  const auto n_later = static_cast<std::size_t>(2 * n_reach);  // samples of the last window that are not of the first
+  if (n_later > learned_.filter.n_window()) return INFINITY;
+  std::vector<float>& x = window_.sound;
+  known_.window_without(start - n_reach, {}, x);
+  const double of_first = audio::dot(x, x);
+  known_.window_without(start + n_reach, {}, x);
+  const std::span<const float> later = std::span(x).last(n_later);
+  return of_first + audio::dot(later, later);
+}
+
 std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, double t_s, double reach_s,
                                                    double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
+  if (std::isfinite(log_likelihood_ratio) && 0.5 * energy_in_reach(start, reach) <= log_likelihood_ratio)
+    return std::nullopt;
   FitWindow& window = window_;
   cut(start, end, window);
   Correlation products = correlation_in(window, -reach, reach);
-  // of a clipped impact the correlation does not show the likelihood
-  if (!window.is_clipped && kMostBetweenSteps * products.highest().log_likelihood_ratio <= log_likelihood_ratio)
-    return std::nullopt;
   for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
     cut(window.first + std::llround(products.highest().shift), end, window);

@@ -31,8 +31,8 @@ class ImpactTimer {
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact
   ImpactFit time(double t_s, double reach_s, double until_s);
-  /// The same; absent where its log likelihood ratio is at most this by the correlation at half samples alone, which
-  /// takes a third of the time.
+  /// The same; absent where its log likelihood ratio cannot be above this: by Schwarz' inequality it is at most half of
+  /// the sound's energy, which takes a tenth of the time.
   std::optional<ImpactFit> time_if_over(double log_likelihood_ratio, double t_s, double reach_s, double until_s);
   /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
   void subtract_from_later(const ImpactFit& impact);
@@ -56,6 +56,8 @@ class ImpactTimer {
   };
   /// @param end  sample from which on the sound belongs to the next impact
   void cut(std::int64_t first, std::int64_t end, FitWindow& window);
+  /// Sum of squares of all samples that any window within reach holds.
+  double energy_in_reach(std::int64_t start, double reach);
   Correlation correlation_in(const FitWindow& window, double from, double to);
   /// Samples that hold sound.
   double n_of(const FitWindow& window) const;
