@@ -82,7 +82,11 @@ Spectrum phase_shifted(const Spectrum& a, double angle) {
 }
 
 void phase_shift(const Spectrum& a, double angle, Spectrum& out) {
-  phase_shift(a.re.data(), a.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
+  phase_shift(a.re.data(), a.im.data(), angle, out.re.data(), out.im.data(), a.size());
+}
+
+void phase_shift(const float* a_re, const float* a_im, double angle, float* re, float* im, std::size_t n) {
+  phase_shift(a_re, a_im, PhaseSteps(angle), re, im, n);
 }
 
 Spectrum phase_ramp(std::size_t n, double angle) {

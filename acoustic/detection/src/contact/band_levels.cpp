@@ -91,11 +91,11 @@ BandLevels measure_levels(const audio::AudioSource& sound, const ImpactTemplate&
   for (const TimedImpact& impact : thin_out(impacts)) {
     const double position = impact.fit.t_s * sound.rate_hz - learned.contact_index;
     const auto first = static_cast<std::int64_t>(std::floor(position));
-    audio::WhiteWindow window = audio::read_white(sound, learned.whitener, first, n_window);
-    std::fill(window.sound.begin() + static_cast<std::ptrdiff_t>(learned.n_template), window.sound.end(), 0.0F);
-    const audio::Spectrum z = audio::product(
-        audio::product_conj(learned.filter.spectrum(), fourier.forward(window.sound)),
-        audio::phase_ramp(n_window / 2 + 1, learned.filter.omega() * (position - static_cast<double>(first))));
+    // zeros follow
+    const std::vector<float> window = audio::read_white(sound, learned.whitener, first, learned.n_template).sound;
+    const audio::Spectrum z =
+        audio::phase_shifted(audio::product_conj(learned.filter.spectrum(), fourier.forward(window)),
+                             learned.filter.omega() * (position - static_cast<double>(first)));
     const bool is_training = std::any_of(learned.training_t_s.begin(), learned.training_t_s.end(),
                                          [&](double t_s) { return std::abs(t_s - impact.fit.t_s) < kSameImpact_s; });
     std::vector<double> row;

@@ -2,7 +2,9 @@
 #include "timing/correlation_peaks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
@@ -22,14 +24,30 @@ BOUNCELAB_VECTOR_CLONES bool any_equal(const float* x, std::size_t n, float valu
   return any != 0;
 }
 
+/// 1 for each local maximum above `least`, 0 for others.
 /// @param x  n values and one on either side
-BOUNCELAB_VECTOR_CLONES bool any_peak_over(const float* x, std::size_t n, float least) {
+BOUNCELAB_VECTOR_CLONES void mark_peaks(const float* x, std::size_t n, float least, std::uint8_t* __restrict marks) {
   const float* before = x - 1;
   const float* after = x + 1;
-  int any = 0;
   for (std::size_t k = 0; k < n; ++k)
-    any |= static_cast<int>(x[k] > least) & static_cast<int>(x[k] >= before[k]) & static_cast<int>(x[k] >= after[k]);
-  return any != 0;
+    marks[k] = static_cast<std::uint8_t>(static_cast<int>(x[k] > least) & static_cast<int>(x[k] >= before[k]) &
+                                         static_cast<int>(x[k] >= after[k]));
+}
+
+/// The first mark from k on; kAtOnce where there is none. Marks that are far apart are found eight values at a time.
+std::size_t place_of_mark(const std::array<std::uint8_t, kAtOnce>& marks, std::size_t k) {
+  for (; k < kAtOnce; ++k) {
+    std::uint64_t eight = 0;
+    if (k % sizeof eight == 0) {
+      for (; k < kAtOnce; k += sizeof eight) {
+        std::memcpy(&eight, marks.data() + k, sizeof eight);
+        if (eight != 0) break;
+      }
+      if (k >= kAtOnce) return kAtOnce;
+    }
+    if (marks[k] != 0) return k;
+  }
+  return kAtOnce;
 }
 
 /// The first place of the largest value.
@@ -73,9 +91,7 @@ std::vector<CorrelationPeak> Correlation::peaks() const {
   std::vector<std::size_t> others;  // the highest, by falling height
   float least = 0.0F;               // that is of interest
   const auto take = [&](std::size_t k) {
-    const float here = values_[k];
-    if (!(here > least && here >= values_[k - 1] && here >= values_[k + 1])) return;
-    if ((k > top_ ? k - top_ : top_ - k) <= 2) return;
+    if (!(values_[k] > least) || (k > top_ ? k - top_ : top_ - k) <= 2) return;
     others.insert(std::upper_bound(others.begin(), others.end(), k,
                                    [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; }),
                   k);
@@ -84,10 +100,11 @@ std::vector<CorrelationPeak> Correlation::peaks() const {
     least = values_[others.back()];
   };
   const std::size_t end = values_.size() - 1;
+  std::array<std::uint8_t, kAtOnce> marks{};
   for (std::size_t at = 1; at < end; at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, end - at);
-    if (!any_peak_over(values_.data() + at, n, least)) continue;
-    for (std::size_t k = at; k < at + n; ++k) take(k);
+    mark_peaks(values_.data() + at, n, least, marks.data());
+    for (std::size_t k = 0; (k = place_of_mark(marks, k)) < n; ++k) take(at + k);
   }
   std::vector<CorrelationPeak> found{highest()};
   for (const std::size_t k : others) found.push_back(peak_at(k));

@@ -58,9 +58,11 @@ class ChainDensity {
  public:
   ChainDensity(const TimedImpacts& track, const std::vector<ExpectedLogEps>& expected, const RisePrior& prior)
       : expected_(expected) {
+    t_s_.reserve(track.size());
+    by_sound_.reserve(track.size());
     for (const TimedImpact& impact : track) {
-      t_s_.emplace_back();
-      by_sound_.emplace_back();
+      t_s_.emplace_back().reserve(n_hypotheses(impact));
+      by_sound_.emplace_back().reserve(n_hypotheses(impact));
       for (std::size_t h = 0; h < n_hypotheses(impact); ++h) {
         t_s_.back().push_back(hypothesis_time(impact, h));
         const double likelihood = h == 0 ? 1.0 : exp(-impact.fit.alternatives[h - 1].log_odds_margin);
@@ -98,6 +100,7 @@ using PairTable = std::vector<std::vector<double>>;
 PairTable forward(const ChainDensity& p) {
   PairTable table(p.size() - 1);
   for (std::size_t k = 0; k + 1 < p.size(); ++k) {
+    table[k].reserve(p.n(k) * p.n(k + 1));
     for (std::size_t h = 0; h < p.n(k); ++h)
       for (std::size_t a = 0; a < p.n(k + 1); ++a) {
         double before = k == 0 ? p.by_sound(0, h) : 0.0;
@@ -114,6 +117,7 @@ PairTable backward(const ChainDensity& p) {
   PairTable table(p.size() - 1);
   table.back().assign(p.n(p.size() - 2) * p.n(p.size() - 1), 1.0);
   for (std::size_t k = p.size() - 2; k-- > 0;) {
+    table[k].reserve(p.n(k) * p.n(k + 1));
     for (std::size_t h = 0; h < p.n(k); ++h)
       for (std::size_t a = 0; a < p.n(k + 1); ++a) {
         double after = 0.0;
@@ -186,15 +190,17 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
     if (is_triple(track, k)) eps[k] = log_eps(t_s[k - 1], t_s[k], t_s[k + 1]);
   const auto around = [&](std::size_t k, std::size_t reach, double about) {
     std::vector<double> x;
+    x.reserve(2 * reach + 1);
     for (std::size_t j = k > reach ? k - reach : 0; j < std::min(track.size(), k + reach + 1); ++j)
       if (eps[j]) x.push_back(about == 0.0 ? *eps[j] : std::abs(*eps[j] - about));
     return x;
   };
   std::vector<ExpectedLogEps> expected(track.size());
   for (std::size_t k = 1; k + 1 < track.size(); ++k) {
-    const std::vector<double> near = around(k, kNeighbours, 0.0);
-    if (!is_triple(track, k) || near.size() < 3) continue;
-    expected[k].centre = upper_median(near);
+    if (!is_triple(track, k)) continue;
+    std::vector<double> near = around(k, kNeighbours, 0.0);
+    if (near.size() < 3) continue;
+    expected[k].centre = upper_median(std::move(near));
     expected[k].width = std::max(kMinScatter, 1.4826 * upper_median(around(k, kScatterReach, expected[k].centre)));
   }
   return expected;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
@@ -37,6 +38,14 @@ double noise_in_product(const ImpactTemplate& learned) {
   return sum / (learned.filter.energy() + 1e-30);
 }
 
+/// The end of a mask.
+std::vector<float> taper_of(std::size_t n) {
+  std::vector<float> taper(n);
+  for (std::size_t k = 0; k < n; ++k)
+    taper[k] = static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n))));
+  return taper;
+}
+
 void multiply(std::vector<float>& x, const std::vector<float>& mask) {
   for (std::size_t k = 0; k < mask.size(); ++k) x[k] *= mask[k];
 }
@@ -52,13 +61,12 @@ ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& 
       noise_(noise_in_product(learned)),
       known_(sound, learned) {}
 
-ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) const {
+ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) {
   if (n_fit >= learned_.n_template) return {};
   Mask mask(learned_.filter.n_window(), 1.0F);
   const std::size_t n_taper = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
-  for (std::size_t k = 0; k < n_taper; ++k)
-    mask[n_fit - n_taper + k] =
-        static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_taper))));
+  if (taper_.size() != n_taper) taper_ = taper_of(n_taper);
+  std::copy(taper_.begin(), taper_.end(), mask.begin() + static_cast<std::ptrdiff_t>(n_fit - n_taper));
   std::fill(mask.begin() + static_cast<std::ptrdiff_t>(n_fit), mask.end(), 0.0F);
   return mask;
 }
@@ -111,8 +119,11 @@ DelayEstimate ImpactTimer::estimate_clipped(const FitWindow& window, double shif
 }
 
 MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
-  std::vector<float> placed =
-      fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * shift));
+  const auto placed_at = [&](double at) {
+    return fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * at));
+  };
+  if (shift == 0.0 && unshifted_.empty()) unshifted_ = placed_at(0.0);
+  std::vector<float> placed = shift == 0.0 ? unshifted_ : placed_at(shift);
   multiply(placed, mask);
   return {fourier_.forward(placed), learned_.filter.n_window()};
 }
@@ -178,16 +189,41 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   return *time_if_over(-INFINITY, t_s, reach_s, until_s);
 }
 
+ImpactTimer::EnergyInReach ImpactTimer::energy_in_reach(std::int64_t start, std::int64_t n_reach) {
+  const auto n_later = static_cast<std::size_t>(2 * n_reach);  // samples of the last window that are not of the first
+  if (n_later > learned_.filter.n_window()) return {INFINITY, INFINITY};
+  std::vector<float>& x = window_.sound;
+  known_.window_without(start - n_reach, {}, x);
+  const std::span<const float> before = std::span(x).first(static_cast<std::size_t>(n_reach));
+  EnergyInReach energy{audio::dot(before, before), audio::dot(x, x)};
+  known_.window_without(start + n_reach, {}, x);
+  const std::span<const float> later = std::span(x).last(n_later);
+  energy.of_all += audio::dot(later, later);
+  return energy;
+}
+
+bool ImpactTimer::is_whole_in_reach(const FitWindow& window, std::int64_t n_reach, std::int64_t end) const {
+  const auto n_template = static_cast<std::int64_t>(learned_.n_template);
+  return !window.is_clipped && end - window.first >= n_template + n_reach &&
+         static_cast<std::int64_t>(learned_.filter.n_window()) >= n_template + n_reach;
+}
+
 std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, double t_s, double reach_s,
                                                    double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
+  const std::int64_t n_reach = static_cast<std::int64_t>(std::ceil(reach)) + 1;
+  EnergyInReach energy;
+  if (std::isfinite(log_likelihood_ratio)) energy = energy_in_reach(start, n_reach);
+  if (0.5 * energy.of_all <= log_likelihood_ratio) return std::nullopt;
   FitWindow& window = window_;
   cut(start, end, window);
   Correlation products = correlation_in(window, -reach, reach);
-  // of a clipped impact the correlation does not show the likelihood
-  if (!window.is_clipped && kMostBetweenSteps * products.highest().log_likelihood_ratio <= log_likelihood_ratio)
+  if (is_whole_in_reach(window, n_reach, end) &&
+      0.5 * square(std::sqrt(2.0 * kMostBetweenSteps * products.highest().log_likelihood_ratio) +
+                   std::sqrt(energy.before)) <=
+          log_likelihood_ratio)
     return std::nullopt;
   for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
@@ -36,18 +36,36 @@ struct Sums {
   std::array<double, kMaxSubbands> quadrature;  // times omega
 };
 
-/// @param moved  workspace of the size of z
-Sums sums_at(const audio::Spectrum& z, const Subbands& subbands, double omega, double shift, audio::Spectrum& moved) {
-  audio::phase_shift(z, omega * shift, moved);
-  Sums sums{};
-  for (std::size_t j = 0; j < subbands.n(); ++j) {
-    const std::size_t from = std::min(subbands.edge[j], z.size());
-    const std::size_t n = std::min(subbands.edge[j + 1], z.size()) - from;
-    sums.in_phase[j] = audio::sum(std::span(moved.re).subspan(from, n));
-    sums.quadrature[j] = -omega * audio::moment(std::span(moved.im).subspan(from, n), from);
+/// The products of a template and a sound at a shift.
+class ShiftedProducts {
+ public:
+  ShiftedProducts(const MatchedFilter& filter, const audio::Spectrum& sound)
+      : n_(std::min(filter.n_filled(), sound.size())),
+        omega_(filter.omega()),
+        // a vector would be set to zero first
+        memory_(std::make_unique_for_overwrite<float[]>(4 * n_)) {
+    audio::product_conj(filter.spectrum(), sound, n_, part(0), part(1));
   }
-  return sums;
-}
+
+  Sums sums_at(const Subbands& subbands, double shift) {
+    audio::phase_shift(part(0), part(1), omega_ * shift, part(2), part(3), n_);
+    Sums sums{};
+    for (std::size_t j = 0; j < subbands.n(); ++j) {
+      const std::size_t from = std::min(subbands.edge[j], n_);
+      const std::size_t n = std::min(subbands.edge[j + 1], n_) - from;
+      sums.in_phase[j] = audio::sum({part(2) + from, n});
+      sums.quadrature[j] = -omega_ * audio::moment({part(3) + from, n}, from);
+    }
+    return sums;
+  }
+
+ private:
+  float* part(std::size_t k) { return memory_.get() + k * n_; }
+
+  std::size_t n_;
+  double omega_;
+  std::unique_ptr<float[]> memory_;  // real and imaginary parts of the products, then of them at the shift
+};
 
 /// A sub-band of little information is the skirt of a mode in the next one and its error is correlated: merges the two.
 void merge_weak_subbands(const MatchedFilter& filter, std::vector<std::size_t>& edge) {
@@ -177,17 +195,14 @@ SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& no
 
 DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start) {
-  const std::size_t n_filled = std::min(filter.n_filled(), sound.size());
-  audio::Spectrum z{std::vector<float>(n_filled), std::vector<float>(n_filled)};
-  audio::product_conj(filter.spectrum(), sound, n_filled, z.re.data(), z.im.data());
-  audio::Spectrum moved{std::vector<float>(n_filled), std::vector<float>(n_filled)};
+  ShiftedProducts products(filter, sound);
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;
   r.deviation.resize(n);
   r.noise_variance.resize(n);
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Sums sums = sums_at(z, subbands, filter.omega(), r.shift, moved);
+    const Sums sums = products.sums_at(subbands, r.shift);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
     r.amplitude = in_phase / filter.energy();
     r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / filter.energy() : 0.0;

@@ -41,13 +41,12 @@ struct Deviations {
   std::vector<SubbandMean> mean;
 };
 
-Deviations deviations_of(const std::vector<DelayEstimate>& estimates, const Subbands& subbands) {
+/// @param d  receives them; of as many sub-bands and impacts
+void set_deviations(const std::vector<DelayEstimate>& estimates, const Subbands& subbands, Deviations& d) {
   const std::size_t n = subbands.n();
-  const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
-  Deviations d{zeros, zeros, zeros, {}};
   for (std::size_t k = 0; k < estimates.size(); ++k) {
     const DelayEstimate& r = estimates[k];
-    d.mean.push_back(subband_mean(subbands, r.noise_variance));
+    d.mean[k] = subband_mean(subbands, r.noise_variance);
     double mean = 0.0;
     for (std::size_t j = 0; j < n; ++j) mean += d.mean[k].weight[j] * r.deviation[j];
     for (std::size_t j = 0; j < n; ++j) {
@@ -56,7 +55,6 @@ Deviations deviations_of(const std::vector<DelayEstimate>& estimates, const Subb
       d.noise[j][k] = r.noise_variance[j];
     }
   }
-  return d;
 }
 
 /// Var(d_j - mean) / Var(d_j) for each impact: the mean follows each sub-band and, by their correlation, its
@@ -113,12 +111,15 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   if (estimates.size() < 3 || n < 2) return;
   subbands.correlation = 0.0;
   subbands.n_training = estimates.size();
+  const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
+  Deviations d{zeros, zeros, zeros, std::vector<SubbandMean>(estimates.size())};
   for (int round = 0; round < kJitterRounds; ++round) {
-    const Deviations d = deviations_of(estimates, subbands);
+    set_deviations(estimates, subbands, d);
     for (std::size_t j = 0; j < n; ++j)
       subbands.jitter2[j] = jitter_of(d.squares[j], d.noise[j], residual_shares(d, j));
     shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
-    subbands.correlation = correlation(deviations_of(estimates, subbands), subbands);
+    set_deviations(estimates, subbands, d);
+    subbands.correlation = correlation(d, subbands);
   }
 }
 

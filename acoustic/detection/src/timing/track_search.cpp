@@ -2,6 +2,8 @@
 #include "timing/track_search.hpp"
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace bouncelab::detection {
 
@@ -15,8 +17,9 @@ ImpactFit find_impact(Search& search, double t_s, double reach_s, double until_s
   ImpactFit best = search.timer.time(t_s, reach_s, until_s);
   if (reach_s < step_s) return best;
   for (double from_s = t_s - reach_s; from_s < t_s + reach_s; from_s += step_s) {
-    const ImpactFit here = search.timer.time(from_s, step_s, until_s);
-    if (here.log_likelihood_ratio > best.log_likelihood_ratio && std::abs(here.t_s - t_s) <= reach_s) best = here;
+    std::optional<ImpactFit> here = search.timer.time_if_over(best.log_likelihood_ratio, from_s, step_s, until_s);
+    if (here && here->log_likelihood_ratio > best.log_likelihood_ratio && std::abs(here->t_s - t_s) <= reach_s)
+      best = *std::move(here);
   }
   return best;
 }

@@ -29,13 +29,10 @@ ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& n
   const double step_s = search_step_s(search);
   const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
   const double same_s = 1.0 / search.sound.rate_hz;
-  const double around_s = kRecutDistance_samples * same_s;
   ImpactFit far = near;
   for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
-    // what is less likely than that adds no place (merged_fit.hpp); where the impact itself is in reach, it may be
-    // found again a little better
-    const bool is_again = std::abs(far.t_s - t_s) < step_s + around_s;
-    const double least = is_again ? -INFINITY : far.log_likelihood_ratio - kUnambiguousLogOdds * far.disturbance;
+    // what is less likely than that adds no place (merged_fit.hpp)
+    const double least = far.log_likelihood_ratio - kUnambiguousLogOdds * far.disturbance;
     std::optional<ImpactFit> here = search.timer.time_if_over(least, t_s, std::min(step_s, to_s - t_s), until_s);
     if (!here) continue;
     std::erase_if(here->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });

@@ -153,18 +153,21 @@ double judged(const Observations& o, const Track& track) {
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
 /// about as well, the track begins there.
-void begin_at_source(const Observations& o, std::size_t first_free, Track& track) {
+/// @param log_odds  judged() of the track
+/// @return the same of the track that it is then
+double begin_at_source(const Observations& o, std::size_t first_free, double log_odds, Track& track) {
   constexpr double kAsWell = 2.0;  // log odds of the echo against its source, by which intervals may prefer it
   const std::vector<Candidate>& c = o.candidates();
   const std::size_t first = track.impacts[0].candidate;
-  double best = judged(o, track) - kAsWell;
+  double best = log_odds - kAsWell;
   Track other = track;
   for (std::size_t k = first; k-- > first_free && c[first].t_s - c[k].t_s < kEcho_s;) {
     if (c[k].amplitude < c[first].amplitude) continue;
     other.impacts[0].candidate = k;
     const double odds = judged(o, other);
-    if (odds > best) best = odds, track.impacts[0].candidate = k;
+    if (odds > best) log_odds = best = odds, track.impacts[0].candidate = k;
   }
+  return log_odds;
 }
 
 /// One recording, one ball: log odds that a track's eps, which was open, is that of the surest other track.
@@ -203,9 +206,12 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
         is_free = false;
     }
     if (!is_free) continue;
+    const std::vector<TrackImpact> as_judged = track.impacts;
     begin_again(o, first_free, track);
-    begin_at_source(o, first_free, track);
-    track.log_odds = judged(o, track);
+    const bool is_judged = std::equal(
+        track.impacts.begin(), track.impacts.end(), as_judged.begin(), as_judged.end(),
+        [](const TrackImpact& a, const TrackImpact& b) { return a.candidate == b.candidate && a.impact == b.impact; });
+    track.log_odds = begin_at_source(o, first_free, is_judged ? track.log_odds : judged(o, track), track);
     kept.push_back(std::move(track));
   }
   const std::vector<Track> all = kept;
