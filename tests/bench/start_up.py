@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much longer the program would take to start if it were linked with HDF5, which it loads only for files that need it.
+"""How long the program takes to start, beside a program that does nothing, an older one, and itself linked with HDF5.
 
-    start_up.py BOUNCELAB [--runs 200] [--hdf5 /path/of/libhdf5.so]
+    start_up.py BOUNCELAB [--old BOUNCELAB] [--runs 200] [--hdf5 /path/of/libhdf5.so]
 
-Runs `bouncelab --version` and `bouncelab detect` on samples/clean.flac (12 s of sound) as they are and with HDF5 loaded at the
-start (LD_PRELOAD), in turn, and prints medians and their ratio. The module is worth its code while a ratio is above 1.1.
+Runs `--version`, `balls`, `fit --help` and `detect` on samples/clean.flac (12 s of sound) in turn with the others: /bin/true;
+--old; the program with HDF5 loaded at the start (LD_PRELOAD). Prints medians of wall time and of processor time, which
+neighbours on the machine disturb less, ratios to the program as it is, and how many libraries it loads. The HDF5 module is
+worth its code while its ratio is above 1.1.
 """
 import argparse
 import ctypes.util
@@ -19,23 +21,47 @@ from pathlib import Path
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("bouncelab")
+parser.add_argument("--old")
 parser.add_argument("--runs", type=int, default=200)
 parser.add_argument("--hdf5", default=ctypes.util.find_library("hdf5_serial") or ctypes.util.find_library("hdf5"))
 arguments = parser.parse_args()
 if not arguments.hdf5:
     sys.exit("libhdf5 was not found; name it with --hdf5")
 
+
+def run(command, environment):
+    """Wall and processor seconds of one run."""
+    start = time.perf_counter()
+    child = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    wall = time.perf_counter() - start
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        sys.exit(f"{' '.join(command)} ended with {child.returncode}")
+    return wall, usage.ru_utime + usage.ru_stime
+
+
+def libraries(program):
+    return sum("=>" in line for line in subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout.splitlines())
+
+
+programs = {"as it is": ([arguments.bouncelab], {}), "/bin/true": (["/bin/true"], {}),
+            "with HDF5": ([arguments.bouncelab], {"LD_PRELOAD": arguments.hdf5})}
+if arguments.old:
+    programs["old"] = ([arguments.old], {})
+for name in (arguments.bouncelab, arguments.old):
+    if name:
+        print(f"{name}: {libraries(name)} shared libraries")
 recording = Path(__file__).resolve().parents[2] / "samples" / "clean.flac"
 with tempfile.TemporaryDirectory() as folder:
-    commands = {"--version": ["--version"],
+    commands = {"--version": ["--version"], "balls": ["balls"], "fit --help": ["fit", "--help"],
                 "detect": ["detect", str(recording), "--out", f"{folder}/onsets.csv", "--force", "--quiet"]}
     for name, command in commands.items():
-        seconds = {"": [], arguments.hdf5: []}
+        times = {program: [] for program in programs}
         for _ in range(arguments.runs):
-            for library, times in seconds.items():
-                environment = os.environ | ({"LD_PRELOAD": library} if library else {})
-                start = time.perf_counter()
-                subprocess.run([arguments.bouncelab, *command], env=environment, stdout=subprocess.DEVNULL, check=True)
-                times.append(time.perf_counter() - start)
-        alone, loaded = (statistics.median(times) for times in seconds.values())
-        print(f"{name}: {1e3 * alone:.1f} ms, with HDF5 {1e3 * loaded:.1f} ms, ratio {loaded / alone:.2f}")
+            for program, (line, environment) in programs.items():
+                times[program].append(run(line + command, os.environ | environment))
+        medians = {program: [statistics.median(column) for column in zip(*rows)] for program, rows in times.items()}
+        for program, (wall, processor) in medians.items():
+            print(f"{name}, {program}: {1e3 * wall:.1f} ms, of the processor {1e3 * processor:.1f} ms, "
+                  f"ratio {processor / medians['as it is'][1]:.2f}")
