@@ -67,6 +67,21 @@ TEST(Envelope, SupportIsThatOfBruteForceWhereASurfaceHasHolesAndTwins) {
   expect_support_by_brute_force(surface, 2'000);
 }
 
+TEST(Envelope, SupportIsThatOfBruteForceWhereAllAsperitiesAreInASmallPart) {
+  // 300,000 within one patch: neighbours lie farther apart in its sites than the short indices of a list reach
+  const Ball ball;
+  Surface surface;
+  for (Asperity a : make_surface(ball, 300'000, ConstantRadii{1e-5}, 24).asperities) {
+    a.direction = normalized(Vector3{0.125, 0.125, 1.0} + 0.1 * a.direction);
+    surface.asperities.push_back(a);
+  }
+  const Envelope envelope(ball, surface);
+  for (std::uint64_t k = 0; k < 300; ++k) {
+    const Vector3 n = surface.asperities[997 * k].direction, beside = normalized(n + 1e-3 * random_direction(k));
+    ASSERT_EQ(envelope.support(beside).asperity, support_by_brute_force(ball, surface, beside).asperity);
+  }
+}
+
 TEST(Envelope, OneTowerAmongAMillionLengthensNoListAndTakesNoRoom) {
   // the structure that makes the search constant in time, counted: lists to look through, and the size of the index
   const Ball ball;
@@ -79,13 +94,12 @@ TEST(Envelope, OneTowerAmongAMillionLengthensNoListAndTakesNoRoom) {
   std::int64_t n_same = 0, n_away = 0;
   for (std::uint64_t k = 0; k < 10'000; ++k) {
     const Vector3 n = random_direction(k);
-    const Envelope::Cell cell = towered.find(n, -1.0);
-    ASSERT_TRUE(cell.is_leaf);
+    const Envelope::Leaf cell = towered.leaf_at(n);
     longest = std::max(longest, cell.list.size());
     // it reaches as far as |n - u| = sqrt(2 x 0.05) = 0.32; beyond that, and a patch of 0.3, nothing changes
     if (norm(n - tower) < 0.7) continue;
     ++n_away;
-    n_same += plain.find(n, -1.0).list.size() == cell.list.size() ? 1 : 0;
+    n_same += plain.leaf_at(n).list.size() == cell.list.size() ? 1 : 0;
   }
   EXPECT_LE(longest, 16U);
   EXPECT_EQ(n_same, n_away);
@@ -100,7 +114,7 @@ TEST(Envelope, IsTheSameForAnyNumberOfThreads) {
   const Envelope one(ball, surface, 1), seven(ball, surface, 7);
   EXPECT_EQ(one.n_bytes(), seven.n_bytes());
   for (std::uint64_t k = 0; k < 2'000; ++k) {
-    const Envelope::Cell a = one.find(random_direction(k), -1.0), b = seven.find(random_direction(k), -1.0);
+    const Envelope::Leaf a = one.leaf_at(random_direction(k)), b = seven.leaf_at(random_direction(k));
     ASSERT_TRUE(std::equal(a.list.begin(), a.list.end(), b.list.begin(), b.list.end()));
     ASSERT_EQ(a.max_elevation, b.max_elevation);
   }

@@ -190,10 +190,11 @@ int run(const std::vector<std::string>& line) {
 
   CommonOptions common;
   const std::vector<std::string> typed = in_full({line.begin() + 1, line.end()});
+  const bool needs_one = is_command(typed) || (!typed.empty() && typed.front() == "--version");
   std::vector<Command> commands;
   for (const auto& [name, add, group] : all_commands()) {
     // registering the options of all commands takes as long as detection in a second of sound
-    if (is_command(typed) && typed.front() != name) continue;
+    if (needs_one && typed.front() != name) continue;
     commands.push_back(add(app));
     commands.back().app->group(group);
   }

@@ -78,10 +78,10 @@ class Region {
   /// Lower bound of |n - u| over the region: u's height above the planes through the centre and the region's edges.
   double distance_at_least(Vector3 u) const {
     const double a =
-        std::max(edges_[0].along * u.y - edges_[0].normal * u.x, -edges_[1].along * u.y - edges_[1].normal * u.x);
+        larger(edges_[0].along * u.y - edges_[0].normal * u.x, -edges_[1].along * u.y - edges_[1].normal * u.x);
     const double b =
-        std::max(edges_[2].along * u.z - edges_[2].normal * u.x, -edges_[3].along * u.z - edges_[3].normal * u.x);
-    return std::max(0.0, std::max(a, b));
+        larger(edges_[2].along * u.z - edges_[2].normal * u.x, -edges_[3].along * u.z - edges_[3].normal * u.x);
+    return larger(larger(a, b), 0.0);
   }
 
   /// X0 = (1, a0, b0) at the middle, the greatest deviation from a0 and b0, and bounds of |X|.
@@ -91,6 +91,8 @@ class Region {
   double longest() const { return longest_; }
 
  private:
+  /// By value: loops over std::max are not vectorised.
+  static double larger(double a, double b) { return a > b ? a : b; }
   /// The plane through the ball's centre and an edge at coordinate x (or -x): (x_u - x u.x) / sqrt(1 + x^2).
   struct Edge {
     double along, normal;

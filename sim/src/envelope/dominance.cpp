@@ -8,118 +8,160 @@
 namespace bouncelab::sim {
 namespace {
 
-using Site = Envelope::Site;
-using List = std::vector<std::uint32_t>;
-
 /// Lists up to this length are compared with five competitors, and longer ones that the floor no longer halves.
 constexpr std::size_t kCompetitorsLength = 64;
 /// Up to this length every pair is compared, unless the list is short enough already.
 constexpr std::size_t kPairsLength = 24;
 constexpr std::size_t kShortLength = 8;
 
-/// A site in a region with X = (1, a, b), |a - a0| <= half, |b - b0| <= half: it reaches there
+/// A contender in a region with X = (1, a, b), |a - a0| <= half, |b - b0| <= half: it reaches there
 /// |X| (e + 1) = (u.X0 + y (a - a0) + z (b - b0)) + height |X|.
 struct Bid {
   double centre, y, z, height;  ///< centre: u.X0
 };
 
-std::vector<Bid> bids_of(std::span<const Site> sites, const List& list, const Region& region) {
-  std::vector<Bid> bids(list.size());
-  const Vector3 x0 = region.centre();
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Site& site = sites[list[i]];
-    bids[i] = {dot(site.direction, x0), site.direction.y, site.direction.z, site.height};
-  }
-  return bids;
-}
+/// What two bids are compared by.
+struct Bounds {
+  double half, shortest, spread;  ///< spread: of |X|
+  explicit Bounds(const Region& region)
+      : half(region.half()), shortest(region.shortest()), spread(region.longest() - region.shortest()) {}
+};
 
 /// The least that `competitor` is above `bid` in the region, times |X|; >= 0 where it beats the bid everywhere. The
 /// rounding of u.X0 makes it uncertain by 4e-16: 1e-18 m of a ball of 3 mm.
-double least_lead(const Bid& bid, const Bid& competitor, const Region& region) {
+inline double least_lead(const Bid& bid, const Bid& competitor, const Bounds& bounds) {
   const double higher = competitor.height - bid.height;
   return (competitor.centre - bid.centre) -
-         region.half() * (std::abs(competitor.y - bid.y) + std::abs(competitor.z - bid.z)) +
-         (higher * region.shortest() + std::min(higher, 0.0) * (region.longest() - region.shortest()));
+         bounds.half * (std::abs(competitor.y - bid.y) + std::abs(competitor.z - bid.z)) +
+         (higher * bounds.shortest + (higher < 0.0 ? higher : 0.0) * bounds.spread);
+}
+
+/// The bids of a list, by columns.
+struct Bids {
+  const double *centre, *y, *z, *height;
+  std::size_t n;
+  Bid operator[](std::size_t i) const { return {centre[i], y[i], z[i], height[i]}; }
+};
+
+Bids make_bids(const Region& region, const Contenders& list, ContenderScratch& scratch) {
+  const Vector3 x0 = region.centre();
+  scratch.centre.resize(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) scratch.centre[i] = dot(Vector3{list.x[i], list.y[i], list.z[i]}, x0);
+  return {scratch.centre.data(), list.y.data(), list.z.data(), list.height.data(), list.size()};
 }
 
 using Competitors = std::array<std::size_t, 5>;
 
-/// The highest at the centre and at four points around it.
-Competitors find_competitors(const std::vector<Bid>& bids, const Region& region) {
+/// The highest at the centre and at four points around it; of equal ones the first.
+Competitors find_competitors(const Bids& bids, const Region& region) {
   const double step = 0.7 * region.half(), length = 0.5 * (region.shortest() + region.longest());
   Competitors competitors{};
   std::array<double, 5> best;
   best.fill(-2.0);
-  for (std::size_t i = 0; i < bids.size(); ++i) {
-    const double centre = bids[i].centre + length * bids[i].height, y = step * bids[i].y, z = step * bids[i].z;
+  for (std::size_t i = 0; i < bids.n; ++i) {
+    const double centre = bids.centre[i] + length * bids.height[i], y = step * bids.y[i], z = step * bids.z[i];
     const std::array<double, 5> reach{centre, centre + (y + z), centre - (y + z), centre + (y - z), centre - (y - z)};
     for (std::size_t p = 0; p < 5; ++p) {
-      if (reach[p] <= best[p]) continue;
-      best[p] = reach[p];
-      competitors[p] = i;
+      competitors[p] = reach[p] > best[p] ? i : competitors[p];
+      best[p] = reach[p] > best[p] ? reach[p] : best[p];
     }
   }
   return competitors;
 }
 
-void drop_what_competitors_beat(std::span<const Site> sites, const Region& region, List& list) {
-  const std::vector<Bid> bids = bids_of(sites, list, region);
-  const Competitors competitors = find_competitors(bids, region);
+/// Keeps the contenders that are not beaten, in their order.
+void drop_beaten(const std::vector<unsigned char>& is_beaten, Contenders& list) {
   std::size_t n_kept = 0;
-  for (std::size_t i = 0; i < bids.size(); ++i) {
-    const bool is_beaten = std::any_of(competitors.begin(), competitors.end(), [&](std::size_t competitor) {
-      return competitor != i && least_lead(bids[i], bids[competitor], region) >= 0.0;
-    });
-    list[n_kept] = list[i];
-    n_kept += is_beaten ? 0 : 1;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    list.set(n_kept, list, i);
+    n_kept += is_beaten[i] == 0 ? 1 : 0;
   }
   list.resize(n_kept);
+}
+
+/// What the one bid is that all are held against.
+enum class Role { bid, competitor };
+
+/// The least leads over each bid of the one given, as the competitor, or of each over it.
+void find_leads(const Bids& bids, const Bid bid, Role role, const Bounds bounds, std::vector<double>& leads) {
+  leads.resize(bids.n);
+  const double *const centre = bids.centre, *const y = bids.y, *const z = bids.z, *const height = bids.height;
+  double* __restrict const lead = leads.data();
+  const std::size_t n = bids.n;
+  if (role == Role::competitor)
+    for (std::size_t i = 0; i < n; ++i) lead[i] = least_lead({centre[i], y[i], z[i], height[i]}, bid, bounds);
+  else
+    for (std::size_t i = 0; i < n; ++i) lead[i] = least_lead(bid, {centre[i], y[i], z[i], height[i]}, bounds);
+}
+
+void drop_what_competitors_beat(const Region& region, Contenders& list, ContenderScratch& scratch) {
+  const Bids bids = make_bids(region, list, scratch);
+  const Bounds bounds(region);
+  scratch.is_beaten.assign(bids.n, 0);
+  for (const std::size_t k : find_competitors(bids, region)) {
+    find_leads(bids, bids[k], Role::competitor, bounds, scratch.lead);
+    scratch.lead[k] = -1.0;  // nothing beats itself
+    for (std::size_t i = 0; i < bids.n; ++i) scratch.is_beaten[i] |= scratch.lead[i] >= 0.0 ? 1 : 0;
+  }
+  drop_beaten(scratch.is_beaten, list);
 }
 
 /// Is bid i beaten by any other? Of equal ones the first is not.
-bool is_beaten_by_any(const std::vector<Bid>& bids, std::size_t i, const Region& region) {
+bool is_beaten_by_any(const Bids& bids, std::size_t i, const Bounds& bounds, std::vector<double>& lead) {
+  const Bid bid = bids[i];
+  find_leads(bids, bid, Role::bid, bounds, lead);
   int n_better = 0;  // without branches: most often there is none
-  for (const Bid& competitor : bids) n_better += least_lead(bids[i], competitor, region) >= 0.0 ? 1 : 0;
+  for (const double l : lead) n_better += l >= 0.0 ? 1 : 0;
   if (n_better <= 1) return false;  // itself
-  for (std::size_t k = 0; k < bids.size(); ++k)
-    if (k != i && least_lead(bids[i], bids[k], region) >= 0.0 &&
-        (k < i || !(least_lead(bids[k], bids[i], region) >= 0.0)))
-      return true;
+  for (std::size_t k = 0; k < bids.n; ++k)
+    if (k != i && lead[k] >= 0.0 && (k < i || !(least_lead(bids[k], bid, bounds) >= 0.0))) return true;
   return false;
 }
 
-void drop_what_any_beats(std::span<const Site> sites, const Region& region, List& list) {
-  const std::vector<Bid> bids = bids_of(sites, list, region);
-  std::size_t n_kept = 0;
-  for (std::size_t i = 0; i < bids.size(); ++i) {
-    // those dropped count as competitors too: what beats them beats this
-    const bool is_beaten = is_beaten_by_any(bids, i, region);
-    list[n_kept] = list[i];
-    n_kept += is_beaten ? 0 : 1;
-  }
-  list.resize(n_kept);
+void drop_what_any_beats(const Region& region, Contenders& list, ContenderScratch& scratch) {
+  const Bids bids = make_bids(region, list, scratch);
+  const Bounds bounds(region);
+  scratch.is_beaten.resize(bids.n);
+  // those dropped count as competitors too: what beats them beats this
+  for (std::size_t i = 0; i < bids.n; ++i)
+    scratch.is_beaten[i] = is_beaten_by_any(bids, i, bounds, scratch.lead) ? 1 : 0;
+  drop_beaten(scratch.is_beaten, list);
 }
 
 /// What reaches the floor somewhere in the region.
-List above_floor(const Region& region, double floor, std::span<const Site> sites, const List& wider) {
-  List within(wider.size());
+void find_above_floor(const Region& region, double floor, const Contenders& wider, Contenders& within,
+                      ContenderScratch& scratch) {
+  elevations_at_most(region, wider, scratch.elevation);
+  within.resize(wider.size());
   std::size_t n = 0;
-  for (const std::uint32_t k : wider) {
-    within[n] = k;
-    n += elevation_at_most(sites[k], region) >= floor ? 1 : 0;
+  for (std::size_t i = 0; i < wider.size(); ++i) {
+    within.set(n, wider, i);
+    n += scratch.elevation[i] >= floor ? 1 : 0;
   }
   within.resize(n);
-  return within;
 }
 
 }  // namespace
 
-List contenders_within(const Region& region, double floor, std::span<const Site> sites, const List& wider) {
-  List within = above_floor(region, floor, sites, wider);
-  if (!within.empty() && (within.size() <= kCompetitorsLength || 2 * within.size() > wider.size()))
-    drop_what_competitors_beat(sites, region, within);
-  if (within.size() > kShortLength && within.size() <= kPairsLength) drop_what_any_beats(sites, region, within);
-  return within;
+void elevations_at_most(const Region& region, const Contenders& list, std::vector<double>& elevation) {
+  elevation.resize(list.size());
+  const Region here = region;  // which no write to the result can change
+  double* __restrict const result = elevation.data();
+  const double *const x = list.x.data(), *const y = list.y.data(), *const z = list.z.data();
+  const double* const height = list.height.data();
+  const std::size_t n = list.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double distance = here.distance_at_least({x[i], y[i], z[i]});
+    result[i] = height[i] - 0.5 * distance * distance;
+  }
+}
+
+void find_contenders_within(const Region& region, double floor, const Contenders& wider, Contenders& within,
+                            ContenderScratch& scratch) {
+  find_above_floor(region, floor, wider, within, scratch);
+  if (within.size() > 0 && (within.size() <= kCompetitorsLength || 2 * within.size() > wider.size()))
+    drop_what_competitors_beat(region, within, scratch);
+  if (within.size() > kShortLength && within.size() <= kPairsLength) drop_what_any_beats(region, within, scratch);
 }
 
 }  // namespace bouncelab::sim

@@ -46,17 +46,24 @@ constexpr int kMaxSteps = 10'000'000;
 /// Lists up to this length are narrowed.
 constexpr std::size_t kMostNarrowed = 32;
 
-/// Asks the processor to load a site early: sites lie apart in memory, and the search has other work meanwhile.
-void prefetch(const Envelope::Site* site) {
+/// Asks the processor to load early what lies anywhere in memory; the search has other work meanwhile.
+void prefetch(const void* place) {
 #if defined(__GNUC__)
-  __builtin_prefetch(site);
-  __builtin_prefetch(reinterpret_cast<const char*>(site + 1) - 1);
+  __builtin_prefetch(place);
 #else
-  (void)site;
+  (void)place;
 #endif
 }
 
-std::int64_t index_of(const Envelope::Site* site) { return site == nullptr ? -1 : std::int64_t{site->asperity}; }
+/// Where the surface's index of a site of the leaf is.
+const std::uint32_t* asperity_of(const Envelope::Leaf& leaf, const Envelope::Site* site) {
+  return leaf.asperities.data() + (site - leaf.sites.data());
+}
+
+/// Index into the surface of a site of the cell; -1 for nullptr, the smooth sphere.
+std::int64_t index_of(const Envelope::Leaf& leaf, const Envelope::Site* site) {
+  return site == nullptr ? -1 : std::int64_t{*asperity_of(leaf, site)};
+}
 
 /// The search for one flight; Path is the centre's: Parabola or DraggedPath.
 template <class Path>
@@ -74,6 +81,7 @@ class Search {
   struct Found {
     double t_s;
     const Envelope::Site* site;  ///< nullptr: the smooth sphere
+    std::int64_t asperity;       ///< -1: the smooth sphere
   };
 
   Found run() {
@@ -83,8 +91,9 @@ class Search {
       const Pole here = pole_.from(t);
       const Vector3 n = here.along + here.cosine;
       // most often the leaf under the pole is where the ball comes down
-      const Envelope::Cell leaf = envelope_.find(n, -1.0);
-      for (const std::uint32_t k : leaf.list) prefetch(&leaf.sites[k]);
+      const Envelope::Leaf leaf = envelope_.leaf_at(n);
+      for (const std::uint16_t k : leaf.list) prefetch(&leaf.sites[k]);
+      for (const std::uint16_t k : leaf.list) prefetch(&leaf.asperities[k]);
       const double t_exit = t + leaf.margin_rad / pole_.speed_radps;
       const double t_reach = skip_above(leaf.max_elevation, t);
       if (t_reach < t_exit) {
@@ -93,7 +102,7 @@ class Search {
         continue;
       }
       // else stay in the widest cell that the ball is above; the leaf itself at the least
-      const Envelope::Cell cell = envelope_.find(n, (path_.height_m(t) - kClear_m) / radius_m_);
+      const Envelope::Cell cell = envelope_.cell_below((path_.height_m(t) - kClear_m) / radius_m_, n);
       t = std::max(t_exit, std::min(t + cell.margin_rad / pole_.speed_radps, skip_above(cell.max_elevation, t)));
     }
     throw Error("flight: no contact found in " + std::to_string(kMaxSteps) +
@@ -122,38 +131,39 @@ class Search {
   /// The sites of a leaf that are examined: all of its list, until most of it is ruled out. Longer lists than fit are
   /// not narrowed; leaves hold so many only where as many asperities meet in a point.
   struct LeafSites {
-    std::span<const std::uint32_t> list;
+    std::span<const std::uint16_t> list;
     bool is_narrow = false;
-    std::array<std::uint32_t, kMostNarrowed> few;
+    std::array<std::uint16_t, kMostNarrowed> few;
     std::array<double, kMostNarrowed> gap_m, slope_mps;
   };
 
   /// Advances from t to t_exit through a leaf; what it hits, if anything. @param here  the pole with its clock at
   /// t_here
-  std::optional<Found> search_leaf(const Envelope::Cell& cell, const Pole& here, double t_here, double t,
+  std::optional<Found> search_leaf(const Envelope::Leaf& leaf, const Pole& here, double t_here, double t,
                                    double t_exit) const {
     LeafSites listed;
-    listed.list = cell.list;
+    listed.list = leaf.list;
     while (t < t_exit) {
-      const Candidate first = nearest(cell, listed, t, here.at(t - t_here));
+      const Candidate first = nearest(leaf, listed, t, here.at(t - t_here));
       const double resolution_s = 1e-15 + 4.0 * std::numeric_limits<double>::epsilon() * t;
       // after a safe step the gap is at most bend step^2: what is left is that over the closing speed
       const double left_s = bend_mps2_ * first.step_s * first.step_s / -first.slope_mps;
-      if (first.slope_mps < 0.0 && left_s <= resolution_s) return Found{t + first.step_s, first.site};
+      if (first.slope_mps < 0.0 && left_s <= resolution_s)
+        return Found{t + first.step_s, first.site, index_of(leaf, first.site)};
       if (!listed.is_narrow) narrow(listed, first, t_exit - t);
       t += std::max(first.step_s, resolution_s);
-      if (path_.height_m(t) > radius_m_ * cell.max_elevation + kClear_m)
-        t = std::max(t, std::min(t_exit, skip_above(cell.max_elevation, t)));
+      if (path_.height_m(t) > radius_m_ * leaf.max_elevation + kClear_m)
+        t = std::max(t, std::min(t_exit, skip_above(leaf.max_elevation, t)));
     }
     return std::nullopt;
   }
 
   /// The smallest safe step of all that can touch.
-  Candidate nearest(const Envelope::Cell& cell, LeafSites& listed, double t, const Pole::Instant& pole) const {
+  Candidate nearest(const Envelope::Leaf& leaf, LeafSites& listed, double t, const Pole::Instant& pole) const {
     const double y = path_.height_m(t), v = path_.velocity_mps(t);
-    Candidate first = judge(nullptr, y, v, t);
+    Candidate first = judge(leaf, nullptr, y, v, t);
     for (std::size_t i = 0; i < listed.list.size(); ++i) {
-      const Envelope::Site& site = cell.sites[listed.list[i]];
+      const Envelope::Site& site = leaf.sites[listed.list[i]];
       const double gap = y - radius_m_ * (site.height - 0.5 * norm2(pole.direction - site.direction));
       const double slope = v - radius_m_ * dot(site.direction, pole.velocity);
       if (i < kMostNarrowed) {
@@ -161,7 +171,7 @@ class Search {
         listed.slope_mps[i] = slope;
       }
       if (is_open_until(first.step_s, gap, slope)) continue;
-      const Candidate candidate = judge(&site, gap, slope, t);
+      const Candidate candidate = judge(leaf, &site, gap, slope, t);
       if (candidate.step_s < first.step_s) first = candidate;
     }
     return first;
@@ -186,10 +196,11 @@ class Search {
     return gap_m > 0.0 && gap_m + step_s * (slope_mps - 0.5 * bend_mps2_ * step_s) >= 0.0;
   }
 
-  Candidate judge(const Envelope::Site* site, double gap_m, double slope_mps, double t) const {
+  Candidate judge(const Envelope::Leaf& leaf, const Envelope::Site* site, double gap_m, double slope_mps,
+                  double t) const {
     const double bend = site == nullptr ? path_.bend_mps2() : bend_mps2_;
     // what was just left opens with the contact's speed: its gap cannot close before 2 slope / bend
-    if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(site)) return {slope_mps / bend, gap_m, slope_mps, site};
+    if (t == 0.0 && slope_mps > 0.0 && left_ == index_of(leaf, site)) return {slope_mps / bend, gap_m, slope_mps, site};
     if (gap_m > 0.0) return {safe_step_s(gap_m, slope_mps, bend), gap_m, slope_mps, site};
     if (slope_mps < 0.0) return {0.0, gap_m, slope_mps, site};
     return {2.0 * slope_mps / bend, gap_m, slope_mps, site};
@@ -224,8 +235,8 @@ FirstContact contact_on(const Path& path, const Ball& ball, const Envelope& enve
                         std::optional<std::int64_t> left) {
   const Vector3 spin = start.motion.spin_radps;
   const Pole pole = make_pole(start.orientation, spin);
-  const auto [dt_s, site] = Search<Path>(ball, envelope, path, pole, left).run();
-  FirstContact contact{dt_s, index_of(site), {0.0, 0.0, -ball.radius_m}, start};
+  const auto [dt_s, site, asperity] = Search<Path>(ball, envelope, path, pole, left).run();
+  FirstContact contact{dt_s, asperity, {0.0, 0.0, -ball.radius_m}, start};
   move_centre(path, dt_s, g, contact.state);
   contact.state.orientation = normalized(rotation_by(dt_s * spin) * start.orientation);
   if (site != nullptr)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,6 +11,8 @@
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::sim {
+
+class Arena;
 
 /// The upper envelope of the asperities, indexed for constant-time search whatever the radii.
 ///
@@ -24,20 +28,22 @@ namespace bouncelab::sim {
 /// doi:10.1137/0216006 (power diagrams).
 class Envelope {
  public:
-  /// An asperity that can touch.
-  struct Site {
+  /// An asperity that can touch; never in two lines of the cache, because a search loads ten of them from memory.
+  struct alignas(32) Site {
     Vector3 direction;
-    double height = 0.0;         ///< R_j / R
-    std::uint32_t asperity = 0;  ///< index into the surface
+    double height = 0.0;  ///< R_j / R
   };
 
-  /// Where a direction n lies: a cell and what can touch in its region.
+  /// Where a direction n lies: a cell and what E(n) reaches in its region.
   struct Cell {
     double margin_rad = 0.0;     ///< n may turn by this and stay in the region
     double max_elevation = 0.0;  ///< E(n) <= max_elevation in the region
-    bool is_leaf = false;
-    std::span<const std::uint32_t> list;  ///< of a leaf: what can be highest somewhere in the region, as indices ...
-    std::span<const Site> sites;          ///< ... into these
+  };
+  /// The smallest cell, and what can touch in its region.
+  struct Leaf : Cell {
+    std::span<const std::uint16_t> list;        ///< what can be highest somewhere in the region, as indices ...
+    std::span<const Site> sites;                ///< ... into these
+    std::span<const std::uint32_t> asperities;  ///< of the sites, indices into the surface
   };
 
   /// @param surface    directions of unit length, radii in (0, R)
@@ -56,8 +62,10 @@ class Envelope {
   /// @param n  unit vector of the body frame
   Support support(Vector3 n) const;
 
+  /// The leaf around n.
+  Leaf leaf_at(Vector3 n) const;
   /// The largest cell around n whose region lies below `elevation`; where there is none, the leaf.
-  Cell find(Vector3 n, double elevation) const;
+  Cell cell_below(double elevation, Vector3 n) const;
 
   /// Asperities kept, counted once for each patch of the sphere that they can touch in.
   std::int64_t n_sites() const;
@@ -66,20 +74,33 @@ class Envelope {
 
   struct Node {
     float max_elevation = 0.0F;
-    std::uint32_t first = 0;  ///< first of four children, or first entry of the list
-    std::uint32_t n_list = 0;
+    std::uint32_t first = 0;   ///< first of four children, or first entry of the list
+    std::uint32_t n_list = 0;  ///< 0xffffffff: has children
+    std::uint32_t base = 0;    ///< the site that 0 in the list means
+  };
+  /// Where the search for a leaf starts; as large as a line of the cache, so that most often one access to memory leads
+  /// to the list.
+  struct alignas(64) Start {
+    static constexpr std::size_t kMostListed = 22;
+    Node node;
+    std::uint32_t depth = 0;                        ///< of the node
+    std::array<std::uint16_t, kMostListed> list{};  ///< of a leaf, where it fits
   };
   /// A square of one of the cube's faces with its quadtree; node 0 is the root.
   struct Patch {
-    std::vector<Node> nodes;
-    std::vector<std::uint32_t> lists;  ///< indices into sites
-    std::vector<Site> sites;
+    std::span<Node> nodes;
+    std::span<const std::uint16_t> lists;  ///< of the leaves that the starts do not hold
+    std::span<const Site> sites;
+    std::span<const std::uint32_t> asperities;  ///< of the sites
   };
 
  private:
-  int n_side_ = 1;  ///< patches along an edge of the cube
+  int n_side_ = 1;       ///< patches along an edge of the cube
+  int start_depth_ = 0;  ///< each patch has 2^start_depth squared starts
   double max_elevation_ = 0.0;
   std::vector<Patch> patches_;
+  std::span<Start> starts_;       ///< of equal squares: the leaf around each, or the node that is the square
+  std::shared_ptr<Arena> arena_;  ///< has what the patches and starts point to; shared by copies, which never change
 };
 
 }  // namespace bouncelab::sim
