@@ -4,7 +4,7 @@
     tools/bench                                  everything, 10 minutes on two cores: docs/performance.md
     tools/bench --quick                          a try of a minute or two: out/performance.md
     tools/bench --only start-up simulate         some parts: out/performance.md
-    tools/bench --page-of out/performance.jsonl  the page again from what was measured
+    tools/bench --page-of out/performance.jsonl  the page again from what was measured: out/performance.md
 
 Installs and builds what is missing (Release), prints progress to standard error. What was measured is kept in out/performance.jsonl, one
 number a line. The page is written whole or not at all. On a machine that does other work too figures are larger than they should be: the
@@ -99,13 +99,14 @@ def main():
     parser.add_argument("--quick", action="store_true", help="short recordings, few runs")
     parser.add_argument("--only", nargs="+", metavar="PART", choices=names, help="of: " + ", ".join(names))
     parser.add_argument("--asperities", default="1e6", metavar="N", help="the largest ball of `simulate` (default 1e6)")
-    parser.add_argument("--out", type=Path, metavar="PAGE", help="the page (default docs/performance.md where everything is measured)")
+    parser.add_argument("--out", type=Path, metavar="PAGE", help="the page (default docs/performance.md where everything is measured, else out/performance.md)")
     parser.add_argument("--programs", type=Path, metavar="DIR", help="take the programs of this build folder, install and build nothing")
     parser.add_argument("--page-of", type=Path, metavar="LINES", help="measure nothing: the page of these lines")
     options = parser.parse_args()
     whole = not options.only and not options.quick
     out = options.out or ROOT / ("docs/performance.md" if whole else "out/performance.md")
     if options.page_of:
+        out = options.out or options.page_of.with_suffix(".md")
         lines = [json.loads(line) for line in options.page_of.read_text(encoding="utf-8").splitlines()]
     else:
         work = ROOT / "out" / f"bench.{os.getpid()}"
