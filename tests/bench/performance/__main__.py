@@ -74,8 +74,9 @@ def measured(options, work):
     parts = commands(options, work)
     chosen = [part for part in parts if not options.only or part in options.only]
     lines = machine.lines(options.programs or ROOT / "build" / "release", "begin")
-    if len(sys.argv) > 1:
-        lines.append({"part": "run", "case": "machine", "what": "command", "value": "tools/bench " + " ".join(sys.argv[1:]), "unit": ""})
+    limits = (["quick: short recordings, few runs"] if options.quick else []) + (["parts: " + ", ".join(chosen)] if options.only else [])
+    if limits:
+        lines.append({"part": "run", "case": "machine", "what": "not the whole", "value": "; ".join(limits), "unit": ""})
     begin = time.monotonic()
     for k, part in enumerate(chosen):
         print(f"tools/bench: {k + 1} of {len(chosen)}: {part} ({time.monotonic() - begin:.0f} s so far)", file=sys.stderr)
