@@ -47,7 +47,7 @@ def commands(options, work):
         "simulate": [compiled("sim_bench", "1e5" if quick else options.asperities)],
         "fit": [compiled("fit_bench", samples, work),
                 *[script("fit_iminuit.py", work / f"{samples} samples, timing noise {noise}.csv") for noise in timing]],
-        "start-up": [script("start_up.py", program, "--runs", 20 if quick else 200)],
+        "start-up": [script("start_up.py", program, "--runs", 5 if quick else 200)],
         "machine": [compiled("machine_bench"), compiled("kernels_bench")],
         "growth": [script("growth_bench.py", program, *(["--quick", "--runs", 1] if quick else []))],
     }
