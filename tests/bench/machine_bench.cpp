@@ -95,18 +95,18 @@ void print_bandwidth() {
   print_line("machine", "one core", "memory, copied", 2.0 * kBytes / seconds, "B/s");
 }
 
-/// Of 64 bytes after the other, each of which says where the next lie: a cycle through 256 MiB in random order.
-void print_latency() {
+/// Of 64 bytes after the other, each of which says where the next lie: a cycle through so much memory in random order.
+void print_latency(std::size_t n_mib) {
   struct alignas(64) Line {
     std::uint32_t next = 0;
   };
-  constexpr std::size_t kLines = std::size_t{1} << 22;
   constexpr int kReads = 1000000;
-  std::vector<Line> lines(kLines);
-  std::vector<std::uint32_t> order(kLines);
+  const std::size_t n_lines = (n_mib << 20) / sizeof(Line);
+  std::vector<Line> lines(n_lines);
+  std::vector<std::uint32_t> order(n_lines);
   std::iota(order.begin(), order.end(), 0U);
   std::shuffle(order.begin(), order.end(), std::mt19937(1));
-  for (std::size_t k = 0; k < kLines; ++k) lines[order[k]].next = order[(k + 1) % kLines];
+  for (std::size_t k = 0; k < n_lines; ++k) lines[order[k]].next = order[(k + 1) % n_lines];
   std::uint32_t at = 0;
   const double seconds = least_s(
       [&] {
@@ -114,7 +114,7 @@ void print_latency() {
       },
       5);
   sink = at;
-  print_line("machine", "one core", "memory, latency", seconds / kReads, "s");
+  print_line("machine", "one core", "latency in " + std::to_string(n_mib) + " MiB", seconds / kReads, "s");
 }
 
 /// Real to complex, 2.5 n log2 n operations each, as the authors of FFTW count.
@@ -159,6 +159,6 @@ int main() {
   print_peak_flops();
   print_fftw();
   print_bandwidth();
-  print_latency();
+  for (const std::size_t n_mib : {8, 64, 256}) print_latency(n_mib);
   print_reading();
 }

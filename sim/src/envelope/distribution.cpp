@@ -29,6 +29,13 @@ PatchRange patches_met(double along, double normal, double s, int n_side) {
   return {std::max(0, index(lo, -0.5 * margin)), std::min(n_side - 1, index(hi, 0.5 * margin))};
 }
 
+/// Does a cap around u stay outside the regions of all patches of a face, by the plane through the ball's centre and
+/// the region's outermost edge? Where this is not sure it says no.
+bool is_surely_outside(double along, double normal, double s, double outermost) {
+  return std::abs(along) - outermost * normal > (s + 1e-6) * std::sqrt(1.0 + outermost * outermost) &&
+         normal > s + 1e-3;
+}
+
 /// Calls with every patch in whose region an asperity rises above the envelope's least elevation (and a few more).
 /// @param rise  of the asperity above that elevation
 template <class Function>
@@ -36,9 +43,11 @@ void for_each_patch(const Asperity& asperity, double rise, int n_side, const Fun
   if (rise < 0.0) return;
   // |n - u| = sqrt(2 rise) = 2 sin(angle / 2)
   const double s = std::sqrt(2.0 * rise * (1.0 - 0.5 * rise));
+  const double outermost = 1.0 + (kRegionMargin - 1.0) / n_side;
   for (int face = 0; face < 6; ++face) {
     const Vector3 u = to_face(face, asperity.direction);
     if (u.x < 0.4 - s) continue;  // no region reaches farther from its face's centre than this
+    if (is_surely_outside(u.y, u.x, s, outermost) || is_surely_outside(u.z, u.x, s, outermost)) continue;
     const PatchRange a = patches_met(u.y, u.x, s, n_side), b = patches_met(u.z, u.x, s, n_side);
     for (int ib = b.first; ib <= b.last; ++ib)
       for (int ia = a.first; ia <= a.last; ++ia) function(patch_index(face, ia, ib, n_side));

@@ -4,7 +4,7 @@
     tools/bench                                  everything, 10 minutes on two cores: docs/performance.md
     tools/bench --quick                          a try of a minute or two: out/performance.md
     tools/bench --only start-up simulate         some parts: out/performance.md
-    tools/bench --page-of out/performance.jsonl  the page again from what was measured
+    tools/bench --page-of out/performance.jsonl  the page again from what was measured: out/performance.md
 
 Installs and builds what is missing (Release), prints progress to standard error. What was measured is kept in out/performance.jsonl, one
 number a line. The page is written whole or not at all. On a machine that does other work too figures are larger than they should be: the
@@ -47,7 +47,7 @@ def commands(options, work):
         "simulate": [compiled("sim_bench", "1e5" if quick else options.asperities)],
         "fit": [compiled("fit_bench", samples, work),
                 *[script("fit_iminuit.py", work / f"{samples} samples, timing noise {noise}.csv") for noise in timing]],
-        "start-up": [script("start_up.py", program, "--runs", 20 if quick else 200)],
+        "start-up": [script("start_up.py", program, "--runs", 5 if quick else 200)],
         "machine": [compiled("machine_bench"), compiled("kernels_bench")],
         "growth": [script("growth_bench.py", program, *(["--quick", "--runs", 1] if quick else []))],
     }
@@ -74,8 +74,9 @@ def measured(options, work):
     parts = commands(options, work)
     chosen = [part for part in parts if not options.only or part in options.only]
     lines = machine.lines(options.programs or ROOT / "build" / "release", "begin")
-    if len(sys.argv) > 1:
-        lines.append({"part": "run", "case": "machine", "what": "command", "value": "tools/bench " + " ".join(sys.argv[1:]), "unit": ""})
+    limits = (["quick: short recordings, few runs"] if options.quick else []) + (["parts: " + ", ".join(chosen)] if options.only else [])
+    if limits:
+        lines.append({"part": "run", "case": "machine", "what": "not the whole", "value": "; ".join(limits), "unit": ""})
     begin = time.monotonic()
     for k, part in enumerate(chosen):
         print(f"tools/bench: {k + 1} of {len(chosen)}: {part} ({time.monotonic() - begin:.0f} s so far)", file=sys.stderr)
@@ -99,13 +100,14 @@ def main():
     parser.add_argument("--quick", action="store_true", help="short recordings, few runs")
     parser.add_argument("--only", nargs="+", metavar="PART", choices=names, help="of: " + ", ".join(names))
     parser.add_argument("--asperities", default="1e6", metavar="N", help="the largest ball of `simulate` (default 1e6)")
-    parser.add_argument("--out", type=Path, metavar="PAGE", help="the page (default docs/performance.md where everything is measured)")
+    parser.add_argument("--out", type=Path, metavar="PAGE", help="the page (default docs/performance.md where everything is measured, else out/performance.md)")
     parser.add_argument("--programs", type=Path, metavar="DIR", help="take the programs of this build folder, install and build nothing")
     parser.add_argument("--page-of", type=Path, metavar="LINES", help="measure nothing: the page of these lines")
     options = parser.parse_args()
     whole = not options.only and not options.quick
     out = options.out or ROOT / ("docs/performance.md" if whole else "out/performance.md")
     if options.page_of:
+        out = options.out or options.page_of.with_suffix(".md")
         lines = [json.loads(line) for line in options.page_of.read_text(encoding="utf-8").splitlines()]
     else:
         work = ROOT / "out" / f"bench.{os.getpid()}"

@@ -13,8 +13,8 @@ EXPECTED = {"detect against length [min]": "1", "detect against rate [Hz]": "1",
 
 def row(name, x, y, expected):
     by, error = slope(x, y)
-    return (name, f"{x[0]:,g} to {x[-1]:,g}", len(x), f"{seconds(y[0])} to {seconds(y[-1])}",
-            f"{by:.2f} ± {error:.2f}" if math.isfinite(error) else f"{by:.2f}", expected)
+    return (name, f"{x[0]:,.0f} to {x[-1]:,.0f}", len(x), f"{seconds(y[0])} to {seconds(y[-1])}",
+            f"{by:.3f} ± {error:.3f}" if math.isfinite(error) else f"{by:.3f}", expected)
 
 
 def simulation_rows(measured):

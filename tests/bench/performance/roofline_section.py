@@ -40,7 +40,7 @@ def roofline(measured):
     counted = "\n".join(f"- **{stage.name}**: {stage.counted}." for stage in stages(measured) if stage.cost_s is not None)
     return """## What the machine could do (roofline)
 
-One core of this machine, measured in the same run: memory by `memcpy` of 256 MiB (bytes read and written both count) and by following random addresses in 256 MiB; arithmetic by ten independent chains of fused multiplications and additions in registers, the widest that the processor has (two operations each);
+One core of this machine, measured in the same run: memory by `memcpy` of 256 MiB (bytes read and written both count) and by following random addresses in 8, 64 and 256 MiB (*latency*); arithmetic by ten independent chains of fused multiplications and additions in registers, the widest that the processor has (two operations each);
 FFTW planned by estimate; a file of 64 MiB that is in memory, read.
 
 """ + table(("limit", "one core"), machine) + """

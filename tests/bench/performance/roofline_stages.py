@@ -7,7 +7,6 @@ from measured import over
 
 TRANSFORM = 4096     # samples, of the transforms of the detector
 CONVOLUTION = 65536  # samples, of the transforms by which a drop could be convolved
-BALL = "uniform:5e-04,0.0015, N = 1000000"
 
 
 @dataclass(frozen=True)
@@ -40,12 +39,19 @@ def timing_s(measured):
     return (cost_s - start_s - noise_s * sound_s * 44100) / n_impacts if known else None
 
 
+def contact_search(measured, name, ball, n_mib):
+    """@param n_mib  of the latency that is measured, nearest to the index"""
+    smooth_s, latency_s = measured.get("simulate", ball, "impact of the smooth ball"), measured.get("machine", "one core", f"latency in {n_mib} MiB")
+    known = None not in (smooth_s, latency_s)
+    return Stage(f"impact in simulation ({name})", "impact", measured.get("simulate", ball, "impact") if known else None, 192, 400,
+                 f"the smooth ball's impact as measured, then three lines of 64 bytes, each known only when the one before is there (node, list, asperity), at the latency in {n_mib} MiB. "
+                 "Operations: eight asperities twice at 20, and 80 for the turning of the ball", doubles=True, other="latency", other_s=smooth_s + 3 * latency_s if known else 0.0)
+
+
 def stages(measured):
     get = measured.get
     per_sample = lambda what: over(get("synthesize", "96000 Hz", what), 96000)
     transforms = transforms_of(CONVOLUTION, 2) / (CONVOLUTION / 2)
-    smooth = get("simulate", BALL, "impact of the smooth ball")
-    latency = get("machine", "one core", "memory, latency")
     file_rate = get("machine", "one core", "file in memory, read")
     drops_s = get("detect", "drops, 44100 Hz", "sound")
     detect_s = get("detect", "drops, 44100 Hz", "bouncelab")
@@ -66,9 +72,8 @@ def stages(measured):
         Stage("timing of an impact", "impact", timing_s(measured), 16384, transforms_of(2048, 2) + 6 * 1025,
               "the whole command less its start and less noise of the same length, over the impacts. One matched filter: a transform of 2,048 samples forth and back and a complex product; "
               "the method needs tens of them, for the template, the alignment and the sub-bands", fft_flop=transforms_of(2048, 2)),
-        Stage("contact search (uniform radii, N = 10⁶)", "impact", get("simulate", BALL, "impact"), 192, 400,
-              "the smooth ball's impact as measured, then three lines of 64 bytes, each known only when the one before is there: node, list, asperity, at the latency of memory. "
-              "Operations: eight asperities twice at 20, and 80 for the turning of the ball", doubles=True, other="latency", other_s=(smooth or 0) + 3 * (latency or 0)),
+        contact_search(measured, "equal radii, N = 10⁶, an index of 70 MB", "constant:0.001, N = 1000000", 64),
+        contact_search(measured, "uniform radii, N = 10⁶, an index of 10 MB", "uniform:5e-04,0.0015, N = 1000000", 8),
         Stage("likelihood of the fit", "sample", get("fit", "density of a sample", "closed form, with four derivatives"), 56, 150,
               "two Mills ratios of 33, two exponentials of 15, sums and derivatives 54. Seven doubles read: ε, its error and inverse, log v, three of the law", doubles=True),
     ]
