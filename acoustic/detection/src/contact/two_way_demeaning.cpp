@@ -4,6 +4,7 @@
 #include <array>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 
 namespace bouncelab::detection {
 
@@ -25,8 +26,9 @@ namespace {
 /// One round: subtracts weighted means of rows, then of columns.
 /// @param per_row, per_column  1 / sum of the weights
 /// @return sum of squares of the means of columns
-double demean_once(double* __restrict x, const double* __restrict weight, const double* per_row,
-                   const double* per_column, double* __restrict means, std::size_t n_rows, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES double demean_once(double* __restrict x, const double* __restrict weight, const double* per_row,
+                                           const double* per_column, double* __restrict means, std::size_t n_rows,
+                                           std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) means[m] = 0.0;
   for (std::size_t k = 0; k < n_rows; ++k) {
     double* row = x + k * n;

@@ -2,11 +2,13 @@
 #include "timing/impact_timer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
@@ -44,6 +46,17 @@ std::vector<float> taper_of(std::size_t n) {
   for (std::size_t k = 0; k < n; ++k)
     taper[k] = static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n))));
   return taper;
+}
+
+/// |sound - amplitude placed|^2
+BOUNCELAB_VECTOR_CLONES void rest_power(const float* sound_re, const float* sound_im, float amplitude,
+                                        const float* placed_re, const float* placed_im, double* __restrict power,
+                                        std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto re = static_cast<double>(sound_re[k] - amplitude * placed_re[k]);
+    const auto im = static_cast<double>(sound_im[k] - amplitude * placed_im[k]);
+    power[k] = re * re + im * im;
+  }
 }
 
 void multiply(std::vector<float>& x, const std::vector<float>& mask) {
@@ -165,11 +178,14 @@ double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEsti
   }
   const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
   const audio::Spectrum& sound = window.spectrum;
+  constexpr std::size_t kAtOnce = 64;  // powers side by side; their sum waits for each addition
+  std::array<double, kAtOnce> power;
   double sum = 0.0;
-  for (std::size_t k = 0; k < filter.n_filled(); ++k) {
-    const auto re = static_cast<double>(sound.re[k] - amplitude * placed.re[k]);
-    const auto im = static_cast<double>(sound.im[k] - amplitude * placed.im[k]);
-    sum += filter.energy(k, k + 1) * (re * re + im * im);
+  for (std::size_t from = 0; from < filter.n_filled(); from += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, filter.n_filled() - from);
+    rest_power(sound.re.data() + from, sound.im.data() + from, amplitude, placed.re.data() + from,
+               placed.im.data() + from, power.data(), n);
+    for (std::size_t k = 0; k < n; ++k) sum += filter.energy(from + k, from + k + 1) * power[k];
   }
   return 0.5 * sum / (filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }

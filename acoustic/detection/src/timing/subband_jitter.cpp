@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::detection {
@@ -15,15 +17,23 @@ constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band ove
 constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
 constexpr double kMaxCorrelation = 0.95;
 
+/// Each squared deviation over its expected value, less the 1 that it is on average.
+BOUNCELAB_VECTOR_CLONES void excesses(const double* squares, const double* noise, const double* share, double jitter2,
+                                      double* __restrict excess, std::size_t n) {
+  constexpr double kMost = 9.0;  // robust against single disturbed impacts
+  for (std::size_t k = 0; k < n; ++k) {
+    const double ratio = squares[k] / (share[k] * (noise[k] + jitter2));
+    excess[k] = (ratio < kMost ? ratio : kMost) - 1.0;
+  }
+}
+
 /// Jitter at which the squared deviations of one sub-band, each over its expected value, average 1; by bisection.
 double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise,
                  const std::vector<double>& share) {
+  std::vector<double> of_each(squares.size());
   const auto excess = [&](double jitter2) {
-    double total = 0.0;
-    for (std::size_t k = 0; k < squares.size(); ++k)
-      total += std::min(squares[k] / (share[k] * (noise[k] + jitter2)), 9.0) -
-               1.0;  // robust against single disturbed impacts
-    return total;
+    excesses(squares.data(), noise.data(), share.data(), jitter2, of_each.data(), of_each.size());
+    return std::accumulate(of_each.begin(), of_each.end(), 0.0);
   };
   if (excess(0.0) <= 0.0) return 0.0;
   double lo = 0.0;

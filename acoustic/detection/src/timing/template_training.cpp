@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 #include "timing/coherence_weight.hpp"
@@ -79,6 +80,11 @@ void leave_out_incoherent(const audio::Spectrum& sum, double weight, const std::
   }
 }
 
+BOUNCELAB_VECTOR_CLONES void add_power(const float* re, const float* im, double* power, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k)
+    power[k] += square(static_cast<double>(re[k])) + square(static_cast<double>(im[k]));
+}
+
 double omega_of(const TemplateWindow& window) { return 2.0 * kPi / static_cast<double>(window.n_window); }
 
 }  // namespace
@@ -138,9 +144,7 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
     const std::size_t half = n_averaged++ % 2;
     audio::add_scaled(sums[half], audio::phase_shifted(impact.spectrum, omega_of(window) * impact.position), a);
     weights[half] += a * a;
-    for (std::size_t k = 0; k < power.size(); ++k)
-      power[k] +=
-          square(static_cast<double>(impact.spectrum.re[k])) + square(static_cast<double>(impact.spectrum.im[k]));
+    add_power(impact.spectrum.re.data(), impact.spectrum.im.data(), power.data(), power.size());
   }
   audio::Spectrum sum = sums[0];
   audio::add_scaled(sum, sums[1], 1.0);
