@@ -15,14 +15,14 @@
 namespace bouncelab::synthesis {
 namespace {
 
-constexpr int kReach = ConverterFilter::kHalfWidth_samples;
-/// K is zero before -kReach; what the interpolation reaches before that is stored as zeros.
-constexpr auto kFirst = static_cast<std::int64_t>(-kReach - PointResponse::kLongestContact_samples - 6);
+constexpr int kConverterReach = ConverterFilter::kHalfWidth_samples;
+/// K is zero before -kConverterReach; what the interpolation reaches before that is stored as zeros.
+constexpr auto kFirst = static_cast<std::int64_t>(-kConverterReach - PointResponse::kLongestContact_samples - 6);
 /// From here on the impulse rings freely.
-constexpr std::int64_t kFree = kReach + 1;
+constexpr std::int64_t kFree = kConverterReach + 1;
 /// A wave goes on to the next end of a block, after the contact and the converter's reach.
-constexpr auto kRow =
-    static_cast<std::size_t>(PointResponse::kLongestContact_samples + kReach + ResonatorBank::kBlock + 8 - kFirst);
+constexpr auto kRow = static_cast<std::size_t>(PointResponse::kLongestContact_samples + kConverterReach +
+                                               ResonatorBank::kBlock + 8 - kFirst);
 
 /// Interpolates between quarters of a sample: Kaiser's windowed sinc. It passes 0.5 cycles in a sample within 1e-8, and
 /// stops their images, from 3.5 on, as well.
@@ -137,7 +137,7 @@ ContactWave PointResponse::wave(const Contact& contact, bool with_slopes) const 
   const Filter filter = filter_of(contact);
   const std::int64_t last = filter.first + static_cast<std::int64_t>(filter.taps.size()) - 1;
   ContactWave wave;
-  wave.first = quotient_rounded_down(filter.first, kPhases) - kReach;
+  wave.first = quotient_rounded_down(filter.first, kPhases) - kConverterReach;
   const std::int64_t end = quotient_rounded_up(quotient_rounded_up(last, kPhases) + kFree, kBlock) * kBlock;
   const auto n = static_cast<std::size_t>(end - wave.first);
   wave.samples = filtered(filter, values_, wave.first, n);
