@@ -144,9 +144,10 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   return best;
 }
 
+/// @param n_threads  that time its drops
 template <class SourceOfChannel>
 Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std::string& name,
-                    const DetectionConfig& config, const ProgressCallback& progress) {
+                    const DetectionConfig& config, int n_threads, const ProgressCallback& progress) {
   if (!(config.gravity_mps2 > 0.0 && std::isfinite(config.gravity_mps2)))
     throw InvalidArgument("gravity_mps2 " + std::to_string(config.gravity_mps2) + ": must be above 0 and finite");
   if (config.min_impacts < 3)
@@ -164,9 +165,10 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  TimedRecording timed = time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates,
-                                         best.found.tracks, config.gravity_mps2},
-                                        name);
+  TimedRecording timed =
+      time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates, best.found.tracks,
+                      config.gravity_mps2, kMayStartChildBesideThreads ? n_threads : 1},
+                     name);
   d.onsets = std::move(timed.onsets);
   leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);
@@ -192,6 +194,15 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
   if (!format.warning.empty()) d.warnings.insert(d.warnings.begin(), format.warning);
 }
 
+Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
+                      const ProgressCallback& progress) {
+  audio::AudioReader reader(recording, config.rate_hz);
+  Detection d = detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels,
+                          input_name(recording), config, n_threads, progress);
+  describe_format(reader.format(), config.lossy_coding, d);
+  return d;
+}
+
 /// A long recording that began last would keep one thread busy and all others waiting.
 std::vector<std::size_t> largest_first(const std::vector<std::filesystem::path>& recordings) {
   std::vector<std::uintmax_t> n_bytes;
@@ -214,11 +225,7 @@ std::string lossy_coding_warning(const std::string& coding) {
 
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
-  audio::AudioReader reader(recording, config.rate_hz);
-  Detection d = detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels,
-                          input_name(recording), config, progress);
-  describe_format(reader.format(), config.lossy_coding, d);
-  return d;
+  return detect_file(recording, config, 1, progress);
 }
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
@@ -226,14 +233,14 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
   if (!(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
   audio::AudioSource sound = audio::source_in_memory(samples, rate_hz);
-  Detection d = detect_in([&](int) { return sound; }, 1, name, config, progress);
+  Detection d = detect_in([&](int) { return sound; }, 1, name, config, 1, progress);
   describe_format({}, config.lossy_coding, d);
   return d;
 }
 
 void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
                  const DetectionSink& sink, const ProgressCallback& progress) {
-  if (recordings.size() == 1) return sink(0, detect(recordings.front(), config, progress));
+  if (recordings.size() == 1) return sink(0, detect_file(recordings.front(), config, n_threads, progress));
   std::mutex mutex;
   double n_done = 0.0;
   const std::vector<std::size_t> order = largest_first(recordings);
@@ -241,7 +248,8 @@ void detect_each(const std::vector<std::filesystem::path>& recordings, const Det
     const std::size_t k = order[i];
     Detection found;
     try {
-      found = detect(recordings[k], config);
+      found =
+          detect_file(recordings[k], config, n_threads, {});  // on the same threads, where others have nothing to do
     } catch (const FileError& error) {
       found.status = DetectionStatus::unreadable;
       found.message = error.what();

@@ -57,6 +57,30 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   EXPECT_TRUE(far.alternatives.empty());
 }
 
+TEST(ImpactTimer, LeavesOutNoPlaceThatIsMoreLikelyThanWasAskedFor) {
+  // windows before an impact, on it and behind it, as where it is searched for everywhere: whatever is left out is no
+  // more likely than the bound, and what is timed is the same to the last bit
+  const std::vector<float> samples = recording();
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  ImpactTimer timer(sound, *learned);
+  int n_left_out = 0;
+  for (const double late_s : {-6e-3, -2e-3, 0.0, 2e-3, 6e-3, 10e-3, 20e-3})
+    for (const double bound : {10.0, 100.0, 1e3, 1e4}) {
+      const ImpactFit fit = timer.time(time_of(10) + late_s, 4e-3, time_of(11));
+      const std::optional<ImpactFit> over = timer.time_if_over(bound, time_of(10) + late_s, 4e-3, time_of(11));
+      if (over) {
+        EXPECT_EQ(over->t_s, fit.t_s) << late_s << " " << bound;
+        EXPECT_EQ(over->log_likelihood_ratio, fit.log_likelihood_ratio) << late_s << " " << bound;
+      } else {
+        ++n_left_out;
+        EXPECT_LE(fit.log_likelihood_ratio, bound) << late_s;
+      }
+    }
+  EXPECT_GE(n_left_out, 4);  // those of noise alone at the higher bounds
+}
+
 TEST(ImpactTimer, IsDisturbedByWhatIsUnexplainedAtTheFrequenciesOfTheTemplateOnly) {
   const auto disturbance = [](double other_hz) {
     std::vector<float> samples = recording();

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <span>
 #include <vector>
 
 #include "bouncelab/audio/dsp/decimate.hpp"
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
 #include "contact/pulse_spectrum.hpp"
@@ -78,7 +80,8 @@ TEST(Products, CorrelateIsThePlainSumAtAnyLength) {
 }
 
 TEST(Products, CorrelateGivesTheSameBytesWhereverAnOutputStands) {
-  // with and without wide registers: the last of 100 outputs are computed one by one, as are those of a span of one
+  // with and without wide registers: the last of 100 outputs are computed by a whole register that overlaps the one
+  // before, a span of one by none
   for (std::size_t n_taps = 1; n_taps <= 100; ++n_taps) {
     const std::vector<float> x = noise(100 + n_taps, n_taps);
     const std::vector<float> taps = noise(n_taps, n_taps + 1);
@@ -89,6 +92,20 @@ TEST(Products, CorrelateGivesTheSameBytesWhereverAnOutputStands) {
       audio::correlate(std::span(x).subspan(k), taps, std::span(&alone, 1));
       ASSERT_EQ(out[k], alone) << n_taps << " taps, output " << k;
     }
+  }
+}
+
+TEST(WhiteSound, GivesTheSameBytesAsAWindowReadAlone) {
+  // windows that overlap, jump back, and reach beyond both ends
+  const std::vector<float> x = noise(5000, 3);
+  const audio::AudioSource sound = audio::source_in_memory(x, 48e3);
+  const std::vector<float> whitener = noise(20, 4);
+  constexpr std::size_t kLength = 700;
+  audio::WhiteSound white(sound, whitener, kLength);
+  for (const std::int64_t first : {0, 100, 90, 800, -300, -701, 4000, 4500, 5100, 4400, 1, 2000}) {
+    std::vector<float> window(kLength);
+    white.read(first, window);
+    EXPECT_EQ(window, audio::read_white(sound, whitener, first, kLength).sound) << first;
   }
 }
 

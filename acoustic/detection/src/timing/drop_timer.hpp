@@ -23,6 +23,7 @@ struct TimingInput {
   const std::vector<Candidate>& candidates;
   const std::vector<Track>& tracks;
   double gravity_mps2 = 0.0;
+  int n_threads = 1;  ///< that time tracks
 };
 
 /// One track, timed.

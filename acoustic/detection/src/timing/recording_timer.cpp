@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "contact/contact_time.hpp"
 #include "timing/recorded_spectrum.hpp"
@@ -38,6 +40,17 @@ class TrackMemory {
   std::unique_ptr<float[]> held_;
   std::size_t n_held_ = 0;
 };
+
+/// The same, to be read by several threads.
+/// @param source, mutex  kept by reference
+audio::AudioSource one_at_a_time(const audio::AudioSource& source, std::mutex& mutex) {
+  audio::AudioSource shared = source;
+  shared.read = [&source, &mutex](std::int64_t first, std::span<float> out) {
+    const std::lock_guard lock(mutex);
+    source.read(first, out);
+  };
+  return shared;
+}
 
 /// The sound around a track, read once into memory where it is no longer than a few minutes.
 /// @param memory  of the result, which ends with its next use
@@ -82,40 +95,84 @@ struct TimedDrops {
   std::optional<LearnedWave> wave;
 };
 
-/// Times each track by itself; the first template is the reference of all.
-TimedDrops time_drops(const TimingInput& input) {
-  TimedDrops timed{input.is_full_band, input.band.rate_hz, input.noise.quiet_variance, {}, {}, {}};
-  const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
-                                     [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
-  const std::optional<ImpactTemplate> shared = is_shared ? template_of(input, input.tracks) : std::nullopt;
-  std::size_t longest = 0;
-  TrackMemory memory;
-  for (std::size_t k = 0; k < input.tracks.size(); ++k) {
-    const Track& track = input.tracks[k];
-    const double begin_s = input.candidates[track.impacts.front().candidate].t_s;
-    const double last_s = input.candidates[track.impacts.back().candidate].t_s;
-    const audio::AudioSource band = resident_around(input.band, begin_s, last_s, memory);
+/// Times each track by itself, on several threads; the first template is the reference of all.
+class DropsTimer {
+ public:
+  explicit DropsTimer(const TimingInput& input)
+      : input_(input),
+        band_(one_at_a_time(input.band, reading_)),
+        whole_(one_at_a_time(input.whole, reading_)),
+        timed_{input.is_full_band, input.band.rate_hz, input.noise.quiet_variance, {}, {}, {}} {
+    const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
+                                       [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
+    if (is_shared) shared_ = template_of(input, input.tracks);
+  }
+
+  TimedDrops run() {
+    const std::size_t n = input_.tracks.size();
+    timed_.drops.resize(n);
+    std::size_t first = 0;
+    while (first < n && !timed_.reference) time(first++);
+    parallel_for(n - first, input_.n_threads, [&](std::size_t k) { time(first + k); });
+    return std::move(timed_);
+  }
+
+ private:
+  void time(std::size_t k) {
+    const Track& track = input_.tracks[k];
+    const double begin_s = input_.candidates[track.impacts.front().candidate].t_s;
+    const double last_s = input_.candidates[track.impacts.back().candidate].t_s;
+    TrackMemory memory = take_memory();
+    const audio::AudioSource band = resident_around(band_, begin_s, last_s, memory);
     const TimingInput here{band,
-                           input.is_full_band ? band : input.whole,
-                           input.is_full_band,
-                           input.noise,
-                           input.candidates,
-                           input.tracks,
-                           input.gravity_mps2};
+                           input_.is_full_band ? band : whole_,
+                           input_.is_full_band,
+                           input_.noise,
+                           input_.candidates,
+                           input_.tracks,
+                           input_.gravity_mps2};
     const std::optional<ImpactTemplate> own =
         track.impacts.size() >= kOwnTemplate ? template_of(here, {track}) : std::nullopt;
-    const ImpactTemplate* learned = own ? &*own : shared ? &*shared : nullptr;
-    timed.drops.push_back(time_drop(here, track, learned, end_of_track(input, k)));
-    if (learned == nullptr) continue;
-    if (timed.reference) align_to_reference(*timed.reference, *learned, band, timed.drops.back());
-    if (!timed.reference) timed.reference = ReferenceTemplate{*learned, timed.drops.back().reference_scaling};
-    if (track.impacts.size() > longest) {
-      longest = track.impacts.size();
-      timed.wave = to_learned_wave(*learned, input.band.rate_hz);
+    const ImpactTemplate* learned = own ? &*own : shared_ ? &*shared_ : nullptr;
+    TimedDrop& drop = timed_.drops[k];
+    drop = time_drop(here, track, learned, end_of_track(input_, k));
+    if (learned != nullptr) {
+      if (timed_.reference)
+        align_to_reference(*timed_.reference, *learned, band, drop);
+      else  // nothing else is being timed yet
+        timed_.reference = ReferenceTemplate{*learned, drop.reference_scaling};
     }
+    const std::lock_guard lock(results_);
+    memories_.push_back(std::move(memory));
+    if (learned != nullptr) show_if_longest(k, *learned);
   }
-  return timed;
-}
+
+  TrackMemory take_memory() {
+    const std::lock_guard lock(results_);
+    if (memories_.empty()) return {};
+    TrackMemory memory = std::move(memories_.back());
+    memories_.pop_back();
+    return memory;
+  }
+
+  /// Of equally long ones the first.
+  void show_if_longest(std::size_t k, const ImpactTemplate& learned) {
+    const std::size_t n = input_.tracks[k].impacts.size();
+    if (timed_.wave && (n < n_longest_ || (n == n_longest_ && k > longest_))) return;
+    n_longest_ = n;
+    longest_ = k;
+    timed_.wave = to_learned_wave(learned, input_.band.rate_hz);
+  }
+
+  const TimingInput& input_;
+  std::mutex reading_;
+  audio::AudioSource band_, whole_;
+  std::optional<ImpactTemplate> shared_;  // of the tracks that have none of their own
+  TimedDrops timed_;
+  std::mutex results_;  // of what follows
+  std::vector<TrackMemory> memories_;
+  std::size_t longest_ = 0, n_longest_ = 0;
+};
 
 /// The contact-time law of all drops; where they do not determine it, the assumed one; absent without template.
 std::optional<ContactLaw> contact_law_of(const TimedDrops& timed) {
@@ -146,12 +203,13 @@ std::size_t n_impacts(const TimedDrops& timed) {
 /// half as large: the lesser of two estimated errors is too small by chance.
 TimedDrops time_drops_in_best_band(const TimingInput& input) {
   constexpr double kClearlyLess = 0.5;
-  TimedDrops in_band = time_drops(input);
+  TimedDrops in_band = DropsTimer(input).run();
   if (input.is_full_band) return in_band;
   const audio::ArModel noise =
       audio::learn_ar_models(input.whole, static_cast<int>(input.noise.filter.size()) - 2).noise;
-  TimedDrops in_whole =
-      time_drops({input.whole, input.whole, true, noise, input.candidates, input.tracks, input.gravity_mps2});
+  const TimingInput whole{input.whole,  input.whole,        true,           noise, input.candidates,
+                          input.tracks, input.gravity_mps2, input.n_threads};
+  TimedDrops in_whole = DropsTimer(whole).run();
   const bool is_better =
       n_impacts(in_whole) >= n_impacts(in_band) && median_sigma_s(in_whole) < kClearlyLess * median_sigma_s(in_band);
   return is_better ? in_whole : in_band;
