@@ -2,13 +2,15 @@
 /// sim_bench [LARGEST_N [LAW]]: cost of an impact for the radius laws and N = 1e4 ... LARGEST_N (default 1e6), one
 /// thread. Baselines in the same run: the same ball without asperities, and the brute-force twin of tests/reference,
 /// which multiplies every asperity's direction twice per flight. Times are of the processor, so that neighbours disturb
-/// less.
+/// less. After each law the slopes of log(cost) over log(N): 0 is a cost that does not depend on N.
 #include <sys/resource.h>
 #include <time.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
 
 #include "../reference/brute_force.hpp"
 #include "bouncelab/sim/sim.hpp"
@@ -48,7 +50,26 @@ double cost_of_brute_force_s(const sim::SimulationConfig& config, const sim::Sur
   return (processor_s() - begin) / kImpacts;
 }
 
-void print_row(const sim::SimulationConfig& config, const sim::RadiusLaw& law, std::int64_t n, double smooth_s) {
+/// Slope of the straight line through log(y) over log(x), by least squares.
+double log_slope(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto n = static_cast<double>(x.size());
+  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const double a = std::log(x[k]), b = std::log(y[k]);
+    sx += a;
+    sy += b;
+    sxx += a * a;
+    sxy += a * b;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+struct Costs {
+  std::vector<double> n_asperities, impact_s, envelope_s, index_bytes;
+};
+
+void print_row(const sim::SimulationConfig& config, const sim::RadiusLaw& law, std::int64_t n, double smooth_s,
+               Costs& costs) {
   const double before_bytes = peak_bytes();
   const double t0 = processor_s();
   const sim::Surface surface = sim::make_surface(config.ball, n, law, 1);
@@ -61,6 +82,10 @@ void print_row(const sim::SimulationConfig& config, const sim::RadiusLaw& law, s
               static_cast<long>(n), t1 - t0, t2 - t1, bytes, static_cast<long>(envelope.n_sites()), 1e9 * impact_s,
               impact_s / smooth_s, 1e6 * brute_s, brute_s / impact_s);
   std::fflush(stdout);
+  costs.n_asperities.push_back(static_cast<double>(n));
+  costs.impact_s.push_back(impact_s);
+  costs.envelope_s.push_back(t2 - t1);
+  costs.index_bytes.push_back(static_cast<double>(envelope.n_bytes()));
 }
 
 int run(int argc, char** argv) {
@@ -77,7 +102,12 @@ int run(int argc, char** argv) {
        {sim::RadiusLaw{sim::ConstantRadii{}}, sim::RadiusLaw{sim::UniformRadii{}}, sim::RadiusLaw{sim::NormalRadii{}},
         sim::RadiusLaw{sim::LognormalRadii{}}, sim::RadiusLaw{sim::ExponentialRadii{}}}) {
     if (argc > 2 && std::strncmp(to_text(law).c_str(), argv[2], std::strlen(argv[2])) != 0) continue;
-    for (std::int64_t n = 10'000; n <= largest; n *= 10) print_row(config, law, n, smooth_s);
+    Costs costs;
+    for (std::int64_t n = 10'000; n <= largest; n *= 10) print_row(config, law, n, smooth_s, costs);
+    if (costs.n_asperities.size() > 1)
+      std::printf("%-24s slopes over N: impact %.3f, envelope %.2f, bytes of the index %.2f\n", to_text(law).c_str(),
+                  log_slope(costs.n_asperities, costs.impact_s), log_slope(costs.n_asperities, costs.envelope_s),
+                  log_slope(costs.n_asperities, costs.index_bytes));
   }
   return 0;
 }
