@@ -70,7 +70,7 @@ Competitors find_competitors(const Bids& bids, const Region& region) {
 }
 
 /// Keeps the contenders that are not beaten, in their order.
-void drop_beaten(const std::vector<unsigned char>& is_beaten, Contenders& list) {
+void drop_beaten(const std::vector<std::uint8_t>& is_beaten, Contenders& list) {
   std::size_t n_kept = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     list.set(n_kept, list, i);
@@ -101,7 +101,8 @@ void drop_what_competitors_beat(const Region& region, Contenders& list, Contende
   for (const std::size_t k : find_competitors(bids, region)) {
     find_leads(bids, bids[k], Role::competitor, bounds, scratch.lead);
     scratch.lead[k] = -1.0;  // nothing beats itself
-    for (std::size_t i = 0; i < bids.n; ++i) scratch.is_beaten[i] |= scratch.lead[i] >= 0.0 ? 1 : 0;
+    for (std::size_t i = 0; i < bids.n; ++i)
+      scratch.is_beaten[i] = static_cast<std::uint8_t>(scratch.is_beaten[i] | (scratch.lead[i] >= 0.0 ? 1U : 0U));
   }
   drop_beaten(scratch.is_beaten, list);
 }

@@ -36,7 +36,7 @@ struct ContenderScratch {
   std::vector<double> elevation;  ///< upper bounds of e(n) in the region
   std::vector<double> centre;     ///< u.X0
   std::vector<double> lead;
-  std::vector<unsigned char> is_beaten;
+  std::vector<std::uint8_t> is_beaten;
 };
 
 /// Upper bounds of e(n) = height - |n - u|^2/2 over the region.

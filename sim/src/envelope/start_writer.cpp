@@ -12,6 +12,9 @@ namespace {
 /// Squares of a patch: at the most 2^6 squared.
 constexpr int kMaxStartDepth = 6;
 
+/// Above it a search may take another two accesses to memory for most leaves, instead of as much memory again.
+constexpr std::size_t kLarge_bytes = std::size_t{1} << 30U;
+
 class StartWriter {
  public:
   StartWriter(const StartGrid& grid, int face, std::span<const std::uint16_t> lists, std::span<Envelope::Node> nodes,
@@ -59,7 +62,11 @@ StartGrid start_grid_for(const std::vector<Envelope::Patch>& patches, int n_side
   std::size_t n_leaves = 0;
   for (const Envelope::Patch& patch : patches) n_leaves += 1 + 3 * (patch.nodes.size() / 4);
   StartGrid grid{0, n_side};
-  while (grid.depth < kMaxStartDepth && 2 * grid.index(6, 0, 0) < n_leaves) grid = {grid.depth + 1, 2 * grid.n_side};
+  const auto is_too_coarse = [n_leaves](std::size_t n_squares) {
+    const bool is_next_large = 4 * n_squares * sizeof(Envelope::Start) > kLarge_bytes;
+    return (is_next_large ? 2.0 : 1.5) * static_cast<double>(n_squares) < static_cast<double>(n_leaves);
+  };
+  while (grid.depth < kMaxStartDepth && is_too_coarse(grid.index(6, 0, 0))) grid = {grid.depth + 1, 2 * grid.n_side};
   return grid;
 }
 

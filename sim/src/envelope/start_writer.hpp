@@ -20,7 +20,8 @@ struct StartGrid {
   }
 };
 
-/// Squares enough that there are half as many as leaves: most leaves then fill a square or more.
+/// Squares enough that there are two thirds as many as leaves, or half as many where they take a gigabyte: most leaves
+/// then fill a square or more.
 StartGrid start_grid_for(const std::vector<Envelope::Patch>& patches, int n_side);
 
 /// Fills in the starts of the squares of patch (ia, ib). @return the lists that they do not hold, to which the nodes
