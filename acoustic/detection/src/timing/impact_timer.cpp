@@ -178,11 +178,11 @@ double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEsti
   }
   const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
   const audio::Spectrum& sound = window.spectrum;
-  constexpr std::size_t kAtOnce = 64;  // powers side by side; their sum waits for each addition
-  std::array<double, kAtOnce> power;
+  constexpr std::size_t kPowersAtOnce = 64;  // powers side by side; their sum waits for each addition
+  std::array<double, kPowersAtOnce> power;
   double sum = 0.0;
-  for (std::size_t from = 0; from < filter.n_filled(); from += kAtOnce) {
-    const std::size_t n = std::min(kAtOnce, filter.n_filled() - from);
+  for (std::size_t from = 0; from < filter.n_filled(); from += kPowersAtOnce) {
+    const std::size_t n = std::min(kPowersAtOnce, filter.n_filled() - from);
     rest_power(sound.re.data() + from, sound.im.data() + from, amplitude, placed.re.data() + from,
                placed.im.data() + from, power.data(), n);
     for (std::size_t k = 0; k < n; ++k) sum += filter.energy(from + k, from + k + 1) * power[k];
