@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <functional>
+#include <vector>
 
 #include "bouncelab/core/random.hpp"
 
@@ -75,6 +76,25 @@ TEST(Elementary, PairsGiveTheBitsOfTheSingleFunctions) {
     EXPECT_EQ(both.second, exp(y));
     EXPECT_NEAR(sin_cos(x).sin, sin(x), 2.3e-16);
     EXPECT_NEAR(sin_cos(x).cos, cos(x), 2.3e-16);
+  }
+}
+
+TEST(Elementary, ManyAtOnceGiveTheBitsOfTheSingleFunctions) {
+  Random random(1, RandomStream::test, 79);
+  for (const std::size_t n : {0U, 1U, 2U, 3U, 7U, 8U, 13U, 64U, 1000U}) {
+    std::vector<double> x(n), y(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      x[k] = random.uniform(-1.0, 1.0) * (k % 3 == 0 ? 1.0 : 800.0);
+      y[k] = exp(x[k]);
+    }
+    if (n > 10) x[3] = INFINITY, x[5] = -INFINITY, x[8] = 0.0;
+    std::vector<double> exponentials = x, logarithms = y;
+    exp_each(exponentials);
+    log_each(logarithms);
+    for (std::size_t k = 0; k < n; ++k) {
+      EXPECT_EQ(exponentials[k], exp(x[k])) << x[k];
+      EXPECT_EQ(logarithms[k], log(y[k])) << y[k];
+    }
   }
 }
 

@@ -13,10 +13,8 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
-// exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
-constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
-constexpr std::size_t kKnots = 64;  // of the peak's offset: a cubic between them is good to 1e-7 of the scale
+constexpr std::size_t kParallel = 4096;  // samples, a multiple of kBlockSize
+constexpr std::size_t kKnots = 64;       // of the peak's offset: a cubic between them is good to 1e-7 of the scale
 
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
@@ -32,28 +30,6 @@ double polynomial(const double* c, std::size_t n, double x) {
   return sum;
 }
 
-/// Of logarithms of densities, with one logarithm for many: a logarithm costs as much as all else of a sample.
-class LogSum {
- public:
-  void add(const NormalLaplace& f) {
-    constexpr double kLeast = 1e-30, kMost = 1e30, kRange = 1e250;
-    sum_ += f.exponent;
-    if (!(f.factor > kLeast && f.factor < kMost)) {
-      sum_ += log(f.factor);
-      return;
-    }
-    product_ *= f.factor;
-    if (product_ < 1.0 / kRange || product_ > kRange) {
-      sum_ += log(product_);
-      product_ = 1.0;
-    }
-  }
-  double value() const { return sum_ + log(product_); }
-
- private:
-  double sum_ = 0.0, product_ = 1.0;
-};
-
 void add_powers(double value, double x, std::size_t n, double* sums) {
   for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
 }
@@ -68,28 +44,30 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
   constexpr double kRangeOfLost = 2.0;
   odds_of_lost_density_ = scatter.lost_share / kRangeOfLost / (1.0 - scatter.lost_share);
-  for (const double v : data.v_mps) x_.push_back(log(v / scatter.v_ref_mps));
+  for (const double v : data.v_mps) x_.push_back(v / scatter.v_ref_mps);
+  log_each(x_);
+  inverse_tau_.reserve(data.size());
   for (const double tau : data.tau) inverse_tau_.push_back(1.0 / tau);
   // between one knot before the first sample and one behind the last
   knot_distance_ = std::max((x_.back() - x_.front()) / static_cast<double>(kKnots - 3), 1e-9);
   if (model.is_linear()) {
-    basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_)).transpose();
+    basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_));
   } else {
-    basis_.resize(1, static_cast<Eigen::Index>(data.size()));
-    for (std::size_t k = 0; k < data.size(); ++k) basis_(0, static_cast<Eigen::Index>(k)) = pow(data.v_mps[k], 0.1);
+    basis_.resize(static_cast<Eigen::Index>(data.size()), 1);
+    for (std::size_t k = 0; k < data.size(); ++k) basis_(static_cast<Eigen::Index>(k), 0) = pow(data.v_mps[k], 0.1);
   }
 }
 
 double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row) const {
-  const double* basis = basis_.col(static_cast<Eigen::Index>(k)).data();
+  const auto basis = basis_.row(static_cast<Eigen::Index>(k));
   if (!model_.is_linear()) {
-    const auto [eps, slope] = viscoelastic_of_log_gamma(theta[0], *basis);
+    const auto [eps, slope] = viscoelastic_of_log_gamma(theta[0], basis[0]);
     if (row) *row = slope;
     return eps;
   }
   double eps = 1.0;
   for (Eigen::Index i = 0; i < n_law_; ++i) eps += basis[i] * (theta[i] - 1.0);
-  if (row) std::copy(basis, basis + n_law_, row);
+  if (row) std::copy(basis.begin(), basis.end(), row);
   return eps;
 }
 
@@ -129,12 +107,16 @@ ModeOffset LawLikelihood::peak(const Eigen::VectorXd& theta, double x) const {
   return mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1]);
 }
 
+LawLikelihood::KnotPlace LawLikelihood::place_between_knots(double x) const {
+  const double at = (x - x_.front()) / knot_distance_ + 1.0;
+  const std::size_t j = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, kKnots - 3);
+  return {j, at - static_cast<double>(j)};
+}
+
 /// Lagrange's cubic through the nearest four knots.
 ModeOffset LawLikelihood::peak_between_knots(const Shape& shape, double x) const {
   if (shape.peaks.size() < 2) return shape.peaks.empty() ? ModeOffset{} : shape.peaks.front();
-  const double at = (x - x_.front()) / knot_distance_ + 1.0;
-  const std::size_t j = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, kKnots - 3);
-  const double t = at - static_cast<double>(j);
+  const auto [j, t] = place_between_knots(x);
   const std::array<double, 4> w{-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
                                 -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
   ModeOffset peak;
@@ -192,19 +174,22 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
   if (!theta.allFinite()) return -HUGE_VAL;
   const Shape common = shape(theta);
   // blocks of fixed size, added in order: the same sum for any number of threads
-  const std::size_t n_blocks = (data_.size() + kBlock - 1) / kBlock;
+  const std::size_t n_blocks = (data_.size() + kParallel - 1) / kParallel;
   std::vector<double> sums(n_blocks, 0.0);
   Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
   parallel_for(n_blocks, 0, [&](std::size_t block) {
     LogSum sum;
-    double* of_block = gradient ? gradients.col(static_cast<Eigen::Index>(block)).data() : nullptr;
-    for (std::size_t k = block * kBlock; k < std::min(data_.size(), (block + 1) * kBlock); ++k) {
-      std::array<double, kMostLawParameters> row;
-      const double residual = data_.eps[k] - eps_of(theta, k, of_block ? row.data() : nullptr);
-      const NormalLaplace f = density_at(residual, scales(theta, common, k));
-      sum.add(f);
-      if (of_block) add_score(f, k, row.data(), of_block);
+    GradientSum of_block;
+    SampleBlock samples;
+    const std::size_t end = std::min(data_.size(), (block + 1) * kParallel);
+    for (samples.begin = block * kParallel; samples.begin < end; samples.begin += samples.n) {
+      samples.n = std::min(kBlockSize, end - samples.begin);
+      compute(theta, common, samples);
+      sum.add(samples.n, samples.f);
+      if (gradient) add_scores(samples, of_block);
     }
+    if (gradient)
+      of_block.put(gradients.col(static_cast<Eigen::Index>(block)).data(), static_cast<std::size_t>(n_parameters()));
     sums[block] = sum.value();
   });
   double sum = 0.0;

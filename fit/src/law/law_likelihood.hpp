@@ -5,13 +5,15 @@
 #include <optional>
 #include <vector>
 
+#include "law/law_block.hpp"
 #include "law/law_model.hpp"
 #include "law/mode_offset.hpp"
 #include "law/normal_laplace.hpp"
 
 namespace bouncelab::fit {
 
-inline constexpr std::size_t kMostLawParameters = 8;  ///< orders 2, 4, 5 ... 10
+// exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
+inline constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
@@ -105,10 +107,22 @@ class LawLikelihood {
   Scales scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak, std::size_t k) const;
   LaplaceSides sides(const Eigen::VectorXd& theta, double x) const;
   ModeOffset peak(const Eigen::VectorXd& theta, double x) const;
+  /// After which knot a speed lies, and how far, in distances of knots.
+  struct KnotPlace {
+    std::size_t knot;
+    double t;
+  };
+  KnotPlace place_between_knots(double x) const;
   ModeOffset peak_between_knots(const Shape& shape, double x) const;
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
   NormalLaplace density_at(double d, const Scales& scales) const;
   void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
+  /// Of s.n samples from s.begin on: densities with their derivatives.
+  void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  void compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) const;
+  void compute_sides(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  void compute_peaks(const Shape& shape, SampleBlock& s) const;
+  void add_scores(SampleBlock& s, GradientSum& sum) const;
   /// Gradients of the log-likelihoods of groups of samples, a column a group.
   Eigen::MatrixXd scores_of(const Eigen::VectorXd& theta, const std::vector<std::vector<std::size_t>>& groups) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
@@ -125,7 +139,7 @@ class LawLikelihood {
   std::vector<double> x_;              ///< log(v / v_ref)
   std::vector<double> inverse_tau_;
   double knot_distance_ = 1.0;  ///< in x
-  Eigen::MatrixXd basis_;       ///< a column a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
+  Eigen::MatrixXd basis_;       ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
 };
 
 }  // namespace bouncelab::fit

@@ -8,55 +8,15 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/quadrature.hpp"
+#include "law/scaled_erfc.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kSqrt2Pi = 2.50662827463100050242;
-constexpr double kLogSqrt2Pi = 0.91893853320467274178;
-constexpr double kSqrtHalfPi = 1.25331413731550025121;
-constexpr double kInvSqrt2 = 0.70710678118654752440;
-// exp(-u^2/2) is below 1e-17 from here on: the other side of the peak and the normal no longer matter
-constexpr double kFar = 8.8;
-
-// Cody's coefficients, from high powers to low ones but for the numerator's highest, which comes last
-constexpr std::array<double, 5> kErfNumerator{3.1611237438705656, 113.864154151050156, 377.485237685302021,
-                                              3209.37758913846947, 0.185777706184603153};
-constexpr std::array<double, 4> kErfDenominator{23.6012909523441209, 244.024637934444173, 1282.61652607737228,
-                                                2844.23683343917062};
-constexpr std::array<double, 9> kErfcNumerator{0.564188496988670089, 8.88314979438837594, 66.1191906371416295,
-                                               298.635138197400131,  881.95222124176909,  1712.04761263407058,
-                                               2051.07837782607147,  1230.33935479799725, 2.15311535474403846e-8};
-constexpr std::array<double, 8> kErfcDenominator{15.7449261107098347, 117.693950891312499, 537.181101862009858,
-                                                 1621.38957456669019, 3290.79923573345963, 4362.61909014324716,
-                                                 3439.36767414372164, 1230.33935480374942};
-constexpr std::array<double, 6> kTailNumerator{0.305326634961232344,  0.360344899949804439,   0.125781726111229246,
-                                               0.0160837851487422766, 6.58749161529837803e-4, 0.0163153871373020978};
-constexpr std::array<double, 5> kTailDenominator{2.56852019228982242, 1.87295284992346725, 0.527905102951428412,
-                                                 0.0605183413124413191, 0.00233520497626869185};
-
-struct Ratio {
-  double numerator, denominator;
-};
-constexpr double kErfReach = 0.46875;  // of the approximation of erf(x) / x
-
-/// Two polynomials of the same degree by Horner's rule; the denominator's highest power has the coefficient 1.
-template <std::size_t n>
-Ratio ratio(const std::array<double, n + 1>& numerator, const std::array<double, n>& denominator, double x) {
-  Ratio sum{numerator[n] * x, x};
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    sum.numerator = (sum.numerator + numerator[i]) * x;
-    sum.denominator = (sum.denominator + denominator[i]) * x;
-  }
-  return {sum.numerator + numerator[n - 1], sum.denominator + denominator[n - 1]};
-}
-
 /// 1 - Phi(u), u >= 0. @param density  phi(u)
 double upper_tail(double u, double density) {
   const double x = u * kInvSqrt2;
-  if (x > kErfReach) return density * mills_ratio(u);
-  const Ratio erf = ratio(kErfNumerator, kErfDenominator, x * x);
-  return 0.5 * (1.0 - x * erf.numerator / erf.denominator);
+  return x > cody::kNearReach ? density * mills_ratio(u) : 0.5 * cody::erfc_near(x);
 }
 
 /// f (b_below + b_above) = exp(exponent) sum, the share of T1 in it, and phi(z) / (T1 + T2)
@@ -124,18 +84,8 @@ void add_panel(Eigen::Matrix4d& sum, double lo, double hi, double b_below, doubl
 }  // namespace
 
 double scaled_erfc(double x) {
-  if (x <= kErfReach) {
-    const double y = x * x;
-    const Ratio erf = ratio(kErfNumerator, kErfDenominator, y);
-    return exp(y) * (1.0 - x * erf.numerator / erf.denominator);
-  }
-  if (x <= 4.0) {
-    const Ratio erfc = ratio(kErfcNumerator, kErfcDenominator, x);
-    return erfc.numerator / erfc.denominator;
-  }
-  const double y = 1.0 / (x * x);
-  const Ratio tail = ratio(kTailNumerator, kTailDenominator, y);
-  return (1.0 / std::sqrt(std::numbers::pi) - y * tail.numerator / tail.denominator) / x;
+  if (x <= cody::kNearReach) return exp(x * x) * cody::erfc_near(x);
+  return x <= cody::kMiddleReach ? cody::scaled_erfc_middle(x) : cody::scaled_erfc_far(x);
 }
 
 double mills_ratio(double u) { return kSqrtHalfPi * scaled_erfc(u * kInvSqrt2); }
@@ -150,7 +100,6 @@ LaplaceSides laplace_sides(double b_below, double b_above) {
 double NormalLaplace::log_density() const { return exponent + log(factor); }
 
 NormalLaplace normal_laplace(double d, const LaplaceSides& sides, double tau, double inverse_tau, double background) {
-  constexpr double kVanished = -700.0;  // exp() of less is 0
   const double a_tau = tau * sides.inverse_above, c_tau = tau * sides.inverse_below, z = d * inverse_tau;
   const Parts f = parts(a_tau, c_tau, z);
   double density = f.sum * sides.inverse_width, share = 1.0;  // over exp(exponent)

@@ -5,6 +5,14 @@
 
 namespace bouncelab::fit {
 
+inline constexpr double kSqrt2Pi = 2.50662827463100050242;
+inline constexpr double kLogSqrt2Pi = 0.91893853320467274178;
+inline constexpr double kSqrtHalfPi = 1.25331413731550025121;
+inline constexpr double kInvSqrt2 = 0.70710678118654752440;
+/// exp(-u^2/2) is below 1e-17 from here on: the other side of the peak and the normal no longer matter.
+inline constexpr double kFar = 8.8;
+inline constexpr double kVanished = -700.0;  ///< exp() of less is 0
+
 /// exp(x^2) erfc(x), x >= 0; relative error below 1e-15.
 /// Source: Cody, Math. Comp. 23, 631 (1969), doi:10.1090/S0025-5718-1969-0247736-4.
 double scaled_erfc(double x);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <complex>
+#include <span>
 
 /// Elementary functions that give the same bits on every x86-64 processor and with every compiler.
 ///
@@ -40,6 +41,11 @@ struct Pair {
 };
 /// exp() of two numbers, at the cost of one.
 Pair exp(Pair x);
+
+/// Of each x in its place, as many at once as the processor's registers hold; the bits are those of the functions of
+/// one.
+void exp_each(std::span<double> x);
+void log_each(std::span<double> x);
 
 /// exp(y log x), to 1 + 3 |y log x| units in the last place: a quarter of the time of a pow() that is good to one.
 /// @param x  >= 0

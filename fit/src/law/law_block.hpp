@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "law/normal_laplace_block.hpp"
+
+namespace bouncelab::fit {
+
+inline constexpr std::size_t kMostLawParameters = 8;  ///< orders 2, 4, 5 ... 10
+
+/// Successive samples: what is computed of them on the way to their likelihood.
+struct SampleBlock {
+  std::size_t begin = 0, n = 0;
+  Block residual;                               ///< from the curve
+  std::array<Block, kMostLawParameters> slope;  ///< of the curve by q
+  SidesBlock sides;
+  // of the scatter with a normal part
+  Block tau, inverse_tau, normal_share, size;
+  Block peak, peak_by_asymmetry, peak_by_rho;  ///< in units of size
+  DensityBlock f;
+};
+
+/// Sum of log-likelihoods in lanes of their own, put together in fixed order at the end: the same for any width of
+/// registers. One logarithm serves many samples: it costs as much as all else of one.
+class LogSum {
+ public:
+  LogSum() { product_.fill(1.0); }
+  void add(std::size_t n, const DensityBlock& f);
+  double value() const;
+
+ private:
+  static constexpr std::size_t kLanes = 8;
+  std::array<double, kLanes> sum_{}, product_;
+};
+
+/// Sums of many kinds in the same manner.
+class GradientSum {
+ public:
+  /// Adds a[k] b[k] to the sum of kind i.
+  void add_products(std::size_t i, std::size_t n, const double* a, const double* b);
+  /// Adds a[k] x[k]^j to the sums of kinds i + j, j < n_powers.
+  void add_powers(std::size_t i, std::size_t n_powers, std::size_t n, const double* a, const double* x);
+  void put(double* gradient, std::size_t n_kinds) const;
+
+  static constexpr std::size_t kMost = kMostLawParameters + 2 * 8 + 1;  ///< a law, two sides of 8 terms, a normal part
+
+ private:
+  static constexpr std::size_t kLanes = 8;
+  std::array<std::array<double, kLanes>, kMost> sums_{};
+};
+
+}  // namespace bouncelab::fit
