@@ -9,6 +9,8 @@
 #include <tuple>
 #include <vector>
 
+#include "law/normal_laplace_block.hpp"
+
 namespace bouncelab::fit {
 namespace {
 
@@ -145,6 +147,37 @@ TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
       curvature += h * std::exp(normal_laplace(d, below, above, tau).log_density()) * second;
     }
     EXPECT_NEAR(normal_laplace_information(below, above, tau)(0, 0) / curvature, 1.0, 1e-4) << tau;
+  }
+}
+
+TEST(NormalLaplace, BlocksGiveTheBitsOfSingleSamples) {
+  for (const double background : {0.0, 0.005}) {
+    for (const double tau : {1e-4, 0.1, 1.0, 30.0}) {
+      SidesBlock sides;
+      Block d, taus, inverse_taus;
+      for (std::size_t k = 0; k < kBlockSize; ++k) {
+        const double x = static_cast<double>(k) - 31.0;
+        d[k] = 0.003 * x * std::abs(x) * std::abs(x);  // both tails, the peak, and what has vanished
+        sides.b_below[k] = 0.7 + 0.01 * static_cast<double>(k);
+        sides.b_above[k] = 1.3 - 0.015 * static_cast<double>(k);
+        taus[k] = tau;
+        inverse_taus[k] = 1.0 / tau;
+      }
+      constexpr std::size_t kSome = kBlockSize - 3;  // not a multiple of any register's width
+      complete_sides(kSome, sides);
+      DensityBlock block;
+      normal_laplace(kSome, d.data(), sides, taus.data(), inverse_taus.data(), background, block);
+      for (std::size_t k = 0; k < kSome; ++k) {
+        const NormalLaplace one =
+            normal_laplace(d[k], laplace_sides(sides.b_below[k], sides.b_above[k]), tau, inverse_taus[k], background);
+        EXPECT_EQ(block.exponent[k], one.exponent) << k;
+        EXPECT_EQ(block.factor[k], one.factor) << k;
+        EXPECT_EQ(block.d_location[k], one.d_location) << k;
+        EXPECT_EQ(block.d_log_below[k], one.d_log_below) << k;
+        EXPECT_EQ(block.d_log_above[k], one.d_log_above) << k;
+        EXPECT_EQ(block.d_log_tau[k], one.d_log_tau) << k;
+      }
+    }
   }
 }
 

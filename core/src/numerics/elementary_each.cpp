@@ -9,10 +9,10 @@
 
 // SLEEF's header has those for wide registers only where everything is compiled for them
 extern "C" {
-__m256d Sleef_cinz_expd4_u10avx(__m256d);
-__m256d Sleef_cinz_logd4_u10avx(__m256d);
-__m512d Sleef_cinz_expd8_u10avx512fnofma(__m512d);
-__m512d Sleef_cinz_logd8_u10avx512fnofma(__m512d);
+__attribute__((target("avx"))) __m256d Sleef_cinz_expd4_u10avx(__m256d);
+__attribute__((target("avx"))) __m256d Sleef_cinz_logd4_u10avx(__m256d);
+__attribute__((target("avx512f"))) __m512d Sleef_cinz_expd8_u10avx512fnofma(__m512d);
+__attribute__((target("avx512f"))) __m512d Sleef_cinz_logd8_u10avx512fnofma(__m512d);
 }
 
 namespace bouncelab {
