@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>

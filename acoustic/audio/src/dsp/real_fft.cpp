@@ -14,8 +14,8 @@
 #include <numbers>
 #include <type_traits>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {
 

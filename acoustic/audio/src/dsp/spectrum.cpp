@@ -5,8 +5,8 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {
 namespace {

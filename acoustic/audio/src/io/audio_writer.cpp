@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {
 namespace {

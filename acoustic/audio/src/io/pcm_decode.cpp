@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstring>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {
 namespace {

@@ -8,9 +8,9 @@
 #include <cstdint>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {

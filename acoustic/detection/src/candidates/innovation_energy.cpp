@@ -7,7 +7,7 @@
 #include <numeric>
 #include <span>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 

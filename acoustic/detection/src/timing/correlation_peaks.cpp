@@ -9,7 +9,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {

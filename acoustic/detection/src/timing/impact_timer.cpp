@@ -8,10 +8,10 @@
 #include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {

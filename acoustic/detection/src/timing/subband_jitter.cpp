@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <numeric>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {

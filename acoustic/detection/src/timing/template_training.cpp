@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 #include "timing/coherence_weight.hpp"
 
 namespace bouncelab::detection {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <numbers>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 #include "tracking/log_sum.hpp"
 #include "tracking/student.hpp"
 

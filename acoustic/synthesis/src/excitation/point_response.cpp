@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <numbers>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 #include "plate/bessel.hpp"
 #include "sensor/kernel_table.hpp"
 

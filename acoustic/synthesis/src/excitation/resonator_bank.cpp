@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/vector_clones.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

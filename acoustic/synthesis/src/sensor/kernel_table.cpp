@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/audio/dsp/vector_clones.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
