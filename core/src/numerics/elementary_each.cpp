@@ -8,12 +8,14 @@
 #include <immintrin.h>
 
 // SLEEF's header has those for wide registers only where everything is compiled for them
+// NOLINTBEGIN(readability-identifier-naming): the library's
 extern "C" {
 __attribute__((target("avx"))) __m256d Sleef_cinz_expd4_u10avx(__m256d);
 __attribute__((target("avx"))) __m256d Sleef_cinz_logd4_u10avx(__m256d);
 __attribute__((target("avx512f"))) __m512d Sleef_cinz_expd8_u10avx512fnofma(__m512d);
 __attribute__((target("avx512f"))) __m512d Sleef_cinz_logd8_u10avx512fnofma(__m512d);
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace bouncelab {
 namespace {

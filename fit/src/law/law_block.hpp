@@ -43,7 +43,8 @@ class GradientSum {
   void add_powers(std::size_t i, std::size_t n_powers, std::size_t n, const double* a, const double* x);
   void put(double* gradient, std::size_t n_kinds) const;
 
-  static constexpr std::size_t kMost = kMostLawParameters + 2 * 8 + 1;  ///< a law, two sides of 8 terms, a normal part
+  static constexpr std::size_t kMost =
+      kMostLawParameters + std::size_t{2} * 8 + 1;  ///< a law, two sides of 8 terms, a normal part
 
  private:
   static constexpr std::size_t kLanes = 8;

@@ -175,7 +175,7 @@ void correlate_in_doubles(const float* x, const float* taps, std::size_t n_taps,
   constexpr std::size_t kRegisters = kOutputs / 8;
   __m256 sum[kRegisters];
   for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm256_setzero_ps();
-  for (std::size_t first = 0; first < kStride; ++first) {
+  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first) {
     __m256 ring[kRegisters];
     for (std::size_t c = 0; c < kRegisters; ++c) ring[c] = _mm256_loadu_ps(x + first + c * kStride);
     for (std::size_t k = first; k < n_taps;) {
@@ -200,7 +200,7 @@ void correlate_in_doubles(const float* x, const float* taps, std::size_t n_taps,
   constexpr std::size_t kRing = 2 * kRegisters - 1;  // each register holds two strides
   __m512 sum[kRegisters];
   for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm512_setzero_ps();
-  for (std::size_t first = 0; first < kStride; ++first) {
+  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first) {
     __m512 ring[kRing];
     for (std::size_t c = 0; c < kRing; ++c) ring[c] = _mm512_loadu_ps(x + first + c * kStride);
     for (std::size_t k = first; k < n_taps;) {
