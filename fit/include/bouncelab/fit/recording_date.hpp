@@ -20,8 +20,9 @@ struct RecordingDate {
 std::optional<RecordingDate> date_from_iso(std::string_view text);
 
 /// The last date in a name of a file: YYYY-MM-DD, YYYY_MM_DD or YYYYMMDD, without a digit before it; a time may follow
-/// at once or after one of `T _ - .` and a blank, as HHMM, HHMMSS, HH-MM or HH-MM-SS, with `-`, `:`, `.`, `_` or `h`
-/// between the numbers. What follows and is no time of day is passed over (a counter 0012 is taken for 00:12).
+/// at once or after a T, an underscore, a hyphen, a point or a blank, as HHMM, HHMMSS, HH-MM or HH-MM-SS; between its
+/// numbers also a colon, a point, an underscore or an h. What follows and is no time of day is passed over (a counter
+/// 0012 is taken for 00:12).
 /// @return absent where there is no day of the calendar between 1990 and 2100
 std::optional<RecordingDate> date_in_name(std::string_view name);
 
