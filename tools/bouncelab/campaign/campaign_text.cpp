@@ -18,20 +18,6 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-const char* name_of(ShardState state) {
-  switch (state) {
-    case ShardState::complete:
-      return "complete";
-    case ShardState::running:
-      return "running";
-    case ShardState::waiting:
-      return "waiting";
-    case ShardState::failed:
-      break;
-  }
-  return "failed";
-}
-
 std::string items_name(const Campaign& campaign) { return campaign.takes_recordings() ? "recordings" : "points"; }
 
 /// By the rate since the last submission; negative: not known.
@@ -46,7 +32,7 @@ std::string counts_text(const CampaignState& state) {
   std::string text;
   for (const ShardState kind : {ShardState::complete, ShardState::running, ShardState::waiting, ShardState::failed})
     if (const auto n = state.numbers(kind).size(); n > 0)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, name_of(kind));
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, word_of(kind));
   return text;
 }
 
@@ -94,7 +80,7 @@ Outcome status_outcome(const Campaign& campaign, const Submission& submission, c
   outcome.json = status_json(submission, state, left_s);
   outcome.text = fmt::format(
       "{}: {} shards: {}; merge {}{}\n", campaign.out, submission.n_shards, counts_text(state),
-      state.merge == ShardState::failed && !state.is_complete() ? "not possible yet" : name_of(state.merge),
+      state.merge == ShardState::failed && !state.is_complete() ? "not possible yet" : word_of(state.merge),
       state.merge == ShardState::waiting && state.merge_reason == "DependencyNeverSatisfied" ? " in vain" : "");
   if (submission.n_items > 0) {
     outcome.text += fmt::format("{} of {} {} done", state.n_done, submission.n_items, items_name(campaign));

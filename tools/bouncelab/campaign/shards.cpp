@@ -178,4 +178,18 @@ fs::path part_of(const Campaign& campaign, std::int64_t shard, std::int64_t n_sh
   return campaign.parts_folder() / fmt::format("shard-{}-of-{}.part", shard, n_shards);
 }
 
+const char* word_of(ShardState state) {
+  switch (state) {
+    case ShardState::complete:
+      return "complete";
+    case ShardState::running:
+      return "running";
+    case ShardState::waiting:
+      return "waiting";
+    case ShardState::failed:
+      break;
+  }
+  return "failed";
+}
+
 }  // namespace bouncelab::cli

@@ -26,6 +26,7 @@ std::optional<Submission> read_submission(const Campaign& campaign);
 void write_submission(const Campaign& campaign, const Submission& submission, bool may_replace);
 
 enum class ShardState { complete, running, waiting, failed };
+const char* word_of(ShardState state);
 
 struct ShardStatus {
   std::int64_t number = 0;  ///< from 1

@@ -24,8 +24,6 @@ class Handle {
     if (id_ >= 0) close_(id_);
   }
   hid_t get() const { return id_; }
-  /// Leaves it open.
-  void abandon() { id_ = H5I_INVALID_HID; }
   bool is_open() const { return id_ >= 0; }
 
  private:

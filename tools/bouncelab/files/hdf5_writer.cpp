@@ -89,14 +89,6 @@ class Writer final : public TableSink {
     if (!file_.is_open()) throw FileError(name_, "cannot be created as an HDF5 file; is the disk full?");
   }
 
-  /// What the library still holds of a file on a full disk it would write again with each data set that is closed, and
-  /// its state after such a failure is not defined: the file, of which nothing is kept, stays open.
-  ~Writer() override {
-    if (!has_failed_) return;
-    for (StoredColumn& column : stored_) column.set.abandon();
-    file_.abandon();
-  }
-
   void add(const Table& rows) override {
     const std::size_t n = rows.n_rows();
     if (waiting_.columns.empty())
@@ -112,10 +104,8 @@ class Writer final : public TableSink {
 
   void finish() override {
     if (waiting_.n_rows() > 0 || stored_.empty()) write_waiting();
-    if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) {
-      has_failed_ = true;
-      throw FileError(name_, "writing failed; is the disk full?");
-    }
+    stored_.clear();
+    if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) throw FileError(name_, "writing failed; is the disk full?");
   }
 
  private:
@@ -160,13 +150,12 @@ class Writer final : public TableSink {
     n_written_ += n;
   }
 
-  [[noreturn]] void fail(const std::string& column) {
-    has_failed_ = true;
+  [[noreturn]] void fail(const std::string& column) const {
     throw FileError(name_, "column " + column + " cannot be written; is the disk full?");
   }
 
   /// @param column  its first rows
-  StoredColumn stored(const Slice& column) {
+  StoredColumn stored(const Slice& column) const {
     const std::string& name = column.column.name;
     if (column.is_text()) {
       const std::size_t width = width_for(longest_of(column.of<std::string>()));
@@ -183,7 +172,7 @@ class Writer final : public TableSink {
 
   /// The last digits of what is measured are noise: compression would take a quarter of reals that vary, and most of
   /// the time of writing.
-  Handle create(const std::string& name, hid_t type, bool is_compressed) {
+  Handle create(const std::string& name, hid_t type, bool is_compressed) const {
     const hsize_t none = 0, any = H5S_UNLIMITED, chunk = chunk_rows_;
     const Handle space(H5Screate_simple(1, &none, &any), H5Sclose);
     const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -199,15 +188,13 @@ class Writer final : public TableSink {
     return set;
   }
 
-  void write_unit(hid_t set, std::string_view unit) {
+  void write_unit(hid_t set, std::string_view unit) const {
     const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
     H5Tset_size(type.get(), unit.size());
     const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
     const Handle units(H5Acreate2(set, "units", type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    if (!units.is_open() || H5Awrite(units.get(), type.get(), unit.data()) < 0) {
-      has_failed_ = true;
+    if (!units.is_open() || H5Awrite(units.get(), type.get(), unit.data()) < 0)
       throw FileError(name_, "the units of a column cannot be written; is the disk full?");
-    }
   }
 
   void write(const Slice& rows, StoredColumn& stored) {
@@ -219,7 +206,8 @@ class Writer final : public TableSink {
       append(stored.set.get(), H5T_NATIVE_INT64, n_written_, integers.size(), integers.data(), name);
   }
 
-  void append(hid_t set, hid_t type, std::size_t first, std::size_t n, const void* values, const std::string& name) {
+  void append(hid_t set, hid_t type, std::size_t first, std::size_t n, const void* values,
+              const std::string& name) const {
     const hsize_t length = first + n;
     if (H5Dset_extent(set, &length) < 0 || !write_rows(set, type, first, n, values)) fail(name);
   }
@@ -267,7 +255,6 @@ class Writer final : public TableSink {
   std::string name_;
   Handle file_;
   std::size_t chunk_rows_ = 0, n_written_ = 0;
-  bool has_failed_ = false;
   Table waiting_;  // for a whole chunk; its columns are those of the table
   std::vector<StoredColumn> stored_;
 };

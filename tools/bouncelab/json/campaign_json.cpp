@@ -6,20 +6,6 @@
 namespace bouncelab::cli {
 namespace {
 
-const char* word_of(ShardState state) {
-  switch (state) {
-    case ShardState::complete:
-      return "complete";
-    case ShardState::running:
-      return "running";
-    case ShardState::waiting:
-      return "waiting";
-    case ShardState::failed:
-      break;
-  }
-  return "failed";
-}
-
 nlohmann::ordered_json jobs_of(const Submission& submission) {
   return {
       {"on", submission.on_slurm ? "slurm" : "local"}, {"arrays", submission.arrays}, {"merge_job", submission.merge}};

@@ -282,6 +282,13 @@ BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, co
   for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
 }
 
+BOUNCELAB_VECTOR_CLONES void add_four_scaled(double* to, const double factors[4], const double* const x[4],
+                                             std::size_t n) {
+  const double *a = x[0], *b = x[1], *c = x[2], *d = x[3];
+  for (std::size_t k = 0; k < n; ++k)
+    to[k] += (factors[0] * a[k] + factors[1] * b[k]) + (factors[2] * c[k] + factors[3] * d[k]);
+}
+
 BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) product[k] = a[k] * b[k];
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/vector_clones.hpp"
@@ -40,14 +41,6 @@ double windowed_sinc_of_quarters(double u) {
 const KernelTable& interpolation() {
   static const KernelTable table(windowed_sinc_of_quarters, kHalfWidth_quarters);
   return table;
-}
-
-/// out_n += sum over four rows of weight x row_n.
-BOUNCELAB_VECTOR_CLONES void add_four(const double* const rows[4], const double weights[4], std::size_t n,
-                                      double* out) {
-  const double *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
-  for (std::size_t k = 0; k < n; ++k)
-    out[k] += (weights[0] * a[k] + weights[1] * b[k]) + (weights[2] * c[k] + weights[3] * d[k]);
 }
 
 /// z = z e + tap, pole by pole.
@@ -114,7 +107,7 @@ std::vector<double> PointResponse::filtered(const Filter& filter, const Rows& ro
       const auto phase = static_cast<std::size_t>(whole * kPhases - m);
       sources[i] = rows[phase].data() + (first - whole - kFirst);
     }
-    add_four(sources, filter.taps.data() + k, n, out.data());
+    audio::add_four_scaled(out.data(), filter.taps.data() + k, sources, n);
   }
   return out;
 }

@@ -4,20 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/vector_clones.hpp"
+#include "bouncelab/audio/dsp/kernels.hpp"
 
 namespace bouncelab::synthesis {
-namespace {
-
-BOUNCELAB_VECTOR_CLONES void add_rows(const double* const rows[4], const double weights[4], std::ptrdiff_t n,
-                                      double* out) {
-  const double *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
-  for (std::ptrdiff_t j = 0; j < n; ++j)
-    out[j] += (weights[0] * a[j] + weights[1] * b[j]) + (weights[2] * c[j] + weights[3] * d[j]);
-}
-
-}  // namespace
-
 KernelTable::KernelTable(const std::function<double(double)>& h, int half_width)
     : half_width_(half_width), n_row_(2 * half_width + 1) {
   for (int phase = -1; phase <= kPhases + 1; ++phase)
@@ -48,7 +37,7 @@ void KernelTable::add(double offset_samples, double weight, std::span<double> sa
   if (first >= last) return;
   const std::ptrdiff_t j = first + shift;
   const double* const rows[4] = {row(phase - 1) + j, row(phase) + j, row(phase + 1) + j, row(phase + 2) + j};
-  add_rows(rows, weights, last - first, samples.data() + first);
+  audio::add_four_scaled(samples.data() + first, weights, rows, static_cast<std::size_t>(last - first));
 }
 
 }  // namespace bouncelab::synthesis

@@ -26,6 +26,8 @@ float largest(std::span<const float> x);
 /// to[k] += factor x[k] for n values.
 void add_scaled(float* to, float factor, const float* x, std::size_t n);
 void add_scaled(double* to, double factor, const double* x, std::size_t n);
+/// to[k] += (f_0 x_0[k] + f_1 x_1[k]) + (f_2 x_2[k] + f_3 x_3[k]) for n values: `to` is loaded and stored once.
+void add_four_scaled(double* to, const double factors[4], const double* const x[4], std::size_t n);
 
 /// product[k] = a[k] b[k] for n values.
 void multiply(const double* a, const double* b, double* product, std::size_t n);
