@@ -16,7 +16,7 @@ parser.add_argument("--drops", type=int)
 arguments = parser.parse_args()
 
 with tempfile.TemporaryDirectory() as folder:
-    command = [arguments.bouncelab, "loop", "--preset", "paper", "--out", f"{folder}/loop", "--quiet"]
+    command = [arguments.bouncelab, "loop", "--preset", "paper", "--no-memory", "--out", f"{folder}/loop", "--quiet"]
     cost = cost_of(command + (["--drops", arguments.drops] if arguments.drops else []))
     with open(f"{folder}/loop/summary.json") as file:
         summary = json.load(file)

@@ -92,7 +92,7 @@ TEST_F(PaperLoop, TheSoundKeptGivesTheOnsetsOfTheLoop) {
 
 TEST_F(PaperLoop, AShortRunFindsItsImpactsAndSaysWhatItConcludes) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  const Result result = run(loop(22, 40, "out", "--memory --json"));
+  const Result result = run(loop(22, 40, "out", "--json"));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json summary = Json::parse(result.out);
   EXPECT_EQ(summary["n_impacts"], 22 * 40);

@@ -19,7 +19,7 @@ def loop(measured):
     size_of_run = "the paper's experiment" if case == "paper" else f"a part of the paper's experiment ({case})"
     return f"""## The closed loop
 
-`bouncelab loop --preset paper`: {size_of_run}, {count(get('impacts'))} impacts simulated, their sound of {number(get('sound') / 3600)} h at 96 kHz synthesized and detected in memory, ε(v) fitted to the true
+`bouncelab loop --preset paper --no-memory`: {size_of_run}, {count(get('impacts'))} impacts simulated, their sound of {number(get('sound') / 3600)} h at 96 kHz synthesized and detected in memory, ε(v) fitted to the true
 and to the detected times. One run on all cores (its ratio is that to real time); at most {size(get('peak memory'))} of memory. Stages are as the program itself measures them; synthesis and detection run side by side
 and have one time on the clock, `sound`.
 

@@ -18,8 +18,8 @@ struct LoopOptions {
   BallChoice world = kPaperBall;  ///< of both stages, in place of their own
   SimulateOptions simulate;
   SynthesizeOptions synthesize;
-  bool keep_sound = false;   ///< of a run through memory
-  bool with_memory = false;  ///< of a run through memory: the fit with memory too
+  bool keep_sound = false;      ///< of a run through memory
+  bool without_memory = false;  ///< of a run through memory: without the fits with memory
 };
 
 /// The loop through memory that the options describe. @throws InvalidArgument

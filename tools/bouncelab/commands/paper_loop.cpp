@@ -69,7 +69,7 @@ loop::LoopConfig paper_config(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config = loop_config(options, run.common);
   config.surface = surface_from_file(options.simulate, config.simulation.ball);
   config.with_smooth_ball = true;
-  config.with_memory = options.with_memory;
+  config.with_memory = !options.without_memory;
   if (config.sound_folder) {
     fs::create_directories(*config.sound_folder);
     remove_abandoned_files(*config.sound_folder);  // also where all recordings are there already

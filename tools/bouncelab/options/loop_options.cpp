@@ -33,8 +33,8 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
       ->check(CLI::IsMember({"quick", "paper"}));
   command.add_option("--out", options.out, "Folder for every file of the run")->type_name("FOLDER")->required();
   command.add_flag("--keep-sound", options.keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop");
-  command.add_flag("--memory", options.with_memory,
-                   "paper: also the fit with memory, to the true and to the detected times, some two minutes more");
+  command.add_flag("--no-memory", options.without_memory,
+                   "paper: without the fits with memory, which take three quarters of the time");
   add_ball_options(command, options.world);
   add_simulate_options(command, options.simulate);
   add_synthesize_options(command, options.synthesize);
