@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fcntl.h>
-#include <malloc.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -25,6 +23,7 @@
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "json/error_json.hpp"
+#include "memory_limits.hpp"
 #include "options/command_line.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
@@ -130,25 +129,6 @@ void keep_standard_descriptors() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(descriptor, F_GETFD) < 0)
       (void)!::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest that is free
-}
-
-/// The memory manager gives each thread an arena of its own, 64 MB of address space, and where a limit leaves no room
-/// for one it asks the system at every allocation, a hundred times as slow. Under a limit all threads share one.
-void share_memory_under_a_limit() {
-#ifdef M_ARENA_MAX
-  rlimit address_space{};
-  if (::getrlimit(RLIMIT_AS, &address_space) == 0 && address_space.rlim_cur != RLIM_INFINITY) ::mallopt(M_ARENA_MAX, 1);
-#endif
-}
-
-/// What is freed in pieces above 16 MB goes back to the system, and what is free above 32 MB at the end of the heap. By
-/// itself glibc keeps all that is below the largest freed so far: a fifth more memory for an hour of music. With limits
-/// of one megabyte the loop spends a tenth of its time on pages that come back empty, drop after drop.
-void give_large_memory_back() {
-#ifdef M_MMAP_THRESHOLD
-  ::mallopt(M_MMAP_THRESHOLD, 1 << 24);
-  ::mallopt(M_TRIM_THRESHOLD, 1 << 25);
-#endif
 }
 
 /// The message with every long or unprintable word of the command line as quotations show it.
@@ -257,6 +237,7 @@ int run_and_report(const std::vector<std::string>& line) {
   } catch (const std::filesystem::filesystem_error& error) {
     return fail("bouncelab: " + error.path1().string() + ": " + error.code().message(), kFileError, line);
   } catch (const std::bad_alloc&) {
+    release_reserve();
     return fail("bouncelab: out of memory; ask for less at once", kFileError, line);
   } catch (const std::exception& error) {
     return fail("bouncelab: unexpected error: " + printable(error.what(), kMessage_characters - 100) +
@@ -268,11 +249,13 @@ int run_and_report(const std::vector<std::string>& line) {
 }  // namespace
 }  // namespace bouncelab::cli
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace bouncelab;
-  cli::share_memory_under_a_limit();
-  cli::give_large_memory_back();
+  cli::prepare_memory();
   cli::keep_standard_descriptors();
   cli::notice_signals();
   return cli::run_and_report({argv, argv + argc});
+} catch (const std::bad_alloc&) {  // before the work began, or while its failure was said
+  bouncelab::cli::say_out_of_memory();
+  return bouncelab::cli::kFileError;
 }

@@ -75,4 +75,10 @@ std::span<const unsigned char> FileBytes::at(std::int64_t first, std::int64_t n)
   return {s.window.data() + (first - s.first), static_cast<std::size_t>(n)};
 }
 
+std::string whole_content(const std::filesystem::path& path) {
+  FileBytes file(path);
+  const auto bytes = file.at(0, file.size());
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace bouncelab

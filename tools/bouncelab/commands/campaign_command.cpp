@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/loop/sweep.hpp"
 #include "campaign/campaign_file.hpp"
@@ -42,11 +42,6 @@ std::string list_text(const Campaign& campaign) {
 std::string run_toml(const Campaign& campaign) {
   return config_text(campaign, campaign.command_out(),
                      campaign.takes_recordings() ? (campaign.parts() / "recordings.txt").string() : "");
-}
-
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 /// Recordings, or points of a sweep; 0: not known here.
@@ -159,7 +154,7 @@ Outcome start(const Campaign& campaign, const CampaignOptions& options, const Ru
 /// The parts have to be of the options that are asked for now.
 void check_unchanged(const Campaign& campaign) {
   const fs::path parts = campaign.parts_folder();
-  if (content_of(parts / "run.toml") != run_toml(campaign))
+  if (whole_content(parts / "run.toml") != run_toml(campaign))
     throw InvalidArgument(
         fmt::format("{}: its options are no longer those in {}; undo the change, or delete {} to begin anew",
                     campaign.file.string(), (campaign.parts() / "run.toml").string(), campaign.parts().string()));
@@ -169,7 +164,7 @@ void check_unchanged(const Campaign& campaign) {
 /// with its shard as long as none before it goes.
 /// @return whether they are others than those submitted
 bool take_recordings_in_their_order(Campaign& campaign) {
-  std::istringstream submitted(content_of(campaign.parts_folder() / "recordings.txt"));
+  std::istringstream submitted(whole_content(campaign.parts_folder() / "recordings.txt"));
   std::set<std::string> wanted(campaign.recordings.begin(), campaign.recordings.end());
   std::vector<std::string> ordered;
   bool is_changed = false;

@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
@@ -46,18 +45,10 @@ Format format_of(const fs::path& path) {
                         "'; use .csv, .jsonl, .h5, .txt (Audacity), .svl, .TextGrid or .wav");
 }
 
-std::string content_of(const fs::path& path) {
-  std::ifstream in(readable(path), std::ios::binary);
-  if (!in) throw FileError(input_name(path), "cannot be opened for reading; check its permissions");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 audio::Annotations read_annotations(const fs::path& path, Format format) {
   const std::string name = input_name(path);
   if (format == Format::cues) return audio::read_cues(path);
-  const std::string text = content_of(path);
+  const std::string text = whole_content(path);
   if (format == Format::sonic_visualiser) return audio::parse_sonic_visualiser_layer(text, name);
   return format == Format::praat ? audio::parse_text_grid(text, name) : read_label_track(path, text);
 }

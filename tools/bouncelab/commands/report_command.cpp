@@ -2,10 +2,9 @@
 #include "commands/report_command.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -24,18 +23,10 @@ constexpr std::size_t kMaxSamplesShown = 400;
 const char* const kShown[] = {"fit.json",   "summary.json",     "wave.json",  "paper.json", "fit_from_simulation.json",
                               "sweep.json", "diagnostics.json", "samples.csv"};
 
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw FileError(path.string(), "cannot be read");
-  return text.str();
-}
-
 std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
   inputs.push_back(path);
-  return content(path);
+  return whole_content(path);
 }
 
 std::string samples_if_few(const fs::path& path, std::vector<fs::path>& inputs) {

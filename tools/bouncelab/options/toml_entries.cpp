@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "options/tomlplusplus.hpp"
 
@@ -98,10 +97,7 @@ TomlEntries read_toml_entries(const std::filesystem::path& path) {
   if (n_bytes > kMost_bytes)
     throw FileError(path.string(),
                     fmt::format("{} bytes are no TOML file of options, which has at most {}", n_bytes, kMost_bytes));
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in.good() && !in.eof()) throw FileError(path.string(), "cannot be read");
-  return toml_entries(text, path.string());
+  return toml_entries(whole_content(path), path.string());
 }
 
 }  // namespace bouncelab::cli

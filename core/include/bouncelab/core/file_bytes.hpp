@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace bouncelab {
 
@@ -28,5 +29,10 @@ class FileBytes {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// A whole file as it is, for what is small. Streams of the standard library are no way to it: where memory is short
+/// they end early and do not say so.
+/// @throws FileError where it cannot be read; std::bad_alloc
+std::string whole_content(const std::filesystem::path& path);
 
 }  // namespace bouncelab
