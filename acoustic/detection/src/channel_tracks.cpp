@@ -51,7 +51,8 @@ bool is_enough(const BandOfChannel& band, const ChannelTracks& found) {
 
 }  // namespace
 
-BandsOfChannel::BandsOfChannel(audio::AudioSource sound, ProgressCallback progress) : progress_(std::move(progress)) {
+BandsOfChannel::BandsOfChannel(audio::AudioSource sound, int n_threads, ProgressCallback progress)
+    : n_threads_(n_threads), progress_(std::move(progress)) {
   for (const double rate_hz : kBandRates_hz) {
     const int decimation = rate_hz > 0.0 ? static_cast<int>(sound.rate_hz / rate_hz) : 1;
     if (rate_hz == 0.0 || decimation >= 2) decimations_.push_back(decimation);
@@ -71,7 +72,7 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   band.decimation = decimations_[b];
   band.sound = sound_of(b);
   band.models = audio::learn_ar_models(band.sound, kArOrder);
-  band.candidates = find_candidates(band.sound, band.models.signal, progress_);
+  band.candidates = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
   band.same_source = SameSource(measure_band_energies(band.sound, band.candidates));
   return band;
 }

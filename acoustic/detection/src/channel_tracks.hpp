@@ -26,7 +26,9 @@ struct BandOfChannel {
 /// 300 Hz. Each is searched for candidates when it is first asked for.
 class BandsOfChannel {
  public:
-  explicit BandsOfChannel(audio::AudioSource sound, ProgressCallback progress = {});
+  /// @param sound      may be read by several threads where n_threads is not 1
+  /// @param n_threads  that search it
+  explicit BandsOfChannel(audio::AudioSource sound, int n_threads = 1, ProgressCallback progress = {});
   explicit BandsOfChannel(std::vector<BandOfChannel> searched);
   std::size_t size() const { return bands_.size(); }
   BandOfChannel& operator[](std::size_t band);
@@ -34,6 +36,7 @@ class BandsOfChannel {
  private:
   const audio::AudioSource& sound_of(std::size_t band);
 
+  int n_threads_ = 1;
   ProgressCallback progress_;
   std::vector<int> decimations_;
   std::vector<std::optional<audio::AudioSource>> sounds_;  ///< made when first asked for

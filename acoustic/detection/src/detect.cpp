@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -127,7 +128,7 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
 
 template <class SourceOfChannel>
 ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels, const std::string& name,
-                                const std::optional<int>& channel, const ProgressCallback& progress) {
+                                const std::optional<int>& channel, int n_threads, const ProgressCallback& progress) {
   if (channel && (*channel < 0 || *channel >= n_channels))
     throw InvalidArgument("channel " + std::to_string(*channel) + ": " + name + " has channels 0 to " +
                           std::to_string(n_channels - 1));
@@ -135,7 +136,7 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   const int first = channel.value_or(0);
   const int last = channel ? first + 1 : n_channels;
   for (int c = first; c < last; ++c) {
-    BandsOfChannel bands(source_of(c), progress);
+    BandsOfChannel bands(source_of(c), n_threads, progress);
     ChannelTracks found = find_tracks_in(bands);
     ChannelDetection here{c, std::move(bands[found.band]), std::move(found)};
     here.band.same_source = {};  // an hour of dense music has twenty megabytes of it
@@ -144,7 +145,7 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   return best;
 }
 
-/// @param n_threads  that time its drops
+/// @param source_of  sources that may be read by several threads where n_threads is not 1
 template <class SourceOfChannel>
 Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std::string& name,
                     const DetectionConfig& config, int n_threads, const ProgressCallback& progress) {
@@ -153,7 +154,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   if (config.min_impacts < 3)
     throw InvalidArgument("min_impacts " + std::to_string(config.min_impacts) +
                           ": at least 3 impacts give a coefficient of restitution");
-  ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, progress);
+  ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, n_threads, progress);
   const audio::AudioSource sound = source_of(best.channel);
   const BandOfChannel& band = best.band;
   Detection d;
@@ -165,10 +166,9 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  TimedRecording timed =
-      time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates, best.found.tracks,
-                      config.gravity_mps2, kMayStartChildBesideThreads ? n_threads : 1},
-                     name);
+  TimedRecording timed = time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates,
+                                         best.found.tracks, config.gravity_mps2, n_threads},
+                                        name);
   d.onsets = std::move(timed.onsets);
   leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);
@@ -197,8 +197,10 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
 Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
                       const ProgressCallback& progress) {
   audio::AudioReader reader(recording, config.rate_hz);
-  Detection d = detect_in([&](int channel) { return reader.source(channel); }, reader.format().n_channels,
-                          input_name(recording), config, n_threads, progress);
+  const auto reading = std::make_shared<std::mutex>();
+  Detection d = detect_in([&](int channel) { return audio::one_at_a_time(reader.source(channel), reading); },
+                          reader.format().n_channels, input_name(recording), config,
+                          kMayStartChildBesideThreads ? n_threads : 1, progress);
   describe_format(reader.format(), config.lossy_coding, d);
   return d;
 }

@@ -8,9 +8,11 @@
 #include <iterator>
 #include <utility>
 
+#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/line_reader.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "files/label_track.hpp"
 #include "files/provenance.hpp"
@@ -129,11 +131,17 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
     result.recordings[k] = recording_result(recordings[k].string(), d);
     keep_first(k, std::move(d), result.first);
   };
-  if (records != nullptr)
+  if (records != nullptr) {
     for (std::size_t k = 0; k < recordings.size(); ++k) take(k, records->detection(recordings[k]));
-  else
-    detection::detect_each(recordings, config, run.common.n_threads, take,
+    return result;
+  }
+  // the checksums of the provenance while the sound is searched, as a thread has time for them
+  const int n_threads = run.common.n_threads;
+  parallel_for(2, kMayStartChildBesideThreads ? n_threads : 1, [&](std::size_t work) {
+    if (work == 1) return compute_sha256_ahead(recordings, n_threads);
+    detection::detect_each(recordings, config, n_threads, take,
                            progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
+  });
   return result;
 }
 

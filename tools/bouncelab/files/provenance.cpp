@@ -22,6 +22,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/version.hpp"
 #include "json/json_text.hpp"
 
@@ -116,6 +117,15 @@ std::string sha256_of_file(const fs::path& path) {
   std::string sum = computed_sha256(path);
   const std::lock_guard lock(known.mutex);
   return known.sums[*content] = std::move(sum);
+}
+
+void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
+  parallel_for(files.size(), n_threads, [&](std::size_t k) {
+    try {
+      if (content_of(files[k])) sha256_of_file(files[k]);
+    } catch (const FileError&) {  // said by whoever reads the sound
+    }
+  });
 }
 
 void know_sha256(const fs::path& path, const std::string& sha256) {

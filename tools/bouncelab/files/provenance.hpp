@@ -14,6 +14,11 @@ namespace bouncelab::cli {
 /// @throws FileError, Interrupted
 std::string sha256_of_file(const std::filesystem::path& path);
 
+/// Computes what sha256_of_file() will be asked for, on up to n_threads threads. What cannot be read is passed over,
+/// and so is a file that was written to in the last two seconds, whose sum cannot be kept.
+/// @throws Interrupted
+void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
+
 /// The SHA-256 of a file as it is now, from somebody who computed it.
 void know_sha256(const std::filesystem::path& path, const std::string& sha256);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
 
@@ -21,6 +22,15 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
             std::copy_n(samples.begin() + first, out.size(), out.begin());
           },
           samples, 0};
+}
+
+AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> reading) {
+  source.read = [read = std::move(source.read), reading = std::move(reading)](std::int64_t first,
+                                                                              std::span<float> out) {
+    const std::lock_guard lock(*reading);
+    read(first, out);
+  };
+  return source;
 }
 
 std::span<const float> resident_span(const AudioSource& source, std::int64_t first, std::size_t n) {

@@ -5,8 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <mutex>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "candidates/innovation_energy.hpp"
 
 namespace bouncelab::detection {
@@ -17,6 +20,7 @@ constexpr std::array<std::int64_t, 3> kAfterHops{3, 12, 48};
 constexpr std::int64_t kBeforeFactor = 3;  // three times as long before, for a more accurate background
 constexpr std::int64_t kApartHops = 4;
 constexpr std::int64_t kBlockHops = 1 << 13;
+constexpr std::int64_t kSegmentHops = 8 * kBlockHops;  // of one thread; its margins are read twice, a hundredth of it
 // candidates are searched so far beyond a block's ends that the result does not depend on the blocks
 constexpr std::int64_t kOverlapHops = 128;
 constexpr std::int64_t kMarginHops = kOverlapHops + kBeforeFactor * kAfterHops.back() + 2 * kApartHops;
@@ -174,26 +178,60 @@ void find_in_block(const InnovationEnergy& energy, std::int64_t first, std::int6
   }
 }
 
+/// What all segments of a recording have in common.
+struct Search {
+  const audio::AudioSource& sound;
+  const audio::ArModel& model;
+  std::int64_t hop;
+  std::int64_t n_hops;
+  std::array<double, kAfterHops.size()> least_rises;
+};
+
+Search search_in(const audio::AudioSource& sound, const audio::ArModel& model) {
+  const auto hop = std::max<std::int64_t>(1, std::llround(kHop_s * sound.rate_hz));
+  Search search{sound, model, hop, sound.n_samples / hop, {}};
+  for (std::size_t window = 0; window < kAfterHops.size(); ++window)
+    search.least_rises[window] = threshold_rise(static_cast<double>(kAfterHops[window] * hop));
+  return search;
+}
+
+/// @param block_done  called with the number of hops of each block that is done
+std::vector<Candidate> find_in_segment(const Search& search, std::int64_t begin, std::int64_t end,
+                                       const std::function<void(std::int64_t)>& block_done) {
+  std::vector<Candidate> candidates;
+  InnovationEnergy energy(search.sound, search.model, search.hop, kMarginHops);
+  for (std::int64_t first = begin; first < end; first += kBlockHops) {
+    const std::int64_t n_here = std::min(kBlockHops, end - first);
+    energy.load(first, n_here);
+    find_in_block(energy, first, n_here, search.least_rises, candidates);
+    block_done(n_here);
+  }
+  return candidates;
+}
+
 }  // namespace
 
-std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model,
+std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
                                        const ProgressCallback& progress) {
+  if (model.quiet_variance <= 0.0) return {};
+  const Search search = search_in(sound, model);
+  std::mutex reporting;
+  std::int64_t n_hops_done = 0;
+  const auto block_done = [&](std::int64_t n_hops) {
+    if (!progress) return;
+    const std::lock_guard lock(reporting);
+    n_hops_done += n_hops;
+    progress(static_cast<double>(n_hops_done * search.hop) / sound.rate_hz,
+             static_cast<double>(sound.n_samples) / sound.rate_hz);
+  };
+  const std::int64_t n_segments = (search.n_hops + kSegmentHops - 1) / kSegmentHops;
+  std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(n_segments));
+  parallel_for(found.size(), n_threads, [&](std::size_t k) {
+    const std::int64_t begin = static_cast<std::int64_t>(k) * kSegmentHops;
+    found[k] = find_in_segment(search, begin, std::min(begin + kSegmentHops, search.n_hops), block_done);
+  });
   std::vector<Candidate> candidates;
-  if (model.quiet_variance <= 0.0) return candidates;
-  const auto hop = std::max<std::int64_t>(1, std::llround(kHop_s * sound.rate_hz));
-  const std::int64_t n_hops = sound.n_samples / hop;
-  InnovationEnergy energy(sound, model, hop, kMarginHops);
-  std::array<double, kAfterHops.size()> least_rises;
-  for (std::size_t window = 0; window < kAfterHops.size(); ++window)
-    least_rises[window] = threshold_rise(static_cast<double>(kAfterHops[window] * hop));
-  for (std::int64_t first = 0; first < n_hops; first += kBlockHops) {
-    const std::int64_t n_here = std::min(kBlockHops, n_hops - first);
-    energy.load(first, n_here);
-    find_in_block(energy, first, n_here, least_rises, candidates);
-    if (progress)
-      progress(static_cast<double>((first + n_here) * hop) / sound.rate_hz,
-               static_cast<double>(sound.n_samples) / sound.rate_hz);
-  }
+  for (const std::vector<Candidate>& here : found) candidates.insert(candidates.end(), here.begin(), here.end());
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.t_s < b.t_s; });
   return candidates;
 }

@@ -34,9 +34,11 @@ constexpr double kCandidateThreshold = 8.0;
 /// 2 LLR is chi-squared with one degree of freedom; the threshold LLR > 8 lets through about one false candidate in 3
 /// s. The background is the sound just before, so that a weak impact counts as much in silence as on the tail of a
 /// strong one.
-/// @param model  of the sound, from audio::learn_ar_models; no candidates where its quiet variance is 0
+/// @param sound      may be read by several threads where n_threads is not 1
+/// @param model      of the sound, from audio::learn_ar_models; no candidates where its quiet variance is 0
+/// @param n_threads  they take segments of some seconds; the candidates do not depend on it
 /// Source: Sleeman & van Eck, Phys. Earth Planet. Inter. 113, 265 (1999), doi:10.1016/S0031-9201(99)00007-2
-std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model,
+std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
                                        const ProgressCallback& progress);
 
 }  // namespace bouncelab::detection

@@ -41,17 +41,6 @@ class TrackMemory {
   std::size_t n_held_ = 0;
 };
 
-/// The same, to be read by several threads.
-/// @param source, mutex  kept by reference
-audio::AudioSource one_at_a_time(const audio::AudioSource& source, std::mutex& mutex) {
-  audio::AudioSource shared = source;
-  shared.read = [&source, &mutex](std::int64_t first, std::span<float> out) {
-    const std::lock_guard lock(mutex);
-    source.read(first, out);
-  };
-  return shared;
-}
-
 /// The sound around a track, read once into memory where it is no longer than a few minutes.
 /// @param memory  of the result, which ends with its next use
 audio::AudioSource resident_around(const audio::AudioSource& sound, double begin_s, double end_s, TrackMemory& memory) {
@@ -99,10 +88,7 @@ struct TimedDrops {
 class DropsTimer {
  public:
   explicit DropsTimer(const TimingInput& input)
-      : input_(input),
-        band_(one_at_a_time(input.band, reading_)),
-        whole_(one_at_a_time(input.whole, reading_)),
-        timed_{input.is_full_band, input.band.rate_hz, input.noise.quiet_variance, {}, {}, {}} {
+      : input_(input), timed_{input.is_full_band, input.band.rate_hz, input.noise.quiet_variance, {}, {}, {}} {
     const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
                                        [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
     if (is_shared) shared_ = template_of(input, input.tracks);
@@ -123,9 +109,9 @@ class DropsTimer {
     const double begin_s = input_.candidates[track.impacts.front().candidate].t_s;
     const double last_s = input_.candidates[track.impacts.back().candidate].t_s;
     TrackMemory memory = take_memory();
-    const audio::AudioSource band = resident_around(band_, begin_s, last_s, memory);
+    const audio::AudioSource band = resident_around(input_.band, begin_s, last_s, memory);
     const TimingInput here{band,
-                           input_.is_full_band ? band : whole_,
+                           input_.is_full_band ? band : input_.whole,
                            input_.is_full_band,
                            input_.noise,
                            input_.candidates,
@@ -165,8 +151,6 @@ class DropsTimer {
   }
 
   const TimingInput& input_;
-  std::mutex reading_;
-  audio::AudioSource band_, whole_;
   std::optional<ImpactTemplate> shared_;  // of the tracks that have none of their own
   TimedDrops timed_;
   std::mutex results_;  // of what follows

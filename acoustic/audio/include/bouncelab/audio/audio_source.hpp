@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <span>
 
 namespace bouncelab::audio {
@@ -22,6 +24,10 @@ struct AudioSource {
 
 /// Source of samples in memory, which must outlive it. @throws InvalidArgument naming a sample that is not finite
 AudioSource source_in_memory(std::span<const float> samples, double rate_hz);
+
+/// The same, to be read by several threads.
+/// @param reading  held while `source` is read; one for all sources of a file
+AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> reading);
 
 /// Samples first ... first + n - 1 without a copy; empty unless all are resident.
 std::span<const float> resident_span(const AudioSource& source, std::int64_t first, std::size_t n);
