@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // --threads is what the program uses: its threads are counted from outside while it works.
+#include <algorithm>
+
 #include "program.hpp"
 #include "support/sanitizers.hpp"
 
@@ -29,13 +31,24 @@ TEST_F(Threads, AreAsManyAsAskedForInEveryCommandThatComputesLong) {
   write("s.csv", samples);
   // each works for some tenths of a second, a hundred times as long as the counting sleeps
   for (const std::string command : {"simulate --drops 200 --impacts 95 --asperities 100000 --out i2.csv",
-                                    "synthesize i.csv --rate 48000 --out a.wav",
+                                    "synthesize i.csv --rate 48000 --out a.wav", "detect a.wav --out o.csv",
                                     "fit s.csv --out f.json --bootstrap 20", "calibrate --samples 20000 --seeds 2"}) {
     EXPECT_EQ(most_threads(command + " --force --threads 1"), 1) << command;
     const int n = most_threads(command + " --force --threads 3");
     EXPECT_GE(n, 2) << command;
     EXPECT_LE(n, 3) << command;
   }
+}
+
+// ten segments of a thread, with impacts at their ends too
+TEST_F(Threads, DoNotChangeTheOnsetsOfALongRecording) {
+  ASSERT_EQ(run("simulate --drops 8 --impacts 80 --asperities 2000 --out i.csv").exit_code, 0);
+  ASSERT_EQ(run("synthesize i.csv --rate 16000 --max-mode 7000 --out a.wav").exit_code, 0);
+  ASSERT_EQ(run("detect a.wav --threads 1 --out one.csv").exit_code, 0);
+  ASSERT_EQ(run("detect a.wav --threads 3 --out three.csv").exit_code, 0);
+  const std::string one = content_of(folder_ / "one.csv");
+  EXPECT_GT(std::count(one.begin(), one.end(), '\n'), 600);
+  EXPECT_EQ(one, content_of(folder_ / "three.csv"));
 }
 
 }  // namespace
