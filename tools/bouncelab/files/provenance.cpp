@@ -2,8 +2,7 @@
 #include "files/provenance.hpp"
 
 #include <fmt/format.h>
-#include <openssl/crypto.h>
-#include <openssl/evp.h>
+#include <nettle/sha2.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -11,7 +10,6 @@
 #include <cstdint>
 #include <ctime>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -39,28 +37,19 @@ Json json_of(const Parameters& parameters) {
   return json;
 }
 
-/// For a checksum no configuration of the system need be read.
-const EVP_MD* sha256() {
-  OPENSSL_init_crypto(OPENSSL_INIT_NO_LOAD_CONFIG, nullptr);
-  return EVP_sha256();
-}
-
 /// A checksum that is being computed.
 class Sha256 {
  public:
-  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) { EVP_DigestInit_ex(context_.get(), sha256(), nullptr); }
-  void add(const void* bytes, std::size_t n) { EVP_DigestUpdate(context_.get(), bytes, n); }
+  Sha256() { sha256_init(&state_); }
+  void add(const void* bytes, std::size_t n) { sha256_update(&state_, n, static_cast<const std::uint8_t*>(bytes)); }
   std::string in_hexadecimal() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
-    std::string text;
-    for (unsigned int k = 0; k < size; ++k) text += fmt::format("{:02x}", digest[k]);
-    return text;
+    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+    sha256_digest(&state_, digest.size(), digest.data());
+    return fmt::format("{:02x}", fmt::join(digest, ""));
   }
 
  private:
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+  sha256_ctx state_;
 };
 
 std::string sha256_of(const std::string& text) {
