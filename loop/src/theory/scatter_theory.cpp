@@ -122,7 +122,8 @@ std::optional<ScatterTheory> scatter_theory(const sim::SimulationConfig& config,
   const Impacts falling = falling_impacts(impacts);
   const std::vector<ImpactWithPath> with_paths = impacts_with_paths(config.law, falling);
   for (const fit::HistogramFit& window : windows) add_window(config.law, with_paths, window, theory);
-  const std::vector<double> transforms = sim::probability_transforms(falling, config.law, theory.q);
+  const std::vector<double> transforms =
+      sim::probability_transforms(falling, config.law, theory.q, 0.0, config.n_threads);
   theory.n_transforms = transforms.size();
   const std::size_t n_bins = theory.transform_counts.size();
   for (const double p : transforms)

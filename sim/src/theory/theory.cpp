@@ -2,10 +2,12 @@
 #include "bouncelab/sim/theory.hpp"
 
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::sim {
 
@@ -52,13 +54,14 @@ FluctuationSides expected_sides(const SimulationConfig& config, double q, double
   return mean;
 }
 
-std::vector<double> probability_transforms(const Impacts& impacts, const RestitutionLaw& law, double q,
-                                           double reservoir_m2ps2) {
-  std::vector<double> transforms;
-  transforms.reserve(impacts.rows.size());
+namespace {
+
+/// Of the impacts of one drop.
+void transform_drop(std::span<const Impact> impacts, const RestitutionLaw& law, double q, double reservoir_m2ps2,
+                    std::span<double> transforms) {
   double w = reservoir_m2ps2;
-  for (const Impact& impact : impacts.rows) {
-    if (impact.impact == 0) w = reservoir_m2ps2;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    const Impact& impact = impacts[k];
     if (!(impact.v_mps > 0.0))
       throw InvalidArgument("probability transforms: impact " + std::to_string(impact.impact) + " of drop " +
                             std::to_string(impact.drop) + " meets the ball on its way up, at " +
@@ -66,9 +69,25 @@ std::vector<double> probability_transforms(const Impacts& impacts, const Restitu
     const double eps = restitution(law, impact.v_mps);
     const Fluctuation fluctuation(q, {impact.v_mps, eps, restitution_slope(law, impact.v_mps), w});
     const double r = impact.eps_macro - eps;
-    transforms.push_back(fluctuation.cdf(r));
+    transforms[k] = fluctuation.cdf(r);
     w = fluctuation.reservoir_after(r);
   }
+}
+
+}  // namespace
+
+std::vector<double> probability_transforms(const Impacts& impacts, const RestitutionLaw& law, double q,
+                                           double reservoir_m2ps2, int n_threads) {
+  const std::span<const Impact> all = impacts.rows;
+  std::vector<std::size_t> begins;  // of the drops, and the end
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (k == 0 || all[k].impact == 0) begins.push_back(k);
+  begins.push_back(all.size());
+  std::vector<double> transforms(all.size());
+  parallel_for(begins.size() - 1, n_threads, [&](std::size_t d) {
+    const std::size_t n = begins[d + 1] - begins[d];
+    transform_drop(all.subspan(begins[d], n), law, q, reservoir_m2ps2, std::span(transforms).subspan(begins[d], n));
+  });
   return transforms;
 }
 

@@ -62,9 +62,10 @@ FluctuationSides expected_sides(const SimulationConfig& config, double q, double
 /// Probability transform of each impact given the drop's earlier ones: uniform and independent where the theory holds.
 /// @param impacts         whole drops, from the first impact on
 /// @param reservoir_m2ps2 w at release, >= 0
+/// @param n_threads       they take a drop each; 0: all cores
 /// @return one for each impact, in [0, 1]
 /// @throws InvalidArgument where an impact meets the ball on its way up, as happens to balls that spin fast
 std::vector<double> probability_transforms(const Impacts& impacts, const RestitutionLaw& law, double q,
-                                           double reservoir_m2ps2 = 0.0);
+                                           double reservoir_m2ps2 = 0.0, int n_threads = 1);
 
 }  // namespace bouncelab::sim
