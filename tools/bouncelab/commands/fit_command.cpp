@@ -120,7 +120,7 @@ Outcome run_part(const RestitutionSamples& samples, fit::FitConfig config, const
   std::atomic<std::size_t> n_done = 0;
   config.law.replicates = [&](std::size_t k, const std::function<fit::Replicate()>& make) -> fit::Replicate {
     if (pending.count(k) == 0) return std::nullopt;
-    const fit::Replicate replicate = make();
+    fit::Replicate replicate = make();
     part.keep(k, loop::to_record(replicate));
     ++n_done;
     return replicate;
