@@ -56,6 +56,21 @@ TEST_F(Campaign, OnThisMachineGivesTheBytesOfThePlainRun) {
                         {"my out/onsets.h5.parts", "submitted already", "resume"});
 }
 
+TEST_F(Campaign, ARecordingThatGivesNothingIsNamedAndTheOthersAreCompared) {
+  ASSERT_EQ(shell("\"$B\" simulate --drops 2 --impacts 12 --asperities 1000 --out i.csv --quiet && "
+                  "\"$B\" synthesize i.csv --each-drop --rate 22050 --out ball.wav --quiet")
+                .exit_code,
+            0);
+  write("cut.wav", content_of(folder_ / "ball.0000.wav").substr(0, 60));
+  write("c.toml", "command = 'detect'\nout = 'o'\nrecordings = '*.wav'\n[jobs]\nshards = 2\n");
+  const Result result = run("campaign c.toml --on local");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string note = "1 of the 3 recordings of groups.csv has no samples: 'cut.wav'";
+  EXPECT_THAT(result.err, HasSubstr(note));
+  EXPECT_THAT(run("campaign status c.toml").err, HasSubstr(note));
+  EXPECT_THAT(content_of(folder_ / "o/compare/report.html"), HasSubstr(note));
+}
+
 TEST_F(Campaign, ShardsThatFailAreNamedWithTheirLastLineAndResumedAlone) {
   write("c.toml",
         "command = 'loop'\nout = 'sweep'\n[jobs]\nshards = 3\n"

@@ -29,8 +29,8 @@ std::string of_tau(const BetweenRecordings& between) {
         tau.value, tau.ci95.lo, tau.ci95.hi);
   return formatted(
       "That ε differs from recording to recording beyond their own errors is not seen: the standard "
-      "deviation is %.2g, at most %.2g (95 %%).",
-      tau.value, tau.ci95.hi);
+      "deviation is at most %.2g (95 %%).",
+      tau.ci95.hi);
 }
 
 std::string of_drift(const BetweenRecordings& between) {
@@ -75,6 +75,9 @@ std::string of_outliers(const BetweenRecordings& between, const std::vector<Camp
 std::string of_groups(const Grouping& grouping, const char* name) {
   if (!grouping.deviation) return {};
   const StandardDeviation& sd = *grouping.deviation;
+  if (!(sd.value > 0.0))
+    return formatted("That ε differs from %s to %s is not seen: the standard deviation is at most %.2g (95 %%).", name,
+                     name, sd.ci95.hi);
   return formatted("From %s to %s ε differs by %.2g (standard deviation; 95 %%: %.2g to %.2g).", name, name, sd.value,
                    sd.ci95.lo, sd.ci95.hi);
 }
@@ -86,8 +89,8 @@ std::string of_few_plates(const Grouping& plates) {
       plates.rows.begin(), plates.rows.end(), [](const GroupRow& a, const GroupRow& b) { return a.offset < b.offset; });
   const double difference = greatest->offset - least->offset;
   const double se = std::sqrt(greatest->se * greatest->se + least->se * least->se);
-  return formatted("Plate %s has the greatest ε and %s the least: a difference of %.2g ± %.1g.",
-                   printable(greatest->name).c_str(), printable(least->name).c_str(), difference, se);
+  return formatted("Plate %s has the greatest ε and %s the least: a difference of %s.",
+                   printable(greatest->name).c_str(), printable(least->name).c_str(), in_words(difference, se).c_str());
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <ctime>
+#include <fstream>
 
 #include "campaign/scripts.hpp"
 #include "json/campaign_json.hpp"
+#include "json/json_text.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -34,6 +36,19 @@ std::string counts_text(const CampaignState& state) {
     if (const auto n = state.numbers(kind).size(); n > 0)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, word_of(kind));
   return text;
+}
+
+/// What the comparison of the recordings warns of: the recordings without samples above all, which cost only
+/// themselves.
+std::vector<std::string> notes_of_comparison(const Campaign& campaign) {
+  std::vector<std::string> notes;
+  std::ifstream file(campaign.folder / campaign.out / "compare" / "comparison.json");
+  if (!campaign.takes_recordings() || !file) return notes;
+  const nlohmann::json comparison = nlohmann::json::parse(file, nullptr, false);
+  if (!comparison.is_object() || !comparison.contains("notes")) return notes;
+  for (const nlohmann::json& note : comparison["notes"])
+    if (note.is_string()) notes.push_back(note.get<std::string>());
+  return notes;
 }
 
 }  // namespace
@@ -102,7 +117,10 @@ Outcome status_outcome(const Campaign& campaign, const Submission& submission, c
   const bool merge_failed = state.is_complete() && state.merge == ShardState::failed;
   if (merge_failed)
     outcome.text += fmt::format("merge failed: {} ({})\n", state.merge_reason, merge_log(campaign).string());
-  if (state.merge == ShardState::complete) outcome.text += "the results are in " + campaign.out + "\n";
+  if (state.merge == ShardState::complete) {
+    outcome.text += "the results are in " + campaign.out + "\n";
+    outcome.warnings = notes_of_comparison(campaign);
+  }
   if (n_failed > 0 || merge_failed) {
     outcome.exit_code = kNotUsable;
     outcome.error =

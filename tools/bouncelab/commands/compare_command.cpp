@@ -87,11 +87,17 @@ void name_origins(std::vector<fit::CampaignRecording>& recordings, const Origins
     if (!recording.origin.date) recording.origin.date = fit::date_in_name(name);
   }
   if (found.size() < origins.size()) {
-    std::string first;
+    constexpr std::size_t kMostNamed = 5;
+    const std::size_t n_missing = origins.size() - found.size();
+    std::string names;
+    std::size_t n_named = 0;
     for (const auto& [name, origin] : origins)
-      if (first.empty() && found.count(name) == 0) first = name;
-    warnings.push_back(fmt::format("{}: {} of {} recordings have no samples, the first '{}'", printable(file),
-                                   origins.size() - found.size(), origins.size(), printable(first)));
+      if (found.count(name) == 0 && n_named < kMostNamed)
+        names += (n_named++ > 0 ? ", '" : "'") + printable(name) + "'";
+    if (n_missing > n_named) names += fmt::format(" and {} more", n_missing - n_named);
+    warnings.push_back(fmt::format("{} of the {} recordings of {} {} no samples: {}", n_missing, origins.size(),
+                                   printable(fs::path(file).filename().string()), n_missing == 1 ? "has" : "have",
+                                   names));
   }
 }
 
@@ -121,7 +127,9 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   reduction.reduce();
   std::vector<fit::CampaignRecording>& recordings = reduction.recordings;
   name_origins(recordings, origins, options.groups, outcome.warnings);
-  const fit::BetweenRecordings between = fit::compare_campaign(recordings);
+  fit::BetweenRecordings between = fit::compare_campaign(recordings);
+  between.notes = joined(outcome.warnings, between.notes);
+  outcome.warnings = between.notes;
   const std::string json = to_json(between, recordings);
   write_text(run, folder / "comparison.json", json, inputs);
   write_table(run, folder / "comparison.csv", to_table(between, recordings), inputs);
@@ -138,7 +146,6 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   }
   for (const std::string& sentence : in_words(between, recordings)) outcome.text += sentence + "\n";
   outcome.text += "Report: " + fs::absolute(folder / "report.html").lexically_normal().string() + "\n";
-  outcome.warnings = joined(outcome.warnings, between.notes);
   return outcome;
 }
 
