@@ -89,10 +89,6 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c,
   add_four(out, c, s, step_re, step_im, silence, re, im);
 }
 
-BOUNCELAB_VECTOR_CLONES void add_to_double(std::span<const float> x, double* out) {
-  for (std::size_t k = 0; k < x.size(); ++k) out[k] += static_cast<double>(x[k]);
-}
-
 std::size_t rounded_up(std::size_t n) { return (n + kTogether - 1) / kTogether * kTogether; }
 
 PoleValues product(const PoleValues& a, const PoleValues& b) {
@@ -190,30 +186,25 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
 template <class T>
 void ResonatorBank::ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves,
                                   std::span<T> out) const {
-  for (std::size_t p = 0; p < size(); p += kTogether) {
-    const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
-    double re[kTogether]{}, im[kTogether]{};
-    std::copy_n(state.re.data() + p, n, re);
-    std::copy_n(state.im.data() + p, n, im);
-    add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
-                silence, re, im);
-    std::copy_n(re, n, state.re.data() + p);
-    std::copy_n(im, n, state.im.data() + p);
-  }
+  constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
+  for (; !out.empty(); out = out.subspan(std::min(kRun, out.size())))
+    for (std::size_t p = 0; p < size(); p += kTogether) {
+      const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
+      double re[kTogether]{}, im[kTogether]{};
+      std::copy_n(state.re.data() + p, n, re);
+      std::copy_n(state.im.data() + p, n, im);
+      add_ringing(out.first(std::min(kRun, out.size())), waves.re.data() + at, waves.im.data() + at,
+                  block_step_.re.data() + p, block_step_.im.data() + p, silence, re, im);
+      std::copy_n(re, n, state.re.data() + p);
+      std::copy_n(im, n, state.im.data() + p);
+    }
 }
 
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
-  constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
-  for (; !out.empty(); out = out.subspan(std::min(kRun, out.size()))) {
-    const std::span<double> run = out.first(std::min(kRun, out.size()));
-    if (silence < kSingleFrom) {
-      ring_together(state, silence, waves_, run);
-      continue;
-    }
-    float sound[kRun]{};
-    ring_together(state, silence, single_waves_, std::span(sound, run.size()));
-    add_to_double({sound, run.size()}, run.data());
-  }
+  ring_together(state, silence, waves_, out);
+}
+void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out) const {
+  ring_together(state, silence, single_waves_, out);
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {

@@ -56,8 +56,6 @@ class ResonatorBank {
  public:
   /// Free ringing is rendered in blocks of this many frames.
   static constexpr std::int64_t kBlock = 64;
-  /// Of amplitudes of about 1: 40 dB below a noise of which this is 80 dB below, rounding is not to be found.
-  static constexpr double kSingleFrom = 1e-9;
 
   /// @param poles  s_p in 1/s, real part < 0, imaginary part >= 0 (0: a real pole)
   ResonatorBank(std::vector<std::complex<double>> poles, double rate_hz);
@@ -71,9 +69,10 @@ class ResonatorBank {
 
   ContactWave wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const;
   /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
-  /// are all below `silence` at a block's begin are set to zero. From a silence of kSingleFrom on the sound, not the
-  /// state, is in single precision: 1e-7 of each resonator's amplitude.
+  /// are all below `silence` at a block's begin are set to zero.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
+  /// The same; the sound, not the state, is in single precision: 1e-7 of each resonator's amplitude.
+  void ring(PoleValues& state, double silence, std::span<float> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;
   /// The same for less than a block, from a table.
