@@ -37,6 +37,18 @@ BOUNCELAB_VECTOR_CLONES double sum_of_magnitudes(const double* re, const double*
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+/// What row p of a symmetric sum adds to those over its columns 0 ... p; half of the last.
+BOUNCELAB_VECTOR_CLONES void add_energy_row(double re, double im, const double* re_of_re, const double* re_of_im,
+                                            const double* im_of_re, const double* im_of_im, std::size_t p,
+                                            double* __restrict of_re, double* __restrict of_im) {
+  for (std::size_t q = 0; q < p; ++q) {
+    of_re[q] += re * re_of_re[q] - im * im_of_re[q];
+    of_im[q] += re * re_of_im[q] - im * im_of_im[q];
+  }
+  of_re[p] += 0.5 * (re * re_of_re[p] - im * im_of_re[p]);
+  of_im[p] += 0.5 * (re * re_of_im[p] - im * im_of_im[p]);
+}
+
 }  // namespace
 
 Whitening::Whitening(const ResonatorBank& bank, const FlickerFilter& noise_) : noise(noise_), slope_gains(bank.size()) {
@@ -61,18 +73,12 @@ WaveMeter::WaveMeter(const ResonatorBank& bank) : bank_(bank) {
 
 double WaveMeter::ringing_energy(const PoleValues& d) const {
   // both sums are symmetric in p and q: those left of the diagonal count twice
-  double total = 0.0;
   const std::size_t n = d.size();
-  const double *of_re = d.re.data(), *of_im = d.im.data();
-  const auto product = [&](std::size_t row, std::size_t first, std::size_t n_terms, std::size_t p) {
-    const double re = audio::dot(re_of_re_.data() + row + first, of_re + first, n_terms) +
-                      audio::dot(re_of_im_.data() + row + first, of_im + first, n_terms);
-    const double im = audio::dot(im_of_re_.data() + row + first, of_re + first, n_terms) +
-                      audio::dot(im_of_im_.data() + row + first, of_im + first, n_terms);
-    return of_re[p] * re - of_im[p] * im;
-  };
-  for (std::size_t p = 0, row = 0; p < n; ++p, row += n) total += product(row, 0, p, p) + 0.5 * product(row, p, 1, p);
-  return total;
+  PoleValues sums(n);
+  for (std::size_t p = 0; p < n; ++p)
+    add_energy_row(d.re[p], d.im[p], re_of_re_.data() + p * n, re_of_im_.data() + p * n, im_of_re_.data() + p * n,
+                   im_of_im_.data() + p * n, p, sums.re.data(), sums.im.data());
+  return audio::dot(sums.re.data(), d.re.data(), n) + audio::dot(sums.im.data(), d.im.data(), n);
 }
 
 double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {

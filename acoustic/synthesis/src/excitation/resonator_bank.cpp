@@ -223,7 +223,7 @@ void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> ou
 }
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out) const {
   // as many resonators cost as much by themselves as a transform does for all
-  constexpr std::size_t kWorthATransform = 40;
+  constexpr std::size_t kWorthATransform = 28;
   PoleValuesOf<float> held(out.size() < RingingTransform::kFrames ? 0 : size());
   while (!out.empty()) {
     std::size_t n = RingingTransform::kFrames;
