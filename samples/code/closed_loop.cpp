@@ -19,7 +19,7 @@ int main() {
   // synthesize: one recording of a glass plate, piezo sensor, 96 kHz, signal-to-noise ratio 30 dB
   const synthesis::SynthesisConfig sound;
   const synthesis::SyntheticRecording recording(impacts, sound);
-  const std::vector<float> samples = audio::as_read_back(recording.samples(), sound.encoding);
+  const std::vector<float> samples = recording.samples_as_read_back();
 
   // detect: the detector is given the samples and their rate, nothing else
   const Onsets onsets = detection::detect(samples, sound.rate_hz, "loop").onsets;

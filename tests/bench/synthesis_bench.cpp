@@ -91,7 +91,7 @@ double synthesis_s_per_s(const Impacts& impacts, const synthesis::SynthesisConfi
   return least;
 }
 
-/// A recording for each drop, with levels given: what a long loop does in memory.
+/// A recording for each drop, with levels given, rounded as in a file: what a long loop does in memory.
 double drop_by_drop_s_per_s(const Impacts& all, synthesis::SynthesisConfig config) {
   const auto instrument = synthesis::make_instrument(config);
   config.levels = synthesis::SyntheticRecording(all, config, instrument).levels();
@@ -100,7 +100,7 @@ double drop_by_drop_s_per_s(const Impacts& all, synthesis::SynthesisConfig confi
     for (int drop = 0; drop < 2 * kDrops; ++drop) {
       const synthesis::SyntheticRecording one(smooth_drops(1), synthesis::config_of_drop(config, *config.levels, drop),
                                               instrument);
-      for (std::int64_t k = 0; k < one.n_segments(); ++k) sink = one.segment(k).front();
+      sink = one.samples_as_read_back().front();
       sound_s += static_cast<double>(one.n_frames()) / config.rate_hz;
     }
   });

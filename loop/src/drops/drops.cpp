@@ -38,7 +38,7 @@ double thread_processor_time_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void keep(const std::vector<double>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
+void keep(const std::vector<float>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
   audio::AudioWriter writer(path, {config.rate_hz, 1, config.encoding}, static_cast<std::int64_t>(samples.size()),
                             true);
   writer.write(samples);
@@ -68,14 +68,13 @@ DropResult run_drop(const Impacts& impacts, const std::string& ball, const DropR
   const double start_s = thread_processor_time_s();
   const synthesis::SynthesisConfig config = synthesis::config_of_drop(recording.config, recording.levels, result.drop);
   const synthesis::SyntheticRecording sound(impacts, config, recording.instrument);
-  const std::vector<double> samples = sound.samples();
+  const std::vector<float> samples = sound.samples_as_read_back();
   result.truth = sound.truth();
   result.sound_s = static_cast<double>(samples.size()) / config.rate_hz;
   const std::string name = recording_name(ball, result.drop);
   if (recording.folder) keep(samples, config, *recording.folder / name);
-  const std::vector<float> read_back = audio::as_read_back(samples, config.encoding);
   const double synthesized_s = thread_processor_time_s();
-  result.onsets = detection::detect(read_back, config.rate_hz, name).onsets;
+  result.onsets = detection::detect(samples, config.rate_hz, name).onsets;
   result.synthesize_s = synthesized_s - start_s;
   result.detect_s = thread_processor_time_s() - synthesized_s;
   return result;

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/noise.hpp"
 
+#include <Random123/philox.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
+#include "scene/noise_words.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -29,16 +34,79 @@ TEST(WhiteNoise, IsStandardNormal) {
   EXPECT_NEAR(m2, 1.0, 4.0 * std::sqrt(2.0 / n));
   EXPECT_NEAR(m4, 3.0, 4.0 * std::sqrt(96.0 / n));
   EXPECT_NEAR(lag, 0.0, 4.0 / std::sqrt(n));
-  // Kolmogorov-Smirnov over the whole range, tail and wedges included: 1.95/sqrt(n) is the 0.1% point
+  // Kolmogorov-Smirnov over the whole range: 1.95/sqrt(n) is the 0.1% point
   std::sort(x.begin(), x.end());
   double distance = 0.0;
   for (std::size_t k = 0; k < x.size(); ++k)
     distance =
         std::max(distance, std::abs(0.5 * std::erfc(-x[k] / std::sqrt(2.0)) - (static_cast<double>(k) + 0.5) / n));
   EXPECT_LT(distance, 1.95 / std::sqrt(n));
-  // beyond 3.654, where the ziggurat draws from its tail: 271 +- 16 expected on both sides together
-  const auto n_tail = std::count_if(x.begin(), x.end(), [](double v) { return std::abs(v) > 3.6541528853610088; });
-  EXPECT_NEAR(static_cast<double>(n_tail), n * std::erfc(3.6541528853610088 / std::sqrt(2.0)), 4.0 * 16.5);
+}
+
+TEST(WhiteNoise, HasTheNormalsBinsAndTails) {
+  constexpr int kBins = 1200;  // of 0.01 over +-6
+  constexpr std::size_t kPiece = 1 << 16;
+  constexpr int kPieces = 512;
+  std::vector<double> counts(kBins, 0.0);
+  std::vector<float> x(kPiece);
+  double n_beyond_4 = 0.0, n_beyond_5 = 0.0;
+  for (int piece = 0; piece < kPieces; ++piece) {
+    std::fill(x.begin(), x.end(), 0.0F);
+    WhiteNoise(11, 1).add(std::int64_t{piece} * static_cast<std::int64_t>(kPiece), 1.0, std::span<float>(x));
+    for (const float v : x) {
+      n_beyond_4 += std::abs(v) > 4.0F ? 1.0 : 0.0;
+      n_beyond_5 += std::abs(v) > 5.0F ? 1.0 : 0.0;
+      if (std::abs(v) < 6.0F) counts[static_cast<std::size_t>((static_cast<double>(v) + 6.0) * 100.0)] += 1.0;
+    }
+  }
+  const double n = static_cast<double>(kPiece) * kPieces;
+  const auto beyond = [n](double z) { return n * std::erfc(z / std::sqrt(2.0)); };
+  EXPECT_NEAR(n_beyond_4, beyond(4.0), 4.0 * std::sqrt(beyond(4.0))) << "2126 expected";
+  EXPECT_NEAR(n_beyond_5, beyond(5.0), 4.0 * std::sqrt(beyond(5.0))) << "19 expected";
+  double chi2 = 0.0;
+  int n_bins = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const double from = static_cast<double>(k) / 100.0 - 6.0;
+    const double expected = 0.5 * n * (std::erfc(from / std::sqrt(2.0)) - std::erfc((from + 0.01) / std::sqrt(2.0)));
+    if (expected < 20.0) continue;
+    chi2 += (counts[k] - expected) * (counts[k] - expected) / expected;
+    ++n_bins;
+  }
+  EXPECT_GT(n_bins, 800);
+  EXPECT_NEAR(chi2, n_bins, 4.0 * std::sqrt(2.0 * n_bins)) << "four standard deviations of chi squared";
+}
+
+TEST(WhiteNoise, IsWhite) {
+  // coordinates of one point are 16 frames apart, points of one block 32, blocks 1; squares would show a common radius
+  std::vector<double> x(1 << 22, 0.0);
+  WhiteNoise(3, 0).add(-1000, 1.0, x);
+  const auto n = static_cast<double>(x.size());
+  for (std::size_t lag = 1; lag <= 130; ++lag) {
+    double sum = 0.0, of_squares = 0.0;
+    for (std::size_t k = lag; k < x.size(); ++k) {
+      sum += x[k] * x[k - lag];
+      of_squares += (x[k] * x[k] - 1.0) * (x[k - lag] * x[k - lag] - 1.0);
+    }
+    // standard errors of 1 and 2 over sqrt n; 260 values: beyond 4.5 of them one in 600 runs, and the seed is fixed
+    EXPECT_NEAR(sum * std::sqrt(1.0 / n), 0.0, 4.5) << lag;
+    EXPECT_NEAR(of_squares * std::sqrt(1.0 / n), 0.0, 2.0 * 4.5) << lag;
+  }
+}
+
+TEST(NoiseWords, AreThoseOfPhilox) {
+  const std::uint64_t seed = 0x0123456789abcdefULL;
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{0xfffffff8}, std::uint64_t{0} - 16}) {
+    NoiseWords words;
+    words.draw(seed, 200, first);
+    for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k) {
+      const std::uint64_t block = first + k;
+      const auto expected =
+          r123::Philox4x32{}({{static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(block >> 32), 200,
+                               static_cast<std::uint32_t>(RandomStream::noise)}},
+                             {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}});
+      for (std::size_t w = 0; w < 4; ++w) ASSERT_EQ(words.word[w][k], expected[w]) << k << " " << w;
+    }
+  }
 }
 
 TEST(WhiteNoise, IsAFunctionOfTheFrameNumber) {

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 
+#include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
@@ -155,6 +156,51 @@ TEST(Synthesis, SamplesDependNeitherOnThreadsNorOnSegments) {
   ASSERT_GE(one.n_segments(), 3);
   EXPECT_EQ(three.segment(2), one.segment(2));
   EXPECT_EQ(one.samples(), three.samples());
+}
+
+TEST(Synthesis, SamplesAreReadBackInOnePassageAsInTwo) {
+  std::vector<double> times_s;
+  for (int k = 0; k < 30; ++k) times_s.push_back(0.05 + 0.11 * k);
+  for (const double snr_db : {30.0, 200.0})  // single and double precision
+    for (const bool is_plain : {true, false})
+      for (const audio::SampleEncoding encoding : {audio::SampleEncoding::pcm16, audio::SampleEncoding::pcm24,
+                                                   audio::SampleEncoding::pcm32, audio::SampleEncoding::float32}) {
+        SynthesisConfig config = quiet();
+        config.snr_db = snr_db;
+        config.encoding = encoding;
+        config.peak = 1.5;  // clipped
+        if (!is_plain) {
+          config.noise_corner_hz = 300.0;
+          config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
+        }
+        const SyntheticRecording recording(impacts(times_s), config);
+        ASSERT_EQ(recording.n_segments(), 2);
+        ASSERT_EQ(recording.samples_as_read_back(), audio::as_read_back(recording.samples(), encoding))
+            << snr_db << " dB, encoding " << static_cast<int>(encoding) << (is_plain ? ", plain" : "");
+      }
+}
+
+TEST(Synthesis, WhatSinglePrecisionRoundsOffIsFarBelowTheNoise) {
+  SynthesisConfig config = quiet();
+  config.levels = Levels{3e-4, 1e-5, 1.0};  // the faintest noise with which floats do
+  std::vector<double> times_s;
+  for (int k = 0; k < 40; ++k) times_s.push_back(0.05 + 0.017 * k);
+  const Impacts many = impacts(times_s);
+  const auto instrument = make_instrument(config);
+  const std::vector<double> single = SyntheticRecording(many, config, instrument).samples();
+  // the same noise, faint enough for doubles
+  SynthesisConfig exact = config;
+  exact.levels->noise_rms = 9e-6;
+  const std::vector<double> doubles = SyntheticRecording(many, exact, instrument).samples();
+  exact.levels->noise_rms = 1e-14;
+  const std::vector<double> sound = SyntheticRecording(many, exact, instrument).samples();
+  std::vector<double> difference(single.size());
+  for (std::size_t k = 0; k < single.size(); ++k)
+    difference[k] = single[k] - sound[k] - (doubles[k] - sound[k]) * (1e-5 / 9e-6);
+  EXPECT_GT(rms(sound), 0.02);
+  // rounding to 24 bits at amplitudes of 0.1 to 1: 40 dB below the noise
+  EXPECT_LT(rms(difference), 1e-2 * 1e-5);
+  EXPECT_GT(rms(difference), 0.0);
 }
 
 TEST(Synthesis, AcrossASegmentsBorderTheWaveGoesOn) {

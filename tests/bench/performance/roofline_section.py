@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Section of the page: how far each stage is from what one core can do at most (roofline)."""
 from measured import number, seconds, table, times, with_unit
-from roofline_stages import CONVOLUTION, TRANSFORM, stages
+from roofline_stages import RINGING, TRANSFORM, stages
 
 FLOATS = "multiplications and additions, float"
 DOUBLES = "multiplications and additions, double"
@@ -34,7 +34,7 @@ def kernels(measured):
 
 def roofline(measured):
     get = lambda what: measured.get("machine", "one core", what)
-    limits = {"memory": get("memory, copied"), "float": get(FLOATS), "double": get(DOUBLES), **{n: get(f"FFTW, float, n = {n}") for n in (TRANSFORM, CONVOLUTION)}}
+    limits = {"memory": get("memory, copied"), "float": get(FLOATS), "double": get(DOUBLES), **{n: get(f"FFTW, float, n = {n}") for n in (TRANSFORM, RINGING)}}
     units = {"s": ("s", {"µ": 1e-6, "n": 1e-9}), "B/s": ("B/s", GIGA), "FLOP/s": ("FLOP/s", GIGA)}
     machine = [(what, with_unit(get(what), *units[measured.unit("machine", "one core", what)])) for what in measured.names("machine", "one core")]
     counted = "\n".join(f"- **{stage.name}**: {stage.counted}." for stage in stages(measured) if stage.cost_s is not None)

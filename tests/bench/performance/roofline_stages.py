@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from measured import over
 
 TRANSFORM = 4096     # samples, of the transforms of the detector
-CONVOLUTION = 65536  # samples, of the transforms by which a drop could be convolved
+RINGING = 1024      # samples, of the transform by which many modes ring
 
 
 @dataclass(frozen=True)
@@ -51,16 +51,15 @@ def contact_search(measured, name, ball, n_mib):
 def stages(measured):
     get = measured.get
     per_sample = lambda what: over(get("synthesize", "96000 Hz", what), 96000)
-    transforms = transforms_of(CONVOLUTION, 2) / (CONVOLUTION / 2)
+    transforms = transforms_of(RINGING, 1) / (RINGING / 2)
     file_rate = get("machine", "one core", "file in memory, read")
     drops_s = get("detect", "drops, 44100 Hz", "sound")
     detect_s = get("detect", "drops, 44100 Hz", "bouncelab")
     return [
-        Stage("noise generation", "sample", per_sample("noise alone"), 8, 16,
-              "Philox: 10 rounds of 8 integer operations make 8 samples; 6 for the ziggurat. Written once as a double"),
-        Stage("synthesis, one point a drop, with noise", "sample", per_sample("one point a drop"), 11, transforms + 6 + 16,
-              f"the least known: convolution of a train of impulses with one response by overlapping transforms of {CONVOLUTION:,} (2 × 2.5 n log₂ n for n/2 samples), "
-              "a complex product, noise. Written once as a double, and as 24 bits", fft_flop=transforms, fft_n=CONVOLUTION),
+        Stage("noise generation", "sample", per_sample("noise alone"), 8, 38,
+              "Philox: 10 rounds of 6 integer operations make 4 samples; 46 for the logarithm, root, sine and cosine of two. Written once as a double"),
+        Stage("synthesis, one point a drop, with noise", "sample", per_sample("one point a drop"), 11, transforms + 38,
+              f"the least known: the ringing of all modes by one transform of {RINGING:,} for n/2 samples (2.5 n log₂ n), and noise. Written once as a double, and as 24 bits", fft_flop=transforms, fft_n=RINGING),
         Stage("reading PCM of 16 bits", "sample", over(get("kernels", "AudioReader::read, 2e6 of 16 bits", "bouncelab"), 2e6 // 2**14 * 2**14), 2, 1,
               "2 bytes of a file that is in memory, at the rate of reading one; the floats stay in the cache; one multiplication", other="file", other_s=over(2, file_rate) or 0),
         Stage("innovations, their energy, candidates (noise in memory)", "sample", get("detect", "noise in memory, 44100 Hz", "bouncelab, a sample"), 4, 98,

@@ -174,7 +174,12 @@ std::span<const float> RealFft::inverse_of_product_conj(const Spectrum& a, const
   return inverse_of(work.re, work.im);
 }
 
-std::span<const float> RealFft::inverse_of(const float* re, const float* im) {
+std::span<const float> RealFft::inverse(std::span<const float> re, std::span<const float> im) const {
+  assert(re.size() == n_ / 2 && im.size() == n_ / 2);
+  return inverse_of(re.data(), im.data());
+}
+
+std::span<const float> RealFft::inverse_of(const float* re, const float* im) const {
   const std::size_t h = n_ / 2;
   const Plan& plan = *plan_;
   Workspace& work = workspace_for(n_);

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -17,6 +19,34 @@ using Complex = std::complex<double>;
 double largest(std::span<const double> samples, double so_far) {
   for (const double y : samples) so_far = std::max(so_far, std::abs(y));
   return so_far;
+}
+
+double largest_magnitude(std::span<float> samples) {
+  for (float& y : samples) y = std::abs(y);
+  return static_cast<double>(audio::largest(samples));
+}
+
+BOUNCELAB_VECTOR_CLONES double sum_of_magnitudes(const double* re, const double* im, std::size_t n) {
+  constexpr std::size_t kSums = 8;  // the compiler may not reorder a sum, we may
+  std::array<double, kSums> sums{};
+  std::size_t k = 0;
+  for (; k + kSums <= n; k += kSums)
+    for (std::size_t lane = 0; lane < kSums; ++lane)
+      sums[lane] += std::sqrt(re[k + lane] * re[k + lane] + im[k + lane] * im[k + lane]);
+  for (; k < n; ++k) sums[0] += std::sqrt(re[k] * re[k] + im[k] * im[k]);
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+/// What row p of a symmetric sum adds to those over its columns 0 ... p; half of the last.
+BOUNCELAB_VECTOR_CLONES void add_energy_row(double re, double im, const double* re_of_re, const double* re_of_im,
+                                            const double* im_of_re, const double* im_of_im, std::size_t p,
+                                            double* __restrict of_re, double* __restrict of_im) {
+  for (std::size_t q = 0; q < p; ++q) {
+    of_re[q] += re * re_of_re[q] - im * im_of_re[q];
+    of_im[q] += re * re_of_im[q] - im * im_of_im[q];
+  }
+  of_re[p] += 0.5 * (re * re_of_re[p] - im * im_of_re[p]);
+  of_im[p] += 0.5 * (re * re_of_im[p] - im * im_of_im[p]);
 }
 
 }  // namespace
@@ -42,30 +72,32 @@ WaveMeter::WaveMeter(const ResonatorBank& bank) : bank_(bank) {
 }
 
 double WaveMeter::ringing_energy(const PoleValues& d) const {
-  double total = 0.0;
+  // both sums are symmetric in p and q: those left of the diagonal count twice
   const std::size_t n = d.size();
-  const double *of_re = d.re.data(), *of_im = d.im.data();
-  for (std::size_t p = 0, row = 0; p < n; ++p, row += n) {
-    const double re = audio::dot(re_of_re_.data() + row, of_re, n) + audio::dot(re_of_im_.data() + row, of_im, n);
-    const double im = audio::dot(im_of_re_.data() + row, of_re, n) + audio::dot(im_of_im_.data() + row, of_im, n);
-    total += 0.5 * (of_re[p] * re - of_im[p] * im);
-  }
-  return total;
+  PoleValues sums(n);
+  for (std::size_t p = 0; p < n; ++p)
+    add_energy_row(d.re[p], d.im[p], re_of_re_.data() + p * n, re_of_im_.data() + p * n, im_of_re_.data() + p * n,
+                   im_of_im_.data() + p * n, p, sums.re.data(), sums.im.data());
+  return audio::dot(sums.re.data(), d.re.data(), n) + audio::dot(sums.im.data(), d.im.data(), n);
 }
 
 double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
-  const auto bound = [&] {
-    double sum = 0.0;
-    for (std::size_t p = 0; p < ringing.size(); ++p) sum += std::sqrt(std::norm(ringing[p]));
-    return sum;
-  };
-  std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> block{};
-  while (bound() > peak) {
-    block.fill(0.0);
+  // single precision tells within this share of the sum of amplitudes, which bounds the peak, where to look
+  constexpr double kSingle = 1e-6;
+  std::array<float, static_cast<std::size_t>(ResonatorBank::kBlock)> block;
+  std::array<double, static_cast<std::size_t>(ResonatorBank::kBlock)> exact;
+  PoleValues before(ringing.size());
+  for (;;) {
+    const double bound = sum_of_magnitudes(ringing.re.data(), ringing.im.data(), ringing.size());
+    if (bound <= peak) return peak;
+    before = ringing;
+    block.fill(0.0F);
     bank_.ring(ringing, 0.0, block);
-    peak = largest(block, peak);
+    if (largest_magnitude(block) + kSingle * bound <= peak) continue;
+    exact.fill(0.0);
+    bank_.ring(before, 0.0, exact);
+    peak = largest(exact, peak);
   }
-  return peak;
 }
 
 double WaveMeter::peak(const ContactWave& wave) const { return ringing_peak(wave.ringing, largest(wave.samples, 0.0)); }

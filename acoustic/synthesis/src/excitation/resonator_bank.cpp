@@ -89,10 +89,6 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c,
   add_four(out, c, s, step_re, step_im, silence, re, im);
 }
 
-BOUNCELAB_VECTOR_CLONES void add_to_double(std::span<const float> x, double* out) {
-  for (std::size_t k = 0; k < x.size(); ++k) out[k] += static_cast<double>(x[k]);
-}
-
 std::size_t rounded_up(std::size_t n) { return (n + kTogether - 1) / kTogether * kTogether; }
 
 PoleValues product(const PoleValues& a, const PoleValues& b) {
@@ -120,6 +116,11 @@ double smallest_decay_per_s(const std::vector<Complex>& poles) {
   return smallest;
 }
 
+std::vector<Complex> in_samples(std::vector<Complex> poles_per_s, double rate_hz) {
+  for (Complex& pole : poles_per_s) pole /= rate_hz;
+  return poles_per_s;
+}
+
 }  // namespace
 
 ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
@@ -132,17 +133,25 @@ ResonatorBank::ResonatorBank(std::vector<Complex> poles, double rate_hz)
       block_step_(rounded_up(size())),
       kick_(interval_.nodes.size(), PoleValues(size())),
       waves_(rounded_up(size()) * static_cast<std::size_t>(kBlock)),
-      single_waves_(waves_.re.size()) {
+      single_waves_(waves_.re.size()),
+      transform_(in_samples(poles_, rate_hz)),
+      transform_holds_(rounded_up(size()) / kTogether, 1),
+      transform_step_(size()) {
   for (std::size_t p = 0; p < size(); ++p) {
     const Complex s = poles_[p] / rate_hz;
     pole_steps_.set(p, s);
     step_.set(p, exp(s));
     block_step_.set(p, exp(s * static_cast<double>(kBlock)));
+    if (!transform_.holds(p)) transform_holds_[p / kTogether] = 0;
     for (std::size_t i = 0; i < kick_.size(); ++i)
       kick_[i].set(p, interval_.weights[i] * exp(s * (1.0 - interval_.nodes[i])));
     for (std::int64_t j = 0; j < kBlock; ++j)
       waves_.set(p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(j), exp(s * static_cast<double>(j)));
   }
+  for (std::size_t p = 0; p < size(); ++p)  // those that ring by themselves have advanced already
+    transform_step_.set(p, transform_holds_[p / kTogether]
+                               ? exp(poles_[p] / rate_hz * double{RingingTransform::kFrames})
+                               : Complex{1.0});
   const auto in_single = [](double x) { return static_cast<float>(x); };
   std::transform(waves_.re.begin(), waves_.re.end(), single_waves_.re.begin(), in_single);
   std::transform(waves_.im.begin(), waves_.im.end(), single_waves_.im.begin(), in_single);
@@ -188,32 +197,65 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
 }
 
 template <class T>
+void ResonatorBank::ring_four(PoleValues& state, std::size_t p, double silence, const PoleValuesOf<T>& waves,
+                              std::span<T> out) const {
+  const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
+  double re[kTogether]{}, im[kTogether]{};
+  std::copy_n(state.re.data() + p, n, re);
+  std::copy_n(state.im.data() + p, n, im);
+  add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
+              silence, re, im);
+  std::copy_n(re, n, state.re.data() + p);
+  std::copy_n(im, n, state.im.data() + p);
+}
+
+template <class T>
 void ResonatorBank::ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves,
                                   std::span<T> out) const {
-  for (std::size_t p = 0; p < size(); p += kTogether) {
-    const std::size_t at = p * static_cast<std::size_t>(kBlock), n = std::min(kTogether, size() - p);
-    double re[kTogether]{}, im[kTogether]{};
-    std::copy_n(state.re.data() + p, n, re);
-    std::copy_n(state.im.data() + p, n, im);
-    add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
-                silence, re, im);
-    std::copy_n(re, n, state.re.data() + p);
-    std::copy_n(im, n, state.im.data() + p);
-  }
+  constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
+  for (; !out.empty(); out = out.subspan(std::min(kRun, out.size())))
+    for (std::size_t p = 0; p < size(); p += kTogether)
+      ring_four(state, p, silence, waves, out.first(std::min(kRun, out.size())));
 }
 
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> out) const {
-  constexpr std::size_t kRun = 16 * static_cast<std::size_t>(kBlock);  // they fit the first-level cache
-  for (; !out.empty(); out = out.subspan(std::min(kRun, out.size()))) {
-    const std::span<double> run = out.first(std::min(kRun, out.size()));
-    if (silence < kSingleFrom) {
-      ring_together(state, silence, waves_, run);
-      continue;
+  ring_together(state, silence, waves_, out);
+}
+void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out) const {
+  // as many resonators cost as much by themselves as a transform does for all
+  constexpr std::size_t kWorthATransform = 28;
+  PoleValuesOf<float> held(out.size() < RingingTransform::kFrames ? 0 : size());
+  while (!out.empty()) {
+    std::size_t n = RingingTransform::kFrames;
+    if (out.size() >= n && take_ringing(state, silence, held) >= kWorthATransform) {
+      transform_.add(held.re.data(), held.im.data(), out.first(n));
+      for (std::size_t p = 0; p < size(); p += kTogether)
+        if (!transform_holds_[p / kTogether]) ring_four(state, p, silence, single_waves_, out.first(n));
+      rotate(state, transform_step_);
+    } else {
+      n = std::min(n, out.size());
+      ring_together(state, silence, single_waves_, out.first(n));
     }
-    float sound[kRun]{};
-    ring_together(state, silence, single_waves_, std::span(sound, run.size()));
-    add_to_double({sound, run.size()}, run.data());
+    out = out.subspan(n);
   }
+}
+
+/// Copies fours that the transform holds; those that are silent are set to zero. @return how many of them are not
+std::size_t ResonatorBank::take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held) const {
+  std::size_t n_ringing = 0;
+  for (std::size_t p = 0; p < size(); p += kTogether) {
+    const std::size_t n = transform_holds_[p / kTogether] ? std::min(kTogether, size() - p) : 0;
+    double loudest = 0.0;
+    for (std::size_t k = p; k < p + n; ++k) loudest = std::max(loudest, std::abs(state.re[k]) + std::abs(state.im[k]));
+    const bool is_silent = loudest < silence;
+    if (!is_silent) n_ringing += n;
+    for (std::size_t k = p; k < p + n; ++k) {
+      if (is_silent) state.set(k, 0.0);
+      held.re[k] = static_cast<float>(state.re[k]);
+      held.im[k] = static_cast<float>(state.im[k]);
+    }
+  }
+  return n_ringing;
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bouncelab/core/quadrature.hpp"
+#include "excitation/ringing_transform.hpp"
 #include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {
@@ -56,8 +57,6 @@ class ResonatorBank {
  public:
   /// Free ringing is rendered in blocks of this many frames.
   static constexpr std::int64_t kBlock = 64;
-  /// Of amplitudes of about 1: 40 dB below a noise of which this is 80 dB below, rounding is not to be found.
-  static constexpr double kSingleFrom = 1e-9;
 
   /// @param poles  s_p in 1/s, real part < 0, imaginary part >= 0 (0: a real pole)
   ResonatorBank(std::vector<std::complex<double>> poles, double rate_hz);
@@ -71,9 +70,11 @@ class ResonatorBank {
 
   ContactWave wave(const Contact& contact, const PoleValues& amplitudes, bool with_slopes) const;
   /// Adds free ringing to `out` (a multiple of kBlock frames) and advances the state to its end. Four neighbours that
-  /// are all below `silence` at a block's begin are set to zero. From a silence of kSingleFrom on the sound, not the
-  /// state, is in single precision: 1e-7 of each resonator's amplitude.
+  /// are all below `silence` at a block's begin are set to zero.
   void ring(PoleValues& state, double silence, std::span<double> out) const;
+  /// The same; the sound, not the state, is in single precision: 3e-7 of each resonator's amplitude. Where many ring
+  /// for RingingTransform::kFrames, all at once by a transform.
+  void ring(PoleValues& state, double silence, std::span<float> out) const;
   /// State after n_frames of free ringing.
   void advance(PoleValues& state, std::int64_t n_frames) const;
   /// The same for less than a block, from a table.
@@ -83,6 +84,10 @@ class ResonatorBank {
                         std::vector<double>& slopes) const;
 
  private:
+  std::size_t take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held) const;
+  template <class T>
+  void ring_four(PoleValues& state, std::size_t p, double silence, const PoleValuesOf<T>& waves,
+                 std::span<T> out) const;
   template <class T>
   void ring_together(PoleValues& state, double silence, const PoleValuesOf<T>& waves, std::span<T> out) const;
   /// g at frames first + fraction, first + fraction + 1 ...
@@ -98,6 +103,9 @@ class ResonatorBank {
   std::vector<PoleValues> kick_;  // by node: weight exp(s (1 - node) / rate)
   PoleValues waves_;              // kBlock values for each pole: exp(s j / rate); zeros make up whole fours
   PoleValuesOf<float> single_waves_;
+  RingingTransform transform_;
+  std::vector<char> transform_holds_;  // by fours of neighbours: whether it holds all
+  PoleValues transform_step_;          // exp(s RingingTransform::kFrames / rate), 1 where it does not
 };
 
 }  // namespace bouncelab::synthesis

@@ -2,8 +2,12 @@
 #include "render/renderer.hpp"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <span>
-#include <utility>
+#include <vector>
+
+#include "bouncelab/audio/audio_writer.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -12,9 +16,8 @@ namespace {
 constexpr double kSilence = 1e-11, kSilenceInNoise = 1e-4;
 constexpr std::int64_t kBlock = ResonatorBank::kBlock;
 
-void add_to(PoleValues& sum, const PoleValues& part) {
-  for (std::size_t p = 0; p < sum.size(); ++p) sum.set(p, sum[p] + part[p]);
-}
+/// Frames that are made, from ringing to rounding, while they are in the first-level cache.
+constexpr std::size_t kPiece = 2048;
 
 /// 2.5 s: long against the plate's memory, of which each segment computes the beginning anew.
 std::int64_t frames_of_a_segment(int rate_hz) {
@@ -52,24 +55,18 @@ void Renderer::for_each_contact(std::size_t channel, const Strike& strike, const
   }
 }
 
-std::vector<double> Renderer::strikes_sound(std::size_t channel, std::int64_t first, std::int64_t n) const {
-  const ResonatorBank& bank = sound_.instrument().bank();
-  const std::int64_t n_blocks = (n + kBlock - 1) / kBlock, end = first + n_blocks * kBlock;
-  std::vector<double> out(static_cast<std::size_t>(n_blocks * kBlock), 0.0);
-  PoleValues state(bank.size());
-  std::vector<std::pair<std::int64_t, PoleValues>> joining;  // block at whose begin a wave joins the free ringing
+bool Renderer::is_single() const {
+  constexpr double kSingleFrom = 1e-9;
+  return silence_ >= kSingleFrom;
+}
 
+StrikeRinging Renderer::ringing(std::size_t channel, std::int64_t first, std::int64_t n) const {
+  const ResonatorBank& bank = sound_.instrument().bank();
+  const std::int64_t end = first + n;
+  StrikeRinging result(bank, silence_, first);
   const auto add_contact = [&](const Contact& contact, const StrikeSound::Wave& wave_of) {
-    if (contact.arrival_samples - ConverterFilter::kHalfWidth_samples >= static_cast<double>(end)) return;
-    ContactWave wave = wave_of(contact, false);
-    if (wave.end() <= first) {
-      bank.advance(wave.ringing, first - wave.end());
-      add_to(state, wave.ringing);
-      return;
-    }
-    for (std::int64_t k = std::max(wave.first, first); k < std::min(wave.end(), end); ++k)
-      out[static_cast<std::size_t>(k - first)] += wave.samples[static_cast<std::size_t>(k - wave.first)];
-    if (wave.end() < end) joining.emplace_back((wave.end() - first) / kBlock, std::move(wave.ringing));
+    if (contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end))
+      result.add(wave_of(contact, false));
   };
   const double earliest_s =
       static_cast<double>(first - bank.memory_frames()) / config_.rate_hz - sound_.largest_delay_s();
@@ -78,48 +75,75 @@ std::vector<double> Renderer::strikes_sound(std::size_t channel, std::int64_t fi
                                  [](const Strike& s, double t_s) { return s.t_s < t_s; });
   for (; strike != schedule_.strikes.end() && strike->t_s < latest_s; ++strike)
     for_each_contact(channel, *strike, add_contact);
-  ring(joining, state, out);
-  out.resize(static_cast<std::size_t>(n));
-  return out;
+  return result;
 }
 
-void Renderer::ring(std::vector<std::pair<std::int64_t, PoleValues>>& joining, PoleValues& state,
-                    std::span<double> out) const {
-  std::stable_sort(joining.begin(), joining.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  const auto n_blocks = static_cast<std::int64_t>(out.size()) / kBlock;
-  auto next = joining.begin();
-  for (std::int64_t block = 0; block < n_blocks;) {
-    for (; next != joining.end() && next->first == block; ++next) add_to(state, next->second);
-    const std::int64_t until = next == joining.end() ? n_blocks : next->first;
-    const auto at = static_cast<std::size_t>(block * kBlock),
-               length = static_cast<std::size_t>((until - block) * kBlock);
-    sound_.instrument().bank().ring(state, silence_, out.subspan(at, length));
-    block = until;
-  }
-}
-
-/// As strikes_sound, with the reverberation tail, begun so early that its start has decayed.
+template <class T>
 std::vector<double> Renderer::reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const {
   const ReverberationTail& tail = sound_.instrument().tail();
   const std::int64_t run_in = (tail.memory_frames() + kBlock - 1) / kBlock * kBlock;
-  std::vector<double> sound = strikes_sound(channel, first - run_in, n + run_in);
+  std::vector<T> strikes(static_cast<std::size_t>((run_in + n + kBlock - 1) / kBlock * kBlock), T{});
+  ringing(channel, first - run_in, run_in + n).add_next(std::span<T>(strikes));
+  std::vector<double> sound(strikes.begin(), strikes.end());
   tail.add_to(sound);
-  sound.erase(sound.begin(), sound.begin() + run_in);
-  return sound;
+  return {sound.begin() + run_in, sound.begin() + run_in + n};
+}
+
+template <class T, class Use>
+void Renderer::pieces_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
+  const bool is_dead = config_.channels[channel].gain == 0.0;
+  const bool is_reverberant = sound_.instrument().tail().is_audible() && !is_dead;
+  std::vector<double> whole;  // what cannot be computed in pieces
+  if (is_reverberant) whole = reverberant_sound<T>(channel, first, n);
+  if (!background_.is_white()) {
+    whole.resize(static_cast<std::size_t>(n), 0.0);
+    background_.add(channel, first, whole);
+  }
+  std::optional<StrikeRinging> strikes;
+  if (!is_dead && !is_reverberant) strikes.emplace(ringing(channel, first, n));
+  std::array<T, kPiece> piece;
+  for (std::size_t at = 0; at < static_cast<std::size_t>(n); at += kPiece) {
+    piece.fill(T{});
+    if (strikes) strikes->add_next(std::span<T>(piece));
+    const std::span<T> wanted = std::span(piece).first(std::min(kPiece, static_cast<std::size_t>(n) - at));
+    if (!whole.empty())
+      for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += static_cast<T>(whole[at + k]);
+    if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at), wanted);
+    use(at, wanted);
+  }
+}
+
+template <class Use>
+void Renderer::for_each_piece(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
+  if (is_single())
+    pieces_of<float>(channel, first, n, use);
+  else
+    pieces_of<double>(channel, first, n, use);
 }
 
 std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   const std::size_t n_channels = config_.channels.size();
-  std::vector<double> interleaved(n_channels > 1 ? static_cast<std::size_t>(n) * n_channels : 0);
-  for (std::size_t c = 0; c < n_channels; ++c) {
-    std::vector<double> sound = config_.channels[c].gain == 0.0 ? std::vector<double>(static_cast<std::size_t>(n), 0.0)
-                                                                : reverberant_sound(c, first, n);
-    background_.add(c, first, sound);
-    for (double& sample : sound) sample = std::clamp(sample, -1.0, 1.0);
-    if (n_channels == 1) return sound;
-    for (std::size_t k = 0; k < sound.size(); ++k) interleaved[k * n_channels + c] = sound[k];
-  }
+  std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
+  for (std::size_t c = 0; c < n_channels; ++c)
+    for_each_piece(c, first, n, [&](std::size_t at, auto piece) {
+      for (std::size_t k = 0; k < piece.size(); ++k)
+        interleaved[(at + k) * n_channels + c] = std::clamp<double>(piece[k], -1.0, 1.0);
+    });
   return interleaved;
+}
+
+void Renderer::append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const {
+  const std::size_t n_channels = config_.channels.size(), begin = out.size();
+  std::array<float, kPiece> rounded;
+  if (n_channels > 1) out.resize(begin + static_cast<std::size_t>(n) * n_channels);
+  for (std::size_t c = 0; c < n_channels; ++c)
+    for_each_piece(c, first, n, [&](std::size_t at, auto piece) {
+      audio::as_read_back(piece, config_.encoding, rounded);
+      if (n_channels == 1)
+        out.insert(out.end(), rounded.begin(), rounded.begin() + std::ssize(piece));
+      else
+        for (std::size_t k = 0; k < piece.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
+    });
 }
 
 }  // namespace bouncelab::synthesis

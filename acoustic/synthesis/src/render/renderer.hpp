@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "render/strike_ringing.hpp"
 #include "render/strike_sound.hpp"
 #include "scene/background.hpp"
 #include "scene/schedule.hpp"
@@ -26,13 +27,23 @@ class Renderer {
   /// Frames first ... first + n - 1, interleaved by channel, clipped to full scale. @param first  a multiple of
   /// segment_frames(), n at most so many
   std::vector<double> frames(std::int64_t first, std::int64_t n) const;
+  /// Appends the same frames as they would be read back from a file of the configuration's encoding.
+  void append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const;
 
  private:
-  std::vector<double> strikes_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  /// The noise, of which silence_ is 80 dB below, is 40 dB above what single precision rounds off amplitudes of 1.
+  bool is_single() const;
+  StrikeRinging ringing(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  /// All strikes' sound with the reverberation tail, begun so early that its start has decayed.
+  template <class T>
   std::vector<double> reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
+  /// Calls use(at, piece): frames first + at ... of one channel, of type float where that is enough.
+  template <class Use>
+  void for_each_piece(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
+  template <class T, class Use>
+  void pieces_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
   template <class Use>
   void for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const;
-  void ring(std::vector<std::pair<std::int64_t, PoleValues>>& joining, PoleValues& state, std::span<double> out) const;
 
   const SynthesisConfig& config_;
   const StrikeSound& sound_;

@@ -99,4 +99,12 @@ std::vector<double> SyntheticRecording::samples() const {
   return all;
 }
 
+std::vector<float> SyntheticRecording::samples_as_read_back() const {
+  std::vector<float> all;
+  all.reserve(static_cast<std::size_t>(n_frames()) * state_->config.channels.size());
+  for (std::int64_t first = 0; first < n_frames(); first += segment_frames())
+    state_->renderer.append_read_back(first, std::min(segment_frames(), n_frames() - first), all);
+  return all;
+}
+
 }  // namespace bouncelab::synthesis

@@ -41,6 +41,12 @@ Background::Background(const SynthesisConfig& config, const Schedule& schedule, 
       levels_(levels),
       flicker_(config.noise_corner_hz, config.rate_hz) {}
 
+bool Background::is_white() const {
+  const Disturbances& d = config_.disturbances;
+  return flicker_.memory_frames() == 0 && d.hum_level <= 0.0 && d.drift_level <= 0.0 && d.clicks_per_s <= 0.0 &&
+         !d.robot_cycle;
+}
+
 void Background::add(std::size_t channel, std::int64_t first, std::span<double> out) const {
   add_noise(channel, first, out);
   add_hum_and_drift(first, out);
@@ -49,14 +55,10 @@ void Background::add(std::size_t channel, std::int64_t first, std::span<double> 
 }
 
 void Background::add_noise(std::size_t channel, std::int64_t first, std::span<double> out) const {
-  const WhiteNoise white(config_.seed, channel);
   const std::int64_t run_in = flicker_.memory_frames();
-  if (run_in == 0) {
-    white.add(first, levels_.noise_rms, out);
-    return;
-  }
+  if (run_in == 0) return add_white(channel, first, out);
   std::vector<double> noise(static_cast<std::size_t>(run_in) + out.size(), 0.0);
-  white.add(first - run_in, levels_.noise_rms / flicker_.rms(), noise);
+  WhiteNoise(config_.seed, channel).add(first - run_in, levels_.noise_rms / flicker_.rms(), noise);
   flicker_.apply(noise);
   for (std::size_t k = 0; k < out.size(); ++k) out[k] += noise[static_cast<std::size_t>(run_in) + k];
 }

@@ -19,7 +19,14 @@ class Background {
   /// All must outlive this.
   Background(const SynthesisConfig& config, const Schedule& schedule, const ConverterFilter& filter,
              const Levels& levels);
+  /// Nothing but white noise: it can be added in short pieces at no cost.
+  bool is_white() const;
   /// Adds frames first ... first + out.size() - 1 of one channel.
+  template <class T>
+  void add_white(std::size_t channel, std::int64_t first, std::span<T> out) const {
+    WhiteNoise(config_.seed, channel).add(first, levels_.noise_rms, out);
+  }
+  /// The same of any background; noise that is coloured and bursts have a run-in for each call.
   void add(std::size_t channel, std::int64_t first, std::span<double> out) const;
 
  private:

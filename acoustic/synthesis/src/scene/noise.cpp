@@ -3,104 +3,125 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/vector_clones.hpp"
+#include "scene/noise_words.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
 
-constexpr std::size_t kLayers = 256;
-constexpr double kTail = 3.6541528853610088;     // where the lowest layer becomes the tail
-constexpr double kLayerArea = 0.00492867323399;  // of each layer, for exp(-x^2/2)
+/// Frames that are made at once.
+constexpr auto kFrames = static_cast<std::int64_t>(NoiseWords::kFrames);
+constexpr std::size_t kPairs = NoiseWords::kBlocks;  // of samples, from two words of each block
 
-/// Right edges of the layers, widest first, and the density there.
-struct Ziggurat {
-  std::array<double, kLayers + 1> x{}, density{};
+/// Of 31 bits. Below it a radius is drawn with 53 bits more: beyond 5.77 of its standard deviation.
+constexpr std::uint32_t kFewBits = 1U << 7;
 
-  Ziggurat() {
-    x[0] = kLayerArea / exp(-0.5 * kTail * kTail);  // the base layer with its tail as a rectangle
-    x[1] = kTail;
-    for (std::size_t k = 2; k < kLayers; ++k)
-      x[k] = std::sqrt(-2.0 * log(kLayerArea / x[k - 1] + exp(-0.5 * x[k - 1] * x[k - 1])));
-    x[kLayers] = 0.0;
-    for (std::size_t k = 0; k <= kLayers; ++k) density[k] = exp(-0.5 * x[k] * x[k]);
-  }
-};
-
-const Ziggurat kZiggurat;
-
-/// In [-1, 1), from the upper 24 bits.
-double signed_uniform(std::uint32_t word) { return (static_cast<std::int32_t>(word) >> 8) * 0x1p-23; }
-
-double beyond_tail(Random& random) {
-  for (;;) {
-    const double x = random.exponential() / kTail, y = random.exponential();
-    if (2.0 * y > x * x) return kTail + x;
-  }
+/// log u to 1 unit in the last place, u > 0 and normal: Cephes' logf (S. L. Moshier), without branches.
+[[gnu::always_inline]] inline float log_of(float u) {
+  constexpr std::uint32_t kSqrtHalf = 0x3f3504f3U, kMantissa = 0x007fffffU;
+  const std::uint32_t above = std::bit_cast<std::uint32_t>(u) - kSqrtHalf;
+  const auto exponent = static_cast<float>(static_cast<std::int32_t>(above) >> 23);
+  const float x = std::bit_cast<float>((above & kMantissa) + kSqrtHalf) - 1.0F, z = x * x;
+  float p = 7.0376836292e-2F;
+  p = p * x - 1.1514610310e-1F;
+  p = p * x + 1.1676998740e-1F;
+  p = p * x - 1.2420140846e-1F;
+  p = p * x + 1.4249322787e-1F;
+  p = p * x - 1.6668057665e-1F;
+  p = p * x + 2.0000714765e-1F;
+  p = p * x - 2.4999993993e-1F;
+  p = p * x + 3.3333331174e-1F;
+  const float small = (x * z * p + exponent * -2.12194440e-4F) - 0.5F * z;
+  return (x + small) + exponent * 0.693359375F;
 }
 
-/// Samples that are right where they are within the edge of their layer, which 99 in 100 are; false if one is not.
-BOUNCELAB_VECTOR_CLONES bool most_samples(std::span<const std::uint32_t> words, double* x, double* edges) {
-  int n_beyond = 0;
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const std::size_t layer = words[k] & (kLayers - 1);
-    x[k] = signed_uniform(words[k]) * kZiggurat.x[layer];
-    edges[k] = kZiggurat.x[layer + 1];
-    n_beyond += std::abs(x[k]) < edges[k] ? 0 : 1;
-  }
-  return n_beyond == 0;
+/// sqrt(-2 log u), u from the upper 31 bits.
+[[gnu::always_inline]] inline float radius_of(std::uint32_t word) {
+  const float u = (static_cast<float>(static_cast<std::int32_t>(word >> 1)) + 0.5F) * 0x1p-31F;
+  return std::sqrt(-2.0F * log_of(u));
 }
 
-/// The cases that the fast path rejects: tail, wedge, or another trial.
-double slow_sample(Random& random, std::uint32_t word) {
-  for (;; word = static_cast<std::uint32_t>(random.bits())) {
-    const std::size_t layer = word & (kLayers - 1);
-    const double u = signed_uniform(word), x = u * kZiggurat.x[layer];
-    if (std::abs(x) < kZiggurat.x[layer + 1]) return x;
-    if (layer == 0) return std::copysign(beyond_tail(random), u);
-    const double height =
-        kZiggurat.density[layer] + random.uniform() * (kZiggurat.density[layer + 1] - kZiggurat.density[layer]);
-    if (height < exp(-0.5 * x * x)) return x;
+/// A point at this radius, in a direction from 32 bits: 30 for an angle in [-pi/4, pi/4), of which sine and cosine are
+/// Cephes' polynomials; one exchanges them; one turns the point by half a circle.
+[[gnu::always_inline]] inline void point_of(float radius, std::uint32_t word, float& x, float& y) {
+  constexpr std::uint32_t kSign = 0x80000000U, kExchange = 0x40000000U;
+  constexpr auto kQuarterPi = static_cast<float>(0.25 * std::numbers::pi * 0x1p-31);
+  const float a = static_cast<float>(static_cast<std::int32_t>(word << 2)) * kQuarterPi, z = a * a;
+  const float sine = a + a * z * ((-1.9515295891e-4F * z + 8.3321608736e-3F) * z - 1.6666654611e-1F);
+  const float cosine =
+      (1.0F - 0.5F * z) + z * z * ((2.443315711809948e-5F * z - 1.388731625493765e-3F) * z + 4.166664568298827e-2F);
+  const bool is_exchanged = (word & kExchange) != 0;
+  const float signed_radius = std::bit_cast<float>(std::bit_cast<std::uint32_t>(radius) ^ (word & kSign));
+  x = signed_radius * (is_exchanged ? sine : cosine);
+  y = signed_radius * (is_exchanged ? cosine : sine);
+}
+
+/// Box and Muller's transform of blocks of four words: two points, whose coordinates are samples kPairs apart.
+/// @return false where a word asks for a radius of more bits
+BOUNCELAB_VECTOR_CLONES bool transform(const NoiseWords& words, float* samples) {
+  std::uint32_t n_few = 0;
+  for (std::size_t half = 0; half < 2; ++half) {
+    const std::uint32_t *of_radius = words.word[2 * half], *of_angle = words.word[2 * half + 1];
+    float* x = samples + 2 * half * kPairs;
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      n_few += (of_radius[k] >> 1) < kFewBits ? 1 : 0;
+      point_of(radius_of(of_radius[k]), of_angle[k], x[k], x[kPairs + k]);
+    }
   }
+  return n_few == 0;
+}
+
+BOUNCELAB_VECTOR_CLONES void add_scaled(const float* x, double factor, std::size_t n, double* out) {
+  for (std::size_t k = 0; k < n; ++k) out[k] += factor * static_cast<double>(x[k]);
+}
+BOUNCELAB_VECTOR_CLONES void add_scaled(const float* x, double factor, std::size_t n, float* out) {
+  const auto single = static_cast<float>(factor);
+  for (std::size_t k = 0; k < n; ++k) out[k] += single * x[k];
 }
 
 }  // namespace
 
-double WhiteNoise::rejected_sample(std::int64_t frame, std::uint32_t word) const {
-  Random random(seed_, RandomStream::noise, ((static_cast<std::uint64_t>(frame) + 1) << 8) | source_);
-  return slow_sample(random, word);
+void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, float* samples) const {
+  for (std::size_t half = 0; half < 2; ++half)
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      const std::uint32_t few = words.word[2 * half][k] >> 1;
+      if (few >= kFewBits) continue;
+      const std::size_t at = 2 * half * kPairs + k;
+      const auto frame = static_cast<std::uint64_t>(first_frame) + at;
+      Random random(seed_, RandomStream::noise, ((frame + 1) << 8) | source_);
+      const double u = (few + random.uniform()) * 0x1p-31;
+      point_of(static_cast<float>(std::sqrt(-2.0 * log(u))), words.word[2 * half + 1][k], samples[at],
+               samples[at + kPairs]);
+    }
 }
 
-/// The words of Philox's blocks index ..., the lower half of each word first.
-void WhiteNoise::draw(std::int64_t index, std::span<std::uint32_t> words) const {
-  for (std::size_t k = 0; k < words.size(); k += kBlock, ++index) {
-    const std::array<std::uint64_t, 4> block =
-        philox_block(seed_, RandomStream::noise, source_, static_cast<std::uint64_t>(index));
-    for (std::size_t lane = 0; lane < kBlock; ++lane)
-      words[k + lane] = static_cast<std::uint32_t>(block[lane / 2] >> (32 * (lane & 1)));
+template <class T>
+void WhiteNoise::add_to(std::int64_t first_frame, double rms, std::span<T> out) const {
+  std::int64_t frame = (first_frame >= 0 ? first_frame : first_frame - (kFrames - 1)) / kFrames * kFrames;
+  auto skipped = static_cast<std::size_t>(first_frame - frame);
+  NoiseWords words;
+  std::array<float, NoiseWords::kFrames> samples;
+  for (std::size_t k = 0; k < out.size(); frame += kFrames, skipped = 0) {
+    const auto first_block = static_cast<std::uint64_t>(frame / kFrames) * NoiseWords::kBlocks;
+    words.draw(seed_, static_cast<std::uint32_t>(source_), first_block);
+    if (!transform(words, samples.data())) far_points(frame, words, samples.data());
+    const std::size_t n = std::min(samples.size() - skipped, out.size() - k);
+    add_scaled(samples.data() + skipped, rms, n, out.data() + k);
+    k += n;
   }
 }
 
 void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<double> out) const {
-  constexpr auto kFrames = static_cast<std::int64_t>(kBlock);
-  std::int64_t frame = (first_frame >= 0 ? first_frame : first_frame - (kFrames - 1)) / kFrames * kFrames;
-  auto lane = static_cast<std::size_t>(first_frame - frame);
-  std::uint32_t words[kTogether];
-  double x[kTogether], edges[kTogether];
-  for (std::size_t k = 0; k < out.size(); frame += static_cast<std::int64_t>(kTogether), lane = 0) {
-    const std::size_t n = std::min(kTogether - lane, out.size() - k);  // wanted
-    const std::size_t n_drawn = (lane + n + kBlock - 1) / kBlock * kBlock;
-    draw(frame / kFrames, {words, n_drawn});
-    if (const bool settled = most_samples({words, n_drawn}, x, edges); !settled)
-      for (std::size_t j = 0; j < n_drawn; ++j)
-        if (!(std::abs(x[j]) < edges[j])) x[j] = rejected_sample(frame + static_cast<std::int64_t>(j), words[j]);
-    for (std::size_t j = 0; j < n; ++j) out[k + j] += rms * x[lane + j];
-    k += n;
-  }
+  add_to(first_frame, rms, out);
+}
+void WhiteNoise::add(std::int64_t first_frame, double rms, std::span<float> out) const {
+  add_to(first_frame, rms, out);
 }
 
 FlickerFilter::FlickerFilter(double corner_hz, double rate_hz) {

@@ -110,6 +110,9 @@ class SyntheticRecording {
   std::vector<double> segment(std::int64_t index) const;
   /// All samples: for short recordings.
   std::vector<double> samples() const;
+  /// The same as they would be read back from a file of the configuration's encoding, audio::as_read_back(samples(),
+  /// encoding), in one passage.
+  std::vector<float> samples_as_read_back() const;
 
  private:
   struct State;

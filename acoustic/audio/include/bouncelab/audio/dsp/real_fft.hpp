@@ -31,6 +31,8 @@ class RealFft {
   void forward(std::span<const float> x, Spectrum& spectrum);
   /// n samples; bins that are missing are 0
   std::vector<float> inverse(const Spectrum& spectrum);
+  /// The same of n/2 bins, until the thread's next transform: nothing is copied.
+  std::span<const float> inverse(std::span<const float> re, std::span<const float> im) const;
   /// inverse(product_conj(a, b)), until the thread's next transform: nothing is copied.
   std::span<const float> inverse_of_product_conj(const Spectrum& a, const Spectrum& b);
 
@@ -38,7 +40,7 @@ class RealFft {
 
  private:
   /// Of the thread's workspace, from h bins.
-  std::span<const float> inverse_of(const float* re, const float* im);
+  std::span<const float> inverse_of(const float* re, const float* im) const;
 
   std::size_t n_;
   const Plan* plan_;  // made once for each length and kept
