@@ -79,7 +79,7 @@ export class Microphone {
     if (!this.recording) return;
     document.dispatchEvent(new CustomEvent('bouncelab-live', {detail: {n_onsets, marked, n_provisional: provisional.n, seconds, heard_s}}));
     const known = n_onsets ? [`${n_onsets} ${n_onsets === 1 ? 'bounce' : 'bounces'} so far`] : [];
-    const perhaps = provisional.n ? [`${provisional.n} sounds that may be bounces, drawn lighter until the next ones decide`] : [];
+    const perhaps = provisional.n ? [`${provisional.n} sounds that may be bounces, drawn as open circles until the next ones decide`] : [];
     say(n_onsets || provisional.n ? `Recording: ${[...known, ...perhaps].join('; ')}.` : kBegin);
     const v = [...points.v, ...provisional.points.v], eps = [...points.eps, ...provisional.points.eps];
     if (v.length) {
