@@ -50,10 +50,13 @@ export class Live {
     this.n_detected = n;
     const found = JSON.parse(this.module.detect(this.samples.slice(from, n), this.rate_hz, 1, 'microphone', '{}'));
     const doubtful = new Set((found.recordings[0].drops ?? []).flatMap((drop, k) => drop.doubtful ? [k] : []));
-    const marked = this.merge(found.onsets.filter(o => !doubtful.has(o.drop)).map(o => ({t_s: o.t_s + from_s, drop: o.drop, impact: o.impact})), from_s);
+    const onsets = areDoubtful => found.onsets.filter(o => doubtful.has(o.drop) === areDoubtful).map(o => ({t_s: o.t_s + from_s, drop: o.drop, impact: o.impact}));
+    const marked = this.merge(onsets(false), from_s);
+    // drops that are not yet ten times as probable as anything else: of this detection alone, the next one may drop them
+    const provisional = onsets(true).filter(o => !this.onsets.some(mark => Math.abs(mark.t_s - o.t_s) < kSame_s));
     const seconds = (performance.now() - begin) / 1e3;
     this.cost = seconds / Math.max(0.5, (n - from) / this.rate_hz);
-    this.report({heard_s: n / this.rate_hz, seconds, marked, points: this.points(), n_onsets: this.onsets.length, last_s: this.onsets.at(-1)?.t_s ?? null, rest: this.atRest(n / this.rate_hz)});
+    this.report({heard_s: n / this.rate_hz, seconds, marked, points: this.points(this.onsets), provisional: {n: provisional.length, points: this.points(provisional)}, n_onsets: this.onsets.length, last_s: this.onsets.at(-1)?.t_s ?? null, rest: this.atRest(n / this.rate_hz)});
   }
 
   /// Marks of this detection replace those of earlier ones within its window. Returns those that are new, with the time
@@ -89,10 +92,10 @@ export class Live {
   }
 
   /// ε = T'/T at v = g T/2 of each impact with an interval on either side; nothing is taken out.
-  points() {
+  points(onsets) {
     const v = [], eps = [];
-    for (let k = 1; k + 1 < this.onsets.length; ++k) {
-      const [a, b, c] = [this.onsets[k - 1], this.onsets[k], this.onsets[k + 1]];
+    for (let k = 1; k + 1 < onsets.length; ++k) {
+      const [a, b, c] = [onsets[k - 1], onsets[k], onsets[k + 1]];
       if (a.drop !== b.drop || b.drop !== c.drop || b.impact !== a.impact + 1 || c.impact !== b.impact + 1) continue;
       v.push(this.gravity_mps2 * (b.t_s - a.t_s) / 2);
       eps.push((c.t_s - b.t_s) / (b.t_s - a.t_s));

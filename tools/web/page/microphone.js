@@ -5,6 +5,7 @@ import {Trouble, say} from './trouble.js';
 
 const $ = id => document.getElementById(id);
 const kLongest_s = 600;
+const kBegin = 'Recording. Drop the ball.';
 
 /// What a browser's refusal means.
 function refusal(error) {
@@ -54,7 +55,7 @@ export class Microphone {
     this.engine.onLive = message => this.show(message);
     this.context.createMediaStreamSource(this.stream).connect(this.recorder);
     $('live-plot').replaceChildren();
-    say('Recording. Drop the ball.');
+    say(kBegin);
     this.seen = false;
   }
 
@@ -74,18 +75,22 @@ export class Microphone {
   }
   loudest() { return this.peak ?? 0; }
 
-  show({points, n_onsets, rest, marked, seconds, heard_s}) {
+  show({points, provisional, n_onsets, rest, marked, seconds, heard_s}) {
     if (!this.recording) return;
-    document.dispatchEvent(new CustomEvent('bouncelab-live', {detail: {n_onsets, marked, seconds, heard_s}}));
-    if (n_onsets) say(`Recording: ${n_onsets} ${n_onsets === 1 ? 'bounce' : 'bounces'} so far.`);
-    if (points.v.length) {
-      const last = points.v.length - 1;
+    document.dispatchEvent(new CustomEvent('bouncelab-live', {detail: {n_onsets, marked, n_provisional: provisional.n, seconds, heard_s}}));
+    const known = n_onsets ? [`${n_onsets} ${n_onsets === 1 ? 'bounce' : 'bounces'} so far`] : [];
+    const perhaps = provisional.n ? [`${provisional.n} sounds that may be bounces, drawn as open circles until the next ones decide`] : [];
+    say(n_onsets || provisional.n ? `Recording: ${[...known, ...perhaps].join('; ')}.` : kBegin);
+    const v = [...points.v, ...provisional.points.v], eps = [...points.eps, ...provisional.points.eps];
+    if (v.length) {
+      const newest = points.v.length ? [{kind: 'newest', x: [points.v.at(-1)], y: [points.eps.at(-1)]}] : [];
       drawPicture($('live-plot'), {
-        height: 260, label: `Plot: ε against impact speed of ${points.v.length} bounces so far`,
-        x: {title: 'impact speed v (m/s)', range: [0, paddedRange(points.v)[1]]}, y: {title: 'ε', range: paddedRange(points.eps)},
-        layers: [{kind: 'points', x: points.v, y: points.eps}, {kind: 'newest', x: [points.v[last]], y: [points.eps[last]]}]});
+        height: 260, label: `Plot: ε against impact speed of ${points.v.length} bounces so far` + (provisional.points.v.length ? `, and of ${provisional.points.v.length} that may be some` : ''),
+        x: {title: 'impact speed v (m/s)', range: [0, paddedRange(v)[1]]}, y: {title: 'ε', range: paddedRange(eps)},
+        layers: [{kind: 'provisional', x: provisional.points.v, y: provisional.points.eps}, {kind: 'points', x: points.v, y: points.eps}, ...newest]});
     }
-    if (points.v.length && !this.seen) {
+    if (!v.length) $('live-plot').replaceChildren();
+    if (v.length && !this.seen) {
       this.seen = true;
       $('microphone').scrollIntoView({block: 'start'});  // on a phone the picture would be below the window
     }

@@ -29,7 +29,7 @@ export function paddedRange(values, share = 0.06) {
 
 /// @param host    element to draw into; the picture takes its width, and is drawn again when that changes
 /// @param spec    {height, label, title, x: {title, range}, y: {title, range, log}, layers}
-///                layers: {kind: points|errors|curve|band|truth|newest, x, y, [lo, hi]}
+///                layers: {kind: points|provisional|errors|curve|band|truth|newest, x, y, [lo, hi]}
 export function drawPicture(host, spec) {
   host.spec = spec;
   if (!host.watched) {

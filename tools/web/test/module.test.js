@@ -30,6 +30,11 @@ describe('the module', {skip: missing}, () => {
     // that a rhythm is a bouncing ball and no other is held for ten times as probable from the seventh bounce on: those
     // before are marked together
     assert.ok(known >= 3 && known <= 8, `${known}`);
+    // the one before it is provisional: of the sixth bounce the odds are 5, of the seventh 25
+    const perhaps = reports.findIndex(r => r.provisional.n);
+    assert.ok(perhaps >= 0 && perhaps < first && reports[perhaps].provisional.n < known, `${perhaps} ${first}`);
+    assert.ok(reports.slice(first).every(r => r.provisional.n === 0));
+    t.diagnostic(`${reports[perhaps].provisional.n} are provisional ${(reports[first].heard_s - reports[perhaps].heard_s).toFixed(1)} s before`);
     const marks = reports.flatMap((r, k) => r.marked.map(({t_s}) => ({t_s, k})));
     t.diagnostic(`${reports.length} detections; the first ${known} bounces are marked together, ${Math.max(...marks.filter(m => m.k > first).map(m => reports[m.k].heard_s - m.t_s)).toFixed(2)} s of sound follow a later one at most before it is marked`);
     for (const {t_s, k} of marks.filter(m => m.k > first))

@@ -110,11 +110,12 @@ test('axes have round numbers', () => {
 
 /// A detector that knows the truth, but only of impacts that begin 20 ms before the end of what it is given.
 class Fixed {
-  constructor(times, rate) { Object.assign(this, {times, rate}); }
+  /// @param n_known  of so few impacts it doubts that they are a ball's
+  constructor(times, rate, n_known = 3) { Object.assign(this, {times, rate, n_known}); }
   detect(samples) {
     const begin = samples[0] * 1e3, end = begin + samples.length / this.rate;  // the sound carries its own clock
     const seen = this.times.filter(t => t >= begin && t < end - 0.02);
-    return JSON.stringify({recordings: [{drops: [{doubtful: seen.length < 3}]}], onsets: seen.map((t, impact) => ({drop: 0, impact, t_s: t - begin}))});
+    return JSON.stringify({recordings: [{drops: [{doubtful: seen.length < this.n_known}]}], onsets: seen.map((t, impact) => ({drop: 0, impact, t_s: t - begin}))});
   }
 }
 test('live: a window that moves on keeps earlier bounces and their numbers, and the ball is at rest four intervals after the last', async () => {
@@ -133,4 +134,21 @@ test('live: a window that moves on keeps earlier bounces and their numbers, and 
   for (const e of last.points.eps) assert.ok(Math.abs(e - eps) < 1e-3, `${e}`);  // the clock in 32-bit floats has 1 µs or so
   const wait = last.heard_s - times.at(-1), interval = times.at(-1) - times.at(-2);
   assert.ok(wait > Math.max(1, 4 * interval) && wait < Math.max(1, 4 * interval) + 0.3, `${wait}`);  // chunks of 0.1 s
+});
+
+test('live: a drop that is doubted is provisional, of one detection alone, and no bounce until it is known', async () => {
+  const rate = 1000, times = [0.5, 1, 1.45, 1.855, 2.22], reports = [], live = new Live(new Fixed(times, rate, 5), rate, 9.81, message => reports.push(message));
+  for (let n = 0; n < 2.5 * rate; n += 100) {
+    live.take(Float32Array.from({length: 100}, (_, k) => (n + k) / rate / 1e3));
+    await new Promise(resolve => setTimeout(resolve, 1));
+  }
+  for (const {heard_s, n_onsets, marked, provisional} of reports) {
+    const seen = times.filter(t => t < heard_s - 0.02 - 1e-6).length, known = seen >= 5;
+    assert.equal(provisional.n, known ? 0 : seen, `${heard_s}`);
+    assert.equal(provisional.points.eps.length, known ? 0 : Math.max(0, seen - 2), `${heard_s}`);
+    assert.equal(n_onsets, known ? seen : 0, `${heard_s}`);
+    assert.ok(known || marked.length === 0, `${heard_s}`);
+  }
+  assert.equal(reports.at(-1).n_onsets, times.length);
+  assert.ok(reports.some(r => r.provisional.points.eps.length));
 });
