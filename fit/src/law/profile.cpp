@@ -13,7 +13,7 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kZ95 = 1.959963984540054;
+constexpr double kReached = 0.97;  // of a level: that little a parabola may extrapolate
 
 struct Root {
   double t;  ///< in standard errors
@@ -42,12 +42,13 @@ class Side {
 
   /// t where the root is z68 and z95.
   std::optional<std::pair<double, double>> ends(const ProfileLevels& levels) {
-    // two standard errors nearly always reach z = 1.96, give or take what the parabola may extrapolate; levels of a
-    // multiple of it, that multiple
-    const double unit = std::min(2.0, levels.z95 / kZ95);
-    for (double t = unit; t < 200.0 && (t < 3.0 * unit || points_.back().r < 0.97 * levels.z95); t *= 2.0)
-      if (!add(t)) return std::nullopt;
-    if (points_.back().r < 0.97 * levels.z95) return std::nullopt;
+    // the signed root is nearly linear: from where it is near the inner level a secant leads near the outer one
+    double t = std::min(2.0, levels.z68);
+    do {
+      if (t > 200.0 || !add(t)) return std::nullopt;
+      const Root& last = points_.back();
+      t = std::clamp(last.t * levels.z95 / last.r, 1.25 * last.t, 2.5 * last.t);
+    } while (points_.size() < 3 || points_.back().r < kReached * levels.z95);
     const auto z68 = end(levels.z68), z95 = end(levels.z95);
     return z68 && z95 ? std::optional(std::pair(*z68, *z95)) : std::nullopt;
   }
