@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "bouncelab/core/random.hpp"
@@ -51,6 +52,69 @@ TEST(LawLikelihood, GradientIsThatOfItsValueForEveryFamily) {
             << static_cast<int>(kind) << " " << n_terms << " " << i;
       }
     }
+}
+
+/// Families without priors: what their drops have adds up to the whole.
+struct WithoutPriors {
+  ScatterKind kind;
+  LawKind law;
+  std::size_t n_terms;
+};
+constexpr std::array<WithoutPriors, 4> kWithoutPriors{{{ScatterKind::normal, LawKind::series, 1},
+                                                       {ScatterKind::normal, LawKind::viscoelastic, 3},
+                                                       {ScatterKind::symmetric_laplace, LawKind::series, 3},
+                                                       {ScatterKind::symmetric_laplace, LawKind::viscoelastic, 2}}};
+
+Eigen::VectorXd theta_of(const WithoutPriors& family, const LawModel& model) {
+  Eigen::VectorXd theta = Eigen::VectorXd::Zero(model.n_parameters() + static_cast<Eigen::Index>(family.n_terms));
+  if (family.law == LawKind::series)
+    theta.head(2) << 0.949, 0.946;
+  else
+    theta[0] = std::log(0.006);
+  theta[model.n_parameters()] = std::log(0.0015);
+  if (family.n_terms > 1) theta[model.n_parameters() + 1] = -0.3;
+  return theta;
+}
+
+TEST(LawLikelihood, ScoresAndInformationOfTheDropsAddUp) {
+  LawData data = few_samples();
+  for (std::size_t k = 0; k < data.size(); ++k) data.drop[k] = k % 7;
+  for (const WithoutPriors& family : kWithoutPriors) {
+    const LawModel model = make_law_model(family.law, {2, 4}, data.v_mps);
+    const LawLikelihood likelihood(data, model, {family.kind, family.n_terms, 0.3});
+    const Eigen::VectorXd theta = theta_of(family, model);
+    Eigen::VectorXd gradient;
+    likelihood(theta, &gradient);
+    const Eigen::MatrixXd by_drop = likelihood.scores_by_drop(theta), by_sample = likelihood.scores_by_sample(theta);
+    ASSERT_EQ(by_drop.cols(), 7);
+    ASSERT_EQ(by_sample.cols(), 60);
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(theta.size(), theta.size());
+    for (const Eigen::MatrixXd& of_drop : likelihood.information_by_drop(theta)) sum += of_drop;
+    const Eigen::MatrixXd all = likelihood.information(theta);
+    for (Eigen::Index i = 0; i < theta.size(); ++i) {
+      // sums of 60 terms in another order
+      const double rounding = 1e-13 * by_sample.row(i).cwiseAbs().sum();
+      EXPECT_NEAR(by_drop.row(i).sum(), gradient[i], rounding) << i;
+      EXPECT_NEAR(by_sample.row(i).sum(), gradient[i], rounding) << i;
+      for (Eigen::Index j = 0; j < theta.size(); ++j)
+        EXPECT_NEAR(sum(i, j), all(i, j), 1e-12 * std::sqrt(all(i, i) * all(j, j))) << i << j;
+    }
+  }
+}
+
+TEST(LawLikelihood, OnlyTheLostBounceIsProbablyLost) {
+  const LawData data = few_samples();
+  const LawModel model = make_law_model(LawKind::series, {2, 4}, data.v_mps);
+  const LawLikelihood likelihood(data, model, {ScatterKind::asymmetric_laplace, 1, 0.3, 0.01});
+  Eigen::VectorXd theta(4);
+  theta << 0.949, 0.946, std::log(0.0015), std::log(0.0015);
+  const std::vector<double> p = likelihood.probabilities_of_lost(theta);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double odds = 0.01 / 0.99 / 2.0 * std::exp(-likelihood.density(theta, k).log_density());
+    // rounding of an exponent of at most 100
+    EXPECT_NEAR(p[k], odds, 1e-13) << k;
+    EXPECT_EQ(p[k] > 0.5, k == 20) << k;
+  }
 }
 
 TEST(LawLikelihood, InformationIsTheMeanSquareOfTheScores) {

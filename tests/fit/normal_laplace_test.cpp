@@ -150,6 +150,36 @@ TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
   }
 }
 
+TEST(NormalLaplace, BlocksGiveTheDistributionFunctionOfSingleSamples) {
+  for (const auto& [below, above, tau] : kShapes) {
+    SidesBlock sides;
+    sides.b_below.fill(below);
+    sides.b_above.fill(above);
+    complete_sides(kBlockSize, sides);
+    Block d, taus, inverse_taus, cdf;
+    taus.fill(tau);
+    inverse_taus.fill(1.0 / tau);
+    for (std::size_t k = 0; k < kBlockSize; ++k) d[k] = (static_cast<double>(k) - 31.0) * 0.3 * (below + above + tau);
+    constexpr std::size_t kSome = kBlockSize - 3;  // not a multiple of any register's width
+    normal_laplace_cdf(kSome, d.data(), sides, taus.data(), inverse_taus.data(), cdf.data());
+    for (std::size_t k = 0; k < kSome; ++k)
+      // three terms of at most 1, rounded
+      EXPECT_NEAR(cdf[k], normal_laplace_cdf(d[k], below, above, tau), 2e-15) << d[k] << " " << below << " " << above;
+  }
+}
+
+TEST(NormalLaplace, DistributionFunctionOfTheNormalIsThatOfTheStandardLibrary) {
+  std::vector<double> z;
+  for (int k = -200; k <= 200; ++k) z.push_back(0.05 * k);
+  std::vector<double> cdf = z;
+  normal_cdf_each(cdf);
+  for (std::size_t k = 0; k < z.size(); ++k) {
+    const double expected = 0.5 * std::erfc(-z[k] * std::sqrt(0.5));
+    // erfc is good to a few units in its last place, exp(-z^2/2) loses z^2/2 of them
+    EXPECT_NEAR(cdf[k] / expected, 1.0, 1e-15 * (4.0 + z[k] * z[k])) << z[k];
+  }
+}
+
 TEST(NormalLaplace, BlocksGiveTheBitsOfSingleSamples) {
   for (const double background : {0.0, 0.005}) {
     for (const double tau : {1e-4, 0.1, 1.0, 30.0}) {

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "budget/timing_noise.hpp"
+#include "law/columns.hpp"
 #include "law/distributions.hpp"
 
 namespace bouncelab::fit {
@@ -56,18 +59,24 @@ void add_shares(BudgetRow& row) {
   row.share_unexplained = 1.0 - (ball + timing + travel) / total;
 }
 
-BudgetRow budget_row(std::vector<const RestitutionSample*> bin, const LawFit& law, const BudgetConfig& config,
+struct BinMember {
+  double v_mps;
+  const RestitutionSample* sample;
+  double residual;  ///< from the law
+};
+
+BudgetRow budget_row(std::span<const BinMember> bin, const LawFit& law, const BudgetConfig& config,
                      const std::optional<TimingNoise>& timing) {
   BudgetRow row;
   row.n = bin.size();
   const auto n = static_cast<double>(row.n);
-  row.v_mps = bin[bin.size() / 2]->v_mps;
+  row.v_mps = bin[bin.size() / 2].sample->v_mps;
   double squares = 0.0, stated = 0.0, n_stated = 0.0, mean = 0.0;
-  for (const RestitutionSample* s : bin) mean += (s->eps - restitution(*law.law, s->v_mps)) / n;
-  for (const RestitutionSample* s : bin) {
-    squares += square(s->eps - restitution(*law.law, s->v_mps) - mean);
-    if (!s->sigma_eps) continue;
-    stated += *s->sigma_eps * *s->sigma_eps;
+  for (const BinMember& member : bin) mean += member.residual / n;
+  for (const BinMember& member : bin) {
+    squares += square(member.residual - mean);
+    if (!member.sample->sigma_eps) continue;
+    stated += square(*member.sample->sigma_eps);
     n_stated += 1.0;
   }
   row.spread = std::sqrt(squares / std::max(1.0, n - 1.0));
@@ -151,14 +160,17 @@ ErrorBudget error_budget(const RestitutionSamples& samples, const LawFit& law, c
   budget.effects = {
       {"air drag", config.drag}, {"contact time", config.contact_time}, {"travel time", config.travel_time}};
   if (!law.law || samples.empty()) return budget;
-  budget.timing = timing_noise(samples, law);
-  std::vector<const RestitutionSample*> by_speed;
-  for (const RestitutionSample& s : samples) by_speed.push_back(&s);
-  std::sort(by_speed.begin(), by_speed.end(), [](const auto* a, const auto* b) { return a->v_mps < b->v_mps; });
+  const std::vector<double> residuals = residuals_from(*law.law, samples);
+  budget.timing = timing_noise(samples, residuals);
+  std::vector<BinMember> by_speed;
+  by_speed.reserve(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) by_speed.push_back({samples[k].v_mps, &samples[k], residuals[k]});
+  std::sort(by_speed.begin(), by_speed.end(), [](const auto& a, const auto& b) {
+    return a.v_mps < b.v_mps || (a.v_mps == b.v_mps && a.sample < b.sample);
+  });
   const std::size_t n = by_speed.size(), n_bins = std::clamp<std::size_t>(n / 12, 1, 12);
   for (std::size_t j = 0; j < n_bins; ++j)
-    budget.rows.push_back(budget_row({by_speed.begin() + static_cast<std::ptrdiff_t>(j * n / n_bins),
-                                      by_speed.begin() + static_cast<std::ptrdiff_t>((j + 1) * n / n_bins)},
+    budget.rows.push_back(budget_row(std::span(by_speed).subspan(j * n / n_bins, (j + 1) * n / n_bins - j * n / n_bins),
                                      law, config, budget.timing));
   fit_width(budget);
   return budget;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::fit {
@@ -18,7 +17,7 @@ struct Pair {
   std::size_t group;  ///< drop
 };
 
-std::vector<Pair> pairs_of(const RestitutionSamples& samples, const LawFit& law) {
+std::vector<Pair> pairs_of(const RestitutionSamples& samples, const std::vector<double>& residuals) {
   std::vector<Pair> pairs;
   std::size_t drop = 0;
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
@@ -30,7 +29,7 @@ std::vector<Pair> pairs_of(const RestitutionSamples& samples, const LawFit& law)
     const double interval_s = b.t_s - a.t_s;  // T_{i+1}
     if (b.impact != a.impact + 1 || !(interval_s > 0.0) || !(a.eps > 0.0)) continue;
     const double before_s = interval_s / a.eps;
-    const double ra = a.eps - restitution(*law.law, a.v_mps), rb = b.eps - restitution(*law.law, b.v_mps);
+    const double ra = residuals[k], rb = residuals[k + 1];
     // every spread of eps goes nearly as 1/T: that makes the pairs alike
     pairs.push_back(
         {-ra * rb * interval_s * before_s / ((1.0 + a.eps) * (1.0 + b.eps)), ra * before_s * rb * interval_s, drop});
@@ -73,8 +72,8 @@ std::optional<double> stated_timing_s(const RestitutionSamples& samples) {
 
 }  // namespace
 
-std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const LawFit& law) {
-  const auto pairs = pairs_of(samples, law);
+std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const std::vector<double>& residuals) {
+  const auto pairs = pairs_of(samples, residuals);
   if (pairs.size() < 8) return std::nullopt;
   const MeanWithError variance = mean_by_drop(pairs, &Pair::product_s2);
   const MeanWithError covariance = mean_by_drop(pairs, &Pair::normalised);
@@ -84,8 +83,7 @@ std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const
     const double interval_s = samples[k + 1].t_s - samples[k].t_s;
     if (samples[k + 1].drop != samples[k].drop || samples[k + 1].impact != samples[k].impact + 1 || !(interval_s > 0.0))
       continue;
-    const double r = samples[k].eps - restitution(*law.law, samples[k].v_mps);
-    squares += square(r * interval_s / samples[k].eps);
+    squares += square(residuals[k] * interval_s / samples[k].eps);
     ++n;
   }
   TimingNoise noise;

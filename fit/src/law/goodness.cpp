@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
+#include "law/columns.hpp"
 #include "law/distributions.hpp"
 
 namespace bouncelab::fit {
@@ -37,36 +38,21 @@ std::optional<ChiSquare> pearson_chi2(const std::vector<double>& u, std::size_t 
 
 namespace {
 
-double expected_distance(const LawLikelihood& likelihood, const ScatterModel& scatter, std::size_t k) {
-  const double v = likelihood.data().v_mps[k], tau = hypot(likelihood.data().tau[k], scatter.normal(v));
-  const double below = scatter.below(v), above = scatter.above(v);
-  if (likelihood.scatter().kind == ScatterKind::normal) return std::sqrt(2.0 / std::numbers::pi) * hypot(below, tau);
-  // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
-  return hypot((below * below + above * above) / (below + above), tau * std::sqrt(2.0 / std::numbers::pi));
-}
-
-ResidualBin residual_bin(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const ScatterModel& scatter,
-                         std::size_t begin, std::size_t end) {
+/// Expected distances of the samples from the curve.
+std::vector<double> expected_distances(const LawLikelihood& likelihood, const ScatterModel& scatter) {
   const LawData& data = likelihood.data();
-  ResidualBin bin;
-  bin.n = end - begin;
-  bin.v_mps = data.v_mps[(begin + end) / 2];
-  std::vector<double> residuals;
-  double score = 0.0, information = 0.0, distance = 0.0, expected = 0.0;
-  for (std::size_t k = begin; k < end; ++k) {
-    const double d = data.eps[k] - likelihood.eps_of(theta, k);
-    residuals.push_back(d);
-    bin.mean_residual += d / static_cast<double>(bin.n);
-    distance += std::abs(d);
-    expected += expected_distance(likelihood, scatter, k);
-    score += likelihood.density(theta, k).d_location;
+  const ScaleColumns b = scales_at(scatter, data.v_mps);
+  const double of_normal = std::sqrt(2.0 / std::numbers::pi);
+  std::vector<double> expected(data.size());
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double below = b.below[k], above = b.above[k];
+    const double tau = hypot(data.tau[k], scatter.normal_ratio * std::sqrt(below * above));
+    // root mean square distance turned into a mean one is exact for tau = 0 and within 6 % for tau >> b
+    expected[k] = likelihood.scatter().kind == ScatterKind::normal
+                      ? of_normal * hypot(below, tau)
+                      : hypot((below * below + above * above) / (below + above), tau * of_normal);
   }
-  const std::size_t middle = (begin + end) / 2;
-  information = static_cast<double>(bin.n) * likelihood.information_of(theta, middle)(0, 0);
-  bin.median_residual = upper_median(std::move(residuals));
-  bin.pull = score / std::sqrt(information);
-  bin.scatter_ratio = distance / expected;
-  return bin;
+  return expected;
 }
 
 }  // namespace
@@ -74,10 +60,27 @@ ResidualBin residual_bin(const LawLikelihood& likelihood, const Eigen::VectorXd&
 std::vector<ResidualBin> residual_bins(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
   const std::size_t n = likelihood.data().size();
   const std::size_t n_bins = std::clamp<std::size_t>(n / 12, 1, 24);
-  const ScatterModel scatter = likelihood.scatter_model(theta);
+  const LawLikelihood::Derivatives of = likelihood.derivatives(theta);
+  const std::vector<double> expected_distance = expected_distances(likelihood, likelihood.scatter_model(theta));
   std::vector<ResidualBin> bins;
-  for (std::size_t j = 0; j < n_bins; ++j)
-    bins.push_back(residual_bin(likelihood, theta, scatter, j * n / n_bins, (j + 1) * n / n_bins));
+  for (std::size_t j = 0; j < n_bins; ++j) {
+    const std::size_t begin = j * n / n_bins, end = (j + 1) * n / n_bins, middle = (begin + end) / 2;
+    ResidualBin bin;
+    bin.n = end - begin;
+    bin.v_mps = likelihood.data().v_mps[middle];
+    double score = 0.0, distance = 0.0, expected = 0.0;
+    for (std::size_t k = begin; k < end; ++k) {
+      bin.mean_residual += of.residual[k] / static_cast<double>(bin.n);
+      distance += std::abs(of.residual[k]);
+      expected += expected_distance[k];
+      score += of.by_location[k];
+    }
+    bin.median_residual = upper_median({of.residual.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        of.residual.begin() + static_cast<std::ptrdiff_t>(end)});
+    bin.pull = score / std::sqrt(static_cast<double>(bin.n) * likelihood.information_of(theta, middle)(0, 0));
+    bin.scatter_ratio = distance / expected;
+    bins.push_back(bin);
+  }
   return bins;
 }
 

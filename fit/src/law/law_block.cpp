@@ -171,17 +171,22 @@ void LawLikelihood::compute_peaks(const Shape& shape, SampleBlock& s) const {
   }
 }
 
-void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
+LawLikelihood::NormalPart LawLikelihood::compute_scatter(const Eigen::VectorXd& theta, const Shape& shape,
+                                                         SampleBlock& s) const {
   compute_curve(theta, s);
   compute_sides(theta, shape, s);
   const double* tau = &data_.tau[s.begin];
-  if (scatter_.kind == ScatterKind::normal) return normal_densities(s, tau);
-  if (!(shape.square_of_ratio > 0.0))
-    return normal_laplace(s.n, s.residual.data(), s.sides, tau, &inverse_tau_[s.begin], odds_of_lost_density_, s.f);
+  if (!(shape.square_of_ratio > 0.0)) return {tau, &inverse_tau_[s.begin]};
   compute_peaks(shape, s);
   add_normal_part(s, shape.square_of_ratio, tau);
-  normal_laplace(s.n, s.residual.data(), s.sides, s.tau.data(), s.inverse_tau.data(), odds_of_lost_density_, s.f);
-  derive_with_normal_part(s);
+  return {s.tau.data(), s.inverse_tau.data()};
+}
+
+void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
+  const NormalPart part = compute_scatter(theta, shape, s);
+  if (scatter_.kind == ScatterKind::normal) return normal_densities(s, part.tau);
+  normal_laplace(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, odds_of_lost_density_, s.f);
+  if (shape.square_of_ratio > 0.0) derive_with_normal_part(s);
 }
 
 void LawLikelihood::add_scores(SampleBlock& s, GradientSum& sum) const {

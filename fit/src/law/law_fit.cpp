@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -12,6 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "law/columns.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/law_result.hpp"
 #include "law/maximise.hpp"
@@ -27,25 +26,41 @@ constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyon
 constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
 
 std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
-  std::vector<std::size_t> order(samples.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return samples[a].v_mps < samples[b].v_mps; });
+  std::vector<std::pair<double, std::size_t>> places;
+  places.reserve(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) places.emplace_back(samples[k].v_mps, k);
+  std::sort(places.begin(), places.end());
+  std::vector<std::size_t> order;
+  order.reserve(samples.size());
+  for (const auto& place : places) order.push_back(place.second);
   return order;
 }
 
-LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
-  std::map<std::pair<std::string, std::int64_t>, std::size_t> drops;
-  LawData data;
-  for (const std::size_t k : order) {
+void check(const RestitutionSamples& samples) {
+  for (std::size_t k = 0; k < samples.size(); ++k) {
     const RestitutionSample& s = samples[k];
     if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps) || !(s.v_mps > 0.0))
       throw InvalidArgument("sample " + std::to_string(k) + ": speed " + std::to_string(s.v_mps) + " m/s, eps " +
                             std::to_string(s.eps) + ": must be finite, the speed positive; leave it out");
+  }
+}
+
+/// @param order  indices of the samples that are fitted
+LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order) {
+  std::vector<std::size_t> drop_of(samples.size(), samples.size());
+  for (const std::size_t k : order) drop_of[k] = 0;
+  DropNumbers drops;
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    if (drop_of[k] == 0) drop_of[k] = drops.of(samples[k]);
+  LawData data;
+  for (std::vector<double>* column : {&data.v_mps, &data.eps, &data.tau}) column->reserve(order.size());
+  data.drop.reserve(order.size());
+  for (const std::size_t k : order) {
+    const RestitutionSample& s = samples[k];
     data.v_mps.push_back(s.v_mps);
     data.eps.push_back(s.eps);
     data.tau.push_back(hypot(s.sigma_eps.value_or(0.0), kResolution));
-    data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
+    data.drop.push_back(drop_of[k]);
   }
   return data;
 }
@@ -84,11 +99,34 @@ struct Candidate {
   double bic = HUGE_VAL;
 };
 
+/// Every n-th sample.
+LawData thinned(const LawData& all, std::size_t stride) {
+  LawData data;
+  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
+    data.v_mps.push_back(all.v_mps[k]);
+    data.eps.push_back(all.eps[k]);
+    data.tau.push_back(all.tau[k]);
+    data.drop.push_back(all.drop[k]);
+  }
+  return data;
+}
+
 /// The metric of a poor start may be poor: once more from where it led.
 Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
   const Maximum maximum = maximise(function, start, likelihood.information(start));
   return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
+}
+
+/// The maximum of very many samples is sought from that of some of them, which is a few standard errors off: most steps
+/// of a search from far off then cost a fraction of a pass.
+Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
+  constexpr std::size_t kSome = 10000;
+  const std::size_t stride = likelihood.data().size() / kSome;
+  if (stride < 4) return maximise_twice(likelihood, start);
+  const LawData some = thinned(likelihood.data(), stride);
+  const Maximum near = maximise_twice(LawLikelihood(some, likelihood.model(), likelihood.scatter()), start);
+  return maximise_twice(likelihood, near.converged ? near.x : start);
 }
 
 Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
@@ -100,10 +138,10 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
   }
   const auto n = static_cast<double>(data.size());
   if (family.kind != ScatterKind::normal)
-    widen(candidate.data, LawLikelihood(data, model, family), start,
+    widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
           std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = maximise_twice(likelihood, start);
+  candidate.maximum = maximise_from_some(likelihood, start);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
@@ -144,10 +182,10 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
 /// Moves samples that are lost bounces rather than scatter from `rows` to `outliers`.
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers) {
-  const LawLikelihood likelihood(data, model, fit.family);
+  if (!(fit.family.lost_share > 0.0)) return false;
+  const std::vector<double> p = LawLikelihood(data, model, fit.family).probabilities_of_lost(fit.maximum.x);
   std::vector<std::size_t> kept, lost;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    (likelihood.probability_of_lost(fit.maximum.x, k) > 0.5 ? lost : kept).push_back(rows[k]);
+  for (std::size_t k = 0; k < data.size(); ++k) (p[k] > 0.5 ? lost : kept).push_back(rows[k]);
   // a curve that so few follow is none: a search of few samples may end beside nearly all of them
   if (lost.empty() || kept.size() < std::max(kFewest, lost.size())) return false;
   rows = std::move(kept);
@@ -205,7 +243,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
     if (!results.empty()) {
       const Eigen::VectorXd start = start_values(main.data, model, main.family);
       if (start.size() == 0) continue;
-      maximum = maximise_twice(likelihood, start);
+      maximum = maximise_from_some(likelihood, start);
       if (!maximum.converged) continue;
     }
     LawComparison c;
@@ -279,6 +317,7 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
   LawFit fit;
   if (asked.n_scatter_terms > 8)
     throw InvalidArgument("terms of the scatter " + std::to_string(asked.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
+  check(samples);
   std::vector<std::size_t> rows = by_speed(samples);
   LawData data = law_data(samples, rows);
   fit.n = data.size();

@@ -19,6 +19,15 @@ std::vector<std::vector<std::size_t>> samples_by_drop(const std::vector<std::siz
   return samples;
 }
 
+/// sum_ij += e_ij c_i c_j
+void add_weighted_square(const Eigen::MatrixXd& e, const Eigen::VectorXd& c, Eigen::MatrixXd& sum) {
+  for (Eigen::Index j = 0; j < c.size(); ++j) {
+    const double* const of_e = e.col(j).data();
+    double* const to = sum.col(j).data();
+    for (Eigen::Index i = 0; i < c.size(); ++i) to[i] += of_e[i] * (c[i] * c[j]);
+  }
+}
+
 }  // namespace
 
 Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
@@ -41,18 +50,25 @@ Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std:
          by_parameters;
 }
 
-Eigen::MatrixXd LawLikelihood::design(const Eigen::VectorXd& theta, std::size_t k) const {
-  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
-  // predictors (rows): location, log b_below, log b_above, rho
-  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(4, n_parameters());
-  std::array<double, kMostLawParameters> row;
-  eps_of(theta, k, row.data());
-  for (Eigen::Index i = 0; i < n_law_; ++i) design(0, i) = row[static_cast<std::size_t>(i)];
-  const Eigen::Index of_above = n_law_ + (scatter_.is_two_sided() ? n_terms : 0);
-  for (Eigen::Index i = 0; i < n_terms; ++i)
-    design(1, n_law_ + i) = design(2, of_above + i) = power(x_[k], static_cast<int>(i));
-  if (scatter_.kind == ScatterKind::normal_laplace) design(3, n_parameters() - 1) = 1.0;
-  return design;
+Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) const {
+  // to which of location, log b_below, log b_above, rho a parameter belongs; of equal sides, to both
+  const Eigen::Index n_terms = static_cast<Eigen::Index>(scatter_.n_terms), n = n_parameters();
+  Eigen::MatrixXd belongs = Eigen::MatrixXd::Zero(4, n);
+  belongs.row(0).head(n_law_).setOnes();
+  belongs.row(1).segment(n_law_, n_terms).setOnes();
+  belongs.row(2).segment(n_law_ + (scatter_.is_two_sided() ? n_terms : 0), n_terms).setOnes();
+  if (scatter_.kind == ScatterKind::normal_laplace) belongs(3, n - 1) = 1.0;
+  return belongs.transpose() * information * belongs;
+}
+
+void LawLikelihood::fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const {
+  eps_of(theta, k, c);
+  double* of_scales = c + n_law_;
+  const std::size_t n_sides = scatter_.is_two_sided() ? 2 : 1;
+  double power_of_x = 1.0;
+  for (std::size_t j = 0; j < scatter_.n_terms; ++j, power_of_x *= x_[k])
+    for (std::size_t side = 0; side < n_sides; ++side) of_scales[side * scatter_.n_terms + j] = power_of_x;
+  if (scatter_.kind == ScatterKind::normal_laplace) of_scales[n_sides * scatter_.n_terms] = 1.0;
 }
 
 std::size_t LawLikelihood::information_stride() const {
@@ -64,9 +80,10 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
   const std::size_t stride = information_stride();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_parameters(), n_parameters());
   std::size_t n = 0;
+  Eigen::VectorXd c(n_parameters());
   for (std::size_t k = stride / 2; k < data_.size(); k += stride, ++n) {
-    const Eigen::MatrixXd at = design(theta, k);
-    sum.noalias() += at.transpose() * information_of(theta, k) * at;
+    fill_design(theta, k, c.data());
+    add_weighted_square(expanded(information_of(theta, k)), c, sum);
   }
   sum *= static_cast<double>(data_.size()) / static_cast<double>(n);
   add_penalty_curvature(theta, sum);
@@ -75,15 +92,17 @@ Eigen::MatrixXd LawLikelihood::information(const Eigen::VectorXd& theta) const {
 
 std::vector<Eigen::MatrixXd> LawLikelihood::information_by_drop(const Eigen::VectorXd& theta) const {
   const std::size_t stride = information_stride();
-  std::vector<Eigen::Matrix4d> of_samples;
-  for (std::size_t k = stride / 2; k < data_.size(); k += stride) of_samples.push_back(information_of(theta, k));
+  std::vector<Eigen::MatrixXd> of_samples;
+  for (std::size_t k = stride / 2; k < data_.size(); k += stride)
+    of_samples.push_back(expanded(information_of(theta, k)));
   const std::vector<std::vector<std::size_t>> samples = samples_by_drop(data_.drop, n_drops());
   std::vector<Eigen::MatrixXd> sums(samples.size(), Eigen::MatrixXd::Zero(n_parameters(), n_parameters()));
   parallel_for(blocks_of_drops(samples.size()), 0, [&](std::size_t block) {
+    Eigen::VectorXd c(n_parameters());
     for (std::size_t d = block * kDrops; d < std::min(samples.size(), (block + 1) * kDrops); ++d) {
       for (const std::size_t k : samples[d]) {
-        const Eigen::MatrixXd at = design(theta, k);
-        sums[d].noalias() += at.transpose() * of_samples[std::min(k / stride, of_samples.size() - 1)] * at;
+        fill_design(theta, k, c.data());
+        add_weighted_square(of_samples[std::min(k / stride, of_samples.size() - 1)], c, sums[d]);
       }
     }
   });
@@ -92,33 +111,6 @@ std::vector<Eigen::MatrixXd> LawLikelihood::information_by_drop(const Eigen::Vec
 
 std::size_t LawLikelihood::n_drops() const {
   return data_.drop.empty() ? 0 : *std::max_element(data_.drop.begin(), data_.drop.end()) + 1;
-}
-
-Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
-  return scores_of(theta, samples_by_drop(data_.drop, n_drops()));
-}
-
-Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) const {
-  std::vector<std::vector<std::size_t>> samples;
-  for (std::size_t k = 0; k < data_.size(); ++k) samples.push_back({k});
-  return scores_of(theta, samples);
-}
-
-Eigen::MatrixXd LawLikelihood::scores_of(const Eigen::VectorXd& theta,
-                                         const std::vector<std::vector<std::size_t>>& groups) const {
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(groups.size()));
-  const Shape common = shape(theta);
-  parallel_for(blocks_of_drops(groups.size()), 0, [&](std::size_t block) {
-    std::array<double, kMostLawParameters> row;
-    for (std::size_t d = block * kDrops; d < std::min(groups.size(), (block + 1) * kDrops); ++d) {
-      double* const of_group = scores.col(static_cast<Eigen::Index>(d)).data();
-      for (const std::size_t k : groups[d]) {
-        const double residual = data_.eps[k] - eps_of(theta, k, row.data());
-        add_score(density_at(residual, scales(theta, common, k)), k, row.data(), of_group);
-      }
-    }
-  });
-  return scores;
 }
 
 }  // namespace bouncelab::fit

@@ -9,12 +9,12 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "law/columns.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kParallel = 4096;  // samples, a multiple of kBlockSize
-constexpr std::size_t kKnots = 64;       // of the peak's offset: a cubic between them is good to 1e-7 of the scale
+constexpr std::size_t kKnots = 64;  // of the peak's offset: a cubic between them is good to 1e-7 of the scale
 
 NormalLaplace normal_density(double d, double s, double tau) {
   const double variance = s * s + tau * tau;
@@ -30,10 +30,6 @@ double polynomial(const double* c, std::size_t n, double x) {
   return sum;
 }
 
-void add_powers(double value, double x, std::size_t n, double* sums) {
-  for (std::size_t k = 0; k < n; ++k, value *= x) sums[k] += value;
-}
-
 }  // namespace
 
 Eigen::Index ScatterFamily::n_parameters() const {
@@ -44,6 +40,7 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
   constexpr double kRangeOfLost = 2.0;
   odds_of_lost_density_ = scatter.lost_share / kRangeOfLost / (1.0 - scatter.lost_share);
+  x_.reserve(data.size());
   for (const double v : data.v_mps) x_.push_back(v / scatter.v_ref_mps);
   log_each(x_);
   inverse_tau_.reserve(data.size());
@@ -53,8 +50,8 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
   if (model.is_linear()) {
     basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_));
   } else {
-    basis_.resize(static_cast<Eigen::Index>(data.size()), 1);
-    for (std::size_t k = 0; k < data.size(); ++k) basis_(static_cast<Eigen::Index>(k), 0) = pow(data.v_mps[k], 0.1);
+    const std::vector<double> tenth_powers = powers_of(data.v_mps, 0.1);
+    basis_ = Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), static_cast<Eigen::Index>(data.size()));
   }
 }
 
@@ -95,38 +92,25 @@ LawLikelihood::Shape LawLikelihood::shape(const Eigen::VectorXd& theta) const {
   if (scatter_.n_terms == 1) shape.sides = sides(theta, 0.0);
   if (scatter_.kind != ScatterKind::normal_laplace) return shape;
   // one knot beyond the data on each side
-  for (std::size_t j = 0; j < (scatter_.n_terms == 1 ? 1 : kKnots); ++j)
-    shape.peaks.push_back(peak(theta, x_.front() + (static_cast<double>(j) - 1.0) * knot_distance_));
+  double near = 0.0;
+  for (std::size_t j = 0; j < (scatter_.n_terms == 1 ? 1 : kKnots); ++j) {
+    shape.peaks.push_back(peak(theta, x_.front() + (static_cast<double>(j) - 1.0) * knot_distance_, near));
+    near = 2.0 * shape.peaks[j].value - shape.peaks[j > 0 ? j - 1 : 0].value;
+  }
   return shape;
 }
 
-ModeOffset LawLikelihood::peak(const Eigen::VectorXd& theta, double x) const {
+ModeOffset LawLikelihood::peak(const Eigen::VectorXd& theta, double x, double near) const {
   if (scatter_.kind != ScatterKind::normal_laplace) return {};
   const double* c = theta.data() + n_law_;
   const double asymmetry = polynomial(c + scatter_.n_terms, scatter_.n_terms, x) - polynomial(c, scatter_.n_terms, x);
-  return mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1]);
+  return mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1], near);
 }
 
 LawLikelihood::KnotPlace LawLikelihood::place_between_knots(double x) const {
   const double at = (x - x_.front()) / knot_distance_ + 1.0;
   const std::size_t j = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, kKnots - 3);
   return {j, at - static_cast<double>(j)};
-}
-
-/// Lagrange's cubic through the nearest four knots.
-ModeOffset LawLikelihood::peak_between_knots(const Shape& shape, double x) const {
-  if (shape.peaks.size() < 2) return shape.peaks.empty() ? ModeOffset{} : shape.peaks.front();
-  const auto [j, t] = place_between_knots(x);
-  const std::array<double, 4> w{-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-                                -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
-  ModeOffset peak;
-  for (std::size_t i = 0; i < w.size(); ++i) {
-    const ModeOffset& knot = shape.peaks[j - 1 + i];
-    peak.value += w[i] * knot.value;
-    peak.d_asymmetry += w[i] * knot.d_asymmetry;
-    peak.d_rho += w[i] * knot.d_rho;
-  }
-  return peak;
 }
 
 LawLikelihood::Scales LawLikelihood::scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak,
@@ -137,11 +121,6 @@ LawLikelihood::Scales LawLikelihood::scales(const LaplaceSides& sides, double sq
   const double all = normal + square(data_.tau[k]);
   const double tau = std::sqrt(all);
   return {sides, tau, 1.0 / tau, normal / all, std::sqrt(square_of_size), peak};
-}
-
-LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const {
-  return scales(shape.sides ? *shape.sides : sides(theta, x_[k]), shape.square_of_ratio,
-                peak_between_knots(shape, x_[k]), k);
 }
 
 LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
@@ -159,15 +138,6 @@ NormalLaplace LawLikelihood::density_at(double d, const Scales& s) const {
   f.d_log_above += of_both + by_offset * s.peak.d_asymmetry;
   f.d_log_tau = by_ratio + by_offset * s.peak.d_rho;
   return f;
-}
-
-void LawLikelihood::add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const {
-  for (Eigen::Index i = 0; i < n_law_; ++i) gradient[i] += f.d_location * law_row[i];
-  double* of_scales = gradient + n_law_;
-  if (!scatter_.is_two_sided()) return add_powers(f.d_log_below + f.d_log_above, x_[k], scatter_.n_terms, of_scales);
-  add_powers(f.d_log_below, x_[k], scatter_.n_terms, of_scales);
-  add_powers(f.d_log_above, x_[k], scatter_.n_terms, of_scales + scatter_.n_terms);
-  if (scatter_.kind == ScatterKind::normal_laplace) of_scales[2 * scatter_.n_terms] += f.d_log_tau;
 }
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
@@ -205,27 +175,19 @@ NormalLaplace LawLikelihood::density(const Eigen::VectorXd& theta, std::size_t k
   return density_at(data_.eps[k] - eps_of(theta, k, nullptr), scales(theta, k));
 }
 
-double LawLikelihood::probability_below(const Eigen::VectorXd& theta, std::size_t k) const {
-  const Scales s = scales(theta, k);
-  const double d = data_.eps[k] - eps_of(theta, k, nullptr);
-  if (scatter_.kind == ScatterKind::normal)
-    return 0.5 * erfc(-d / std::sqrt(2.0 * (square(s.sides.b_below) + square(s.tau))));
-  return normal_laplace_cdf(d + s.size * s.peak.value, s.sides.b_below, s.sides.b_above, s.tau);
-}
-
-double LawLikelihood::probability_of_lost(const Eigen::VectorXd& theta, std::size_t k) const {
-  // the density with lost ones is f (1 + odds)
-  return std::min(1.0, odds_of_lost_density_ * exp(-density(theta, k).log_density()));
-}
-
 ScatterModel LawLikelihood::scatter_model(const Eigen::VectorXd& theta) const {
-  const double* c = theta.data() + n_law_;
-  ScatterModel result;
-  result.v_ref_mps = scatter_.v_ref_mps;
-  result.log_below.assign(c, c + scatter_.n_terms);
-  if (scatter_.is_two_sided()) c += scatter_.n_terms;
-  result.log_above.assign(c, c + scatter_.n_terms);
+  ScatterModel result = scatter_model_of(theta, n_law_, scatter_);
   result.normal_ratio = std::sqrt(square_of_normal_ratio(theta));
+  return result;
+}
+
+ScatterModel scatter_model_of(const Eigen::VectorXd& theta, Eigen::Index n_law, const ScatterFamily& scatter) {
+  const double* c = theta.data() + n_law;
+  ScatterModel result;
+  result.v_ref_mps = scatter.v_ref_mps;
+  result.log_below.assign(c, c + scatter.n_terms);
+  if (scatter.is_two_sided()) c += scatter.n_terms;
+  result.log_above.assign(c, c + scatter.n_terms);
   return result;
 }
 

@@ -15,6 +15,8 @@ namespace bouncelab::fit {
 // exp() of anything beyond is no scatter of a coefficient of restitution; keeps the search out of overflow
 inline constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
+inline constexpr std::size_t kParallel = 4096;  ///< samples of one piece of parallel work, a multiple of kBlockSize
+
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
   std::vector<double> v_mps, eps;
@@ -67,9 +69,17 @@ class LawLikelihood {
 
   /// Of sample k: density of its residual, with derivatives by location and log scales.
   NormalLaplace density(const Eigen::VectorXd& theta, std::size_t k) const;
-  /// Of sample k to be a lost bounce, not one of the scatter.
-  double probability_of_lost(const Eigen::VectorXd& theta, std::size_t k) const;
-  double probability_below(const Eigen::VectorXd& theta, std::size_t k) const;
+  /// Of each sample to be a lost bounce, not one of the scatter.
+  std::vector<double> probabilities_of_lost(const Eigen::VectorXd& theta) const;
+  /// Distribution function of the scatter at each sample.
+  std::vector<double> probabilities_below(const Eigen::VectorXd& theta) const;
+  /// Of each sample: its distance from the curve, and derivatives of its log density by location, log b_below, log
+  /// b_above and rho (0 where the family has no such parameter).
+  struct Derivatives {
+    std::vector<double> residual, by_location, by_log_below, by_log_above, by_rho;
+    std::vector<double> slope;  ///< of the curve by q where the model is not linear, else empty
+  };
+  Derivatives derivatives(const Eigen::VectorXd& theta) const;
   Eigen::Matrix4d information_of(const Eigen::VectorXd& theta, std::size_t k) const;
   /// Of the curve at sample k, and where asked for its derivatives by q.
   double eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row = nullptr) const;
@@ -102,33 +112,41 @@ class LawLikelihood {
     std::optional<LaplaceSides> sides;  ///< where they do not depend on the speed
   };
   Shape shape(const Eigen::VectorXd& theta) const;
-  Scales scales(const Eigen::VectorXd& theta, const Shape& shape, std::size_t k) const;
   Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
   Scales scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak, std::size_t k) const;
   LaplaceSides sides(const Eigen::VectorXd& theta, double x) const;
-  ModeOffset peak(const Eigen::VectorXd& theta, double x) const;
+  ModeOffset peak(const Eigen::VectorXd& theta, double x, double near = 0.0) const;
   /// After which knot a speed lies, and how far, in distances of knots.
   struct KnotPlace {
     std::size_t knot;
     double t;
   };
   KnotPlace place_between_knots(double x) const;
-  ModeOffset peak_between_knots(const Shape& shape, double x) const;
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
   NormalLaplace density_at(double d, const Scales& scales) const;
-  void add_score(const NormalLaplace& f, std::size_t k, const double* law_row, double* gradient) const;
   /// Of s.n samples from s.begin on: densities with their derivatives.
   void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  /// All that density and distribution function take: residuals (with a normal part from where the exponentials join),
+  /// sides, standard deviations of normal part and timing error together.
+  struct NormalPart {
+    const double *tau, *inverse_tau;
+  };
+  NormalPart compute_scatter(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  /// Calls compute(samples) for all blocks of samples, on all threads.
+  template <class Compute>
+  void in_blocks(const Compute& compute) const;
   void compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) const;
   void compute_sides(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
   void compute_peaks(const Shape& shape, SampleBlock& s) const;
   void add_scores(SampleBlock& s, GradientSum& sum) const;
-  /// Gradients of the log-likelihoods of groups of samples, a column a group.
-  Eigen::MatrixXd scores_of(const Eigen::VectorXd& theta, const std::vector<std::vector<std::size_t>>& groups) const;
+  /// Adds sample k's score to a gradient.
+  void add_score(const Derivatives& d, std::size_t k, double* gradient) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;
   void add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const;
-  /// Derivatives of sample k's location, log b_below, log b_above, rho (rows) by theta.
-  Eigen::MatrixXd design(const Eigen::VectorXd& theta, std::size_t k) const;
+  /// Expected information of one sample by all parameters is e_ij c_i c_j: c are the derivatives of location and log
+  /// scales by theta, e the information by those, by pairs of parameters.
+  Eigen::MatrixXd expanded(const Eigen::Matrix4d& information) const;
+  void fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const;
   std::size_t information_stride() const;
 
   const LawData& data_;
@@ -141,5 +159,8 @@ class LawLikelihood {
   double knot_distance_ = 1.0;  ///< in x
   Eigen::MatrixXd basis_;       ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
 };
+
+/// Without the normal part's size. @param n_law  parameters of the law, which come first in theta
+ScatterModel scatter_model_of(const Eigen::VectorXd& theta, Eigen::Index n_law, const ScatterFamily& scatter);
 
 }  // namespace bouncelab::fit

@@ -10,20 +10,20 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "law/columns.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-double term(int order, double v_mps) {
-  return kViscoelasticC[static_cast<std::size_t>(order)] * pow(v_mps, 0.1 * order);
-}
-
 /// Rows C_i v^(i/10): eps = 1 + rows A.
 Eigen::MatrixXd series_terms(const std::vector<int>& orders, std::span<const double> v_mps) {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(v_mps.size()), static_cast<Eigen::Index>(orders.size()));
-  for (Eigen::Index k = 0; k < rows.rows(); ++k)
-    for (Eigen::Index i = 0; i < rows.cols(); ++i)
-      rows(k, i) = term(orders[static_cast<std::size_t>(i)], v_mps[static_cast<std::size_t>(k)]);
+  for (Eigen::Index i = 0; i < rows.cols(); ++i) {
+    const int order = orders[static_cast<std::size_t>(i)];
+    const std::vector<double> powers = powers_of(v_mps, 0.1 * order);
+    rows.col(i) =
+        kViscoelasticC[static_cast<std::size_t>(order)] * Eigen::Map<const Eigen::VectorXd>(powers.data(), rows.rows());
+  }
   return rows;
 }
 
@@ -82,10 +82,11 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
   if (kind == LawKind::series) return (series_terms(orders, v_mps) * reported(q)).array() + 1.0;
-  Eigen::VectorXd values(n);
-  for (Eigen::Index k = 0; k < n; ++k)
-    values[k] = viscoelastic_of_log_gamma(q[0], pow(v_mps[static_cast<std::size_t>(k)], 0.1)).first;
-  return values;
+  const double root = exp(0.5 * q[0]);
+  const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
+  return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), n).unaryExpr([&](double x) {
+    return viscoelastic_restitution(root * x);
+  });
 }
 
 Eigen::VectorXd LawModel::reported(const Eigen::VectorXd& q) const {

@@ -137,9 +137,7 @@ void describe_goodness(LawFit& fit, const LawLikelihood& likelihood, const Maxim
   fit.loglik = maximum.loglik;
   fit.aic = 2.0 * n_parameters - 2.0 * maximum.loglik;
   fit.bic = n_parameters * log(n) - 2.0 * maximum.loglik;
-  std::vector<double> u;
-  for (std::size_t k = 0; k < fit.n; ++k) u.push_back(likelihood.probability_below(maximum.x, k));
-  if (const auto chi2 = pearson_chi2(u, fit.n_parameters)) {
+  if (const auto chi2 = pearson_chi2(likelihood.probabilities_below(maximum.x), fit.n_parameters)) {
     fit.chi2 = chi2->chi2;
     fit.ndf = chi2->ndf;
     fit.p_value = chi2->p_value;

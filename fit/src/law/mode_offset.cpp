@@ -26,12 +26,12 @@ LogRatio log_mills_ratio(double u) {
 
 /// f' = 0 where R(p - z) / b_above = R(q + z) / b_below, p = tau / b_above, q = tau / b_below, z = distance / tau: of
 /// its logarithm, which is nearly linear in z, by Newton's method. Derivatives by those of the equation.
-ModeOffset mode_offset(double asymmetry, double rho) {
+ModeOffset mode_offset(double asymmetry, double rho, double near) {
   constexpr double kMostRho = 8.0;  // from there on the mean of the exponentials, to 1e-6
   constexpr int kMost = 30;
   rho = std::min(rho, kMostRho);
   const double tau = exp(rho), p = exp(rho - 0.5 * asymmetry), q = exp(rho + 0.5 * asymmetry);
-  double z = 0.0;
+  double z = near / tau;
   LogRatio above{}, below{};
   for (int i = 0; i < kMost; ++i) {
     above = log_mills_ratio(p - z);

@@ -13,6 +13,7 @@ struct ModeOffset {
 
 /// @param asymmetry  log(b_above / b_below), between -30 and 30
 /// @param rho        log of the normal part's standard deviation over sqrt(b_below b_above); above 8 as at 8
-ModeOffset mode_offset(double asymmetry, double rho);
+/// @param near       a value to begin the search with, as that of a neighbouring asymmetry
+ModeOffset mode_offset(double asymmetry, double rho, double near = 0.0);
 
 }  // namespace bouncelab::fit

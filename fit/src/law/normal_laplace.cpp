@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/quadrature.hpp"
+#include "law/law_block.hpp"
 #include "law/scaled_erfc.hpp"
 
 namespace bouncelab::fit {
@@ -69,15 +71,46 @@ Eigen::Matrix4d pure_laplace_information(double b_below, double b_above) {
   return information;
 }
 
-void add_panel(Eigen::Matrix4d& sum, double lo, double hi, double b_below, double b_above, double tau) {
-  const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-  for (std::size_t k = 0; k < kGaussLegendre12Positive.nodes.size(); ++k) {
-    for (const double side : {-1.0, 1.0}) {
-      const NormalLaplace f =
-          normal_laplace(middle + side * half * kGaussLegendre12Positive.nodes[k], b_below, b_above, tau);
-      const Eigen::Vector4d score(f.d_location, f.d_log_below, f.d_log_above, f.d_log_tau);
-      sum += std::abs(half) * kGaussLegendre12Positive.weights[k] * exp(f.log_density()) * score * score.transpose();
+constexpr std::size_t kPanels = 7, kNodes = 2 * kGaussLegendre12Positive.nodes.size();
+constexpr std::size_t kPoints = 2 * kPanels * kNodes;  // of both sides
+
+/// Where the density is integrated, and the weights.
+struct Points {
+  std::array<double, kPoints> d, weight;
+};
+
+Points integration_points(double b_below, double b_above, double tau) {
+  Points points;
+  std::size_t n = 0;
+  for (const double side : {-1.0, 1.0}) {
+    const double b = side > 0.0 ? b_above : b_below;
+    const std::array<double, kPanels + 1> edges{
+        0.0, tau, 3.0 * tau, 8.0 * tau, 8.0 * tau + b, 8.0 * tau + 3.0 * b, 8.0 * tau + 10.0 * b, 8.0 * tau + 40.0 * b};
+    for (std::size_t k = 0; k < kPanels; ++k) {
+      const double middle = 0.5 * side * (edges[k] + edges[k + 1]), half = 0.5 * (edges[k + 1] - edges[k]);
+      for (std::size_t i = 0; i < kGaussLegendre12Positive.nodes.size(); ++i)
+        for (const double sign : {-1.0, 1.0}) {
+          points.d[n] = middle + sign * half * kGaussLegendre12Positive.nodes[i];
+          points.weight[n++] = half * kGaussLegendre12Positive.weights[i];
+        }
     }
+  }
+  return points;
+}
+
+/// Adds weight f score score^T at n <= kBlockSize points.
+void add_information(std::size_t n, const double* d, const double* weight, const SidesBlock& sides, const Block& tau,
+                     const Block& inverse_tau, GradientSum& sum) {
+  DensityBlock f;
+  normal_laplace(n, d, sides, tau.data(), inverse_tau.data(), 0.0, f);
+  exp_each(std::span(f.exponent).first(n));
+  for (std::size_t k = 0; k < n; ++k) f.exponent[k] *= f.factor[k] * weight[k];
+  const std::array<const Block*, 4> scores{&f.d_location, &f.d_log_below, &f.d_log_above, &f.d_log_tau};
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    Block weighted;
+    for (std::size_t k = 0; k < n; ++k) weighted[k] = f.exponent[k] * (*scores[i])[k];
+    for (std::size_t j = 0; j <= i; ++j) sum.add_products(pair++, n, weighted.data(), scores[j]->data());
   }
 }
 
@@ -139,15 +172,25 @@ double normal_laplace_cdf(double d, double b_below, double b_above, double tau) 
 
 Eigen::Matrix4d normal_laplace_information(double b_below, double b_above, double tau) {
   if (!(tau > 1e-6 * std::min(b_below, b_above))) return pure_laplace_information(b_below, b_above);
-  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
-  for (const double side : {-1.0, 1.0}) {
-    const double b = side > 0.0 ? b_above : b_below;
-    const std::array<double, 8> edges{
-        0.0, tau, 3.0 * tau, 8.0 * tau, 8.0 * tau + b, 8.0 * tau + 3.0 * b, 8.0 * tau + 10.0 * b, 8.0 * tau + 40.0 * b};
-    for (std::size_t k = 0; k + 1 < edges.size(); ++k)
-      add_panel(sum, side * edges[k], side * edges[k + 1], b_below, b_above, tau);
-  }
-  return sum;
+  const Points points = integration_points(b_below, b_above, tau);
+  SidesBlock sides;
+  sides.b_below.fill(b_below);
+  sides.b_above.fill(b_above);
+  complete_sides(kBlockSize, sides);
+  Block taus, inverse_taus;
+  taus.fill(tau);
+  inverse_taus.fill(1.0 / tau);
+  GradientSum sum;
+  for (std::size_t begin = 0; begin < kPoints; begin += kBlockSize)
+    add_information(std::min(kBlockSize, kPoints - begin), &points.d[begin], &points.weight[begin], sides, taus,
+                    inverse_taus, sum);
+  std::array<double, 10> pairs;
+  sum.put(pairs.data(), pairs.size());
+  Eigen::Matrix4d information;
+  std::size_t pair = 0;
+  for (Eigen::Index i = 0; i < 4; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) information(i, j) = information(j, i) = pairs[pair++];
+  return information;
 }
 
 }  // namespace bouncelab::fit

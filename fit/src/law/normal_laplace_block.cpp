@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/normal_laplace_block.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -161,19 +162,59 @@ BOUNCELAB_VECTOR_CLONES void complete_sides(std::size_t n, SidesBlock& sides) {
   }
 }
 
-void normal_laplace(std::size_t n, const double* d, const SidesBlock& sides, const double* tau,
-                    const double* inverse_tau, double background, DensityBlock& f) {
-  PartsBlock p;
+namespace {
+
+void parts(std::size_t n, const double* d, const SidesBlock& sides, const double* tau, const double* inverse_tau,
+           PartsBlock& p) {
   far_parts(n, d, sides, tau, inverse_tau, p);
   NearBlock near;
   gather(n, p, near);
-  if (near.n > 0) {
-    exp_arguments(near);
-    exp_each(std::span(near.exp1).first(near.n));
-    exp_each(std::span(near.exp2).first(near.n));
-    near_parts(near);
-    scatter(near, p);
+  if (near.n == 0) return;
+  exp_arguments(near);
+  exp_each(std::span(near.exp1).first(near.n));
+  exp_each(std::span(near.exp2).first(near.n));
+  near_parts(near);
+  scatter(near, p);
+}
+
+BOUNCELAB_VECTOR_CLONES void normal_cdfs(std::size_t n, const double* density_arguments, double* z) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double tail = mills(-std::abs(z[k]), density_arguments[k]).tail;
+    z[k] = z[k] < 0.0 ? tail : 1.0 - tail;
   }
+}
+
+}  // namespace
+
+void normal_cdf_each(std::span<double> z) {
+  Block e;
+  for (std::size_t begin = 0; begin < z.size(); begin += kBlockSize) {
+    const std::size_t n = std::min(kBlockSize, z.size() - begin);
+    double* const at = z.data() + begin;
+    for (std::size_t k = 0; k < n; ++k) e[k] = -0.5 * at[k] * at[k];
+    exp_each(std::span(e).first(n));
+    normal_cdfs(n, e.data(), at);
+  }
+}
+
+void normal_laplace_cdf(std::size_t n, const double* d, const SidesBlock& sides, const double* tau,
+                        const double* inverse_tau, double* cdf) {
+  PartsBlock p;
+  parts(n, d, sides, tau, inverse_tau, p);
+  for (std::size_t k = 0; k < n; ++k) cdf[k] = p.z[k];
+  normal_cdf_each({cdf, n});
+  exp_each(std::span(p.exponent).first(n));
+  // integrate by parts: F = Phi(z) - p_above T1 + p_below T2
+  for (std::size_t k = 0; k < n; ++k) {
+    const double of_both = (1.0 - sides.p_above[k]) * (1.0 - p.share_above[k]) - sides.p_above[k] * p.share_above[k];
+    cdf[k] += p.exponent[k] * p.sum[k] * of_both;
+  }
+}
+
+void normal_laplace(std::size_t n, const double* d, const SidesBlock& sides, const double* tau,
+                    const double* inverse_tau, double background, DensityBlock& f) {
+  PartsBlock p;
+  parts(n, d, sides, tau, inverse_tau, p);
   Block beside;
   if (background > 0.0) {
     for (std::size_t k = 0; k < n; ++k) beside[k] = -p.exponent[k];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "law/normal_laplace.hpp"
 
@@ -22,6 +23,13 @@ void complete_sides(std::size_t n, SidesBlock& sides);
 struct DensityBlock {
   Block exponent, factor, d_location, d_log_below, d_log_above, d_log_tau;
 };
+
+/// normal_laplace_cdf() of each of the first n, to a few units in the last place of 1.
+void normal_laplace_cdf(std::size_t n, const double* d, const SidesBlock& sides, const double* tau,
+                        const double* inverse_tau, double* cdf);
+
+/// Distribution function of the standard normal of each z in its place, to a few units in the last place of 1.
+void normal_cdf_each(std::span<double> z);
 
 /// normal_laplace() of each of the first n, its bits too.
 void normal_laplace(std::size_t n, const double* d, const SidesBlock& sides, const double* tau,

@@ -13,22 +13,30 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr double kZ95 = 1.959963984540054;
+constexpr double kReached = 0.97;  // of a level: that little a parabola may extrapolate
 
 struct Root {
   double t;  ///< in standard errors
   double r;  ///< signed root of twice the fall of the log-likelihood
 };
 
-/// t at which r = z, by the parabola through the three points nearest to z.
-double inverse(std::vector<Root> points, double z) {
-  std::sort(points.begin(), points.end(),
+/// t at which r = z, by the parabola through the three points nearest to z; where that leaves the interval between the
+/// points on either side of z, as it may where r bends sharply, by a straight line between those.
+/// @param points  at least 3, t and r increasing from 0
+double inverse(const std::vector<Root>& points, double z) {
+  std::vector<Root> nearest = points;
+  std::sort(nearest.begin(), nearest.end(),
             [&](const Root& a, const Root& b) { return std::abs(a.r - z) < std::abs(b.r - z); });
-  const auto [t0, r0] = points[0];
-  const auto [t1, r1] = points[1];
-  const auto [t2, r2] = points[2];
-  return t0 * (z - r1) * (z - r2) / ((r0 - r1) * (r0 - r2)) + t1 * (z - r0) * (z - r2) / ((r1 - r0) * (r1 - r2)) +
-         t2 * (z - r0) * (z - r1) / ((r2 - r0) * (r2 - r1));
+  const auto [t0, r0] = nearest[0];
+  const auto [t1, r1] = nearest[1];
+  const auto [t2, r2] = nearest[2];
+  const double t = t0 * (z - r1) * (z - r2) / ((r0 - r1) * (r0 - r2)) +
+                   t1 * (z - r0) * (z - r2) / ((r1 - r0) * (r1 - r2)) +
+                   t2 * (z - r0) * (z - r1) / ((r2 - r0) * (r2 - r1));
+  const auto above = std::find_if(points.begin() + 1, points.end() - 1, [&](const Root& p) { return p.r > z; });
+  const Root &lo = *(above - 1), &hi = *above;
+  const bool is_between = t >= lo.t && (t <= hi.t || z > hi.r);
+  return is_between ? t : lo.t + (hi.t - lo.t) * (z - lo.r) / (hi.r - lo.r);
 }
 
 /// One side (sign -1 or +1) of the profile.
@@ -42,14 +50,15 @@ class Side {
 
   /// t where the root is z68 and z95.
   std::optional<std::pair<double, double>> ends(const ProfileLevels& levels) {
-    // two standard errors nearly always reach z = 1.96, give or take what the parabola may extrapolate; levels of a
-    // multiple of it, that multiple
-    const double unit = std::min(2.0, levels.z95 / kZ95);
-    for (double t = unit; t < 200.0 && (t < 3.0 * unit || points_.back().r < 0.97 * levels.z95); t *= 2.0)
-      if (!add(t)) return std::nullopt;
-    if (points_.back().r < 0.97 * levels.z95) return std::nullopt;
+    // the signed root is nearly linear: from where it is near the inner level a secant leads near the outer one
+    double t = std::min(2.0, levels.z68);
+    do {
+      if (t > 200.0 || !add(t)) return std::nullopt;
+      const Root& last = points_.back();
+      t = std::clamp(last.t * levels.z95 / last.r, 1.25 * last.t, 2.5 * last.t);
+    } while (points_.size() < 3 || points_.back().r < kReached * levels.z95);
     const auto z68 = end(levels.z68), z95 = end(levels.z95);
-    return z68 && z95 ? std::optional(std::pair(*z68, *z95)) : std::nullopt;
+    return z68 && z95 && *z68 < *z95 ? std::optional(std::pair(*z68, *z95)) : std::nullopt;
   }
 
  private:

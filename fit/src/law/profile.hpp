@@ -24,12 +24,13 @@ struct ProfileLevels {
 ProfileLevels profile_levels(std::size_t n, std::size_t n_location);
 
 /// Profile-likelihood intervals of direction . theta: where the likelihood, maximised over all else, has fallen to the
-/// levels. The signed root of twice the fall is nearly linear in the quantity where there are many samples: it is
-/// computed at 1, 2 (4, 8 ...) standard errors on each side and interpolated by a parabola, and where its nearest value
-/// is not within a quarter of the level once more there; error of an end about 1 % of the standard error.
+/// levels. The signed root of twice the fall is nearly linear in the quantity where there are many samples: on each
+/// side it is computed near the level of 68 %, from there by secants up to the level of 95 %, and interpolated by a
+/// parabola; where its nearest value is not within a quarter of the level once more there. Error of an end below 1 % of
+/// the standard error.
 /// @param white      theta = maximum.x + white y makes the likelihood about exp(-y^2/2)
 /// @param direction  gradient of the quantity by theta
-/// @return nullopt where the likelihood does not fall to the level of 95 % within 128 standard errors, or a search
+/// @return nullopt where the likelihood does not fall to the level of 95 % within 200 standard errors, or a search
 ///         fails
 std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, const Maximum& maximum,
                                                   const Eigen::MatrixXd& white, const Eigen::VectorXd& direction,

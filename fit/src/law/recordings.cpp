@@ -121,7 +121,7 @@ std::optional<Likelihoods> likelihoods(const Compared& samples, const LawModel& 
   const Eigen::VectorXd start = start_values(data, model, family);
   if (start.size() == 0) return std::nullopt;
   if (family.kind != ScatterKind::normal)
-    widen(data, LawLikelihood(data, model, family), start,
+    widen(data, scatter_model_of(start, model.n_parameters(), family),
           std::sqrt(static_cast<double>(model.n_parameters()) / static_cast<double>(data.size())));
   const LawLikelihood likelihood(data, model, family);
   const Maximum one = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, start,

@@ -8,6 +8,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/statistics.hpp"
+#include "law/columns.hpp"
 #include "law/start_values.hpp"
 
 namespace bouncelab::fit {
@@ -15,12 +16,6 @@ namespace {
 
 LogLikelihood function_of(const LawLikelihood& likelihood) {
   return [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) { return likelihood(x, gradient); };
-}
-
-std::vector<double> transforms(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
-  std::vector<double> u;
-  for (std::size_t k = 0; k < likelihood.data().size(); ++k) u.push_back(likelihood.probability_below(theta, k));
-  return u;
 }
 
 /// Speeds and timing errors of every n-th sample; timing errors widened as the fit of so few samples would.
@@ -36,17 +31,16 @@ LawData thinned(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
     data.drop.push_back(all.drop[k]);
   }
   if (stride > 1 && likelihood.scatter().kind != ScatterKind::normal)
-    widen(data, likelihood, theta,
+    widen(data, likelihood.scatter_model(theta),
           std::sqrt(static_cast<double>(likelihood.model().n_parameters()) / static_cast<double>(data.size())));
   return data;
 }
 
-double draw_scatter(const LawLikelihood& likelihood, const ScatterModel& scatter, double v_mps, Random& random) {
-  const double below = scatter.below(v_mps), above = scatter.above(v_mps);
-  if (likelihood.scatter().kind == ScatterKind::normal) return below * random.normal();
+double draw_scatter(ScatterKind kind, double below, double above, double normal_ratio, Random& random) {
+  if (kind == ScatterKind::normal) return below * random.normal();
   const double exponential =
       random.uniform() < above / (above + below) ? above * random.exponential() : -below * random.exponential();
-  return exponential + (scatter.normal_ratio > 0.0 ? scatter.normal(v_mps) * random.normal() : 0.0);
+  return exponential + (normal_ratio > 0.0 ? normal_ratio * std::sqrt(below * above) * random.normal() : 0.0);
 }
 
 /// Samples of the drops drawn, each as often as drawn, still in order of speed.
@@ -72,30 +66,37 @@ double anderson_darling(std::vector<double> u) {
   std::sort(u.begin(), u.end());
   const std::size_t n = u.size();
   double sum = 0.0;
+  std::vector<double> low(n), high(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const double low = std::clamp(u[i], 1e-300, 1.0), high = std::clamp(1.0 - u[n - 1 - i], 1e-16, 1.0);
-    sum += (2.0 * static_cast<double>(i) + 1.0) * (log(low) + log(high));
+    low[i] = std::clamp(u[i], 1e-300, 1.0);
+    high[i] = std::clamp(1.0 - u[n - 1 - i], 1e-16, 1.0);
   }
+  log_each(low);
+  log_each(high);
+  for (std::size_t i = 0; i < n; ++i) sum += (2.0 * static_cast<double>(i) + 1.0) * (low[i] + high[i]);
   return -static_cast<double>(n) - sum / static_cast<double>(n);
 }
 
 AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Maximum& maximum, std::size_t n_replicates,
                                       std::uint64_t seed) {
   AndersonDarling result;
-  result.a2 = anderson_darling(transforms(likelihood, maximum.x));
+  result.a2 = anderson_darling(likelihood.probabilities_below(maximum.x));
   const LawData design = thinned(likelihood, maximum.x);
   const LawLikelihood thin(design, likelihood.model(), likelihood.scatter());
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);
+  const ScaleColumns b = scales_at(scatter, design.v_mps);
+  const ScatterKind kind = likelihood.scatter().kind;
   std::vector<double> a2(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, i);
     LawData data = design;
     for (std::size_t k = 0; k < data.size(); ++k)
-      data.eps[k] = thin.eps_of(maximum.x, k) + draw_scatter(thin, scatter, data.v_mps[k], random) +
+      data.eps[k] = thin.eps_of(maximum.x, k) +
+                    draw_scatter(kind, b.below[k], b.above[k], scatter.normal_ratio, random) +
                     data.tau[k] * random.normal();
     const LawLikelihood drawn(data, likelihood.model(), likelihood.scatter());
-    a2[i] = anderson_darling(transforms(drawn, maximise(function_of(drawn), maximum.x, information, 0.02).x));
+    a2[i] = anderson_darling(drawn.probabilities_below(maximise(function_of(drawn), maximum.x, information, 0.02).x));
   });
   result.n_replicates = n_replicates;
   const auto n_larger = std::count_if(a2.begin(), a2.end(), [&](double x) { return x >= result.a2; });

@@ -9,6 +9,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
+#include "law/columns.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -146,12 +147,10 @@ Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const Scat
   return theta;
 }
 
-void widen(LawData& data, const LawLikelihood& likelihood, const Eigen::VectorXd& theta, double width) {
-  const ScatterModel scatter = likelihood.scatter_model(theta);
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const double b = 0.5 * (scatter.below(data.v_mps[k]) + scatter.above(data.v_mps[k]));
-    data.tau[k] = hypot(data.tau[k], width * b);
-  }
+void widen(LawData& data, const ScatterModel& scatter, double width) {
+  const ScaleColumns b = scales_at(scatter, data.v_mps);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    data.tau[k] = hypot(data.tau[k], width * (0.5 * (b.below[k] + b.above[k])));
 }
 
 }  // namespace bouncelab::fit

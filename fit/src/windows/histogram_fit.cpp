@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "law/columns.hpp"
 #include "law/distributions.hpp"
 #include "law/goodness.hpp"
 #include "law/law_likelihood.hpp"
@@ -20,27 +20,34 @@ namespace {
 
 constexpr double kResolution = 1e-8;  // of eps, as in the law's fit
 
+/// Residuals of the samples at the window's centre, stretched as the scatter is there.
+void move_to(double centre, const LawFit& law, LawData& data) {
+  const double eps_centre = restitution(*law.law, centre);
+  const std::vector<double> fitted = restitutions(*law.law, data.v_mps);
+  const ScaleColumns b = law.scatter ? scales_at(*law.scatter, data.v_mps) : ScaleColumns{};
+  const double below = law.scatter ? law.scatter->below(centre) : 1.0;
+  const double above = law.scatter ? law.scatter->above(centre) : 1.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double residual = data.eps[k] - fitted[k];
+    const double stretch = !law.scatter ? 1.0 : residual > 0.0 ? above / b.above[k] : below / b.below[k];
+    data.eps[k] = eps_centre + residual * stretch;
+    data.tau[k] *= stretch;
+  }
+}
+
 /// Samples of the window, moved along the law to its centre.
 LawData window_data(const RestitutionSamples& samples, double lo, double hi, double centre, const LawFit& law) {
   LawData data;
-  std::map<std::pair<std::string, std::int64_t>, std::size_t> drops;
-  const double eps_centre = law.law ? restitution(*law.law, centre) : 0.0;
+  DropNumbers drops;
   for (const RestitutionSample& s : samples) {
     if (!(s.v_mps >= lo && s.v_mps < hi) || !std::isfinite(s.eps)) continue;
-    double eps = s.eps, tau = hypot(s.sigma_eps.value_or(0.0), kResolution);
-    if (law.law) {
-      const double residual = eps - restitution(*law.law, s.v_mps);
-      const double stretch = !law.scatter     ? 1.0
-                             : residual > 0.0 ? law.scatter->above(centre) / law.scatter->above(s.v_mps)
-                                              : law.scatter->below(centre) / law.scatter->below(s.v_mps);
-      eps = eps_centre + residual * stretch;
-      tau *= stretch;
-    }
-    data.v_mps.push_back(centre);
-    data.eps.push_back(eps);
-    data.tau.push_back(tau);
-    data.drop.push_back(drops.try_emplace({s.recording, s.drop}, drops.size()).first->second);
+    data.v_mps.push_back(s.v_mps);
+    data.eps.push_back(s.eps);
+    data.tau.push_back(hypot(s.sigma_eps.value_or(0.0), kResolution));
+    data.drop.push_back(drops.of(s));
   }
+  if (law.law) move_to(centre, law, data);
+  std::fill(data.v_mps.begin(), data.v_mps.end(), centre);
   return data;
 }
 
@@ -82,10 +89,7 @@ void fit_two_exponentials(HistogramFit& result, const LawData& data, const Windo
     result.message = "the scatter is narrower than the timing error: its slopes are not identifiable";
   }
   result.loglik = fit.maximum.loglik;
-  std::vector<double> u;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    u.push_back(normal_laplace_cdf(data.eps[k] - theta[0], exp(theta[1]), exp(theta[2]), data.tau[k]));
-  if (const auto chi2 = pearson_chi2(u, 3, 1)) {
+  if (const auto chi2 = pearson_chi2(probabilities_below(data, theta), 3, 1)) {
     result.chi2 = chi2->chi2;
     result.ndf = chi2->ndf;
     result.p_value = chi2->p_value;

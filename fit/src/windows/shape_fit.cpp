@@ -7,18 +7,18 @@
 #include <functional>
 #include <numbers>
 #include <numeric>
+#include <span>
 
 #include "bouncelab/core/elementary.hpp"
 #include "law/distributions.hpp"
 #include "law/goodness.hpp"
 #include "law/maximise.hpp"
+#include "law/normal_laplace_block.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
 constexpr Eigen::Index kCellsPerBin = 4;
-
-double normal_cdf(double z) { return 0.5 * erfc(-z * std::sqrt(0.5)); }
 
 /// Cells of equal width, four to a bin, and the timing errors that move what is in them.
 class Blur {
@@ -36,11 +36,13 @@ class Blur {
     const std::size_t n_classes = std::min<std::size_t>(16, tau.size());
     for (std::size_t j = 0; j < n_classes; ++j) {
       const double t = tau[(2 * j + 1) * tau.size() / (2 * n_classes)];
-      for (Eigen::Index k = 0; k < n; ++k) {
-        const double z = (static_cast<double>(k - n_cells_) - 0.5) * width_ / t;
-        below_[k] += normal_cdf(z) / static_cast<double>(n_classes);
-        above_[k] += normal_cdf(-z) / static_cast<double>(n_classes);
-      }
+      Eigen::VectorXd below(n), above(n);
+      for (Eigen::Index k = 0; k < n; ++k) below[k] = (static_cast<double>(k - n_cells_) - 0.5) * width_ / t;
+      above = -below;
+      normal_cdf_each({below.data(), static_cast<std::size_t>(n)});
+      normal_cdf_each({above.data(), static_cast<std::size_t>(n)});
+      below_ += below / static_cast<double>(n_classes);
+      above_ += above / static_cast<double>(n_classes);
     }
     within_.resize(n - kCellsPerBin);
     for (Eigen::Index k = 0; k < within_.size(); ++k)
@@ -80,70 +82,78 @@ struct ShapeModel {
   double exponent = 1.0;      ///< -1: reported as the inverse (slopes)
 };
 
-/// Probability on either side of eps.
+/// Probabilities on either side of the edges.
 struct Sides {
-  double below, above;
+  Eigen::ArrayXd below, above;
 };
 
+Eigen::ArrayXd edges_of(const Blur& blur) {
+  Eigen::ArrayXd edges(blur.n_cells() + 1);
+  for (Eigen::Index i = 0; i < edges.size(); ++i) edges[i] = blur.edge(i);
+  return edges;
+}
+
+std::span<double> span_of(Eigen::ArrayXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+Eigen::ArrayXd exp_of(Eigen::ArrayXd x) {
+  exp_each(span_of(x));
+  return x;
+}
+Eigen::ArrayXd log_of(Eigen::ArrayXd x) {
+  log_each(span_of(x));
+  return x;
+}
+Eigen::ArrayXd normal_cdf_of(Eigen::ArrayXd z) {
+  normal_cdf_each(span_of(z));
+  return z;
+}
+
 /// Differences of whichever side is the smaller.
-Eigen::VectorXd cells_of(const Blur& blur, const std::function<Sides(double)>& sides) {
-  Eigen::VectorXd cells(blur.n_cells() + 2);
-  Sides last = sides(blur.edge(0));
-  cells[0] = last.below;
-  for (Eigen::Index i = 0; i < blur.n_cells(); ++i) {
-    const Sides next = sides(blur.edge(i + 1));
-    cells[i + 1] = last.below < last.above ? next.below - last.below : last.above - next.above;
-    last = next;
-  }
-  cells[blur.n_cells() + 1] = last.above;
+Eigen::VectorXd cells_of(const Sides& s) {
+  const Eigen::Index n = s.below.size() - 1;
+  Eigen::VectorXd cells(n + 2);
+  cells[0] = s.below[0];
+  for (Eigen::Index i = 0; i < n; ++i)
+    cells[i + 1] = s.below[i] < s.above[i] ? s.below[i + 1] - s.below[i] : s.above[i] - s.above[i + 1];
+  cells[n + 1] = s.above[n];
   return cells;
 }
 
 Eigen::VectorXd two_exponentials(const Eigen::VectorXd& x, const Blur& blur) {
   const double below = exp(x[1]), above = exp(x[2]), p_above = above / (below + above);
-  return cells_of(blur, [&](double eps) {
-    const double d = eps - x[0];
-    const double tail = d > 0.0 ? p_above * exp(-d / above) : (1.0 - p_above) * exp(d / below);
-    return d > 0.0 ? Sides{1.0 - tail, tail} : Sides{tail, 1.0 - tail};
-  });
+  const Eigen::ArrayXd d = edges_of(blur) - x[0];
+  const Eigen::ArrayXd tail = exp_of((d > 0.0).select(-d / above, d / below)) *
+                              (d > 0.0).select(Eigen::ArrayXd::Constant(d.size(), p_above), 1.0 - p_above);
+  return cells_of({(d > 0.0).select(1.0 - tail, tail), (d > 0.0).select(tail, 1.0 - tail)});
 }
 
 Eigen::VectorXd normal(const Eigen::VectorXd& x, const Blur& blur) {
-  const double sd = exp(x[1]);
-  return cells_of(blur, [&](double eps) {
-    const double z = (eps - x[0]) / sd;
-    return Sides{normal_cdf(z), normal_cdf(-z)};
-  });
+  const Eigen::ArrayXd z = (edges_of(blur) - x[0]) / exp(x[1]);
+  return cells_of({normal_cdf_of(z), normal_cdf_of(-z)});
 }
 
 /// @param sign  +1: long tail to high eps, -1: to low eps
 Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) {
-  const double scale = exp(x[1]);
-  return cells_of(blur, [&](double eps) {
-    const double inner = exp(-sign * (eps - x[0]) / scale);
-    const double short_side = exp(-inner), long_side = -expm1(-inner);
-    return sign > 0.0 ? Sides{short_side, long_side} : Sides{long_side, short_side};
-  });
+  const Eigen::ArrayXd inner = exp_of(-sign * (edges_of(blur) - x[0]) / exp(x[1]));
+  const Eigen::ArrayXd short_side = exp_of(-inner);
+  const Eigen::ArrayXd long_side = inner.unaryExpr([](double u) { return -expm1(-u); });
+  return cells_of(sign > 0.0 ? Sides{short_side, long_side} : Sides{long_side, short_side});
 }
 
 /// By Simpson's rule in each cell: faster than its distribution function.
 Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
   const double scale = exp(x[1]), nu = exp(std::clamp(x[2], -0.7, 7.0));
   const double norm = exp(log_gamma(0.5 * (nu + 1.0)) - log_gamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
-  const auto density = [&](double eps) {
-    const double z = (eps - x[0]) / scale;
-    return norm * exp(-0.5 * (nu + 1.0) * log1p(z * z / nu));
+  const auto density = [&](const Eigen::ArrayXd& eps) -> Eigen::ArrayXd {
+    return norm * exp_of(-0.5 * (nu + 1.0) * log_of(1.0 + ((eps - x[0]) / scale).square() / nu));
   };
-  Eigen::VectorXd cells(blur.n_cells() + 2);
-  cells[0] = student_t_below((blur.edge(0) - x[0]) / scale, nu);
-  cells[blur.n_cells() + 1] = student_t_below((x[0] - blur.edge(blur.n_cells())) / scale, nu);
+  const Eigen::Index n = blur.n_cells();
   const double width = blur.edge(1) - blur.edge(0);
-  double left = density(blur.edge(0));
-  for (Eigen::Index i = 0; i < blur.n_cells(); ++i) {
-    const double right = density(blur.edge(i + 1));
-    cells[i + 1] = width / 6.0 * (left + 4.0 * density(blur.edge(i) + 0.5 * width) + right);
-    left = right;
-  }
+  const Eigen::ArrayXd edges = edges_of(blur), at_edges = density(edges),
+                       between = density(edges.head(n) + 0.5 * width);
+  Eigen::VectorXd cells(n + 2);
+  cells[0] = student_t_below((blur.edge(0) - x[0]) / scale, nu);
+  cells.segment(1, n) = width / 6.0 * (at_edges.head(n) + 4.0 * between + at_edges.tail(n));
+  cells[n + 1] = student_t_below((x[0] - blur.edge(n)) / scale, nu);
   return cells;
 }
 

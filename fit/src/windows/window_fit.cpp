@@ -58,7 +58,7 @@ WindowFit fit_window(const LawData& original, ScatterKind kind) {
   LawData data = original;
   const Eigen::VectorXd start = start_values(original, constant, family);
   if (kind != ScatterKind::normal)
-    widen(data, LawLikelihood(original, constant, family), start,
+    widen(data, scatter_model_of(start, constant.n_parameters(), family),
           1.0 / std::sqrt(static_cast<double>(original.size())));
   const LawLikelihood likelihood(data, constant, family);
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
@@ -95,6 +95,12 @@ Estimate slope_estimate(const WindowFit& fit, Eigen::Index side) {
 
 Estimate slope_ratio_estimate(const WindowFit& fit) {
   return exponential_estimate(fit.maximum.x[1] - fit.maximum.x[2], fit.errors[3], 1.0);
+}
+
+std::vector<double> probabilities_below(const LawData& data, const Eigen::VectorXd& theta) {
+  const LawModel constant = make_law_model(LawKind::constant, {}, data.v_mps);
+  const ScatterFamily family{ScatterKind::asymmetric_laplace, 1, data.v_mps.front()};
+  return LawLikelihood(data, constant, family).probabilities_below(theta);
 }
 
 std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {

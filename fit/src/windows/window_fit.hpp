@@ -37,6 +37,9 @@ Estimate peak_estimate(const WindowFit& fit);
 Estimate slope_estimate(const WindowFit& fit, Eigen::Index side);  ///< side 1: rising, 2: falling
 Estimate slope_ratio_estimate(const WindowFit& fit);
 
+/// Distribution function of a two-sided fit at each sample, with the sample's own timing error.
+std::vector<double> probabilities_below(const LawData& data, const Eigen::VectorXd& theta);
+
 /// The density expected of the window's samples, the mean over their timing errors, from the first edge to the last.
 std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins);
 
