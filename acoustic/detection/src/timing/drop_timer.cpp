@@ -98,6 +98,7 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
   mark_clipped(input.whole, drop.impacts);
   if (learned == nullptr) return drop;
   drop.peak = learned->peak;
+  drop.correlation = learned->correlation;
   std::vector<TimedImpact> all;
   std::vector<TimedImpact> clear;
   for (const TimedImpact& impact : drop.impacts) {

@@ -34,6 +34,7 @@ struct TimedDrop {
   std::optional<double> peak;  ///< of the template as recorded; absent where the drop was timed without template
   std::optional<ContactEvidence> contact;
   double reference_scaling = 0.0;  ///< v^(-1/5) of its strongest impacts
+  double correlation = 0.0;        ///< of its template with the impacts
 };
 
 /// Template of the impacts of some tracks of a recording.

@@ -128,10 +128,12 @@ std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, do
   const TimedImpacts here = drop.impacts;
   const std::vector<Shared> shared = shared_impacts(here, there);
   if (shared.empty()) return 0;
+  const bool may_infer = is_reliable(other.correlation) && !is_reliable(drop.correlation);
   std::size_t n_added = 0, next = 0;
   for (std::size_t j = 0; j < there.size(); ++j) {
     while (next < shared.size() && shared[next].there < j) ++next;
     if (next < shared.size() && shared[next].there == j) continue;
+    if (there[j].inferred && !may_infer) continue;
     const std::optional<std::int64_t> number = number_of(shared, next, j, here, there);
     if (!number) continue;
     const Transfer transfer = transfer_at(shared, next, here, there);
