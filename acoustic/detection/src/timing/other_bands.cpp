@@ -153,4 +153,26 @@ std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, do
   return n_added;
 }
 
+std::size_t doubt_what_other_band_contradicts(const TimedDrop& other, TimedDrop& drop) {
+  constexpr double kContradicts = 4.0;  // standard errors
+  if (!is_reliable(other.correlation)) return 0;
+  const TimedImpacts here = drop.impacts;
+  const std::vector<Shared> shared = shared_impacts(here, other.impacts);
+  std::size_t n_doubted = 0;
+  for (std::size_t k = 0; k < shared.size(); ++k) {
+    const TimedImpact& there = other.impacts[shared[k].there];
+    TimedImpact& impact = drop.impacts[shared[k].here];
+    if (there.doubtful || there.inferred) continue;
+    const Transfer transfer = transfer_at(shared, k, here, other.impacts);
+    const double variance = square(impact.fit.sigma_s) + square(impact.doubt_s) + square(there.fit.sigma_s) +
+                            square(there.doubt_s) + square(transfer.sigma_s);
+    const double off_s = shared[k].later_s - transfer.later_s;
+    if (square(off_s) < square(kContradicts) * variance) continue;
+    impact.doubt_s = std::sqrt(square(impact.doubt_s) + square(off_s) - variance);
+    impact.doubtful = true;
+    ++n_doubted;
+  }
+  return n_doubted;
+}
+
 }  // namespace bouncelab::detection

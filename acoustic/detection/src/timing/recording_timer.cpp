@@ -228,7 +228,7 @@ TimedBands time_drops_in_best_band(const TimingInput& input) {
 double first_s(const TimedDrop& drop) { return drop.impacts.front().fit.t_s; }
 double last_s(const TimedDrop& drop) { return drop.impacts.back().fit.t_s; }
 
-/// Adds to each drop what another band shows of it.
+/// Adds to each drop what another band shows of it, and doubts what that contradicts.
 void add_drops_of_other_band(const TimingInput& input, const TimedDrops& other, TimedDrops& timed) {
   for (std::size_t k = 0; k < timed.drops.size(); ++k) {
     TimedDrop& drop = timed.drops[k];
@@ -239,8 +239,10 @@ void add_drops_of_other_band(const TimingInput& input, const TimedDrops& other, 
     const double end_s = is_last ? INFINITY : first_s(timed.drops[k + 1]);
     std::size_t n_added = 0;
     for (const TimedDrop& there : other.drops)
-      if (!there.impacts.empty() && first_s(there) < last_s(drop) && last_s(there) > first_s(drop))
+      if (!there.impacts.empty() && first_s(there) < last_s(drop) && last_s(there) > first_s(drop)) {
+        doubt_what_other_band_contradicts(there, drop);
         n_added += add_impacts_of_other_band(there, begin_s, end_s, drop);
+      }
     if (n_added == 0) continue;
     set_speeds(input.gravity_mps2, drop.impacts);
     mark_clipped(input.whole, drop.impacts);
