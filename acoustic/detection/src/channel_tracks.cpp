@@ -93,6 +93,7 @@ double ChannelTracks::log_odds() const {
 
 ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) {
   ChannelTracks best;
+  std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
     const auto likeness = [&band](const Track& track) {
@@ -100,12 +101,15 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
       for (const TrackImpact& impact : track.impacts) t_s.push_back(band.candidates[impact.candidate].t_s);
       return log_odds_of_likeness(band.sound, band.models.noise, t_s);
     };
-    ChannelTracks here{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness)};
+    ChannelTracks here{
+        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness), {}};
     begin_at_first_arrivals(band.candidates, here.tracks);
     const bool is_enough_here = b == 0 && is_enough(band, here);
-    if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) best = std::move(here);
+    if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) std::swap(best, here);
+    if (b > 0 && !here.tracks.empty()) others.push_back({here.band, std::move(here.tracks)});
     if (is_enough_here) break;
   }
+  best.others = std::move(others);
   return best;
 }
 

@@ -45,8 +45,13 @@ class BandsOfChannel {
 
 /// The tracks of a channel, in the band where they are most probable.
 struct ChannelTracks {
+  struct OfBand {
+    std::size_t band = 0;
+    std::vector<Track> tracks;
+  };
   std::size_t band = 0;
   std::vector<Track> tracks;
+  std::vector<OfBand> others;  ///< of the other bands that were searched and have any
   double log_odds() const;
 };
 

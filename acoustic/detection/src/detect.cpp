@@ -34,6 +34,7 @@ constexpr double kMaxRate_hz = 4e6;
 struct ChannelDetection {
   int channel = 0;
   BandOfChannel band;
+  std::vector<BandOfChannel> other_bands;  ///< of found.others
   ChannelTracks found;
 };
 
@@ -138,8 +139,13 @@ ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels
   for (int c = first; c < last; ++c) {
     BandsOfChannel bands(source_of(c), n_threads, progress);
     ChannelTracks found = find_tracks_in(bands);
-    ChannelDetection here{c, std::move(bands[found.band]), std::move(found)};
+    ChannelDetection here{c, std::move(bands[found.band]), {}, {}};
     here.band.same_source = {};  // an hour of dense music has twenty megabytes of it
+    for (const ChannelTracks::OfBand& other : found.others) {
+      here.other_bands.push_back(std::move(bands[other.band]));
+      here.other_bands.back().same_source = {};
+    }
+    here.found = std::move(found);
     if (c == first || is_preferred(here.band, here.found, best.band, best.found)) best = std::move(here);
   }
   return best;
@@ -166,9 +172,14 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  TimedRecording timed = time_recording({band.sound, sound, band.decimation == 1, band.models.noise, band.candidates,
-                                         best.found.tracks, config.gravity_mps2, n_threads},
-                                        name);
+  const auto input_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
+    return TimingInput{of.sound,      sound,  of.decimation == 1,  of.models.noise,
+                       of.candidates, tracks, config.gravity_mps2, n_threads};
+  };
+  std::vector<TimingInput> other_bands;
+  for (std::size_t k = 0; k < best.other_bands.size(); ++k)
+    other_bands.push_back(input_of(best.other_bands[k], best.found.others[k].tracks));
+  TimedRecording timed = time_recording(input_of(band, best.found.tracks), other_bands, name);
   d.onsets = std::move(timed.onsets);
   leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);

@@ -38,7 +38,7 @@ double largest_sigma_s(const std::vector<double>& modes_hz, double noise) {
   const audio::AudioSource band = audio::decimate(whole, 11);
   const audio::ArModel model = audio::learn_ar_models(band, 48).noise;
   const std::vector<Track> tracks{track};
-  const TimedRecording timed = time_recording({band, whole, false, model, candidates, tracks, 9.81}, "ball");
+  const TimedRecording timed = time_recording({band, whole, false, model, candidates, tracks, 9.81}, {}, "ball");
   EXPECT_GE(timed.onsets.size(), kImpacts);
   EXPECT_TRUE(timed.is_full_band);
   double largest = 0.0;

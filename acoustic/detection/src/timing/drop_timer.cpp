@@ -38,24 +38,6 @@ std::vector<TimedImpact> times_of_candidates(const TimingInput& input, const Tra
   return impacts;
 }
 
-void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts) {
-  for (TimedImpact& impact : impacts) impact.clipped = !std::isinf(clip_level(whole, impact.fit.t_s));
-}
-
-/// Speeds g T / 2 from the flight before each impact; where that is not known, from the one after it over eps.
-void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
-  const auto flight_s = [&](std::size_t k) {  // between impact k - 1 and k; 0 where one is missing between them
-    return impacts[k].impact == impacts[k - 1].impact + 1 ? impacts[k].fit.t_s - impacts[k - 1].fit.t_s : 0.0;
-  };
-  for (std::size_t k = 1; k < impacts.size(); ++k) impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k);
-  for (std::size_t k = 0; k + 1 < impacts.size(); ++k)
-    if (impacts[k].v_mps == 0.0 && flight_s(k + 1) > 0.0) {
-      const double next_s = k + 2 < impacts.size() ? flight_s(k + 2) : 0.0;
-      const double eps = next_s > 0.0 ? std::clamp(next_s / flight_s(k + 1), 0.3, 1.0) : 1.0;
-      impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k + 1) / eps;
-    }
-}
-
 /// v^(-1/5) of the impacts that a template mostly is the mean of.
 double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
   double sum = 0.0;
@@ -69,6 +51,27 @@ double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
 }
 
 }  // namespace
+
+void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts) {
+  for (TimedImpact& impact : impacts) impact.clipped = !std::isinf(clip_level(whole, impact.fit.t_s));
+}
+
+void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
+  const auto flight_s = [&](std::size_t k) {  // between impact k - 1 and k; 0 where one is missing between them
+    return impacts[k].impact == impacts[k - 1].impact + 1 ? impacts[k].fit.t_s - impacts[k - 1].fit.t_s : 0.0;
+  };
+  for (std::size_t k = 1; k < impacts.size(); ++k) impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k);
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k)
+    if (impacts[k].v_mps == 0.0 && flight_s(k + 1) > 0.0) {
+      const double next_s = k + 2 < impacts.size() ? flight_s(k + 2) : 0.0;
+      const double eps = next_s > 0.0 ? std::clamp(next_s / flight_s(k + 1), 0.3, 1.0) : 1.0;
+      impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k + 1) / eps;
+    }
+}
+
+double rms_hz_of(const TimingInput& input, const ImpactTemplate& learned) {
+  return input.recorded_rms_hz ? *input.recorded_rms_hz : recorded_rms_frequency(learned) * input.band.rate_hz;
+}
 
 std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks) {
   constexpr float kBelowLimit = 0.999F;
@@ -95,6 +98,7 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
   mark_clipped(input.whole, drop.impacts);
   if (learned == nullptr) return drop;
   drop.peak = learned->peak;
+  drop.correlation = learned->correlation;
   std::vector<TimedImpact> all;
   std::vector<TimedImpact> clear;
   for (const TimedImpact& impact : drop.impacts) {
@@ -104,7 +108,7 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
   }
   drop.contact = fit_contact(measure_levels(input.band, *learned, clear));
   drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
-  const ContactLaw assumed = assumed_contact(recorded_rms_frequency(*learned) * input.band.rate_hz);
+  const ContactLaw assumed = assumed_contact(rms_hz_of(input, *learned));
   const ContactLaw law = drop.contact ? *pool_contacts({*drop.contact}, assumed) : assumed;
   separate_overlaps(input.band, *learned, law, drop.reference_scaling, drop.impacts);
   mark_clipped(input.whole, drop.impacts);  // the times may have moved

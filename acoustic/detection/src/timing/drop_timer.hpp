@@ -24,6 +24,8 @@ struct TimingInput {
   const std::vector<Track>& tracks;
   double gravity_mps2 = 0.0;
   int n_threads = 1;  ///< that time tracks
+  /// root mean square frequency of the impacts in the whole sound [Hz]; absent where it is the template's own
+  std::optional<double> recorded_rms_hz = {};
 };
 
 /// One track, timed.
@@ -32,6 +34,7 @@ struct TimedDrop {
   std::optional<double> peak;  ///< of the template as recorded; absent where the drop was timed without template
   std::optional<ContactEvidence> contact;
   double reference_scaling = 0.0;  ///< v^(-1/5) of its strongest impacts
+  double correlation = 0.0;        ///< of its template with the impacts
 };
 
 /// Template of the impacts of some tracks of a recording.
@@ -42,6 +45,16 @@ std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::v
 /// @param learned  null = none: then the times are those of the candidates
 /// @param end_s    the next track, or the end of the recording [s]
 TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s);
+
+/// Root mean square frequency of the impacts as recorded [Hz], which suggests the contact time: one of the whole sound,
+/// since a band says nothing of what is beyond it.
+double rms_hz_of(const TimingInput& input, const ImpactTemplate& learned);
+
+/// Speeds g T / 2 from the flight before each impact; where that is not known, from the one after it over eps.
+void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
+
+/// Marks the impacts at which the recording is at its limit.
+void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts);
 
 /// The template that the times of all drops refer to.
 struct ReferenceTemplate {

@@ -50,6 +50,10 @@ std::optional<ImpactTemplate> estimate_template(const audio::AudioSource& sound,
 /// Whether a template can be estimated from unclipped impacts alone.
 bool has_enough_unclipped(const std::vector<bool>& clipped);
 
+/// Whether a template of this correlation with the impacts explains half of their energy: then what it does not support
+/// is none.
+inline bool is_reliable(double correlation) { return correlation > 0.7; }
+
 /// Share of an impact's sound that the template explains, as a correlation 0 ... 1.
 /// @param total  sum of squares of the window
 double correlation(const DelayEstimate& estimate, double total);

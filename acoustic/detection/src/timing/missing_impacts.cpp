@@ -17,7 +17,6 @@ constexpr double kOutlierCentre = 0.9;
 constexpr double kOutlierReach = 0.17;
 constexpr double kMinCycles = 3.0;   // of the template; nearer impacts cannot be separated from its ringing
 constexpr double kClearRise = 20.0;  // log likelihood ratio of a candidate that noise does not reach in hours
-constexpr double kReliable = 0.7;    // correlation: the template explains half of an impact's energy
 constexpr int kMaxFailures = 3;      // impacts in a row that are not found, then the track has ended
 
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
@@ -126,9 +125,9 @@ bool keeps_last(const TimedTrack& track, const Candidate& c) {
   const TimedImpact& before = track.impacts[track.impacts.size() - 2];
   const double interval_s = last.fit.t_s - before.fit.t_s;
   const double template_s = track.search.template_s;
-  const bool is_reliable = track.search.learned.correlation > kReliable;
+  const bool has_reliable_template = is_reliable(track.search.learned.correlation);
   const bool is_clear = c.log_likelihood_ratio > kClearRise;
-  if (!is_reliable && (is_clear || interval_s > template_s)) return true;
+  if (!has_reliable_template && (is_clear || interval_s > template_s)) return true;
   const bool rises_out_of_quiet = is_clear && interval_s > template_s;
   return (rises_out_of_quiet || has_amplitude_of(last, before)) &&
          is_supported(track.search, last, before, kLagsPerSample * c.reach_s * track.search.sound.rate_hz,

@@ -15,7 +15,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "contact/contact_time.hpp"
-#include "timing/recorded_spectrum.hpp"
+#include "timing/other_bands.hpp"
 #include "tracking/impact_odds.hpp"
 
 namespace bouncelab::detection {
@@ -77,18 +77,18 @@ LearnedWave to_learned_wave(const ImpactTemplate& learned, double rate_hz) {
 
 struct TimedDrops {
   bool is_full_band = true;
-  double rate_hz = 0.0;         // of the band
   double noise_variance = 0.0;  // in it
   std::vector<TimedDrop> drops;
   std::optional<ReferenceTemplate> reference;
   std::optional<LearnedWave> wave;
+  double rms_hz = 0.0;  // of the impacts as recorded, where there is a reference
 };
 
 /// Times each track by itself, on several threads; the first template is the reference of all.
 class DropsTimer {
  public:
   explicit DropsTimer(const TimingInput& input)
-      : input_(input), timed_{input.is_full_band, input.band.rate_hz, input.noise.quiet_variance, {}, {}, {}} {
+      : input_(input), timed_{input.is_full_band, input.noise.quiet_variance, {}, {}, {}} {
     const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
                                        [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
     if (is_shared) shared_ = template_of(input, input.tracks);
@@ -100,6 +100,7 @@ class DropsTimer {
     std::size_t first = 0;
     while (first < n && !timed_.reference) time(first++);
     parallel_for(n - first, input_.n_threads, [&](std::size_t k) { time(first + k); });
+    if (timed_.reference) timed_.rms_hz = rms_hz_of(input_, timed_.reference->learned);
     return std::move(timed_);
   }
 
@@ -116,7 +117,9 @@ class DropsTimer {
                            input_.noise,
                            input_.candidates,
                            input_.tracks,
-                           input_.gravity_mps2};
+                           input_.gravity_mps2,
+                           1,
+                           input_.recorded_rms_hz};
     const std::optional<ImpactTemplate> own =
         track.impacts.size() >= kOwnTemplate ? template_of(here, {track}) : std::nullopt;
     const ImpactTemplate* learned = own ? &*own : shared_ ? &*shared_ : nullptr;
@@ -164,7 +167,7 @@ std::optional<ContactLaw> contact_law_of(const TimedDrops& timed) {
   std::vector<ContactEvidence> evidence;
   for (const TimedDrop& drop : timed.drops)
     if (drop.contact) evidence.push_back(*drop.contact);
-  const ContactLaw assumed = assumed_contact(recorded_rms_frequency(timed.reference->learned) * timed.rate_hz);
+  const ContactLaw assumed = assumed_contact(timed.rms_hz);
   return evidence.empty() ? assumed : pool_contacts(evidence, assumed);
 }
 
@@ -182,21 +185,98 @@ std::size_t n_impacts(const TimedDrops& timed) {
   return n;
 }
 
+/// The same tracks timed in several bands, the best first.
+struct TimedBands {
+  std::vector<TimedDrops> bands;
+  std::optional<double> rms_hz;  // of the impacts in the whole sound
+};
+
+std::optional<double> rms_hz_of(const TimedDrops& timed) {
+  return timed.reference ? std::optional(timed.rms_hz) : std::nullopt;
+}
+
+TimingInput with_rms_hz(TimingInput input, std::optional<double> rms_hz) {
+  if (!input.is_full_band) input.recorded_rms_hz = rms_hz;
+  return input;
+}
+
 /// A band in which impacts stand out from clutter need not be the one that times them best: low frequencies hold little
 /// of the information. Times them in the whole sound too, and takes that where no impact is lost and the errors are
 /// half as large: the lesser of two estimated errors is too small by chance.
-TimedDrops time_drops_in_best_band(const TimingInput& input) {
+TimedBands time_drops_in_best_band(const TimingInput& input) {
   constexpr double kClearlyLess = 0.5;
-  TimedDrops in_band = DropsTimer(input).run();
-  if (input.is_full_band) return in_band;
+  TimedBands timed;
+  if (input.is_full_band) {
+    timed.bands.push_back(DropsTimer(input).run());
+    timed.rms_hz = rms_hz_of(timed.bands.front());
+    return timed;
+  }
   const audio::ArModel noise =
       audio::learn_ar_models(input.whole, static_cast<int>(input.noise.filter.size()) - 2).noise;
   const TimingInput whole{input.whole,  input.whole,        true,           noise, input.candidates,
                           input.tracks, input.gravity_mps2, input.n_threads};
   TimedDrops in_whole = DropsTimer(whole).run();
+  timed.rms_hz = rms_hz_of(in_whole);
+  TimedDrops in_band = DropsTimer(with_rms_hz(input, timed.rms_hz)).run();
   const bool is_better =
       n_impacts(in_whole) >= n_impacts(in_band) && median_sigma_s(in_whole) < kClearlyLess * median_sigma_s(in_band);
-  return is_better ? in_whole : in_band;
+  timed.bands.push_back(std::move(is_better ? in_whole : in_band));
+  timed.bands.push_back(std::move(is_better ? in_band : in_whole));
+  return timed;
+}
+
+double first_s(const TimedDrop& drop) { return drop.impacts.front().fit.t_s; }
+double last_s(const TimedDrop& drop) { return drop.impacts.back().fit.t_s; }
+
+/// Adds to each drop what another band shows of it, and doubts what that contradicts.
+void add_drops_of_other_band(const TimingInput& input, const TimedDrops& other, TimedDrops& timed) {
+  for (std::size_t k = 0; k < timed.drops.size(); ++k) {
+    TimedDrop& drop = timed.drops[k];
+    if (drop.impacts.empty()) continue;
+    const bool is_first = k == 0 || timed.drops[k - 1].impacts.empty();
+    const bool is_last = k + 1 == timed.drops.size() || timed.drops[k + 1].impacts.empty();
+    const double begin_s = is_first ? -INFINITY : last_s(timed.drops[k - 1]);
+    const double end_s = is_last ? INFINITY : first_s(timed.drops[k + 1]);
+    std::size_t n_added = 0;
+    for (const TimedDrop& there : other.drops)
+      if (!there.impacts.empty() && first_s(there) < last_s(drop) && last_s(there) > first_s(drop)) {
+        doubt_what_other_band_contradicts(there, drop);
+        n_added += add_impacts_of_other_band(there, begin_s, end_s, drop);
+      }
+    if (n_added == 0) continue;
+    set_speeds(input.gravity_mps2, drop.impacts);
+    mark_clipped(input.whole, drop.impacts);
+  }
+}
+
+/// Tracks that another band shows at the time of those that were selected.
+std::vector<Track> tracks_at_those_of(const TimingInput& input, const TimingInput& other) {
+  const auto time = [](const TimingInput& of, const TrackImpact& impact) {
+    return of.candidates[impact.candidate].t_s;
+  };
+  std::vector<Track> found;
+  for (const Track& there : other.tracks)
+    if (std::any_of(input.tracks.begin(), input.tracks.end(), [&](const Track& here) {
+          return time(input, here.impacts.front()) < time(other, there.impacts.back()) &&
+                 time(input, here.impacts.back()) > time(other, there.impacts.front());
+        }))
+      found.push_back(there);
+  return found;
+}
+
+/// In the best band, with what others add.
+TimedDrops time_drops(const TimingInput& input, const std::vector<TimingInput>& other_bands) {
+  TimedBands of_tracks = time_drops_in_best_band(input);
+  TimedDrops best = std::move(of_tracks.bands.front());
+  for (const TimingInput& band : other_bands) {
+    const std::vector<Track> tracks = tracks_at_those_of(input, band);
+    if (tracks.empty()) continue;
+    const TimingInput there{band.band,       band.whole, band.is_full_band, band.noise,
+                            band.candidates, tracks,     band.gravity_mps2, band.n_threads};
+    add_drops_of_other_band(input, DropsTimer(with_rms_hz(there, of_tracks.rms_hz)).run(), best);
+  }
+  if (of_tracks.bands.size() > 1) add_drops_of_other_band(input, of_tracks.bands.back(), best);
+  return best;
 }
 
 /// What takes the time of an impact to the start of contact.
@@ -239,9 +319,10 @@ Onset to_onset(const TimedImpact& from, double log_odds_of_track, const ContactC
 
 }  // namespace
 
-TimedRecording time_recording(const TimingInput& input, const std::string& name) {
+TimedRecording time_recording(const TimingInput& input, const std::vector<TimingInput>& other_bands,
+                              const std::string& name) {
   TimedRecording recording;
-  TimedDrops timed = time_drops_in_best_band(input);
+  TimedDrops timed = time_drops(input, other_bands);
   recording.wave = std::move(timed.wave);
   recording.is_full_band = timed.is_full_band;
   const std::optional<ContactLaw> law = contact_law_of(timed);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bouncelab/detection/detect.hpp"
 #include "timing/drop_timer.hpp"
@@ -20,7 +21,10 @@ struct TimedRecording {
 /// Times all tracks. Each of a dozen impacts or more has a template of its own, since each drop strikes the plate at
 /// another place; shorter ones share that of the recording. What was found in a low band is timed in the whole sound
 /// where that halves the errors. The contact-time law is pooled over all drops: one ball.
-/// @param name  goes into the column `recording`
-TimedRecording time_recording(const TimingInput& input, const std::string& name);
+/// What other bands show of the same drops is added (other_bands.hpp).
+/// @param other_bands  of the same sound, with tracks of their own
+/// @param name         goes into the column `recording`
+TimedRecording time_recording(const TimingInput& input, const std::vector<TimingInput>& other_bands,
+                              const std::string& name);
 
 }  // namespace bouncelab::detection

@@ -134,14 +134,41 @@ double next_time(const Track& tracked, const std::vector<Candidate>& candidates,
   return t_s + (candidates[next.candidate].t_s - t_s) / static_cast<double>(next.impact - tracked.impacts[k].impact);
 }
 
+/// Of a row of inferred impacts each is searched for where the one before it predicts it: they are the ball's up to one
+/// of them, and other sounds from there on. With the odds q_k of another sound against an impact at k, as each by
+/// itself has them, the row is the ball's up to j with weight
+///
+///   w_j = product of q_k over k > j,   p_k = sum of w_j over j >= k / sum of all w_j
+///
+/// so that those that follow in their places speak for those before.
+/// @param begin, end  of the row
+void set_probabilities_of_row(std::size_t begin, std::size_t end, std::vector<TimedImpact>& track) {
+  constexpr double kLeast = 1e-6;  // of a probability
+  double weight = 1.0, sum = 0.0;
+  for (std::size_t k = end; k-- > begin;) {
+    const double other_sound = 1.0 / std::max(kLeast, track[k].probability) - 1.0;
+    track[k].probability = sum += weight;
+    weight *= other_sound;
+  }
+  for (std::size_t k = begin; k < end; ++k) track[k].probability /= sum + weight;
+}
+
 /// Beyond the significance that search_missing() has set.
 void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std::vector<TimedImpact>& track) {
-  for (std::size_t k = 1; k < track.size(); ++k) {
-    if (!track[k].inferred) continue;
-    if (is_at_candidate(candidates, track[k].fit.t_s)) track[k].probability *= kProbabilityOfRefused;
-    // where it is searched for follows from the one before
-    if (track[k - 1].inferred) track[k].probability *= track[k - 1].probability;
+  for (TimedImpact& impact : track)
+    if (impact.inferred && is_at_candidate(candidates, impact.fit.t_s)) impact.probability *= kProbabilityOfRefused;
+  for (std::size_t begin = 0; begin < track.size();) {
+    std::size_t end = begin;
+    while (end < track.size() && track[end].inferred) ++end;
+    if (end > begin) set_probabilities_of_row(begin, end, track);
+    begin = end + 1;
   }
+}
+
+/// The track ends where what is inferred beyond is less probable an impact than not: in a room's echoes, in the noise
+/// of a codec and in a rolling ball's sound the template finds something wherever it is searched for.
+void end_where_improbable(std::vector<TimedImpact>& track) {
+  while (track.size() > 3 && track.back().inferred && track.back().probability < 0.5) track.pop_back();
 }
 
 }  // namespace
@@ -161,6 +188,7 @@ std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const Impac
   add_predicted_places(track.search, track.impacts);
   std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);
   set_probabilities_of_inferred(candidates, timed);
+  end_where_improbable(timed);
   return timed;
 }
 
