@@ -20,10 +20,15 @@ struct Root {
   double r;  ///< signed root of twice the fall of the log-likelihood
 };
 
-/// t at which r = z, by the parabola through the three points nearest to z; where that leaves the interval between the
-/// points on either side of z, as it may where r bends sharply, by a straight line between those.
+/// Where r = z: by the parabola through the three points nearest to z, and by the straight line between those on either
+/// side of z. Where r bends sharply the parabola may leave the interval between these: then the line's.
+struct Crossing {
+  double t;
+  double t_line;
+};
+
 /// @param points  at least 3, t and r increasing from 0
-double inverse(const std::vector<Root>& points, double z) {
+Crossing crossing(const std::vector<Root>& points, double z) {
   std::vector<Root> nearest = points;
   std::sort(nearest.begin(), nearest.end(),
             [&](const Root& a, const Root& b) { return std::abs(a.r - z) < std::abs(b.r - z); });
@@ -35,8 +40,9 @@ double inverse(const std::vector<Root>& points, double z) {
                    t2 * (z - r0) * (z - r1) / ((r2 - r0) * (r2 - r1));
   const auto above = std::find_if(points.begin() + 1, points.end() - 1, [&](const Root& p) { return p.r > z; });
   const Root &lo = *(above - 1), &hi = *above;
+  const double line = lo.t + (hi.t - lo.t) * (z - lo.r) / (hi.r - lo.r);
   const bool is_between = t >= lo.t && (t <= hi.t || z > hi.r);
-  return is_between ? t : lo.t + (hi.t - lo.t) * (z - lo.r) / (hi.r - lo.r);
+  return {is_between ? t : line, line};
 }
 
 /// One side (sign -1 or +1) of the profile.
@@ -87,13 +93,17 @@ class Side {
                               [](const Root& a, const Root& b) { return !(b.r > a.r); }) == points_.end();
   }
 
+  /// More points are taken until parabola and line agree to a twentieth: the parabola is nearer than their difference,
+  /// and the levels themselves, which are of a normal distribution, are no better.
   std::optional<double> end(double z) {
-    constexpr double kNear = 0.25;  // of z: that far a parabola is good to a percent
-    const double t = inverse(points_, z);
-    const auto is_near = [&](const Root& point) { return std::abs(point.r - z) < kNear * z; };
-    if (std::any_of(points_.begin(), points_.end(), is_near)) return t;
-    if (!(t > 0.0) || !add(t)) return std::nullopt;
-    return inverse(points_, z);
+    constexpr double kAgreement = 0.05;
+    constexpr int kMostPoints = 12;
+    for (int k = 0; k < kMostPoints; ++k) {
+      const Crossing here = crossing(points_, z);
+      if (std::abs(here.t - here.t_line) <= kAgreement * here.t) return here.t;
+      if (!add(0.5 * (here.t + here.t_line))) return std::nullopt;
+    }
+    return std::nullopt;
   }
 
   const LogLikelihood& loglik_;
