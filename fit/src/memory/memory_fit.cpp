@@ -94,7 +94,7 @@ Found search(MemoryLikelihood& likelihood, Eigen::VectorXd theta) {
   found.scores = likelihood.scores_by_impact(theta);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::MatrixXd fitted = found.scores.topRows(likelihood.n_parameters());
-    const Eigen::MatrixXd information = fitted * fitted.transpose() + likelihood.prior_information();
+    const Eigen::MatrixXd information = fitted * fitted.transpose() + likelihood.prior_information(theta);
     found.maximum = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, theta,
                              information, kTolerance);
     if (!std::isfinite(found.maximum.loglik)) return found;

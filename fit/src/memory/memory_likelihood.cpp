@@ -158,21 +158,28 @@ double MemoryLikelihood::log_prior(const Eigen::VectorXd& theta) const {
 }
 
 Eigen::VectorXd MemoryLikelihood::prior_gradient(const Eigen::VectorXd& theta) const {
-  Eigen::VectorXd gradient = -prior_information() * theta;
-  const double x = rest_over_first_squared(theta), by_first = 2.0 * x / (1.0 + x);
-  gradient[index_of_first()] += by_first;
-  gradient[index_of_q()] -= by_first;
+  Eigen::VectorXd gradient = gradient_by_first(theta);
+  gradient.tail(kSlipTimes) = -theta.tail(kSlipTimes) / square(kSlipSd);
+  return gradient;
+}
+
+Eigen::MatrixXd MemoryLikelihood::prior_information(const Eigen::VectorXd& theta) const {
+  const Eigen::VectorXd by_first = gradient_by_first(theta);
+  Eigen::MatrixXd information = by_first * by_first.transpose();
+  information.diagonal().tail(kSlipTimes).array() += 1.0 / square(kSlipSd);
+  return information;
+}
+
+Eigen::VectorXd MemoryLikelihood::gradient_by_first(const Eigen::VectorXd& theta) const {
+  const double x = rest_over_first_squared(theta);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n_parameters());
+  gradient[index_of_first()] = 2.0 * x / (1.0 + x);
+  gradient[index_of_q()] = -gradient[index_of_first()];
   return gradient;
 }
 
 double MemoryLikelihood::rest_over_first_squared(const Eigen::VectorXd& theta) const {
   return square(first_at_rest_m2ps2(exp(theta[index_of_q()] - theta[index_of_first()])));
-}
-
-Eigen::MatrixXd MemoryLikelihood::prior_information() const {
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(n_parameters());
-  diagonal.tail(kSlipTimes).setConstant(1.0 / square(kSlipSd));
-  return diagonal.asDiagonal();
 }
 
 Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta) const {

@@ -40,8 +40,8 @@ class MemoryLikelihood {
   /// others.
   double log_prior(const Eigen::VectorXd& theta) const;
   Eigen::VectorXd prior_gradient(const Eigen::VectorXd& theta) const;
-  /// Of slip alone.
-  Eigen::MatrixXd prior_information() const;
+  /// By the curvature of slip and the square of the score of M, as of impacts.
+  Eigen::MatrixXd prior_information(const Eigen::VectorXd& theta) const;
   /// Derivatives of each impact's log density given those before it by (law's coordinates, log q, keep, log M,
   /// slip, log ratio), a column an impact: differences of a martingale, so the sum of their squares is an information
   /// matrix.
@@ -66,6 +66,7 @@ class MemoryLikelihood {
   template <int N>
   void score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
              Eigen::MatrixXd* by_impact) const;
+  Eigen::VectorXd gradient_by_first(const Eigen::VectorXd& theta) const;
   double rest_over_first_squared(const Eigen::VectorXd& theta) const;
   LawRows law_rows(std::size_t chain, const Eigen::VectorXd& theta) const;
   std::vector<LawAt<double>> law_values(std::size_t chain, const Eigen::VectorXd& theta) const;

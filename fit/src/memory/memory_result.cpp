@@ -33,7 +33,7 @@ constexpr double kFewestDraws = 10.0;
 Eigen::MatrixXd inverse_curvature(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
                                   const Eigen::MatrixXd& scores) {
   constexpr double kShare = 0.3;
-  const Eigen::MatrixXd white = whitening(scores * scores.transpose() + likelihood.prior_information(), 1e-12);
+  const Eigen::MatrixXd white = whitening(scores * scores.transpose() + likelihood.prior_information(theta), 1e-12);
   const Eigen::VectorXd here = scores.rowwise().sum() + likelihood.prior_gradient(theta);
   Eigen::MatrixXd h(theta.size(), theta.size());
   for (Eigen::Index j = 0; j < theta.size(); ++j) {
@@ -51,7 +51,7 @@ Posterior uncertainty(const MemoryLikelihood& likelihood, const Eigen::VectorXd&
                       const MemoryFitConfig& config) {
   const Eigen::MatrixXd by_impact = scores.topRows(likelihood.n_parameters());
   if (likelihood.chains().n_drops < kManyDrops) {
-    const Eigen::MatrixXd information = by_impact * by_impact.transpose() + likelihood.prior_information();
+    const Eigen::MatrixXd information = by_impact * by_impact.transpose() + likelihood.prior_information(theta);
     return sample_posterior([&](const Eigen::VectorXd& x) { return likelihood.anew(x) + likelihood.log_prior(x); },
                             theta, 2.0 * information.inverse(), config.n_draws, config.seed);
   }
@@ -156,7 +156,7 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
   if (config.n_goodness > 0) {
     const Eigen::MatrixXd of_fitted = scores.topRows(n);
     const ModelTests tests =
-        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(),
+        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta),
                          fit.mechanism.z, config.n_goodness, config.seed);
     fit.anderson_darling = tests.anderson_darling;
     fit.mechanism.p_value = tests.mechanism_p.value_or(fit.mechanism.p_value);
