@@ -112,7 +112,7 @@ void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& poster
 }
 
 /// What speaks against the model, in words; empty where nothing does.
-std::string objections(const MemoryFit& fit, double n_draws) {
+std::string objections(const MemoryFit& fit) {
   constexpr double kRejected = 0.01;
   std::string text;
   const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
@@ -121,7 +121,6 @@ std::string objections(const MemoryFit& fit, double n_draws) {
   if (fit.anderson_darling && fit.anderson_darling->p_value <= kRejected)
     add("the impacts do not scatter as the model says (Anderson-Darling test of the probability transforms)");
   if (fit.mechanism.p_value <= kRejected) add("offset and width of the scatter want different roughness");
-  if (n_draws < kFewestDraws) add("too few draws of the parameters count for their errors to be known");
   return text;
 }
 
@@ -133,6 +132,11 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
   fit.mechanism = score_test(likelihood, scores, scores.rows() - 1);
   fit.loglik = likelihood.anew(theta);
   const Posterior posterior = uncertainty(likelihood, theta, scores, config);
+  if (posterior.effective < kFewestDraws) {
+    fit.status = FitStatus::not_converged;
+    fit.message = "the errors of the likeliest parameters could not be found: too few draws from the posterior count";
+    return;
+  }
   describe_law(fit, likelihood.model(), posterior, config.node_speeds_mps, speeds);
   const auto estimate = [&](Eigen::Index i) {
     return estimate_of(posterior, [i](const Eigen::VectorXd& x) { return x[i]; });
@@ -161,7 +165,7 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     fit.anderson_darling = tests.anderson_darling;
     fit.mechanism.p_value = tests.mechanism_p.value_or(fit.mechanism.p_value);
   }
-  fit.message = objections(fit, posterior.effective);
+  fit.message = objections(fit);
   fit.holds = fit.message.empty();
 }
 
