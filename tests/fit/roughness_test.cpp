@@ -75,8 +75,9 @@ TEST(MemoryOfFitAll, IsFittedBesideTheMainLawWhichItLeavesAlone) {
     EXPECT_EQ(both.law.nodes[k].eps.value, alone.law.nodes[k].eps.value);
     // a normal exceeds 4 standard errors once in 16,000
     EXPECT_LT(std::abs(node.eps.value - restitution(SeriesLaw{}, node.v_mps)), 4.0 * *node.eps.se);
-    // what drops know of themselves is worth much, if less at the end of drops as short as these
-    EXPECT_LT(*node.eps.se, 0.75 * *both.law.nodes[k].eps.se);
+    // what drops know of themselves is worth much, if little at the end of drops as short as these, of which the
+    // release is not known
+    EXPECT_LT(*node.eps.se, 0.85 * *both.law.nodes[k].eps.se);
   }
   // nothing of what is written without memory changes with it
   auto j = nlohmann::ordered_json::parse(to_json(both));
@@ -108,13 +109,13 @@ TEST(MemoryOfFitAll, IsInFitJson) {
   double n = 0.0;
   for (const double count : m.at("transform_counts")) n += count;
   EXPECT_EQ(n, 500.0);
-  // two-sided; the last two by how 10 drops differ
+  // two-sided; the last by how 10 drops differ
   const auto& tests = m.at("tests");
-  EXPECT_NEAR(tests.at("leak_p").get<double>(), std::erfc(std::abs(tests.at("leak_z").get<double>()) / std::sqrt(2.0)),
-              1e-9);
-  for (const std::string test : {"release", "mechanism"})
+  for (const std::string test : {"leak", "release"})
     EXPECT_NEAR(tests.at(test + "_p").get<double>(),
-                2.0 * student_t_below(-std::abs(tests.at(test + "_z").get<double>()), 9.0), 1e-9);
+                std::erfc(std::abs(tests.at(test + "_z").get<double>()) / std::sqrt(2.0)), 1e-9);
+  EXPECT_NEAR(tests.at("mechanism_p").get<double>(),
+              2.0 * student_t_below(-std::abs(tests.at("mechanism_z").get<double>()), 9.0), 1e-9);
   EXPECT_EQ(m.at("curve").size(), memory.curve.size());
   const auto& r = j.at("roughness");
   EXPECT_EQ(r.at("q"), memory.roughness.q.value);

@@ -44,9 +44,9 @@ function memoryTests(m) {
              said(tests.mechanism_p, 'the scatter is that of a rough ball', 'something other than the ball’s roughness scatters ε as well')]);
   rows.push(['energy lost by the reservoir at a bounce', m.leak ? measured(m.leak.value, m.leak.se) : '–', pText(tests.leak_p),
              said(tests.leak_p, 'none seen; it is in the error of ε(v)', 'spin and sideways motion die away; taken into account')]);
-  rows.push(['energy in the reservoir at the release', m.release_m2ps2 ? measured(m.release_m2ps2.value, m.release_m2ps2.se) + ' m²/s²' : 'none seen', pText(tests.release_p),
-             said(tests.release_p, 'the drops begin without spin and sideways motion, as far as they show',
-                  m.release_m2ps2 ? 'the ball is released with spin or sideways motion; taken into account' : 'the first impacts scatter less than those of a ball at rest would; not taken into account')]);
+  rows.push(['energy in the reservoir at the release', m.release_m2ps2 ? measured(m.release_m2ps2.value, m.release_m2ps2.se) + ' m²/s²' : '–', pText(tests.release_p),
+             said(tests.release_p, 'the drops begin without spin and sideways motion, as far as they show; that they may have some is in the errors',
+                  tests.release_z > 0 ? 'the ball is released with spin or sideways motion; taken into account' : 'the first impacts scatter less than those of a ball at rest would; taken into account')]);
   if (known(m.loglik) && known(m.loglik_independent))
     rows.push(['ln L above that of independent impacts', number(m.loglik - m.loglik_independent, 4), '',
                m.loglik > m.loglik_independent ? 'memory explains the scatter better' : 'independent impacts explain the scatter better']);

@@ -86,7 +86,10 @@ Chain chain_of(const RestitutionSamples& samples, std::size_t begin, std::size_t
     const RestitutionSample& s = samples[k];
     const double half_g = 0.5 * gravity_of(s), scale = square(half_g);
     const double* v = &variances[k - begin];
-    chain.impacts.push_back({k, s.v_mps, s.eps * s.v_mps, scale * v[0], scale * v[1], scale * v[2], half_g / s.v_mps});
+    ChainImpact m{k, s.v_mps, s.eps * s.v_mps, scale * v[0], scale * v[1], scale * v[2], half_g / s.v_mps, {}};
+    for (std::size_t j = 0; j < kSlipTimes; ++j)
+      m.soon[j] = expm1(1.0 / kSlipTime[j]) * exp(-static_cast<double>(s.impact) / kSlipTime[j]);
+    chain.impacts.push_back(m);
   }
   chain.s_before = s_before(samples[begin].v_mps, samples[begin].impact, law);
   return chain;
@@ -121,6 +124,8 @@ Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_
     k = end;
   }
   if (!samples.empty()) ++result.n_drops;
+  if (!result.chains.empty())
+    result.least_s_before = std::ranges::min_element(result.chains, {}, &Chain::s_before)->s_before;
   return result;
 }
 
@@ -129,6 +134,7 @@ Chains thinned_chains(const Chains& all, std::size_t n_most) {
   Chains few;
   few.ball = all.ball;
   few.n_drops = all.n_drops;
+  few.least_s_before = all.least_s_before;
   for (std::size_t c = 0; c < all.chains.size(); c += stride) {
     few.chains.push_back(all.chains[c]);
     few.n_impacts += all.chains[c].impacts.size();

@@ -143,10 +143,10 @@ class ChainFilter {
     errors_.update(all.by_noise, -2.0 * v * all.by_reservoir, all.curvature_by_noise);
     errors_.carry_on();
     // the leak
-    const T lost = 1.0 - p_.keep, error_after = 2.0 * after * errors_.speed_mean();
+    const T share = kept(p_, m), lost = 1.0 - share, error_after = 2.0 * after * errors_.speed_mean();
     for (Component<T>& c : components_) {
       c.book -= lost * (c.book - error_after);
-      c.variance *= square_of(p_.keep);
+      c.variance *= square_of(share);
     }
     return all.log_density + logarithm(flux);
   }

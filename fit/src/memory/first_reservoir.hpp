@@ -143,8 +143,9 @@ class FirstReservoir {
           std::sqrt(square(2.0 * m.v_mps) * (d_variance + 4.0 * height) + square(2.0 * m.v_mps) * y_variance);
       look(i, Bound{(need - offset) / slope, softness, slope, offset});
       const T loss = (1.0 - e) / (1.0 + e) * square(m.v_mps + m.v_after_mps) * (1.0 + 2.0 * p_.q);
-      offset = p_.keep * (offset + square(m.v_mps) - square(m.v_after_mps) - loss);
-      slope *= p_.keep;
+      const T share = kept(p_, m);
+      offset = share * (offset + square(m.v_mps) - square(m.v_after_mps) - loss);
+      slope *= share;
     }
   }
 

@@ -22,7 +22,7 @@ Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParam
     m.v_mps = v + m.height_mps * (height - height_before) + timing - timing_before;
     const double z1 = random.normal(), z2 = random.normal();
     const double eps_drawn = restitution_with_memory(v, eps, parameters.q, z1, z2, w), v_after = eps_drawn * v;
-    w *= parameters.keep;
+    w *= kept(parameters, m);
     // a next contact that is higher by this, in speed, is met earlier and at twice as much less
     const double height_next = draw_height_m(), timing_next = draw_timing(m.timing_after);
     const double rise = m.height_mps / eps_drawn * (height_next - height);

@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t kFewestImpacts = 60, kShortestLongest = 10;
 constexpr std::size_t kFewImpacts = 8000;
-constexpr double kReleaseSeen = 0.05;  // of the test of a release at rest: below, what it left is fitted
 
 std::vector<double> speeds_of(const RestitutionSamples& samples) {
   std::vector<double> v;
@@ -26,11 +25,12 @@ std::vector<double> speeds_of(const RestitutionSamples& samples) {
   return v;
 }
 
-/// log q by the mean distances from the peak: their product is ((1 + e) q)^2 S / v^2.
-double first_log_q(const Chains& chains, const LawFit& independent) {
+/// log q by the mean distances from the peak: their product is ((1 + e) q)^2 S / v^2, S greater by `release` where the
+/// release left 2 q times as much.
+double first_log_q(const Chains& chains, const LawFit& independent, double release) {
   double sum = 0.0;
   for (const Chain& chain : chains.chains) {
-    double s = chain.s_before;
+    double s = chain.s_before + release;
     for (const ChainImpact& m : chain.impacts) {
       const double b2 = independent.scatter->below(m.v_mps) * independent.scatter->above(m.v_mps);
       const double one_e = 1.0 + restitution(*independent.law, m.v_mps);
@@ -41,8 +41,9 @@ double first_log_q(const Chains& chains, const LawFit& independent) {
   return sum / static_cast<double>(chains.n_impacts);
 }
 
-Eigen::VectorXd first_theta(const Chains& chains, const LawModel& model, const LawFit& independent,
-                            Eigen::Index n_parameters) {
+/// @param ratio  of the mean reservoir before the first impacts to that of balls at rest when released, >= 1
+Eigen::VectorXd start_with(const Chains& chains, const LawModel& model, const LawFit& independent, double ratio,
+                           Eigen::Index n_parameters) {
   Eigen::VectorXd theta = Eigen::VectorXd::Zero(n_parameters);
   const Eigen::Index n_law = model.n_parameters();
   if (model.kind == LawKind::viscoelastic) {
@@ -54,9 +55,27 @@ Eigen::VectorXd first_theta(const Chains& chains, const LawModel& model, const L
     for (Eigen::Index j = 0; j < n_law; ++j)
       theta[j] = restitution(*independent.law, model.node_v_mps[static_cast<std::size_t>(j)]);
   }
-  theta[n_law] = first_log_q(chains, independent);
+  const double s = chains.least_s_before, log_q = first_log_q(chains, independent, (ratio - 1.0) * s);
+  theta[n_law] = log_q;
   theta[n_law + 1] = 1.0;
+  theta[n_law + 2] = log_q + log(2.0 * s * ratio);
   return theta;
+}
+
+/// The likeliest of several starts: the same scatter may be that of a rough ball at rest or of a smoother one that
+/// spins, and between them the likelihood can have two maxima.
+Eigen::VectorXd first_theta(const MemoryLikelihood& likelihood, const LawFit& independent) {
+  Eigen::VectorXd best;
+  double highest = -HUGE_VAL;
+  for (const double ratio : {1.0, 10.0, 100.0, 1000.0}) {
+    const Eigen::VectorXd theta =
+        start_with(likelihood.chains(), likelihood.model(), independent, ratio, likelihood.n_parameters());
+    const double value = likelihood.anew(theta) + likelihood.log_prior(theta);
+    if (best.size() > 0 && !(value > highest)) continue;
+    highest = value;
+    best = theta;
+  }
+  return best;
 }
 
 /// Where a search ended.
@@ -75,7 +94,7 @@ Found search(MemoryLikelihood& likelihood, Eigen::VectorXd theta) {
   found.scores = likelihood.scores_by_impact(theta);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::MatrixXd fitted = found.scores.topRows(likelihood.n_parameters());
-    const Eigen::MatrixXd information = fitted * fitted.transpose();
+    const Eigen::MatrixXd information = fitted * fitted.transpose() + likelihood.prior_information(theta);
     found.maximum = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, theta,
                              information, kTolerance);
     if (!std::isfinite(found.maximum.loglik)) return found;
@@ -98,13 +117,6 @@ double loglik_independent(const Chains& chains, const LawFit& independent) {
 }
 
 bool succeeded(const Found& found) { return std::isfinite(found.maximum.loglik) && found.maximum.gain_left < 0.5; }
-
-/// Of balls at rest when released.
-double mean_first_reservoir(const Chains& chains, double q) {
-  double sum = 0.0;
-  for (const Chain& chain : chains.chains) sum += 2.0 * q * chain.s_before;
-  return sum / static_cast<double>(chains.chains.size());
-}
 
 }  // namespace
 
@@ -130,14 +142,17 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   }
   const std::vector<double> speeds = speeds_of(samples);
   const LawModel model = make_law_model(config.kind, config.orders, speeds);
-  MemoryLikelihood likelihood(chains, model, false);
-  Eigen::VectorXd start = first_theta(chains, model, independent, likelihood.n_parameters());
+  MemoryLikelihood likelihood(chains, model);
+  Eigen::VectorXd start;
   if (chains.n_impacts > 2 * kFewImpacts) {
     // near the maximum by a part of the chains: of all, each step takes long
     const Chains few = thinned_chains(chains, kFewImpacts);
-    MemoryLikelihood part(few, model, false);
+    MemoryLikelihood part(few, model);
+    start = first_theta(part, independent);
     const Found there = search(part, start);
     if (std::isfinite(there.maximum.loglik)) start = there.maximum.x;
+  } else {
+    start = first_theta(likelihood, independent);
   }
   const Found found = search(likelihood, start);
   if (!succeeded(found)) {
@@ -148,20 +163,7 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
     return fit;
   }
   fit.loglik_independent = loglik_independent(chains, independent);
-  fit.release = score_test(likelihood, found.scores, likelihood.n_parameters());
   fit.status = FitStatus::ok;
-  // balls that were released with spin or sideways motion
-  if (fit.release.z > 0.0 && fit.release.p_value < kReleaseSeen) {
-    MemoryLikelihood moving(chains, model, true);
-    const Eigen::VectorXd& at_rest = found.maximum.x;
-    Eigen::VectorXd with_release(at_rest.size() + 1);
-    with_release << at_rest, mean_first_reservoir(chains, exp(at_rest[likelihood.index_of_q()]));
-    const Found there = search(moving, with_release);
-    if (succeeded(there)) {
-      describe(fit, moving, there.maximum.x, there.scores, config, speeds);
-      return fit;
-    }
-  }
   describe(fit, likelihood, found.maximum.x, found.scores, config, speeds);
   return fit;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/memory_likelihood.hpp"
 
+#include <cmath>
+
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 
@@ -9,6 +11,7 @@ namespace {
 
 /// Relative step for the slope of the law.
 constexpr double kStep = 1e-3;
+constexpr double kSlipSd = 1.2527629684953681;  // log(7/2)
 
 std::vector<double> speeds_of(const Chain& chain, double factor) {
   std::vector<double> v;
@@ -28,8 +31,8 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_of(const Chain& chain, const La
 
 }  // namespace
 
-MemoryLikelihood::MemoryLikelihood(const Chains& chains, const LawModel& model, bool with_release)
-    : chains_(chains), model_(model), n_law_(model.n_parameters()), with_release_(with_release) {
+MemoryLikelihood::MemoryLikelihood(const Chains& chains, const LawModel& model)
+    : chains_(chains), model_(model), n_law_(model.n_parameters()) {
   if (!model.is_linear()) return;
   const Eigen::VectorXd anywhere = Eigen::VectorXd::Ones(n_law_);
   for (const Chain& chain : chains.chains) {
@@ -74,7 +77,12 @@ std::vector<LawAt<double>> MemoryLikelihood::law_values(std::size_t chain, const
 }
 
 MemoryParameters<double> MemoryLikelihood::parameters(const Eigen::VectorXd& theta) const {
-  return {exp(theta[n_law_]), theta[n_law_ + 1], with_release_ ? theta[n_law_ + 2] : 0.0, 1.0};
+  const double q = exp(theta[n_law_]);
+  return {q,
+          theta[n_law_ + 1],
+          exp(theta[n_law_ + 2]) - first_at_rest_m2ps2(q),
+          {theta[n_law_ + 3], theta[n_law_ + 4]},
+          1.0};
 }
 
 void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
@@ -99,19 +107,25 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
   }
   const MemoryParameters<double> values = parameters(theta);
   const int n = static_cast<int>(n_law_);
-  MemoryParameters<Jet<N>> p{Jet<N>(values.q), Jet<N>(values.keep), Jet<N>(values.release), Jet<N>(values.ratio)};
+  MemoryParameters<Jet<N>> p{Jet<N>(values.q),
+                             Jet<N>(values.keep),
+                             Jet<N>(values.release),
+                             {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
+                             Jet<N>(values.ratio)};
   p.q.v[n] = values.q;
   p.keep.v[n + 1] = 1.0;
-  if (n + 2 < N) p.release.v[n + 2] = 1.0;
-  if (n + 3 < N) p.ratio.v[n + 3] = values.ratio;
+  p.release.v[n] = -first_at_rest_m2ps2(values.q);
+  p.release.v[n + 2] = exp(theta[n_law_ + 2]);
+  for (std::size_t j = 0; j < kSlipTimes; ++j) p.slip[j].v[n + 3 + static_cast<int>(j)] = 1.0;
+  if (n + 5 < N) p.ratio.v[n + 5] = values.ratio;
   std::vector<Jet<N>> densities;
   const Jet<N> sum = filter(chain, p).loglik(law, plans_[chain], by_impact ? &densities : nullptr);
   loglik = sum.a;
   if (gradient) *gradient = sum.v.head(n_parameters());
   if (!by_impact) return;
-  by_impact->resize(n_law_ + 4, static_cast<Eigen::Index>(densities.size()));
+  by_impact->resize(n_law_ + 6, static_cast<Eigen::Index>(densities.size()));
   for (std::size_t k = 0; k < densities.size(); ++k)
-    by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_law_ + 4);
+    by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_law_ + 6);
 }
 
 double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
@@ -122,29 +136,59 @@ double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorX
   parallel_for(n, 0, [&](std::size_t c) {
     if (!gradient) {
       logliks[c] = filter(c, p).loglik(law_values(c, theta), plans_[c]);
-    } else if (n_parameters() <= 4) {
-      score<4>(c, theta, logliks[c], &gradients[c], nullptr);
     } else if (n_parameters() <= 6) {
       score<6>(c, theta, logliks[c], &gradients[c], nullptr);
+    } else if (n_parameters() <= 8) {
+      score<8>(c, theta, logliks[c], &gradients[c], nullptr);
     } else {
-      score<kMostMemoryLawParameters + 4>(c, theta, logliks[c], &gradients[c], nullptr);
+      score<kMostMemoryLawParameters + 6>(c, theta, logliks[c], &gradients[c], nullptr);
     }
   });
-  double sum = 0.0;
+  double sum = log_prior(theta);
   for (const double one : logliks) sum += one;
   if (!gradient) return sum;
-  gradient->setZero(n_parameters());
+  *gradient = prior_gradient(theta);
   for (const Eigen::VectorXd& one : gradients) *gradient += one;
   return sum;
+}
+
+double MemoryLikelihood::log_prior(const Eigen::VectorXd& theta) const {
+  if (!(theta[index_of_first()] < log(chains_.least_s_before))) return -HUGE_VAL;
+  return -0.5 * theta.tail(kSlipTimes).squaredNorm() / square(kSlipSd) - log1p(rest_over_first_squared(theta));
+}
+
+Eigen::VectorXd MemoryLikelihood::prior_gradient(const Eigen::VectorXd& theta) const {
+  Eigen::VectorXd gradient = gradient_by_first(theta);
+  gradient.tail(kSlipTimes) = -theta.tail(kSlipTimes) / square(kSlipSd);
+  return gradient;
+}
+
+Eigen::MatrixXd MemoryLikelihood::prior_information(const Eigen::VectorXd& theta) const {
+  const Eigen::VectorXd by_first = gradient_by_first(theta);
+  Eigen::MatrixXd information = by_first * by_first.transpose();
+  information.diagonal().tail(kSlipTimes).array() += 1.0 / square(kSlipSd);
+  return information;
+}
+
+Eigen::VectorXd MemoryLikelihood::gradient_by_first(const Eigen::VectorXd& theta) const {
+  const double x = rest_over_first_squared(theta);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n_parameters());
+  gradient[index_of_first()] = 2.0 * x / (1.0 + x);
+  gradient[index_of_q()] = -gradient[index_of_first()];
+  return gradient;
+}
+
+double MemoryLikelihood::rest_over_first_squared(const Eigen::VectorXd& theta) const {
+  return square(first_at_rest_m2ps2(exp(theta[index_of_q()] - theta[index_of_first()])));
 }
 
 Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta) const {
   std::vector<Eigen::MatrixXd> by_chain(chains_.chains.size());
   parallel_for(by_chain.size(), 0, [&](std::size_t c) {
     double ignored = 0.0;
-    score<kMostMemoryLawParameters + 4>(c, theta, ignored, nullptr, &by_chain[c]);
+    score<kMostMemoryLawParameters + 6>(c, theta, ignored, nullptr, &by_chain[c]);
   });
-  Eigen::MatrixXd all(n_law_ + 4, static_cast<Eigen::Index>(chains_.n_impacts));
+  Eigen::MatrixXd all(n_law_ + 6, static_cast<Eigen::Index>(chains_.n_impacts));
   Eigen::Index begin = 0;
   for (const Eigen::MatrixXd& one : by_chain) {
     all.middleCols(begin, one.cols()) = one;

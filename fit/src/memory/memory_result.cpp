@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/memory_result.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/fit/roughness.hpp"
+#include "law/maximise.hpp"
 #include "law/result_matrix.hpp"
 #include "memory/memory_tests.hpp"
 #include "memory/posterior.hpp"
@@ -19,33 +21,42 @@ namespace bouncelab::fit {
 namespace {
 
 /// From so many drops on the likelihood is smooth over a standard error of its maximum. With fewer its corners, where a
-/// drop's reservoir is almost empty, are seen: intervals are the posterior's under a flat prior.
+/// drop's reservoir is almost empty, are seen: intervals are the posterior's, flat prior but for slip.
 constexpr std::size_t kManyDrops = 200;
+/// Draws that count: of fewer a standard error is not known to a third.
+constexpr double kFewestDraws = 10.0;
 
-/// Curvature by differences of gradients over a third of a standard error: of hundreds of drops the gradient's own bend
-/// over that is below a percent.
-Eigen::MatrixXd curvature(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
-                          const Eigen::MatrixXd& scores) {
-  const Eigen::VectorXd step = 0.3 * (scores * scores.transpose()).inverse().diagonal().cwiseSqrt();
-  const Eigen::VectorXd here = scores.rowwise().sum();
+/// Inverse of the curvature, by differences of gradients over a third of a standard error along directions that the
+/// information matrix holds for independent: along a parameter alone, which others all but make up for, the likelihood
+/// is no parabola. Of hundreds of drops the gradient's own bend over that is below a percent. Where the curvature is
+/// not that of a maximum, the inverse of the information matrix.
+Eigen::MatrixXd inverse_curvature(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                  const Eigen::MatrixXd& scores) {
+  constexpr double kShare = 0.3;
+  const Eigen::MatrixXd white = whitening(scores * scores.transpose() + likelihood.prior_information(theta), 1e-12);
+  const Eigen::VectorXd here = scores.rowwise().sum() + likelihood.prior_gradient(theta);
   Eigen::MatrixXd h(theta.size(), theta.size());
   for (Eigen::Index j = 0; j < theta.size(); ++j) {
     Eigen::VectorXd there;
-    likelihood(theta + step[j] * Eigen::VectorXd::Unit(theta.size(), j), &there);
-    h.col(j) = (here - there) / step[j];
+    likelihood(theta + kShare * white.col(j), &there);
+    h.col(j) = white.transpose() * (here - there) / kShare;
   }
-  return 0.5 * (h + h.transpose());
+  const Eigen::LLT<Eigen::MatrixXd> root(0.5 * (h + h.transpose()));
+  if (root.info() != Eigen::Success) return white * white.transpose();
+  return white * root.solve(white.transpose());
 }
 
 /// Draws of the parameters that say what is known of them, each with its weight.
 Posterior uncertainty(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& scores,
                       const MemoryFitConfig& config) {
   const Eigen::MatrixXd by_impact = scores.topRows(likelihood.n_parameters());
-  if (likelihood.chains().n_drops < kManyDrops)
-    return sample_posterior([&](const Eigen::VectorXd& x) { return likelihood.anew(x); }, theta,
-                            2.0 * (by_impact * by_impact.transpose()).inverse(), config.n_draws, config.seed);
+  if (likelihood.chains().n_drops < kManyDrops) {
+    const Eigen::MatrixXd information = by_impact * by_impact.transpose() + likelihood.prior_information(theta);
+    return sample_posterior([&](const Eigen::VectorXd& x) { return likelihood.anew(x) + likelihood.log_prior(x); },
+                            theta, 2.0 * information.inverse(), config.n_draws, config.seed);
+  }
   // sandwich by drop: holds whatever goes on within a drop
-  const Eigen::MatrixXd inverse = curvature(likelihood, theta, by_impact).inverse();
+  const Eigen::MatrixXd inverse = inverse_curvature(likelihood, theta, by_impact);
   const Eigen::MatrixXd drops = likelihood.by_drop(by_impact);
   const auto m = static_cast<double>(drops.cols());
   return normal_draws(theta, inverse * (drops * drops.transpose()) * inverse * (m / (m - 1.0)), config.n_draws,
@@ -121,6 +132,11 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
   fit.mechanism = score_test(likelihood, scores, scores.rows() - 1);
   fit.loglik = likelihood.anew(theta);
   const Posterior posterior = uncertainty(likelihood, theta, scores, config);
+  if (posterior.effective < kFewestDraws) {
+    fit.status = FitStatus::not_converged;
+    fit.message = "the errors of the likeliest parameters could not be found: too few draws from the posterior count";
+    return;
+  }
   describe_law(fit, likelihood.model(), posterior, config.node_speeds_mps, speeds);
   const auto estimate = [&](Eigen::Index i) {
     return estimate_of(posterior, [i](const Eigen::VectorXd& x) { return x[i]; });
@@ -128,7 +144,14 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
   const Estimate q = estimate_of(posterior, [&](const Eigen::VectorXd& x) { return exp(x[likelihood.index_of_q()]); });
   fit.roughness = equivalent_surfaces(q, fit.ball ? fit.ball->inertia_factor : kSolidBallInertia);
   fit.keep = estimate(likelihood.index_of_keep());
-  if (n > likelihood.index_of_release()) fit.release_m2ps2 = estimate(likelihood.index_of_release());
+  const auto first = [&](const Eigen::VectorXd& x) { return exp(x[likelihood.index_of_first()]); };
+  const auto at_rest = [&](const Eigen::VectorXd& x) {
+    return likelihood.first_at_rest_m2ps2(exp(x[likelihood.index_of_q()]));
+  };
+  fit.release_m2ps2 = estimate_of(posterior, [&](const Eigen::VectorXd& x) { return first(x) - at_rest(x); });
+  const Estimate excess = estimate_of(posterior, [&](const Eigen::VectorXd& x) { return log(first(x) / at_rest(x)); });
+  fit.release.z = excess.value / *excess.se;
+  fit.release.p_value = two_sided(fit.release.z);
   fit.leak.z = (fit.keep.value - 1.0) / *fit.keep.se;
   fit.leak.p_value = two_sided(fit.leak.z);
   const std::vector<double> transforms = likelihood.transforms(theta);
@@ -136,8 +159,9 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
   if (config.n_goodness > 0) {
     const Eigen::MatrixXd of_fitted = scores.topRows(n);
-    const ModelTests tests = tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose(), fit.mechanism.z,
-                                              config.n_goodness, config.seed);
+    const ModelTests tests =
+        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta),
+                         fit.mechanism.z, config.n_goodness, config.seed);
     fit.anderson_darling = tests.anderson_darling;
     fit.mechanism.p_value = tests.mechanism_p.value_or(fit.mechanism.p_value);
   }

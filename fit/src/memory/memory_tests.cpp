@@ -50,7 +50,6 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
                             std::uint64_t seed) {
   const Chains design = thinned_chains(likelihood.chains(), kMostImpacts);
   const LawModel& model = likelihood.model();
-  const bool with_release = likelihood.n_parameters() > likelihood.index_of_release();
   const RestitutionLaw law = model.law(theta.head(model.n_parameters()));
   const MemoryParameters<double> parameters = likelihood.parameters(theta);
   // what a step finds has the error of all impacts, of which those of the design are a share
@@ -60,14 +59,14 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
 
   ModelTests tests;
   AndersonDarling& result = tests.anderson_darling;
-  result.a2 = statistic(MemoryLikelihood(design, model, with_release), theta);
+  result.a2 = statistic(MemoryLikelihood(design, model), theta);
   result.n_replicates = n_replicates;
   std::vector<double> a2(n_replicates, 0.0), z(n_replicates, 0.0);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{2} << 32U) + i);
     Chains drawn = design;
     for (Chain& chain : drawn.chains) chain = draw_chain(chain, law, parameters, height_sd_m, random);
-    MemoryLikelihood again(drawn, model, with_release);
+    MemoryLikelihood again(drawn, model);
     again.plan_at(theta);
     const Eigen::MatrixXd scores = again.scores_by_impact(theta);
     const Eigen::VectorXd score = scores.topRows(theta.size()).rowwise().sum();

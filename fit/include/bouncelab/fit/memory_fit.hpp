@@ -64,14 +64,18 @@ struct MemoryFit {
   /// of the paper's radius is taken.
   std::optional<Ball> ball;
   Roughness roughness;
-  Estimate keep;                          ///< share of the reservoir that outlasts a bounce; 1 without losses
-  std::optional<Estimate> release_m2ps2;  ///< mean reservoir at the release, fitted where the test sees one
+  Estimate keep;  ///< share of the reservoir that outlasts a bounce, long after the release; 1 without losses
+  /// Mean reservoir that the release left, whether it is seen or not: that before the first impacts less what impacts
+  /// before those add. Less than 0 where the first fluctuations are smaller than those of a ball at rest.
+  std::optional<Estimate> release_m2ps2;
   double loglik = 0.0;
   std::optional<double> loglik_independent;         ///< of the same impacts by two exponentials, where given
   std::optional<AndersonDarling> anderson_darling;  ///< of the probability transforms
   std::array<double, 20> transform_counts{};        ///< impacts by twentieths of the transform
   MemoryTest leak;                                  ///< keep = 1
-  MemoryTest release;  ///< no reservoir at the release (by the first impacts; q from the product of the slopes)
+  /// No reservoir at the release: of the logarithm of that before the first impacts over what impacts alone would make
+  /// it. A statement: nothing in the fit depends on it.
+  MemoryTest release;
   MemoryTest
       mechanism;  ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
   /// The model passes: transforms and mechanism with p above .01, and likelier than independent samples.
