@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -55,6 +56,49 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   EXPECT_NEAR(far.log_likelihood_ratio / near.log_likelihood_ratio, 1.0, 0.01);
   ASSERT_FALSE(near.log_likelihood_ratio < 10.0 * kUnambiguousLogOdds);
   EXPECT_TRUE(far.alternatives.empty());
+}
+
+TEST(ImpactTimer, FindsByOneCorrelationThePlacesThatItFindsOneByOne) {
+  // two impacts of which the second is four fifths as loud, looked for from 10 ms before the first to 20 ms behind it:
+  // more than one block of the search
+  std::vector<float> samples = recording();
+  const double second_s = time_of(10) + 17e-3;
+  std::vector<float> again(samples.size(), 0.0F);
+  add_impact(again, second_s);
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += 0.8F * again[k];
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  ImpactTimer timer(sound, *learned);
+  const auto places = timer.places_between(time_of(10) - 10e-3, time_of(10) + 20e-3, time_of(11), 50.0);
+  ASSERT_TRUE(places);
+  for (const double t_s : {time_of(10), second_s}) {
+    const ImpactFit alone = timer.time(t_s, 1e-4, t_s + 100e-3);
+    // the same impact, to the quarter of a sample that is between two steps
+    const auto found = std::find_if(places->begin(), places->end(), [&](const PossiblePlace& place) {
+      return std::abs(place.t_s - alone.t_s) < 0.3 / kRate_hz;
+    });
+    ASSERT_NE(found, places->end()) << t_s;
+    // the longer window has another resolution of frequencies: a hundredth
+    EXPECT_GT(found->most_log_likelihood_ratio, 0.99 * alone.log_likelihood_ratio);
+  }
+  // what only the louder one can exceed, of which the log likelihood ratio is 1.56 times as large, leaves out the other
+  const double above = 1.3 * timer.time(second_s, 1e-4, second_s + 100e-3).log_likelihood_ratio;
+  const auto loud = timer.places_between(time_of(10) - 10e-3, time_of(10) + 20e-3, time_of(11), above);
+  ASSERT_TRUE(loud);
+  ASSERT_FALSE(loud->empty());
+  for (const PossiblePlace& place : *loud) EXPECT_LT(std::abs(place.t_s - time_of(10)), 5e-3);
+}
+
+TEST(ImpactTimer, DoesNotTellThePlacesOfSoundThatReachesTheNextImpact) {
+  const std::vector<float> samples = recording();
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  ImpactTimer timer(sound, *learned);
+  const double end_s = time_of(10) + 20e-3;
+  EXPECT_FALSE(timer.places_between(time_of(10), end_s, end_s + 10e-3, 50.0));  // the template lasts 15 ms
+  EXPECT_TRUE(timer.places_between(time_of(10), end_s, end_s + 20e-3, 50.0));
 }
 
 TEST(ImpactTimer, LeavesOutNoPlaceThatIsMoreLikelyThanWasAskedFor) {

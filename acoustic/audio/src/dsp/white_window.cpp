@@ -54,9 +54,10 @@ void WhiteSound::make_blocks(std::int64_t first, std::int64_t last) {
     std::int64_t n = 0;  // missing ones that lie side by side
     for (; block + n < last && slot + n < n_slots && numbers_[static_cast<std::size_t>(slot + n)] != block + n; ++n)
       numbers_[static_cast<std::size_t>(slot + n)] = block + n;
-    read_innovations(source_, model_, block * kWhiteBlock,
-                     std::span(kept_).subspan(static_cast<std::size_t>(slot * kWhiteBlock),
-                                              static_cast<std::size_t>(n * kWhiteBlock)));
+    if (n > 0)  // most are there
+      read_innovations(source_, model_, block * kWhiteBlock,
+                       std::span(kept_).subspan(static_cast<std::size_t>(slot * kWhiteBlock),
+                                                static_cast<std::size_t>(n * kWhiteBlock)));
     block += std::max<std::int64_t>(n, 1);
   }
 }

@@ -84,9 +84,9 @@ ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) {
   return mask;
 }
 
-bool ImpactTimer::is_clipped(std::int64_t first) const {
+bool ImpactTimer::is_clipped(std::int64_t first, std::size_t n) const {
   if (std::isinf(learned_.clip_level)) return false;
-  std::vector<float> raw(learned_.n_template);
+  std::vector<float> raw(n);
   audio::read_padded(sound_, first, raw);
   return std::any_of(raw.begin(), raw.end(), [&](float x) { return std::abs(x) >= learned_.clip_level; });
 }
@@ -148,7 +148,7 @@ void ImpactTimer::cut(std::int64_t first, std::int64_t end, FitWindow& window) {
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
-  window.is_clipped = is_clipped(first);
+  window.is_clipped = is_clipped(first, learned_.n_template);
   known_.window_without(first, {}, window.sound);
   multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
@@ -248,6 +248,17 @@ std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, 
     products = correlation_in(window, -reach - moved, reach - moved);
   }
   return fit_of(window, products);
+}
+
+std::optional<std::vector<PossiblePlace>> ImpactTimer::places_between(double from_s, double to_s, double until_s,
+                                                                      double least) {
+  const std::int64_t first = samples(from_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
+  const std::int64_t n_lags = std::max<std::int64_t>(0, samples(to_s - from_s, sound_)) + 1;
+  const std::int64_t n_samples = n_lags + static_cast<std::int64_t>(learned_.n_template);
+  if (first + n_samples > samples(until_s, sound_) || is_clipped(first, static_cast<std::size_t>(n_samples)))
+    return std::nullopt;
+  if (!places_) places_.emplace(learned_);
+  return places_->find(known_, sound_.rate_hz, first, n_lags, least);
 }
 
 ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {

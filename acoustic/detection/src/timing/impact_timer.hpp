@@ -9,6 +9,7 @@
 #include "bouncelab/audio/audio_source.hpp"
 #include "timing/correlation_peaks.hpp"
 #include "timing/impact_template.hpp"
+#include "timing/place_search.hpp"
 #include "timing/ringing.hpp"
 #include "timing/timed_impact.hpp"
 
@@ -35,6 +36,9 @@ class ImpactTimer {
   /// The same; absent where its log likelihood ratio cannot be above this. By Schwarz' inequality it is at most half of
   /// the energy in reach, which takes a tenth of the time; by the first window's correlation, most often less.
   std::optional<ImpactFit> time_if_over(double log_likelihood_ratio, double t_s, double reach_s, double until_s);
+  /// The places between two times where the log likelihood ratio may be above `least`, by one correlation; absent where
+  /// it does not tell: where the sound reaches the next impact or is clipped.
+  std::optional<std::vector<PossiblePlace>> places_between(double from_s, double to_s, double until_s, double least);
   /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
   void subtract_from_later(const ImpactFit& impact);
   /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.
@@ -79,7 +83,7 @@ class ImpactTimer {
   ImpactFit fit_of(const FitWindow& window, const Correlation& products);
   /// 1 for the first n_fit samples, with a tapered end.
   Mask mask_of(std::size_t n_fit);
-  bool is_clipped(std::int64_t first) const;
+  bool is_clipped(std::int64_t first, std::size_t n) const;
   /// The template as the converter limits it at this amplitude, then whitened.
   MatchedFilter clipped_template(double amplitude, double shift, const Mask& mask);
   /// Delay of a clipped impact: the amplitude by grid search, since it only shows in how long the sound is limited.
@@ -91,9 +95,10 @@ class ImpactTimer {
   audio::RealFft fourier_;
   double noise_;
   Ringing known_;
-  FitWindow window_;              // that is searched; kept for its memory
-  std::vector<float> unshifted_;  // the template; computed when first needed
-  std::vector<float> taper_;      // of the last mask
+  std::optional<PlaceSearch> places_;  // made when first needed
+  FitWindow window_;                   // that is searched; kept for its memory
+  std::vector<float> unshifted_;       // the template; computed when first needed
+  std::vector<float> taper_;           // of the last mask
 };
 
 }  // namespace bouncelab::detection

@@ -83,6 +83,16 @@ void Ringing::window_without(std::int64_t first, std::optional<std::size_t> exce
   }
 }
 
+void Ringing::stretch_without(std::int64_t first, std::span<float> stretch) {
+  std::vector<float> window;
+  const auto n_window = static_cast<std::size_t>(n_window_);
+  for (std::size_t at = 0; at < stretch.size(); at += n_window) {
+    window_without(first + static_cast<std::int64_t>(at), {}, window);
+    std::copy_n(window.begin(), std::min(n_window, stretch.size() - at),
+                stretch.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+}
+
 void Ringing::fit_amplitudes(const std::vector<bool>& free) {
   std::vector<std::size_t> unknown;
   for (std::size_t k = 0; k < free.size(); ++k)

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
@@ -30,6 +31,9 @@ class Ringing {
   std::vector<float> window_without(std::int64_t first, std::optional<std::size_t> except = std::nullopt);
   /// The same into a window that has memory already.
   void window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& window);
+
+  /// A stretch of any length, less the sound of all known impacts.
+  void stretch_without(std::int64_t first, std::span<float> stretch);
 
   /// Sets the amplitudes of impacts whose windows overlap, jointly, to those of least squares: normal equations
   /// sum_j <w_i, w_j> A_j = <w_i, x>, banded since only neighbours overlap. Those of no others change.

@@ -55,6 +55,11 @@ void start_from(TemplateEstimation& e, std::size_t start, const TemplateSearch& 
   align_and_average(e, 0, 1);
 }
 
+std::ptrdiff_t n_alike(const std::vector<TrainingImpact>& training) {
+  return std::count_if(training.begin(), training.end(),
+                       [](const TrainingImpact& impact) { return impact.is_averaged(); });
+}
+
 /// A template and the impacts that it is the mean of.
 struct Found {
   ImpactTemplate learned;
@@ -62,14 +67,17 @@ struct Found {
   std::vector<float> mean;
   bool at_attacks = false;
 
-  std::ptrdiff_t n_alike() const {
-    return std::count_if(training.begin(), training.end(),
-                         [](const TrainingImpact& impact) { return impact.is_averaged(); });
-  }
+  std::ptrdiff_t n_alike() const { return detection::n_alike(training); }
   bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
 };
 
-Found state_of(const TemplateEstimation& e) { return {e.learned, e.training, e.mean, false}; }
+/// What was found so far; leaves the template in `e`, but not the windows, of which a copy takes as long as cutting
+/// them.
+Found take_state_of(TemplateEstimation& e) {
+  Found found{e.learned, std::move(e.training), std::move(e.mean), false};
+  e.training.clear();
+  return found;
+}
 
 void restore(TemplateEstimation& e, Found found) {
   e.learned = std::move(found.learned);
@@ -82,12 +90,11 @@ void restore(TemplateEstimation& e, Found found) {
 /// @return where there is none, that which most correlate with
 Found find_template(TemplateEstimation& e, const TemplateSearch& search) {
   constexpr std::size_t kMaxStarts = 5;
-  const std::vector<TrainingImpact> training = cut_training(e, search);
   Found best;
-  for (std::size_t start = 0; start < std::min(kMaxStarts, training.size()); ++start) {
-    e.training = training;
+  for (std::size_t start = 0; start < std::min(kMaxStarts, e.begins.size()); ++start) {
+    e.training = cut_training(e, search);
     start_from(e, start, search);
-    Found found = state_of(e);
+    Found found = take_state_of(e);
     found.at_attacks = search.at_attacks;
     if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
     if (best.is_enough()) break;
@@ -125,13 +132,19 @@ void find_template(TemplateEstimation& e) {
 
 void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
-  Found before = state_of(e);
+  Found before = take_state_of(e);
   e.learned.whitener = noise_whitener(noise);
-  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
+  for (const TrainingImpact& known : before.training) {
+    TrainingImpact& impact = e.training.emplace_back();
+    cut_training_window(e, known.window.first, impact);
+    impact.position = known.position;
+    impact.estimate = known.estimate;
+    impact.correlation = known.correlation;
+  }
   e.learned.subbands = {};
   average(e);
   align_and_average(e, 0, 1);
-  if (state_of(e).n_alike() < before.n_alike()) restore(e, std::move(before));
+  if (n_alike(e.training) < before.n_alike()) restore(e, std::move(before));
 }
 
 }  // namespace bouncelab::detection

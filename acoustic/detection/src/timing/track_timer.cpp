@@ -22,21 +22,41 @@ constexpr double kLate_s = 6e-3;        // of a candidate behind its impact: the
 constexpr double kPreEcho_s = 21.4e-3;  // of a candidate before its impact: a block of 1024 samples at 48 kHz
 constexpr double kMinDoubt = 1e-2;      // probability of other times from which an impact is flagged doubtful
 
+/// Whether a time is one of a fit's places.
+bool is_among(const ImpactFit& fit, double t_s, double same_s) {
+  return std::abs(fit.t_s - t_s) < same_s ||
+         std::any_of(fit.alternatives.begin(), fit.alternatives.end(),
+                     [&](const DelayHypothesis& h) { return std::abs(h.t_s - t_s) < same_s; });
+}
+
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
-ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double most_before_s,
-                          double most_after_s, double until_s) {
-  const double step_s = search_step_s(search);
+/// @param near     the best fit within its reach, with all places there
+/// @param reach_s  that reach
+ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double reach_s,
+                          double most_before_s, double most_after_s, double until_s) {
   const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
   const double same_s = 1.0 / search.sound.rate_hz;
+  // what is less likely than that adds no place (merged_fit.hpp)
+  const auto least = [](const ImpactFit& fit) {
+    return fit.log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance;
+  };
   ImpactFit far = near;
-  for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
-    // what is less likely than that adds no place (merged_fit.hpp)
-    const double least = far.log_likelihood_ratio - kUnambiguousLogOdds * far.disturbance;
-    std::optional<ImpactFit> here = search.timer.time_if_over(least, t_s, std::min(step_s, to_s - t_s), until_s);
-    if (!here) continue;
+  const auto add = [&](double t_s, double here_reach_s) {
+    std::optional<ImpactFit> here = search.timer.time_if_over(least(far), t_s, here_reach_s, until_s);
+    if (!here) return;
     std::erase_if(here->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
     if (here->t_s >= from_s) far = merged(far, *here, same_s);
+  };
+  const double step_s = search_step_s(search);
+  if (const auto places = search.timer.places_between(from_s, to_s, until_s, least(near))) {
+    for (const PossiblePlace& place : *places)
+      if (std::abs(place.t_s - c.t_s) > reach_s && place.most_log_likelihood_ratio > least(far) &&
+          !is_among(far, place.t_s, same_s))
+        add(place.t_s, step_s);
+  } else {
+    for (double t_s = from_s; t_s < to_s; t_s += step_s)  // each place lies behind the beginning of one window
+      add(t_s, std::min(step_s, to_s - t_s));
   }
   // of many far places none may push out those where the sound rises
   return merged(with_fewer_places(near), with_fewer_places(far), same_s);
@@ -62,9 +82,9 @@ std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<
   const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
   const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
                                   [&](const Candidate& later) { return later.t_s >= from_s; });
-  if (other == candidates.end()) return {};
-  // windows without an end are longer than the template
-  constexpr double kOfTemplate = 0.75;
+  // so late that no window of find_everywhere() reaches it: there is no other sound
+  if (other == candidates.end() || other->t_s >= c.t_s + kPreEcho_s + search.template_s) return {};
+  constexpr double kOfTemplate = 0.75;  // a window without an end is longer than the template
   const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
   const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
   if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(search, fit)) return {};
@@ -89,7 +109,7 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
   if (is_alone && !is_explained(track.search, timed.fit)) {
     const std::optional<ImpactFit> alone = before_another_sound(track.search, candidates, of_track.candidate, reach_s);
-    timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
+    timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, reach_s, before_s, after_s, next_s);
   }
   timed.overlap = next_s - c.t_s < track.search.template_s;
   append(track, timed);
