@@ -125,7 +125,10 @@ Chains chains_of(const RestitutionSamples& samples, const std::vector<std::size_
   }
   if (!samples.empty()) ++result.n_drops;
   if (!result.chains.empty())
-    result.least_s_before = std::ranges::min_element(result.chains, {}, &Chain::s_before)->s_before;
+    result.least_s_before =
+        std::min_element(result.chains.begin(), result.chains.end(), [](const Chain& a, const Chain& b) {
+          return a.s_before < b.s_before;
+        })->s_before;
   return result;
 }
 

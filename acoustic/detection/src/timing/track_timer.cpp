@@ -186,9 +186,11 @@ void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std
 }
 
 /// The track ends where what is inferred beyond is less probable an impact than not: in a room's echoes, in the noise
-/// of a codec and in a rolling ball's sound the template finds something wherever it is searched for.
+/// of a codec and in a rolling ball's sound the template finds something wherever it is searched for. A last one at a
+/// candidate that the tracker refused is about as often an impact as not, and is kept with its probability.
 void end_where_improbable(std::vector<TimedImpact>& track) {
-  while (track.size() > 3 && track.back().inferred && track.back().probability < 0.5) track.pop_back();
+  constexpr double kLeast = 0.9 * kProbabilityOfRefused;
+  while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 
 }  // namespace
