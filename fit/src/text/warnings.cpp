@@ -171,9 +171,9 @@ std::string open_corrections(const ErrorBudget& budget) {
   if (!budget.plate) why = "no plate was named (--plate)";
   if (!budget.ball) why = "no ball was named (--ball, --plate)";
   if (drag && contact)
-    return "air drag and contact time are not taken out, and how much they shift eps is open: " + why;
+    return "air drag and contact time are not taken out, and how much they shift ε is open: " + why;
   return std::string(drag ? "air drag" : "contact time") +
-         " is not taken out, and how much it shifts eps is open: " + why;
+         " is not taken out, and how much it shifts ε is open: " + why;
 }
 
 std::string open_without_ball(const MemoryFit& memory) {
