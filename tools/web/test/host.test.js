@@ -102,7 +102,7 @@ describe('the site', {skip: missing ?? false}, () => {
     const manifest = JSON.parse(readFileSync(join(site, 'manifest.webmanifest'), 'utf8'));
     for (const key of ['name', 'short_name', 'start_url', 'display']) assert.ok(manifest[key], key);
     for (const icon of manifest.icons) assert.ok(readdirSync(site).includes(icon.src), icon.src);
-    const worker = readFileSync(join(site, 'service_worker.js'), 'utf8'), kept = /kFiles = \[(.*)\]/.exec(worker)[1].split(',').map(f => f.trim().slice(1, -1));
+    const worker = readFileSync(join(site, 'service_worker.js'), 'utf8'), kept = /kFiles ?= ?\[(.*?)\]/.exec(worker)[1].split(',').map(f => f.trim().slice(1, -1));
     assert.deepEqual(kept.filter(f => f !== './').sort(), readdirSync(site).filter(f => f !== 'service_worker.js' && !f.endsWith('.map')).sort());
     assert.ok(!worker.includes('@VERSION@'));
   });
