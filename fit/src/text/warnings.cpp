@@ -170,8 +170,7 @@ std::string open_corrections(const ErrorBudget& budget) {
                     " on " + (budget.plate ? plate_text(*budget.plate) : "") + " (--ball ...,contact-time=...)";
   if (!budget.plate) why = "no plate was named (--plate)";
   if (!budget.ball) why = "no ball was named (--ball, --plate)";
-  if (drag && contact)
-    return "air drag and contact time are not taken out, and how much they shift ε is open: " + why;
+  if (drag && contact) return "air drag and contact time are not taken out, and how much they shift ε is open: " + why;
   return std::string(drag ? "air drag" : "contact time") +
          " is not taken out, and how much it shifts ε is open: " + why;
 }
