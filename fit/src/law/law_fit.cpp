@@ -99,18 +99,6 @@ struct Candidate {
   double bic = HUGE_VAL;
 };
 
-/// Every n-th sample.
-LawData thinned(const LawData& all, std::size_t stride) {
-  LawData data;
-  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
-    data.v_mps.push_back(all.v_mps[k]);
-    data.eps.push_back(all.eps[k]);
-    data.tau.push_back(all.tau[k]);
-    data.drop.push_back(all.drop[k]);
-  }
-  return data;
-}
-
 /// The metric of a poor start may be poor: once more from where it led.
 Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
   const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };

@@ -36,6 +36,17 @@ Eigen::Index ScatterFamily::n_parameters() const {
   return static_cast<Eigen::Index>((is_two_sided() ? 2 : 1) * n_terms + (kind == ScatterKind::normal_laplace ? 1 : 0));
 }
 
+LawData thinned(const LawData& all, std::size_t stride) {
+  LawData data;
+  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
+    data.v_mps.push_back(all.v_mps[k]);
+    data.eps.push_back(all.eps[k]);
+    data.tau.push_back(all.tau[k]);
+    data.drop.push_back(all.drop[k]);
+  }
+  return data;
+}
+
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
     : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
   constexpr double kRangeOfLost = 2.0;

@@ -25,6 +25,9 @@ struct LawData {
   std::size_t size() const { return v_mps.size(); }
 };
 
+/// Every n-th sample, from half of `stride` on.
+LawData thinned(const LawData& all, std::size_t stride);
+
 /// Density of the scatter about the curve.
 enum class ScatterKind {
   normal_laplace,      ///< scales b_below(v), b_above(v), and a normal part of sqrt(b_below b_above) exp(rho)

@@ -19,17 +19,11 @@ LogLikelihood function_of(const LawLikelihood& likelihood) {
 }
 
 /// Speeds and timing errors of every n-th sample; timing errors widened as the fit of so few samples would.
-LawData thinned(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
+LawData thinned_and_widened(const LawLikelihood& likelihood, const Eigen::VectorXd& theta) {
   constexpr std::size_t kEnough = 4000;
   const LawData& all = likelihood.data();
   const std::size_t stride = std::max<std::size_t>(1, all.size() / kEnough);
-  LawData data;
-  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
-    data.v_mps.push_back(all.v_mps[k]);
-    data.eps.push_back(all.eps[k]);
-    data.tau.push_back(all.tau[k]);
-    data.drop.push_back(all.drop[k]);
-  }
+  LawData data = thinned(all, stride);
   if (stride > 1 && likelihood.scatter().kind != ScatterKind::normal)
     widen(data, likelihood.scatter_model(theta),
           std::sqrt(static_cast<double>(likelihood.model().n_parameters()) / static_cast<double>(data.size())));
@@ -81,7 +75,7 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
                                       std::uint64_t seed) {
   AndersonDarling result;
   result.a2 = anderson_darling(likelihood.probabilities_below(maximum.x));
-  const LawData design = thinned(likelihood, maximum.x);
+  const LawData design = thinned_and_widened(likelihood, maximum.x);
   const LawLikelihood thin(design, likelihood.model(), likelihood.scatter());
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);
