@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 namespace bouncelab::audio {
 namespace {
 
 constexpr std::int64_t kWhiteBlock =
     256;  // samples; shorter ones would cost more calls, longer ones more at windows' ends
-constexpr std::int64_t kNoBlock = std::numeric_limits<std::int64_t>::min();
+constexpr std::size_t kOwn = (1 << 17) + 2 * kWhiteBlock;  // a window's ends lie in blocks
+constexpr std::size_t kPlacesOfKept = 4;  // places for each block kept, of which few are wanted by two blocks then
+constexpr std::int32_t kNoPlace = -1;
 
 /// Rounded down, also below 0.
 std::int64_t block_of(std::int64_t sample) { return (sample >= 0 ? sample : sample - (kWhiteBlock - 1)) / kWhiteBlock; }
@@ -24,40 +25,57 @@ WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whit
   return window;
 }
 
-WhiteSound::WhiteSound(const AudioSource& source, const std::vector<float>& whitener, std::size_t n_kept)
+WhiteSound::WhiteSound(const AudioSource& source)
     : source_(source),
-      model_{whitener, 0.0},
-      numbers_(n_kept / kWhiteBlock + 2, kNoBlock) {}  // a window's ends lie in blocks
+      own_(std::make_unique_for_overwrite<float[]>(kOwn)),
+      memory_(own_.get(), kOwn),
+      places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
 
-void WhiteSound::read(std::int64_t first, std::span<float> out) {
+WhiteSound::WhiteSound(const AudioSource& source, std::span<float> memory)
+    : source_(source), memory_(memory), places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
+
+void WhiteSound::read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out) {
   if (out.empty()) return;
-  const auto n_slots = std::ssize(numbers_);
   const std::int64_t end = first + std::ssize(out);
-  assert(block_of(end - 1) - block_of(first) < n_slots);
-  kept_.resize(numbers_.size() * kWhiteBlock);  // at the first use
-  const auto slot_of = [&](std::int64_t block) { return (block % n_slots + n_slots) % n_slots; };
-  make_blocks(block_of(first), block_of(end - 1) + 1);
+  const std::int64_t first_block = block_of(first), last_block = block_of(end - 1) + 1;
+  const std::int64_t n_most = std::ssize(memory_) / kWhiteBlock;
+  assert(last_block - first_block <= n_most);
+  if (whitener != model_.filter || last_block - first_block > n_most - std::ssize(numbers_)) {
+    model_.filter = whitener;
+    std::fill(places_.begin(), places_.end(), kNoPlace);
+    numbers_.clear();
+  }
+  make_blocks(first_block, last_block);
   for (std::int64_t at = first; at < end;) {
     const std::int64_t block = block_of(at);
     const std::int64_t to = std::min(end, (block + 1) * kWhiteBlock);
-    std::copy_n(kept_.begin() + slot_of(block) * kWhiteBlock + (at - block * kWhiteBlock), to - at,
+    std::copy_n(memory_.begin() + place(block) * kWhiteBlock + (at - block * kWhiteBlock), to - at,
                 out.begin() + (at - first));
     at = to;
   }
 }
 
+std::int32_t& WhiteSound::place(std::int64_t block) {
+  const auto n = std::ssize(places_);
+  return places_[static_cast<std::size_t>((block % n + n) % n)];
+}
+
+bool WhiteSound::is_there(std::int64_t block) {
+  const std::int32_t k = place(block);
+  return k != kNoPlace && numbers_[static_cast<std::size_t>(k)] == block;
+}
+
 void WhiteSound::make_blocks(std::int64_t first, std::int64_t last) {
-  const auto n_slots = std::ssize(numbers_);
-  const auto slot_of = [&](std::int64_t block) { return (block % n_slots + n_slots) % n_slots; };
   for (std::int64_t block = first; block < last;) {
-    const std::int64_t slot = slot_of(block);
+    const std::int64_t at = std::ssize(numbers_) * kWhiteBlock;
     std::int64_t n = 0;  // missing ones that lie side by side
-    for (; block + n < last && slot + n < n_slots && numbers_[static_cast<std::size_t>(slot + n)] != block + n; ++n)
-      numbers_[static_cast<std::size_t>(slot + n)] = block + n;
+    for (; block + n < last && !is_there(block + n); ++n) {
+      place(block + n) = static_cast<std::int32_t>(numbers_.size());
+      numbers_.push_back(block + n);
+    }
     if (n > 0)  // most are there
       read_innovations(source_, model_, block * kWhiteBlock,
-                       std::span(kept_).subspan(static_cast<std::size_t>(slot * kWhiteBlock),
-                                                static_cast<std::size_t>(n * kWhiteBlock)));
+                       memory_.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(n * kWhiteBlock)));
     block += std::max<std::int64_t>(n, 1);
   }
 }

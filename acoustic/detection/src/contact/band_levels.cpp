@@ -78,21 +78,22 @@ double centre_bin(const MatchedFilter& filter, const Band& band) {
 
 }  // namespace
 
-BandLevels measure_levels(const audio::AudioSource& sound, const ImpactTemplate& learned,
+BandLevels measure_levels(audio::WhiteSound& white, const ImpactTemplate& learned,
                           const std::vector<TimedImpact>& impacts) {
   BandLevels levels;
+  const double rate_hz = white.source().rate_hz;
   const std::size_t n_window = learned.filter.n_window();
   const std::vector<Band> bands = choose_bands(learned);
   for (const Band& band : bands) {
-    levels.f_hz.push_back(sound.rate_hz / static_cast<double>(n_window) * centre_bin(learned.filter, band));
+    levels.f_hz.push_back(rate_hz / static_cast<double>(n_window) * centre_bin(learned.filter, band));
     levels.noise2.push_back(band.noise / band.energy);
   }
   audio::RealFft fourier(n_window);
+  std::vector<float> window(learned.n_template);
   for (const TimedImpact& impact : thin_out(impacts)) {
-    const double position = impact.fit.t_s * sound.rate_hz - learned.contact_index;
+    const double position = impact.fit.t_s * rate_hz - learned.contact_index;
     const auto first = static_cast<std::int64_t>(std::floor(position));
-    // zeros follow
-    const std::vector<float> window = audio::read_white(sound, learned.whitener, first, learned.n_template).sound;
+    white.read(learned.whitener, first, window);  // zeros follow
     const audio::Spectrum z =
         audio::phase_shifted(audio::product_conj(learned.filter.spectrum(), fourier.forward(window)),
                              learned.filter.omega() * (position - static_cast<double>(first)));

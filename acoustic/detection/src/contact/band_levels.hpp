@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/impact_template.hpp"
 #include "timing/timed_impact.hpp"
 
@@ -22,7 +22,7 @@ struct BandLevels {
 /// template itself is mostly noise, and impacts slower than an eighth of the fastest. The own noise of an impact that
 /// the template was estimated from is in the template too; its contribution is subtracted.
 /// @param impacts  with known speeds
-BandLevels measure_levels(const audio::AudioSource& sound, const ImpactTemplate& learned,
+BandLevels measure_levels(audio::WhiteSound& white, const ImpactTemplate& learned,
                           const std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

@@ -73,7 +73,8 @@ double rms_hz_of(const TimingInput& input, const ImpactTemplate& learned) {
   return input.recorded_rms_hz ? *input.recorded_rms_hz : recorded_rms_frequency(learned) * input.band.rate_hz;
 }
 
-std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks) {
+std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks,
+                                          audio::WhiteSound& white) {
   constexpr float kBelowLimit = 0.999F;
   std::vector<Candidate> impacts;
   std::vector<bool> clipped;
@@ -86,13 +87,13 @@ std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::v
       limit = std::min(limit, level);
     }
   // a low band does not show where the converter was limited
-  return estimate_template(input.band, input.noise, impacts, clipped,
-                           input.is_full_band ? kBelowLimit * limit : INFINITY);
+  return estimate_template(white, input.noise, impacts, clipped, input.is_full_band ? kBelowLimit * limit : INFINITY);
 }
 
-TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s) {
+TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s,
+                    audio::WhiteSound& white) {
   TimedDrop drop;
-  drop.impacts = learned != nullptr ? time_track(input.band, *learned, track, input.candidates, end_s)
+  drop.impacts = learned != nullptr ? time_track(white, *learned, track, input.candidates, end_s)
                                     : times_of_candidates(input, track);
   set_speeds(input.gravity_mps2, drop.impacts);
   mark_clipped(input.whole, drop.impacts);
@@ -106,11 +107,11 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
     all.push_back(impact);
     if (is_unflagged(impact)) clear.push_back(impact);
   }
-  drop.contact = fit_contact(measure_levels(input.band, *learned, clear));
+  drop.contact = fit_contact(measure_levels(white, *learned, clear));
   drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
   const ContactLaw assumed = assumed_contact(rms_hz_of(input, *learned));
   const ContactLaw law = drop.contact ? *pool_contacts({*drop.contact}, assumed) : assumed;
-  separate_overlaps(input.band, *learned, law, drop.reference_scaling, drop.impacts);
+  separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts);
   mark_clipped(input.whole, drop.impacts);  // the times may have moved
   return drop;
 }
@@ -127,7 +128,8 @@ void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate
     return drop.impacts[a].fit.amplitude * *drop.peak > drop.impacts[b].fit.amplitude * *drop.peak;
   });
   if (clear.size() < kStrongest) return;
-  ImpactTimer timer(band, reference.learned);
+  audio::WhiteSound white(band);
+  ImpactTimer timer(white, reference.learned);
   std::vector<double> later_s;
   for (std::size_t k = 0; k < kStrongest; ++k) {
     const double t_s = drop.impacts[clear[k]].fit.t_s;

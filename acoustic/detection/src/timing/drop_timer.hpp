@@ -6,6 +6,7 @@
 
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "candidates/candidates.hpp"
 #include "contact/contact_time.hpp"
 #include "timing/impact_template.hpp"
@@ -38,13 +39,17 @@ struct TimedDrop {
 };
 
 /// Template of the impacts of some tracks of a recording.
-std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks);
+/// @param white  of input.band
+std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks,
+                                          audio::WhiteSound& white);
 
 /// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
 /// and then the impacts that overlap, jointly.
 /// @param learned  null = none: then the times are those of the candidates
 /// @param end_s    the next track, or the end of the recording [s]
-TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s);
+/// @param white    of input.band
+TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s,
+                    audio::WhiteSound& white);
 
 /// Root mean square frequency of the impacts as recorded [Hz], which suggests the contact time: one of the whole sound,
 /// since a band says nothing of what is beyond it.

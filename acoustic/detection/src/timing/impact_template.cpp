@@ -54,7 +54,7 @@ void estimate_subbands(TemplateEstimation& e) {
   learned.subbands = split_into_subbands(learned.filter);
   std::vector<std::int64_t> begins;
   for (const TrainingImpact& impact : e.training) begins.push_back(impact.window.first);
-  const double quiet = estimate_noise(e.sound, learned.whitener, begins, learned.filter, learned.subbands);
+  const double quiet = estimate_noise(e.white, learned.whitener, begins, learned.filter, learned.subbands);
   for (int round = 0; round < 2; ++round) {
     align(e, false);
     std::vector<DelayEstimate> estimates;
@@ -95,7 +95,7 @@ void describe_training(TemplateEstimation& e) {
     if (!impact.is_averaged()) continue;
     ++learned.n_impacts;
     const double begin = static_cast<double>(impact.window.first) + impact.position + learned.contact_index;
-    learned.training_t_s.push_back(begin / e.sound.rate_hz);
+    learned.training_t_s.push_back(begin / e.white.source().rate_hz);
     learned.training_weight += impact.estimate.amplitude * impact.estimate.amplitude;
   }
 }
@@ -110,7 +110,7 @@ void describe_waveform(TemplateEstimation& e) {
   double n = 0.0;
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged() || n >= kMaxShown) continue;
-    audio::read_padded(e.sound, impact.window.first, x);
+    audio::read_padded(e.white.source(), impact.window.first, x);
     const audio::Spectrum moved = audio::phase_shifted(e.fourier.forward(x), learned.filter.omega() * impact.position);
     const std::vector<float> y = e.fourier.inverse(moved);
     for (std::size_t k = 0; k < n_window; ++k) {
@@ -129,10 +129,11 @@ void describe_waveform(TemplateEstimation& e) {
   }
 }
 
-TemplateEstimation begin_estimation(const audio::AudioSource& sound, const audio::ArModel& noise,
+TemplateEstimation begin_estimation(audio::WhiteSound& white, const audio::ArModel& noise,
                                     const std::vector<Candidate>& impacts, const std::vector<bool>& clipped) {
+  const audio::AudioSource& sound = white.source();
   const TemplateWindow window = template_window(sound, impacts);
-  TemplateEstimation e{sound, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
+  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
   e.learned.n_template = window.n_template;
   for (const std::size_t k : choose_training_impacts(impacts, clipped))
     e.begins.push_back(window.samples(impacts[k].t_s - kTemplateLead_s));
@@ -142,11 +143,11 @@ TemplateEstimation begin_estimation(const audio::AudioSource& sound, const audio
 
 }  // namespace
 
-std::optional<ImpactTemplate> estimate_template(const audio::AudioSource& sound, const audio::ArModel& noise,
+std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
                                                 float clip_level) {
   if (impacts.size() < 3) return std::nullopt;
-  TemplateEstimation e = begin_estimation(sound, noise, impacts, clipped);
+  TemplateEstimation e = begin_estimation(white, noise, impacts, clipped);
   find_template(e);
   whiten_by_noise(e, noise);
   whiten_residuals(e);

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "candidates/candidates.hpp"
 #include "timing/subband_delay.hpp"
 
@@ -38,12 +38,13 @@ struct ImpactTemplate {
 
 /// Estimates the template from the recording's own strong and isolated impacts: aligned below a sample and averaged,
 /// in turns; then the noise and the jitter of its sub-bands.
+/// @param white    what of it was whitened by the result's whitener is kept for what follows
 /// @param impacts  with times to a millisecond or better, in time order
 /// @param clipped  for each whether the recording is at its limit there; such impacts are used only where too few
 ///                 others are (has_enough_unclipped)
 /// @param clip_level  limit of the recording; infinity where it is not reached
 /// @return absent where no three impacts are alike
-std::optional<ImpactTemplate> estimate_template(const audio::AudioSource& sound, const audio::ArModel& noise,
+std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
                                                 float clip_level = INFINITY);
 

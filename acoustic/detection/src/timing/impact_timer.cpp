@@ -67,12 +67,12 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 
 double log_odds_margin(double best, double other, double variance) { return (best - other) / variance; }
 
-ImpactTimer::ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& learned)
-    : sound_(sound),
+ImpactTimer::ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned)
+    : sound_(white.source()),
       learned_(learned),
       fourier_(learned.filter.n_window()),
       noise_(noise_in_product(learned)),
-      known_(sound, learned) {}
+      known_(white, learned) {}
 
 ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) {
   if (n_fit >= learned_.n_template) return {};

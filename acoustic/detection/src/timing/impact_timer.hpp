@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/correlation_peaks.hpp"
 #include "timing/impact_template.hpp"
 #include "timing/place_search.hpp"
@@ -27,8 +27,8 @@ double log_odds_margin(double best, double other, double variance);
 /// Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory (1993), ch. 3, 7.
 class ImpactTimer {
  public:
-  /// @param sound, learned  kept by reference
-  ImpactTimer(const audio::AudioSource& sound, const ImpactTemplate& learned);
+  /// @param white, learned  kept by reference
+  ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned);
 
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact

@@ -84,7 +84,7 @@ std::optional<ImpactFit> sidelobe_check(Search& search, const ImpactFit& found, 
 
 /// Searches for an impact without candidate, and appends it where it is supported.
 bool search_missing(TimedTrack& track, const Prediction& p) {
-  const double rate_hz = track.search.sound.rate_hz;
+  const double rate_hz = track.search.white.source().rate_hz;
   const TimedImpact& last = track.impacts.back();
   const double t_s = last.fit.t_s + p.after_s;
   const double reach_s = p.reach_s + 2.0 / rate_hz;
@@ -130,7 +130,7 @@ bool keeps_last(const TimedTrack& track, const Candidate& c) {
   if (!has_reliable_template && (is_clear || interval_s > template_s)) return true;
   const bool rises_out_of_quiet = is_clear && interval_s > template_s;
   return (rises_out_of_quiet || has_amplitude_of(last, before)) &&
-         is_supported(track.search, last, before, kLagsPerSample * c.reach_s * track.search.sound.rate_hz,
+         is_supported(track.search, last, before, kLagsPerSample * c.reach_s * track.search.white.source().rate_hz,
                       kMinOfCandidate);
 }
 
@@ -163,7 +163,7 @@ void trim_tail(TimedTrack& track, const Track& tracked, const std::vector<Candid
 void extend(TimedTrack& track, double end_s) {
   const Search& search = track.search;
   const double shortest_s =
-      std::max(kMinInterval_s, kMinCycles / (search.learned.filter.rms_frequency() * search.sound.rate_hz));
+      std::max(kMinInterval_s, kMinCycles / (search.learned.filter.rms_frequency() * search.white.source().rate_hz));
   for (int failures = 0; failures < kMaxFailures && track.impacts.size() >= 3;) {
     const double last_s = track.impacts.back().fit.t_s;
     const PredictedImpact predicted = predict_beyond_end(track.impacts, failures);

@@ -40,12 +40,12 @@ audio::Spectrum template_at_speed(const MatchedFilter& filter, double rate_hz, d
 
 class JointEstimator {
  public:
-  JointEstimator(const audio::AudioSource& sound, const ImpactTemplate& learned, double tau_1_s,
-                 double template_scaling, std::vector<TimedImpact>& impacts)
-      : sound_(sound), learned_(learned), impacts_(impacts), fourier_(n_window()), ringing_(sound, learned) {
+  JointEstimator(audio::WhiteSound& white, const ImpactTemplate& learned, double tau_1_s, double template_scaling,
+                 std::vector<TimedImpact>& impacts)
+      : sound_(white.source()), learned_(learned), impacts_(impacts), fourier_(n_window()), ringing_(white, learned) {
     for (const TimedImpact& impact : impacts) {
       const double scaling = impact.v_mps > 0.0 ? pow(impact.v_mps, -0.2) : 0.0;
-      waves_.push_back(template_at_speed(learned.filter, sound.rate_hz, tau_1_s, scaling, template_scaling));
+      waves_.push_back(template_at_speed(learned.filter, sound_.rate_hz, tau_1_s, scaling, template_scaling));
       ringing_.add(impact.fit.t_s, impact.fit.amplitude, waves_.back());
       free_.push_back(impact.overlap && !is_clipped(begin(free_.size())));
     }
@@ -111,12 +111,11 @@ class JointEstimator {
 
 }  // namespace
 
-void separate_overlaps(const audio::AudioSource& sound, const ImpactTemplate& learned,
-                       const std::optional<ContactLaw>& law, double template_scaling,
-                       std::vector<TimedImpact>& impacts) {
+void separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
+                       double template_scaling, std::vector<TimedImpact>& impacts) {
   const double tau_1_s = law ? law->hertz_tau_1_s : 0.0;
   if (std::any_of(impacts.begin(), impacts.end(), [](const TimedImpact& impact) { return impact.overlap; }))
-    JointEstimator(sound, learned, tau_1_s, template_scaling, impacts).run();
+    JointEstimator(white, learned, tau_1_s, template_scaling, impacts).run();
 }
 
 }  // namespace bouncelab::detection

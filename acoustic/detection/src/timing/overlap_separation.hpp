@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "contact/contact_time.hpp"
 #include "timing/impact_template.hpp"
 #include "timing/timed_impact.hpp"
@@ -18,8 +18,7 @@ namespace bouncelab::detection {
 /// @param law               absent = the template as it is
 /// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
 /// @param impacts           of one track, in time order; v_mps 0 = the template as it is
-void separate_overlaps(const audio::AudioSource& sound, const ImpactTemplate& learned,
-                       const std::optional<ContactLaw>& law, double template_scaling,
-                       std::vector<TimedImpact>& impacts);
+void separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
+                       double template_scaling, std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

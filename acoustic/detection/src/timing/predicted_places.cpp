@@ -52,8 +52,8 @@ std::optional<ImpactFit> find_where_expected(Search& search, const TimedImpacts&
 /// @return whether an impact is at another place now
 bool add_places_once(const Search& search, TimedImpacts& track) {
   const std::vector<ExpectedLogEps> expected = expected_log_eps(track, times_of(track));
-  const double same_s = 1.0 / search.sound.rate_hz;
-  Search again{search.sound, search.learned, ImpactTimer(search.sound, search.learned), search.template_s};
+  const double same_s = 1.0 / search.white.source().rate_hz;
+  Search again{search.white, search.learned, ImpactTimer(search.white, search.learned), search.template_s};
   bool has_moved = false;
   for (std::size_t k = 0; k < track.size(); ++k) {
     if (k > 0 && k + 1 < track.size())

@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::size_t kOwnTemplate = 12;  // impacts from which a track has a template of its own, with noise 11 dB down
 
-/// Memory for the sound around one track after another: fresh memory would cost more than what is read into it.
-class TrackMemory {
+/// Memory for samples of one track after another: fresh memory would cost more than what is read into it.
+class SampleMemory {
  public:
   /// n samples that hold anything.
   std::span<float> of_size(std::size_t n) {
@@ -41,9 +41,14 @@ class TrackMemory {
   std::size_t n_held_ = 0;
 };
 
+struct TrackMemory {
+  SampleMemory recorded, white;
+};
+
 /// The sound around a track, read once into memory where it is no longer than a few minutes.
 /// @param memory  of the result, which ends with its next use
-audio::AudioSource resident_around(const audio::AudioSource& sound, double begin_s, double end_s, TrackMemory& memory) {
+audio::AudioSource resident_around(const audio::AudioSource& sound, double begin_s, double end_s,
+                                   SampleMemory& memory) {
   constexpr double kAround_s = 0.2;
   constexpr std::int64_t kMost = 1 << 24;  // samples, 64 MB
   const std::int64_t first =
@@ -63,6 +68,12 @@ audio::AudioSource resident_around(const audio::AudioSource& sound, double begin
               sound.read(from, out);
           },
           samples, first};
+}
+
+/// Samples of a track that are kept whitened: the template, the times and the levels need the same ones.
+std::size_t n_whitened(double begin_s, double end_s, double rate_hz) {
+  constexpr double kFewest = 1 << 17, kMost = 1 << 19;  // 2 MB
+  return static_cast<std::size_t>(std::clamp((end_s - begin_s) * rate_hz, kFewest, kMost));
 }
 
 /// Where the next track begins, or the recording ends.
@@ -91,7 +102,9 @@ class DropsTimer {
       : input_(input), timed_{input.is_full_band, input.noise.quiet_variance, {}, {}, {}} {
     const bool is_shared = std::any_of(input.tracks.begin(), input.tracks.end(),
                                        [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
-    if (is_shared) shared_ = template_of(input, input.tracks);
+    if (!is_shared) return;
+    audio::WhiteSound white(input.band);
+    shared_ = template_of(input, input.tracks, white);
   }
 
   TimedDrops run() {
@@ -110,7 +123,7 @@ class DropsTimer {
     const double begin_s = input_.candidates[track.impacts.front().candidate].t_s;
     const double last_s = input_.candidates[track.impacts.back().candidate].t_s;
     TrackMemory memory = take_memory();
-    const audio::AudioSource band = resident_around(input_.band, begin_s, last_s, memory);
+    const audio::AudioSource band = resident_around(input_.band, begin_s, last_s, memory.recorded);
     const TimingInput here{band,
                            input_.is_full_band ? band : input_.whole,
                            input_.is_full_band,
@@ -120,11 +133,12 @@ class DropsTimer {
                            input_.gravity_mps2,
                            1,
                            input_.recorded_rms_hz};
+    audio::WhiteSound white(band, memory.white.of_size(n_whitened(begin_s, last_s, band.rate_hz)));
     const std::optional<ImpactTemplate> own =
-        track.impacts.size() >= kOwnTemplate ? template_of(here, {track}) : std::nullopt;
+        track.impacts.size() >= kOwnTemplate ? template_of(here, {track}, white) : std::nullopt;
     const ImpactTemplate* learned = own ? &*own : shared_ ? &*shared_ : nullptr;
     TimedDrop& drop = timed_.drops[k];
-    drop = time_drop(here, track, learned, end_of_track(input_, k));
+    drop = time_drop(here, track, learned, end_of_track(input_, k), white);
     if (learned != nullptr) {
       if (timed_.reference)
         align_to_reference(*timed_.reference, *learned, band, drop);

@@ -14,8 +14,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kWindowsKept = 4;  // of one impact and of the one before and after
-constexpr double kRidge = 1e-6;          // of the diagonal: where two impacts are at one time, they share the amplitude
+constexpr double kRidge = 1e-6;  // of the diagonal: where two impacts are at one time, they share the amplitude
 
 /// The samples that two windows of n samples share, the second one beginning `offset` samples after the first:
 /// sample i of the second is sample i + offset of the first.
@@ -33,11 +32,11 @@ SharedSamples shared_samples(std::int64_t offset, std::int64_t n) {
 
 }  // namespace
 
-Ringing::Ringing(const audio::AudioSource& sound, const ImpactTemplate& learned)
-    : sound_(sound),
-      learned_(learned),
+Ringing::Ringing(audio::WhiteSound& white, const ImpactTemplate& learned)
+    : learned_(learned),
       n_window_(static_cast<std::int64_t>(learned.filter.n_window())),
-      white_(sound, learned.whitener, kWindowsKept * learned.filter.n_window()),
+      rate_hz_(white.source().rate_hz),
+      white_(white),
       fourier_(learned.filter.n_window()) {}
 
 void Ringing::add(double t_s, double amplitude, std::optional<audio::Spectrum> wave) {
@@ -50,7 +49,7 @@ void Ringing::set(std::size_t k, double t_s, double amplitude) {
   impact.amplitude = std::max(0.0, amplitude);
   if (impact.t_s == t_s) return;
   impact.t_s = t_s;
-  impact.first = static_cast<std::int64_t>(std::floor(t_s * sound_.rate_hz - learned_.contact_index));
+  impact.first = static_cast<std::int64_t>(std::floor(t_s * rate_hz_ - learned_.contact_index));
   impact.placed.clear();
 }
 
@@ -58,7 +57,7 @@ void Ringing::remove_last() { impacts_.pop_back(); }
 
 const std::vector<float>& Ringing::placed(Known& impact) {
   if (impact.placed.empty()) {
-    const double shift = impact.t_s * sound_.rate_hz - learned_.contact_index - static_cast<double>(impact.first);
+    const double shift = impact.t_s * rate_hz_ - learned_.contact_index - static_cast<double>(impact.first);
     impact.placed = fourier_.inverse(audio::phase_shifted(impact.wave ? *impact.wave : learned_.filter.spectrum(),  //
                                                           -learned_.filter.omega() * shift));
   }
@@ -73,7 +72,7 @@ std::vector<float> Ringing::window_without(std::int64_t first, std::optional<std
 
 void Ringing::window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& x) {
   x.resize(static_cast<std::size_t>(n_window_));
-  white_.read(first, x);
+  white_.read(learned_.whitener, first, x);
   for (std::size_t k = 0; k < impacts_.size(); ++k) {
     const SharedSamples shared = shared_samples(first - impacts_[k].first, n_window_);
     if (k == except || shared.size == 0) continue;

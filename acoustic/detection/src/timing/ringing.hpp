@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/impact_template.hpp"
 
@@ -17,8 +16,8 @@ namespace bouncelab::detection {
 /// of others.
 class Ringing {
  public:
-  /// @param sound, learned  kept by reference
-  Ringing(const audio::AudioSource& sound, const ImpactTemplate& learned);
+  /// @param white, learned  kept by reference
+  Ringing(audio::WhiteSound& white, const ImpactTemplate& learned);
 
   /// @param wave  spectrum of the impact's sound; none = that of the template
   void add(double t_s, double amplitude, std::optional<audio::Spectrum> wave = std::nullopt);
@@ -50,10 +49,10 @@ class Ringing {
   };
   const std::vector<float>& placed(Known& impact);
 
-  const audio::AudioSource& sound_;
   const ImpactTemplate& learned_;
   std::int64_t n_window_;
-  audio::WhiteSound white_;
+  double rate_hz_;
+  audio::WhiteSound& white_;
   audio::RealFft fourier_;
   std::vector<Known> impacts_;
 };

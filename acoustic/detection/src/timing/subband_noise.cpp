@@ -34,13 +34,14 @@ QuietWindow measure_power(const audio::Spectrum& sound, const MatchedFilter& fil
 
 }  // namespace
 
-double estimate_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
+double estimate_noise(audio::WhiteSound& sound, const std::vector<float>& whitener,
                       const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands) {
   audio::RealFft fourier(filter.n_window());
   std::vector<QuietWindow> windows;
+  std::vector<float> white(filter.n_window());
   for (const std::int64_t begin : begins) {
     const std::int64_t first = begin - static_cast<std::int64_t>(filter.n_window());
-    const std::vector<float> white = audio::read_white(sound, whitener, first, filter.n_window()).sound;
+    sound.read(whitener, first, white);
     windows.push_back(measure_power(fourier.forward(white), filter, subbands));
     windows.back().energy = audio::dot(white, white);
   }

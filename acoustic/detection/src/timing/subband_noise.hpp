@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/subband_delay.hpp"
 
 namespace bouncelab::detection {
@@ -16,7 +16,7 @@ namespace bouncelab::detection {
 /// impact still rings.
 /// @return  sum of squares of such a window, averaged
 /// @param begins  samples at which the windows of impacts begin, not empty
-double estimate_noise(const audio::AudioSource& sound, const std::vector<float>& whitener,
+double estimate_noise(audio::WhiteSound& sound, const std::vector<float>& whitener,
                       const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands);
 
 }  // namespace bouncelab::detection

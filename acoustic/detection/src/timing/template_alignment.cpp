@@ -26,7 +26,7 @@ std::size_t keep_lower_half(audio::Spectrum& spectrum) {
 }  // namespace
 
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
-  cut_window(e.sound, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
+  cut_window(e.white, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
 }
 
 void set_template(TemplateEstimation& e, TemplateAverage average) {
@@ -39,7 +39,7 @@ void set_template(TemplateEstimation& e, TemplateAverage average) {
 void average(TemplateEstimation& e) { set_template(e, average_of(e.training, e.window, e.fourier)); }
 
 void align(TemplateEstimation& e, bool search) {
-  const double reach = kRoughTimeError_s * e.sound.rate_hz;
+  const double reach = kRoughTimeError_s * e.white.source().rate_hz;
   for (TrainingImpact& impact : e.training) {
     if (!(e.learned.filter.energy() > 0.0)) {
       impact.correlation = 0.0;

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/impact_template.hpp"
 #include "timing/template_training.hpp"
 
@@ -14,7 +14,7 @@ namespace bouncelab::detection {
 
 /// What the steps of the estimation of a template pass on.
 struct TemplateEstimation {
-  const audio::AudioSource& sound;
+  audio::WhiteSound& white;
   TemplateWindow window;
   audio::RealFft fourier;
   std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates

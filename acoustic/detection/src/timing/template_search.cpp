@@ -25,7 +25,8 @@ struct TemplateSearch {
 /// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
 std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
   constexpr double kShareOfEnergy = 0.2;
-  const std::vector<float> x = audio::read_white(e.sound, e.learned.whitener, first, e.window.n_window).sound;
+  std::vector<float> x(e.window.n_window);
+  e.white.read(e.learned.whitener, first, x);
   const double enough = kShareOfEnergy * audio::dot(x, x);
   double sum = 0.0;
   std::size_t n = 0;

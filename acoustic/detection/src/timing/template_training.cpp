@@ -124,10 +124,12 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
   return chosen;
 }
 
-void cut_window(const audio::AudioSource& sound, const std::vector<float>& whitener, std::int64_t first,
+void cut_window(audio::WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first,
                 audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact) {
-  impact.window = audio::read_white(sound, whitener, first, n_window);
-  impact.spectrum = fourier.forward(impact.window.sound);
+  impact.window.first = first;
+  impact.window.sound.resize(n_window);
+  sound.read(whitener, first, impact.window.sound);
+  fourier.forward(impact.window.sound, impact.spectrum);
   impact.total = audio::dot(impact.window.sound, impact.window.sound);
 }
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
 #include "candidates/candidates.hpp"
@@ -47,7 +46,7 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
                                                  const std::vector<bool>& clipped);
 
 /// Reads the whitened window that begins at a sample.
-void cut_window(const audio::AudioSource& sound, const std::vector<float>& whitener, std::int64_t first,
+void cut_window(audio::WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first,
                 audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact);
 
 /// Mean of the training impacts.

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
 #include "timing/impact_template.hpp"
 #include "timing/impact_timer.hpp"
 #include "timing/timed_impact.hpp"
@@ -12,7 +12,7 @@ namespace bouncelab::detection {
 
 /// What one search needs: the sound and the template with the impacts known so far.
 struct Search {
-  const audio::AudioSource& sound;
+  audio::WhiteSound& white;
   const ImpactTemplate& learned;
   ImpactTimer timer;
   double template_s = 0.0;  ///< duration of the template

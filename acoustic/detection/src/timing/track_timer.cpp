@@ -36,7 +36,7 @@ bool is_among(const ImpactFit& fit, double t_s, double same_s) {
 ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double reach_s,
                           double most_before_s, double most_after_s, double until_s) {
   const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
-  const double same_s = 1.0 / search.sound.rate_hz;
+  const double same_s = 1.0 / search.white.source().rate_hz;
   // what is less likely than that adds no place (merged_fit.hpp)
   const auto least = [](const ImpactFit& fit) {
     return fit.log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance;
@@ -127,7 +127,7 @@ void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, 
 /// later.
 std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<TimedImpact>& track) {
   const std::vector<HypothesisProbabilities> posterior = delay_posterior(track);
-  ImpactTimer timer(search.sound, search.learned);
+  ImpactTimer timer(search.white, search.learned);
   std::vector<TimedImpact> resolved = track;
   for (std::size_t k = 0; k < track.size(); ++k) {
     TimedImpact& impact = resolved[k];
@@ -195,10 +195,11 @@ void end_where_improbable(std::vector<TimedImpact>& track) {
 
 }  // namespace
 
-std::vector<TimedImpact> time_track(const audio::AudioSource& sound, const ImpactTemplate& learned,
-                                    const Track& tracked, const std::vector<Candidate>& candidates, double end_s) {
+std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
+                                    const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
-      {sound, learned, ImpactTimer(sound, learned), static_cast<double>(learned.n_template) / sound.rate_hz}, {}};
+      {white, learned, ImpactTimer(white, learned), static_cast<double>(learned.n_template) / white.source().rate_hz},
+      {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
     const TrackImpact& here = tracked.impacts[k];
     const Candidate& c = candidates[here.candidate];

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,22 +20,32 @@ struct WhiteWindow {
 WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
                        std::size_t n);
 
-/// A recording whitened as by read_white(), the same bytes, of which what was read last is kept: windows that overlap
-/// cost little more than one.
+/// A recording whitened as by read_white(), the same bytes, of which what was read last is kept: windows that overlap,
+/// or are read again, cost little more than one.
 class WhiteSound {
  public:
-  /// @param source   kept by reference
-  /// @param n_kept   samples, at least; a window that is read must be no longer
-  WhiteSound(const AudioSource& source, const std::vector<float>& whitener, std::size_t n_kept);
-  void read(std::int64_t first, std::span<float> out);
+  /// Keeps 2^17 samples, the longest window that can be read.
+  /// @param source  kept by reference
+  explicit WhiteSound(const AudioSource& source);
+  /// @param source  kept by reference
+  /// @param memory  for what is kept, 512 samples more than the longest window at least; it may hold anything
+  WhiteSound(const AudioSource& source, std::span<float> memory);
+  const AudioSource& source() const { return source_; }
+  /// Another whitener than the last one leaves nothing of what was kept.
+  void read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out);
 
  private:
+  /// Where in the memory a block is, in blocks; a block that has the same remainder may be there instead.
+  std::int32_t& place(std::int64_t block);
+  bool is_there(std::int64_t block);
   void make_blocks(std::int64_t first, std::int64_t last);
 
   const AudioSource& source_;
   ArModel model_;
-  std::vector<float> kept_;            ///< blocks; each has the place of its number modulo how many are kept
-  std::vector<std::int64_t> numbers_;  ///< of the blocks that are there
+  std::unique_ptr<float[]> own_;
+  std::span<float> memory_;            ///< blocks, as they were first read; all are dropped where it is full
+  std::vector<std::int64_t> numbers_;  ///< of the blocks there
+  std::vector<std::int32_t> places_;   ///< of a block at its number modulo how many there are
 };
 
 }  // namespace bouncelab::audio
