@@ -251,14 +251,16 @@ std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, 
 }
 
 std::optional<std::vector<PossiblePlace>> ImpactTimer::places_between(double from_s, double to_s, double until_s,
-                                                                      double least) {
+                                                                      double least, const ImpactFit& beside,
+                                                                      double apart_s) {
   const std::int64_t first = samples(from_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t n_lags = std::max<std::int64_t>(0, samples(to_s - from_s, sound_)) + 1;
   const std::int64_t n_samples = n_lags + static_cast<std::int64_t>(learned_.n_template);
   if (first + n_samples > samples(until_s, sound_) || is_clipped(first, static_cast<std::size_t>(n_samples)))
     return std::nullopt;
   if (!places_) places_.emplace(learned_);
-  return places_->find(known_, sound_.rate_hz, first, n_lags, least);
+  return places_->find(known_, sound_.rate_hz, first, n_lags, least,
+                       {beside.log_likelihood_ratio, apart_s * sound_.rate_hz});
 }
 
 ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {

@@ -38,7 +38,10 @@ class ImpactTimer {
   std::optional<ImpactFit> time_if_over(double log_likelihood_ratio, double t_s, double reach_s, double until_s);
   /// The places between two times where the log likelihood ratio may be above `least`, by one correlation; absent where
   /// it does not tell: where the sound reaches the next impact or is clipped.
-  std::optional<std::vector<PossiblePlace>> places_between(double from_s, double to_s, double until_s, double least);
+  /// @param beside   the best fit of the impact, timed between the two
+  /// @param apart_s  of the places from it, at least
+  std::optional<std::vector<PossiblePlace>> places_between(double from_s, double to_s, double until_s, double least,
+                                                           const ImpactFit& beside, double apart_s);
   /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
   void subtract_from_later(const ImpactFit& impact);
   /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.

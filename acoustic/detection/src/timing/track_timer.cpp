@@ -49,7 +49,8 @@ ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& n
     if (here->t_s >= from_s) far = merged(far, *here, same_s);
   };
   const double step_s = search_step_s(search);
-  if (const auto places = search.timer.places_between(from_s, to_s, until_s, least(near))) {
+  if (const auto places =
+          search.timer.places_between(from_s, to_s, until_s, least(near), near, reach_s - std::abs(near.t_s - c.t_s))) {
     for (const PossiblePlace& place : *places)
       if (std::abs(place.t_s - c.t_s) > reach_s && place.most_log_likelihood_ratio > least(far) &&
           !is_among(far, place.t_s, same_s))
