@@ -32,7 +32,8 @@ TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsOfAnotherSource) {
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::vector<bool> clipped(impacts.size(), false);
-  const auto learned = estimate_template(sound, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
+  audio::WhiteSound white(sound);
+  const auto learned = estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
   ASSERT_TRUE(learned);
   EXPECT_EQ(learned->n_impacts, kImpacts);
   EXPECT_GT(learned->correlation, 0.9);
@@ -53,7 +54,8 @@ std::optional<ImpactTemplate> template_of_one_ball(std::int64_t later_samples, d
   const audio::ArModel noise = audio::learn_ar_models(audio::source_in_memory(samples, kRate_hz), 48).noise;
   samples.insert(samples.begin(), static_cast<std::size_t>(later_samples), 0.0F);
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  return estimate_template(sound, noise, impacts, std::vector<bool>(impacts.size(), false));
+  audio::WhiteSound white(sound);
+  return estimate_template(white, noise, impacts, std::vector<bool>(impacts.size(), false));
 }
 
 TEST(ImpactTemplate, MovesWithTheSoundAndDoesNotDependOnItsGain) {

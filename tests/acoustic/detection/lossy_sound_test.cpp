@@ -147,7 +147,8 @@ TEST(LossySound, LeavesOutHighFrequenciesWithPhasesOfTheirOwn) {
   }
   const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
   const std::vector<bool> clipped(impacts.size(), false);
-  const auto learned = estimate_template(sound, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
+  audio::WhiteSound white(sound);
+  const auto learned = estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
   ASSERT_TRUE(learned);
   EXPECT_EQ(learned->n_impacts, 30);
   EXPECT_LT(share_above(*learned, 14e3), 0.01);

@@ -90,7 +90,9 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
       impact.fit.amplitude = 0.5 * amplitude;
       impacts.push_back(impact);
     }
-    separate_overlaps(audio::source_in_memory(sound, kRate_hz), impact_template, law, 1.0, impacts);
+    const audio::AudioSource source = audio::source_in_memory(sound, kRate_hz);
+    audio::WhiteSound white(source);
+    separate_overlaps(white, impact_template, law, 1.0, impacts);
     for (int k = 0; k < kImpacts; ++k) {
       // the bound of the template as it is; with fewer high frequencies the bound is larger
       const double bound_s = 1.0 / amplitude / std::sqrt(impact_template.filter.information(0, kWindow / 2)) / kRate_hz;
@@ -125,7 +127,9 @@ TEST(OverlapSeparation, ImpactsThatRingAloneStayWhereTheyAre) {
   TimedImpact impact;
   impact.fit.t_s = 0.02;
   std::vector<TimedImpact> impacts = {impact};
-  separate_overlaps(audio::source_in_memory(sound, kRate_hz), learned(), std::nullopt, 1.0, impacts);
+  const audio::AudioSource source = audio::source_in_memory(sound, kRate_hz);
+  audio::WhiteSound white(source);
+  separate_overlaps(white, learned(), std::nullopt, 1.0, impacts);
   EXPECT_EQ(impacts[0].fit.t_s, 0.02);
 }
 

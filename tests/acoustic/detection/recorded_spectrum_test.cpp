@@ -31,7 +31,8 @@ std::optional<ImpactTemplate> template_of_mode(double hum, double gain = 1.0) {
     impacts.push_back({t_s, 200.0, 0.4e-3, 50.0});
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  return estimate_template(sound, audio::learn_ar_models(sound, 48).noise, impacts,
+  audio::WhiteSound white(sound);
+  return estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts,
                            std::vector<bool>(impacts.size(), false));
 }
 

@@ -96,17 +96,23 @@ TEST(Products, CorrelateGivesTheSameBytesWhereverAnOutputStands) {
 }
 
 TEST(WhiteSound, GivesTheSameBytesAsAWindowReadAlone) {
-  // windows that overlap, jump back, and reach beyond both ends
-  const std::vector<float> x = noise(5000, 3);
+  // windows that overlap, jump back, and reach beyond both ends, by two whiteners in turn; more than the memory holds,
+  // and numbers of blocks that share a place
+  const std::vector<float> x = noise(20000, 3);
   const audio::AudioSource sound = audio::source_in_memory(x, 48e3);
-  const std::vector<float> whitener = noise(20, 4);
+  const std::vector<std::vector<float>> whiteners = {noise(20, 4), noise(20, 5)};
   constexpr std::size_t kLength = 700;
-  audio::WhiteSound white(sound, whitener, kLength);
-  for (const std::int64_t first : {0, 100, 90, 800, -300, -701, 4000, 4500, 5100, 4400, 1, 2000}) {
-    std::vector<float> window(kLength);
-    white.read(first, window);
-    EXPECT_EQ(window, audio::read_white(sound, whitener, first, kLength).sound) << first;
-  }
+  std::vector<float> memory(kLength + 512);
+  audio::WhiteSound small(sound, memory), large(sound);
+  for (const std::vector<float>& whitener : {whiteners[0], whiteners[1], whiteners[0]})
+    for (const std::int64_t first : {0, 100, 90, 800, -300, -701, 4000, 4500, 5100, 9220, 4096, 8192, 19900, 1, 2000}) {
+      const std::vector<float> alone = audio::read_white(sound, whitener, first, kLength).sound;
+      std::vector<float> window(kLength);
+      small.read(whitener, first, window);
+      EXPECT_EQ(window, alone) << first;
+      large.read(whitener, first, window);
+      EXPECT_EQ(window, alone) << first;
+    }
 }
 
 TEST(RealFft, KeepsSumsOfProducts) {

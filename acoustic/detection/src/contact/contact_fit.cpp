@@ -81,12 +81,14 @@ PooledEstimate pool_bands(const BandEstimates& bands) {
 
 /// Of normal levels, by band.
 std::vector<double> log_likelihood(const LevelModel& model) {
-  std::vector<double> by_band;
+  std::vector<double> by_band, log_variance(model.n_impacts());
   for (std::size_t m = 0; m < model.n_bands(); ++m) {
     if (!model.is_active[m]) continue;
+    for (std::size_t k = 0; k < model.n_impacts(); ++k) log_variance[k] = model.variance(k, m);
+    log_each(log_variance);
     double sum = 0.0;
     for (std::size_t k = 0; k < model.n_impacts(); ++k)
-      sum -= 0.5 * (log(model.variance(k, m)) + std::min(square(model.residual[k][m]) / model.variance(k, m), 9.0));
+      sum -= 0.5 * (log_variance[k] + std::min(square(model.residual[k][m]) / model.variance(k, m), 9.0));
     by_band.push_back(sum);
   }
   return by_band;

@@ -224,6 +224,8 @@ std::vector<HypothesisProbabilities> chain_posterior(const TimedImpacts& track,
 }
 
 std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) {
+  if (std::all_of(track.begin(), track.end(), [](const TimedImpact& impact) { return n_hypotheses(impact) == 1; }))
+    return std::vector<HypothesisProbabilities>(track.size(), {1.0});
   std::vector<double> t_s;
   for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
   RisePrior prior;

@@ -24,9 +24,9 @@ MatchedFilter in_longer_window(const ImpactTemplate& learned, std::int64_t begin
 /// template's correlation with itself there, squared.
 double share_at_quarter(const MatchedFilter& filter) {
   constexpr double kFarthest = 0.25;  // samples
+  const audio::Spectrum phasor = audio::phase_ramp(filter.n_filled(), kFarthest * filter.omega());
   double sum = 0.0;
-  for (std::size_t k = 0; k < filter.n_filled(); ++k)
-    sum += filter.energy(k, k + 1) * cos(kFarthest * filter.omega() * static_cast<double>(k));
+  for (std::size_t k = 0; k < filter.n_filled(); ++k) sum += filter.energy(k, k + 1) * phasor.re[k];
   return square(sum / (filter.energy() + 1e-30));
 }
 

@@ -162,7 +162,7 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
   return subbands;
 }
 
-SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& noise_variance) {
+SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance) {
   const std::size_t n = subbands.n();
   SubbandMean m;
   double weights = 0.0;
@@ -199,8 +199,6 @@ DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subban
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;
-  r.deviation.resize(n);
-  r.noise_variance.resize(n);
   for (int step = 0; step < kMaxSteps; ++step) {
     const Sums sums = products.sums_at(subbands, r.shift);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
@@ -221,7 +219,7 @@ DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subban
     }
     mean /= weights;
     const double move = std::clamp(mean, -kMaxStep, kMaxStep);
-    for (double& d : r.deviation) d -= move;
+    for (std::size_t j = 0; j < n; ++j) r.deviation[j] -= move;
     r.shift += move;
     if (std::abs(move) < kDelayTolerance) break;
   }

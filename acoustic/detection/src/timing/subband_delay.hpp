@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
@@ -79,16 +80,16 @@ struct SubbandMean {
 
 /// Noise is independent from sub-band to sub-band; jitter is correlated like rho^|j - k|.
 /// @param noise_variance  of each sub-band's delay [samples^2], positive
-SubbandMean subband_mean(const Subbands& subbands, const std::vector<double>& noise_variance);
+SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance);
 
 /// Delay and amplitude of one impact.
 struct DelayEstimate {
-  double shift = 0.0;                  ///< of the template within the window [samples]
-  double amplitude = 0.0;              ///< in units of the template
-  double log_likelihood_ratio = 0.0;   ///< against no impact, noise variance 1
-  double variance = 0.0;               ///< of the shift [samples^2]
-  std::vector<double> deviation;       ///< each sub-band's delay minus `shift` [samples]
-  std::vector<double> noise_variance;  ///< of each sub-band's delay, without jitter [samples^2]
+  double shift = 0.0;                                 ///< of the template within the window [samples]
+  double amplitude = 0.0;                             ///< in units of the template
+  double log_likelihood_ratio = 0.0;                  ///< against no impact, noise variance 1
+  double variance = 0.0;                              ///< of the shift [samples^2]
+  std::array<double, kMaxSubbands> deviation{};       ///< each sub-band's delay minus `shift` [samples]
+  std::array<double, kMaxSubbands> noise_variance{};  ///< of each sub-band's delay, without jitter [samples^2]
 };
 
 /// Weighted mean of the sub-bands' delays, by Gauss-Newton steps from a start within half a cycle:

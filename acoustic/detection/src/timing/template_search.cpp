@@ -48,8 +48,9 @@ void start_from(TemplateEstimation& e, std::size_t start, const TemplateSearch& 
   e.learned.subbands = {};
   e.only_lower_half = search.lower_half_first;
   set_template(e, first_template(e.training[start], e.window, e.fourier));
-  align_and_average(e, kAlignmentRounds, kAlignmentRounds);
-  if (!e.only_lower_half) return;
+  if (!e.only_lower_half) return align_and_average(e, kAlignmentRounds, kAlignmentRounds);
+  align_and_average(e, kAlignmentRounds - 1, kAlignmentRounds - 1);
+  align(e, true);
   e.only_lower_half = false;
   e.learned.subbands = {};
   average(e);

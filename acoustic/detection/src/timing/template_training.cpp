@@ -140,11 +140,13 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
   double weights[2] = {0.0, 0.0};
   std::vector<double> power(none.size(), 0.0);  // of the impacts themselves
   std::size_t n_averaged = 0;
+  audio::Spectrum moved{none, none};
   for (const TrainingImpact& impact : training) {
     if (!impact.is_averaged()) continue;
     const double a = impact.estimate.amplitude;
     const std::size_t half = n_averaged++ % 2;
-    audio::add_scaled(sums[half], audio::phase_shifted(impact.spectrum, omega_of(window) * impact.position), a);
+    audio::phase_shift(impact.spectrum, omega_of(window) * impact.position, moved);
+    audio::add_scaled(sums[half], moved, a);
     weights[half] += a * a;
     add_power(impact.spectrum.re.data(), impact.spectrum.im.data(), power.data(), power.size());
   }
