@@ -127,6 +127,24 @@ TEST(ImpactTimer, FindsNoPlaceBesideAnImpactOnlyWhereTheSoundHasNoEnergyForOne) 
   EXPECT_GE(n_left_out, 2);  // at nine tenths, where there is nothing or next to nothing
 }
 
+TEST(ImpactTimer, FindsAPlaceBehindAnImpactThatIsNotInTheStretch) {
+  std::vector<float> samples = recording();
+  std::vector<float> again(samples.size(), 0.0F);
+  add_impact(again, time_of(10) + 17e-3);
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += 0.8F * again[k];
+  const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
+  const std::optional<ImpactTemplate> learned = template_of(sound);
+  ASSERT_TRUE(learned);
+  audio::WhiteSound white(sound);
+  ImpactTimer timer(white, *learned);
+  const ImpactFit first = timer.time(time_of(10), 1e-4, time_of(11));
+  // the second has 0.64 of its log likelihood ratio
+  const auto behind = timer.places_between(time_of(10) + 3e-3, time_of(10) + 21e-3, time_of(11),
+                                           0.5 * first.log_likelihood_ratio, first, 3e-3);
+  ASSERT_TRUE(behind);
+  EXPECT_FALSE(behind->empty());
+}
+
 TEST(ImpactTimer, DoesNotTellThePlacesOfSoundThatReachesTheNextImpact) {
   const std::vector<float> samples = recording();
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);

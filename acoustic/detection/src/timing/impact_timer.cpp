@@ -259,8 +259,10 @@ std::optional<std::vector<PossiblePlace>> ImpactTimer::places_between(double fro
   if (first + n_samples > samples(until_s, sound_) || is_clipped(first, static_cast<std::size_t>(n_samples)))
     return std::nullopt;
   if (!places_) places_.emplace(learned_);
+  // one that is not in the stretch as a whole explains nothing of it
+  const bool is_in_stretch = from_s <= beside.t_s && beside.t_s <= to_s;
   return places_->find(known_, sound_.rate_hz, first, n_lags, least,
-                       {beside.log_likelihood_ratio, apart_s * sound_.rate_hz});
+                       {is_in_stretch ? beside.log_likelihood_ratio : 0.0, apart_s * sound_.rate_hz});
 }
 
 ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {

@@ -38,7 +38,7 @@ class ImpactTimer {
   std::optional<ImpactFit> time_if_over(double log_likelihood_ratio, double t_s, double reach_s, double until_s);
   /// The places between two times where the log likelihood ratio may be above `least`, by one correlation; absent where
   /// it does not tell: where the sound reaches the next impact or is clipped.
-  /// @param beside   the best fit of the impact, timed between the two
+  /// @param beside   the best fit of the impact
   /// @param apart_s  of the places from it, at least
   std::optional<std::vector<PossiblePlace>> places_between(double from_s, double to_s, double until_s, double least,
                                                            const ImpactFit& beside, double apart_s);
