@@ -143,6 +143,13 @@ TEST(ImpactTimer, FindsAPlaceBehindAnImpactThatIsNotInTheStretch) {
                                            0.5 * first.log_likelihood_ratio, first, 3e-3);
   ASSERT_TRUE(behind);
   EXPECT_FALSE(behind->empty());
+  // were it in the stretch, what it explains of its energy would leave too little for the second
+  ImpactFit within = first;
+  within.t_s = time_of(10) + 4e-3;
+  const auto none = timer.places_between(time_of(10) + 3e-3, time_of(10) + 21e-3, time_of(11),
+                                         0.5 * first.log_likelihood_ratio, within, 3e-3);
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->empty());
 }
 
 TEST(ImpactTimer, DoesNotTellThePlacesOfSoundThatReachesTheNextImpact) {
