@@ -70,8 +70,9 @@ void correlate_in_doubles(const float* x, const float* taps, std::size_t n_taps,
 #endif
 
 #ifdef BOUNCELAB_HAS_FMA_VARIANT
-constexpr std::size_t kMostTaps = 7;                    // that have registers beside the samples that they need
-constexpr std::size_t kStretch = std::size_t{1} << 10;  // outputs: these and their samples stay in the nearest cache
+constexpr std::size_t kMostTaps = 7;  // that have registers beside the samples that they need
+constexpr std::size_t kOutputsInCache = std::size_t{1}
+                                        << 10;  // outputs: these and their samples stay in the nearest cache
 
 /// Adds n_taps taps, each kStride after the one before, to n outputs, a multiple of kOutputs. Two outputs a turn, each
 /// of eight, with the registers of samples in a ring: the next turn needs all but two of them again.
@@ -112,13 +113,13 @@ constexpr std::array<AddTaps, kMostTaps> add_taps_of(std::index_sequence<n_less_
 void correlate_by_256_bits(const float* x, const float* taps, std::size_t n_taps, float* out, std::size_t n) {
   static constexpr auto kSet = add_taps_of<true>(std::make_index_sequence<kMostTaps>());
   static constexpr auto kAdd = add_taps_of<false>(std::make_index_sequence<kMostTaps>());
-  for (std::size_t at = 0; at < n; at += kStretch)
+  for (std::size_t at = 0; at < n; at += kOutputsInCache)
     for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first) {
       std::size_t n_left = (n_taps - first + kStride - 1) / kStride;
       for (std::size_t k = first; n_left > 0;) {
         const std::size_t n_parts = (n_left + kMostTaps - 1) / kMostTaps;
         const std::size_t n_here = (n_left + n_parts - 1) / n_parts;  // parts of equal size, as far as that goes
-        (k == 0 ? kSet : kAdd)[n_here - 1](x + at + k, taps + k, out + at, std::min(kStretch, n - at));
+        (k == 0 ? kSet : kAdd)[n_here - 1](x + at + k, taps + k, out + at, std::min(kOutputsInCache, n - at));
         k += n_here * kStride;
         n_left -= n_here;
       }

@@ -168,10 +168,10 @@ void read_innovations(const AudioSource& source, const ArModel& model, std::int6
 }
 
 double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
-  std::complex<double> response = 0.0;
-  const double phase = -2.0 * std::numbers::pi * frequency_hz / rate_hz;
-  for (std::size_t k = 0; k < model.filter.size(); ++k)
-    response += static_cast<double>(model.filter[k]) * polar(1.0, phase * static_cast<double>(k));
+  const std::complex<double> delay = polar(1.0, -2.0 * std::numbers::pi * frequency_hz / rate_hz);
+  std::complex<double> response = 0.0;  // by Horner's scheme
+  for (auto tap = model.filter.rbegin(); tap != model.filter.rend(); ++tap)
+    response = response * delay + static_cast<double>(*tap);
   return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
 }
 
