@@ -140,7 +140,7 @@ void print_fftw() {
 
 /// The system sets a page to zero when it is first written to: memory of which pieces of any size are taken anew.
 void print_new_pages() {
-  constexpr std::size_t kBytes = std::size_t{16} << 20, kPage = 4096;
+  constexpr std::size_t kPage = 4096, kPages = 4096, kBytes = kPage * kPages;
   const double seconds = least_s(
       [&] {
         void* memory = ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -149,7 +149,7 @@ void print_new_pages() {
         ::munmap(memory, kBytes);
       },
       10);
-  print_line("machine", "one core", "a page of memory, first written to", seconds / (kBytes / kPage), "s");
+  print_line("machine", "one core", "a page of memory, first written to", seconds / kPages, "s");
 }
 
 void print_checksum() {
