@@ -112,7 +112,7 @@ void print_products() {
 }
 
 void print_filter() {
-  for (const std::size_t n_taps : {34, 66}) {
+  for (const std::size_t n_taps : {34, 50}) {
     const Floats taps = noise<float>(n_taps), x = noise<float>(8192 + n_taps);
     Floats out(8192);
     char name[40];

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// machine_bench: what one core of this machine can do at most, as the roofline of docs/performance.md takes it: bytes
-/// copied in memory, the latency of a byte that is in no cache, multiplications and additions a second, FFTW's Fourier
-/// transforms, bytes read from a file that is in memory.
+/// copied in memory, the latency of a byte that is in no cache, the first byte written to a page, multiplications and
+/// additions a second, FFTW's Fourier transforms, bytes read from a file that is in memory, and their checksum.
 #include <fcntl.h>
 #include <fftw3.h>
+#include <nettle/sha2.h>
+#include <sys/mman.h>
 #include <unistd.h>
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -28,13 +30,15 @@ using bouncelab::bench::print_line;
 volatile double sink;  // what is not used is not computed
 
 // Ten independent chains of fused multiplications and additions: more than latency times units of today's processors.
+// They begin at different values, or the compiler takes equal ones for one.
 constexpr int kChains = 10, kSteps = 20000;
 
 #if defined(__x86_64__)
 #define BOUNCELAB_FMA_CHAINS(name, isa, Vector, Number, set1, fmadd, storeu)                \
   [[gnu::target(isa), gnu::noinline]] double name() {                                       \
     const Vector a = set1(Number(0.999)), b = set1(Number(1e-3));                           \
-    Vector x0 = b, x1 = b, x2 = b, x3 = b, x4 = b, x5 = b, x6 = b, x7 = b, x8 = b, x9 = b;  \
+    Vector x0 = set1(0), x1 = set1(1), x2 = set1(2), x3 = set1(3), x4 = set1(4);            \
+    Vector x5 = set1(5), x6 = set1(6), x7 = set1(7), x8 = set1(8), x9 = set1(9);            \
     for (int k = 0; k < kSteps; ++k) {                                                      \
       x0 = fmadd(x0, a, b), x1 = fmadd(x1, a, b), x2 = fmadd(x2, a, b);                     \
       x3 = fmadd(x3, a, b), x4 = fmadd(x4, a, b), x5 = fmadd(x5, a, b);                     \
@@ -55,7 +59,8 @@ BOUNCELAB_FMA_CHAINS(doubles_256, "avx2,fma", __m256d, double, _mm256_set1_pd, _
 /// Without vectors, for processors that the above does not know.
 template <class Number>
 [[gnu::noinline]] double plain_chains() {
-  Number x[kChains] = {};
+  Number x[kChains];
+  std::iota(std::begin(x), std::end(x), Number(0));
   for (int k = 0; k < kSteps; ++k)
     for (Number& value : x) value = value * Number(0.999) + Number(1e-3);
   return static_cast<double>(std::accumulate(std::begin(x), std::end(x), Number(0)));
@@ -133,6 +138,29 @@ void print_fftw() {
   }
 }
 
+/// The system sets a page to zero when it is first written to: memory of which pieces of any size are taken anew.
+void print_new_pages() {
+  constexpr std::size_t kPage = 4096, kPages = 4096, kBytes = kPage * kPages;
+  const double seconds = least_s(
+      [&] {
+        void* memory = ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (memory == MAP_FAILED) return;
+        for (std::size_t at = 0; at < kBytes; at += kPage) static_cast<volatile char*>(memory)[at] = 1;
+        ::munmap(memory, kBytes);
+      },
+      10);
+  print_line("machine", "one core", "a page of memory, first written to", seconds / kPages, "s");
+}
+
+void print_checksum() {
+  const std::vector<std::uint8_t> bytes(std::size_t{1} << 18, 1);
+  sha256_ctx state;
+  sha256_init(&state);
+  const double seconds = least_s([&] { sha256_update(&state, bytes.size(), bytes.data()); });
+  print_line("machine", "one core", "SHA-256 of bytes in the cache", static_cast<double>(bytes.size()) / seconds,
+             "B/s");
+}
+
 void print_reading() {
   constexpr std::size_t kBytes = std::size_t{64} << 20, kAtOnce = std::size_t{1} << 18;
   const auto path = std::filesystem::temp_directory_path() / ("machine_bench_" + std::to_string(::getpid()));
@@ -160,5 +188,7 @@ int main() {
   print_fftw();
   print_bandwidth();
   for (const std::size_t n_mib : {8, 64, 256}) print_latency(n_mib);
+  print_new_pages();
   print_reading();
+  print_checksum();
 }

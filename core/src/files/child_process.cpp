@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -317,5 +318,13 @@ SharedMemory::SharedMemory(std::size_t n_bytes) {
 SharedMemory::~SharedMemory() { munmap(bytes_.data(), bytes_.size()); }
 
 void SharedMemory::discard() { madvise(bytes_.data(), bytes_.size(), MADV_REMOVE); }
+
+void SharedMemory::populate(std::size_t n_bytes) {
+#ifdef MADV_POPULATE_WRITE
+  madvise(bytes_.data(), std::min(n_bytes, bytes_.size()), MADV_POPULATE_WRITE);
+#else
+  static_cast<void>(n_bytes);
+#endif
+}
 
 }  // namespace bouncelab

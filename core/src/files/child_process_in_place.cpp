@@ -54,5 +54,6 @@ SharedMemory::SharedMemory(std::size_t n_bytes) {
 SharedMemory::~SharedMemory() { std::free(bytes_.data()); }
 
 void SharedMemory::discard() {}
+void SharedMemory::populate(std::size_t) {}
 
 }  // namespace bouncelab

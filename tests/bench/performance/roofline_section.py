@@ -41,7 +41,7 @@ def roofline(measured):
     return """## What the machine could do (roofline)
 
 One core of this machine, measured in the same run: memory by `memcpy` of 256 MiB (bytes read and written both count) and by following random addresses in 8, 64 and 256 MiB (*latency*); arithmetic by ten independent chains of fused multiplications and additions in registers, the widest that the processor has (two operations each);
-FFTW planned by estimate; a file of 64 MiB that is in memory, read.
+FFTW planned by estimate; the first byte written to each page of 4 KiB, which the system sets to zero then; a file of 64 MiB that is in memory, read; SHA-256 by Nettle, which takes the processor's instructions for it.
 
 """ + table(("limit", "one core"), machine) + """
 Each stage against those limits. *Bytes* and *FLOP* are what the stage cannot do without, counted by hand as stated below, for one sample of sound or one impact. *Limit* is the time that they need at the machine's rates, the largest of memory and arithmetic (transforms at FFTW's rate, the rest at the peak); *how far* is the measured time over it.

@@ -48,13 +48,24 @@ def contact_search(measured, name, ball, n_mib):
                  "Operations: eight asperities twice at 20, and 80 for the turning of the ball", doubles=True, other="latency", other_s=smooth_s + 3 * latency_s if known else 0.0)
 
 
+def detection(measured, rate_hz, bits):
+    """Whole commands: what the steps of one core need, one after the other, but for the timing of impacts."""
+    get = measured.get
+    sound_s, cost_s = (get("detect", f"drops, {rate_hz} Hz", what) for what in ("sound", "bouncelab"))
+    n_bytes, flop = bits // 8, 98
+    steps_s = (over(n_bytes, get("machine", "one core", "file in memory, read")), over(n_bytes, get("machine", "one core", "SHA-256 of bytes in the cache")),
+               over(flop, get("machine", "one core", "multiplications and additions, float")))
+    return Stage(f"detection, the whole command at {rate_hz / 1000:g} kHz", "sample", over(cost_s, sound_s * rate_hz if sound_s else None), n_bytes, flop,
+                 "read once, its SHA-256 (each block of 64 bytes waits for the one before), innovations as above, one after the other on one core; "
+                 "the start of the program and the timing of eight impacts a second are on top and not counted", other="checksum, file, arithmetic",
+                 other_s=sum(steps_s) if None not in steps_s else 0.0)
+
+
 def stages(measured):
     get = measured.get
     per_sample = lambda what: over(get("synthesize", "96000 Hz", what), 96000)
     transforms = transforms_of(RINGING, 1) / (RINGING / 2)
     file_rate = get("machine", "one core", "file in memory, read")
-    drops_s = get("detect", "drops, 44100 Hz", "sound")
-    detect_s = get("detect", "drops, 44100 Hz", "bouncelab")
     return [
         Stage("noise generation", "sample", per_sample("noise alone"), 8, 38,
               "Philox: 10 rounds of 6 integer operations make 4 samples; 46 for the logarithm, root, sine and cosine of two. Written once as a double"),
@@ -66,8 +77,8 @@ def stages(measured):
               "linear prediction of order 48: 96; the square and the sum: 2. Read once as a float"),
         Stage(f"Fourier transform of {TRANSFORM:,}", "sample", over(get("kernels", f"RealFft::forward, {TRANSFORM}", "bouncelab"), TRANSFORM), 8,
               transforms_of(TRANSFORM, 1) / TRANSFORM, "2.5 n log₂ n, as FFTW's authors count; read and written once as floats", fft_flop=transforms_of(TRANSFORM, 1) / TRANSFORM),
-        Stage("detection, the whole command at 44.1 kHz", "sample", over(detect_s, drops_s * 44100 if drops_s else None), 6, 99,
-              "reading and innovations as above; the start of the program and the timing of eight impacts a second are on top and not counted"),
+        detection(measured, 44100, 16),
+        detection(measured, 96000, 24),
         Stage("timing of an impact", "impact", timing_s(measured), 16384, transforms_of(2048, 2) + 6 * 1025,
               "the whole command less its start and less noise of the same length, over the impacts. One matched filter: a transform of 2,048 samples forth and back and a complex product; "
               "the method needs tens of them, for the template, the alignment and the sub-bands", fft_flop=transforms_of(2048, 2)),

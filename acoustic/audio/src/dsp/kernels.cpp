@@ -9,14 +9,9 @@
 
 #include "bouncelab/core/vector_clones.hpp"
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#include <immintrin.h>
-#define BOUNCELAB_HAS_FMA_VARIANT
-#endif
-
 // What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the
 // loop one would write, compiled alike: dot 12 (floats) and 4 (doubles), sum and moment 7, largest 7, add_scaled 3,
-// multiply 2, correlate 6.
+// multiply 2. correlate() is in correlate.cpp.
 
 namespace bouncelab::audio {
 namespace {
@@ -114,119 +109,6 @@ BOUNCELAB_VECTOR_CLONES void decimate_all(const float* x, std::size_t factor, co
   for (; n < n_out; ++n) decimate_few<1>(x + n * factor, factor, taps, n_taps, out + n);
 }
 
-// correlate: 6 times as fast as a plain loop that the compiler vectorises, twice as fast as the same order of
-// operations left to the compiler for the same registers. It takes an eighth of the time of a detection. Fused
-// multiply-add is exactly defined, so that every processor gives the same bytes as long as the order is the same: of
-// each output taps 0, 8, 16 ..., then 1, 9, 17 ..., so that a wide register of samples serves several taps.
-
-constexpr std::size_t kStride = 8;
-constexpr std::size_t kOutputs = 64;  // outputs: what an addition's latency takes
-
-/// Where there are no such registers. @param n_at_once  outputs side by side
-template <std::size_t n_at_once>
-void correlate_plainly(const float* x, const float* taps, std::size_t n_taps, float* out) {
-  std::array<float, n_at_once> sum{};
-  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first)
-    for (std::size_t k = first; k < n_taps; k += kStride)
-      for (std::size_t c = 0; c < n_at_once; ++c) sum[c] = std::fma(taps[k], x[k + c], sum[c]);
-  std::copy(sum.begin(), sum.end(), out);
-}
-
-#ifdef __wasm_simd128__
-/// As many outputs as there are registers, two in each. WebAssembly has no fused multiply-add. In doubles the product
-/// of two floats is exact, and the sum, rounded to double and then to float, is the fused one unless a double that is
-/// rounded itself lies halfway between two floats; then all outputs are computed again one by one. Sums that are exact
-/// lie halfway often where samples are a few steps of 16 bits.
-constexpr std::size_t kInDoubles = 16;
-void correlate_in_doubles(const float* x, const float* taps, std::size_t n_taps, float* out) {
-  using Doubles = double __attribute__((vector_size(16)));
-  using Floats = float __attribute__((vector_size(8)));
-  using Bits = long long __attribute__((vector_size(16)));
-  constexpr std::size_t kPairs = kInDoubles / 2;
-  std::array<Doubles, kPairs> sum{};
-  Bits is_unsure{};
-  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first)
-    for (std::size_t k = first; k < n_taps; k += kStride) {
-      const auto tap = static_cast<double>(taps[k]);
-      for (std::size_t c = 0; c < kPairs; ++c) {
-        Floats here;
-        std::memcpy(&here, x + k + 2 * c, sizeof here);
-        const Doubles product = tap * __builtin_convertvector(here, Doubles);
-        const Doubles total = sum[c] + product;
-        // exact where taking off either gives the other
-        const Bits is_rounded = (total - sum[c] != product) | (total - product != sum[c]);
-        // the 29 bits that a float does not have are 1000...
-        is_unsure |= is_rounded & ((reinterpret_cast<Bits>(total) & 0x1fffffff) == 0x10000000);
-        sum[c] = __builtin_convertvector(__builtin_convertvector(total, Floats), Doubles);
-      }
-    }
-  if ((is_unsure[0] | is_unsure[1]) != 0) return correlate_plainly<kInDoubles>(x, taps, n_taps, out);
-  for (std::size_t c = 0; c < kPairs; ++c) {
-    const Floats rounded = __builtin_convertvector(sum[c], Floats);
-    std::memcpy(out + 2 * c, &rounded, sizeof rounded);
-  }
-}
-#endif
-
-#ifdef BOUNCELAB_HAS_FMA_VARIANT
-/// kOutputs outputs. Registers of samples are kept in a ring: the next tap needs all but one of them again.
-[[gnu::target("avx2,fma")]] void correlate_by_256_bits(const float* x, const float* taps, std::size_t n_taps,
-                                                       float* out) {
-  constexpr std::size_t kRegisters = kOutputs / 8;
-  __m256 sum[kRegisters];
-  for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm256_setzero_ps();
-  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first) {
-    __m256 ring[kRegisters];
-    for (std::size_t c = 0; c < kRegisters; ++c) ring[c] = _mm256_loadu_ps(x + first + c * kStride);
-    for (std::size_t k = first; k < n_taps;) {
-#pragma GCC unroll 8
-      for (std::size_t i = 0; i < kRegisters; ++i) {
-        const __m256 tap = _mm256_set1_ps(taps[k]);
-#pragma GCC unroll 8
-        for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm256_fmadd_ps(tap, ring[(c + i) % kRegisters], sum[c]);
-        k += kStride;
-        if (k >= n_taps) break;
-        ring[i] = _mm256_loadu_ps(x + k + (kRegisters - 1) * kStride);
-      }
-    }
-  }
-  for (std::size_t c = 0; c < kRegisters; ++c) _mm256_storeu_ps(out + c * 8, sum[c]);
-}
-
-/// 2 kOutputs outputs.
-[[gnu::target("avx512f")]] void correlate_by_512_bits(const float* x, const float* taps, std::size_t n_taps,
-                                                      float* out) {
-  constexpr std::size_t kRegisters = 2 * kOutputs / 16;
-  constexpr std::size_t kRing = 2 * kRegisters - 1;  // each register holds two strides
-  __m512 sum[kRegisters];
-  for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm512_setzero_ps();
-  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first) {
-    __m512 ring[kRing];
-    for (std::size_t c = 0; c < kRing; ++c) ring[c] = _mm512_loadu_ps(x + first + c * kStride);
-    for (std::size_t k = first; k < n_taps;) {
-#pragma GCC unroll 15
-      for (std::size_t i = 0; i < kRing; ++i) {
-        const __m512 tap = _mm512_set1_ps(taps[k]);
-#pragma GCC unroll 8
-        for (std::size_t c = 0; c < kRegisters; ++c) sum[c] = _mm512_fmadd_ps(tap, ring[(2 * c + i) % kRing], sum[c]);
-        k += kStride;
-        if (k >= n_taps) break;
-        ring[i] = _mm512_loadu_ps(x + k + (kRing - 1) * kStride);
-      }
-    }
-  }
-  for (std::size_t c = 0; c < kRegisters; ++c) _mm512_storeu_ps(out + c * 16, sum[c]);
-}
-
-const bool kHas256 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-const bool kHas512 = __builtin_cpu_supports("avx512f");
-#else
-void correlate_by_256_bits(const float*, const float*, std::size_t, float*) {}
-void correlate_by_512_bits(const float*, const float*, std::size_t, float*) {}
-constexpr bool kHas256 = false;
-constexpr bool kHas512 = false;
-#endif
-
 }  // namespace
 
 double dot(std::span<const float> a, std::span<const float> b) {
@@ -291,24 +173,6 @@ BOUNCELAB_VECTOR_CLONES void add_four_scaled(double* to, const double factors[4]
 
 BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) product[k] = a[k] * b[k];
-}
-
-void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
-  assert(x.size() + 1 >= out.size() + taps.size());
-  std::size_t n = 0;
-  const auto by = [&](auto kernel, std::size_t n_at_once) {
-    for (; n + n_at_once <= out.size(); n += n_at_once) kernel(x.data() + n, taps.data(), taps.size(), out.data() + n);
-  };
-#ifdef __wasm_simd128__
-  by(correlate_in_doubles, kInDoubles);
-#endif
-  if (kHas512) by(correlate_by_512_bits, 2 * kOutputs);
-  const auto wide = kHas256 ? correlate_by_256_bits : correlate_plainly<kOutputs>;
-  by(wide, kOutputs);
-  // of the last ones some are computed twice, which takes less time than one by one
-  if (n < out.size() && out.size() >= kOutputs) n = out.size() - kOutputs;
-  by(wide, kOutputs);
-  by(correlate_plainly<1>, 1);
 }
 
 void filter_and_decimate(std::span<const float> x, std::size_t factor, std::span<const float> taps,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
@@ -150,24 +151,27 @@ void read_innovations(const AudioSource& source, const ArModel& model, std::int6
   constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
   const std::size_t order = model.filter.size() - 1;
   const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
-  std::vector<float> x(std::min(kAtOnce, out.size()) + order);
+  // made when it is needed, and not a vector, which would set to zero what is overwritten at once
+  std::unique_ptr<float[]> copy;
   for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, out.size() - at);
     const std::int64_t begin = first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order);
     std::span<const float> here = resident_span(source, begin, n + order);
     if (here.empty()) {
-      read_padded(source, begin, std::span(x).first(n + order));
-      here = std::span(x).first(n + order);
+      if (!copy) copy.reset(new float[std::min(kAtOnce, out.size()) + order]);
+      const std::span<float> filled{copy.get(), n + order};
+      read_padded(source, begin, filled);
+      here = filled;
     }
     correlate(here, taps, out.subspan(at, n));
   }
 }
 
 double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
-  std::complex<double> response = 0.0;
-  const double phase = -2.0 * std::numbers::pi * frequency_hz / rate_hz;
-  for (std::size_t k = 0; k < model.filter.size(); ++k)
-    response += static_cast<double>(model.filter[k]) * polar(1.0, phase * static_cast<double>(k));
+  const std::complex<double> delay = polar(1.0, -2.0 * std::numbers::pi * frequency_hz / rate_hz);
+  std::complex<double> response = 0.0;  // by Horner's scheme
+  for (auto tap = model.filter.rbegin(); tap != model.filter.rend(); ++tap)
+    response = response * delay + static_cast<double>(*tap);
   return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
 }
 

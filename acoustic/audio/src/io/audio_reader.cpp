@@ -28,7 +28,8 @@ namespace {
 
 constexpr std::int64_t kFramesPerPiece = 1 << 14;  // 64 kB of one channel: stays in the cache
 constexpr std::int64_t kFramesOfJump = 1 << 10;
-constexpr std::uint32_t kExponent = 0x7f800000;  // of a float
+constexpr std::int64_t kFramesWithoutCopy = 1 << 12;  // from here on a copy takes longer than what lies between pieces
+constexpr std::uint32_t kExponent = 0x7f800000;       // of a float
 // samples up to which a recording is held whole: 64 MB where decoding costs more than memory, 4 MB where it does not
 constexpr std::int64_t kMostHeldWhole = GuardedDecoder::kMostSamples;
 constexpr std::int64_t kMostPlainHeldWhole = 1 << 20;
@@ -46,8 +47,8 @@ struct AudioReader::State {
   std::optional<SoundDecoder> decoder;  // of bytes in memory
   SoundInfo info;
   AudioFormat format;
-  std::vector<std::byte> raw;       // what was read of plain samples
-  std::int64_t buffered_first = 0;  // interleaved frames kept from the last read, so that channels share them
+  std::unique_ptr<std::byte[]> raw;  // what was read of plain samples
+  std::int64_t buffered_first = 0;   // interleaved frames kept from the last read, so that channels share them
   std::unique_ptr<float[]> buffer;
   std::span<float> buffered;  // in the buffer, or in the guarded decoder's
 
@@ -129,11 +130,13 @@ struct AudioReader::State {
   void read_plain(std::int64_t first, std::span<float> out) {
     const std::int64_t frame_bytes = std::int64_t{bytes_per_sample(info.plain)} * info.n_channels;
     const std::int64_t n = std::ssize(out) / info.n_channels;
+    if (!raw)
+      raw.reset(new std::byte[static_cast<std::size_t>(std::min(kFramesPerPiece, info.n_frames) * frame_bytes)]);
     for (std::int64_t done = 0; done < n;) {
       const std::int64_t n_here = std::min(kFramesPerPiece, n - done);
-      raw.resize(static_cast<std::size_t>(n_here * frame_bytes));
-      const std::int64_t got = bytes.read(info.first_byte + (first + done) * frame_bytes, raw) / frame_bytes;
-      decode_pcm(raw, info.plain,
+      const std::span<std::byte> piece{raw.get(), static_cast<std::size_t>(n_here * frame_bytes)};
+      const std::int64_t got = bytes.read(info.first_byte + (first + done) * frame_bytes, piece) / frame_bytes;
+      decode_pcm(piece, info.plain,
                  out.subspan(static_cast<std::size_t>(done * info.n_channels),
                              static_cast<std::size_t>(got * info.n_channels)));
       done += got;
@@ -183,7 +186,7 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
     const std::int64_t at = first + done;
     const std::int64_t n_buffered = static_cast<std::int64_t>(s.buffered.size()) / s.format.n_channels;
     if (at < s.buffered_first || at >= s.buffered_first + n_buffered) {
-      if (n - done >= kFramesPerPiece && s.is_plain() && s.format.n_channels == 1 && !s.info.may_be_infinite)
+      if (n - done >= kFramesWithoutCopy && s.is_plain() && s.format.n_channels == 1 && !s.info.may_be_infinite)
         return s.read_plain(at, out.subspan(static_cast<std::size_t>(done)));  // without a copy
       s.fill_buffer(at, n - done);
       continue;

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <mutex>
@@ -24,7 +25,7 @@ constexpr double kBytesPerCpuSecond = 1e6;
 // Decoders hold a few MB, and tables of the file's parts in proportion to its length.
 constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
 constexpr std::int64_t kMemoryPerFileByte = 10;
-// of samples that a process without a file may keep
+// of samples that a process keeps for the next file
 constexpr std::size_t kKept_bytes = 1 << 20;
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
@@ -80,7 +81,8 @@ SoundInfo info_of(const std::string& message) {
 /// What the process does: one file at a time.
 class DecodingService {
  public:
-  explicit DecodingService(std::span<float> samples) : samples_(samples) {}
+  /// @param memory  of the samples
+  DecodingService(SharedMemory& memory, std::span<float> samples) : memory_(memory), samples_(samples) {}
 
   std::string answer(std::string_view message, int descriptor) {
     Request request;
@@ -88,7 +90,9 @@ class DecodingService {
     if (request.action == Action::open) return open(descriptor, std::string(message.substr(sizeof request)));
     if (request.action == Action::close) return close();
     const std::int64_t n_samples = request.n_frames * decoder_.value().info().n_channels;
-    decoder_->read(request.first, samples_.first(static_cast<std::size_t>(n_samples)));
+    const std::span<float> out = samples_.first(static_cast<std::size_t>(n_samples));
+    if (out.size_bytes() > kKept_bytes) memory_.populate(out.size_bytes());
+    decoder_->read(request.first, out);
     return {};
   }
 
@@ -113,6 +117,7 @@ class DecodingService {
     return {};
   }
 
+  SharedMemory& memory_;
   std::span<float> samples_;
   std::optional<SoundDecoder> decoder_;
   int descriptor_ = -1;
@@ -123,18 +128,26 @@ class DecoderProcess {
   explicit DecoderProcess(const std::string& file)
       : memory_(GuardedDecoder::kMostSamples * sizeof(float)),
         samples_(reinterpret_cast<float*>(memory_.bytes().data()), GuardedDecoder::kMostSamples),
-        child_([decoding = std::make_shared<DecodingService>(samples_)](
+        child_([decoding = std::make_shared<DecodingService>(memory_, samples_)](
                    std::string_view request, int descriptor) { return decoding->answer(request, descriptor); },
                file) {}
 
   std::span<float> samples() const { return samples_; }
   ChildProcess& child() { return child_; }
-  void discard_samples() { memory_.discard(); }
+  /// @param n_samples  that the file had at most at once
+  void finish_file(std::int64_t n_samples) {
+    holds_many_ |= n_samples > static_cast<std::int64_t>(kKept_bytes / sizeof(float));
+  }
+  /// Another file, which may be short. After the last one the pages go with the process, in less time.
+  void begin_file() {
+    if (std::exchange(holds_many_, false)) memory_.discard();
+  }
 
  private:
   SharedMemory memory_;
   std::span<float> samples_;
   ChildProcess child_;
+  bool holds_many_ = false;
 };
 
 namespace {
@@ -149,7 +162,9 @@ class Idle {
       while (!processes_.empty()) {
         std::unique_ptr<DecoderProcess> process = std::move(processes_.back());
         processes_.pop_back();
-        if (process->child().is_usable()) return process;  // otherwise this process is a copy of its owner
+        if (!process->child().is_usable()) continue;  // this process is a copy of its owner
+        process->begin_file();
+        return process;
       }
     }
     return std::make_unique<DecoderProcess>(file);
@@ -191,9 +206,7 @@ GuardedDecoder::~GuardedDecoder() {
   if (!process_ || !process_->child().is_usable()) return;
   try {
     process_->child().ask(bytes_of(Request{Action::close}), limits_for(n_bytes_, 0), name_, kRemedy);
-    // of a long recording: the next one may be short
-    if (info_.n_frames > static_cast<std::int64_t>(kKept_bytes / sizeof(float)) / info_.n_channels)
-      process_->discard_samples();
+    process_->finish_file(std::min(info_.n_frames, kMostSamples) * info_.n_channels);
     idle().keep(std::move(process_));
   } catch (...) {  // the samples were read; the process ends here
   }
