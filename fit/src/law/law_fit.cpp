@@ -22,7 +22,6 @@ namespace {
 
 constexpr std::size_t kFewest = 3;  // below, a mean has no scatter that it could be judged by
 constexpr double kSpeedRatioMin = 1.2;
-constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyond a parabola
 constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
 
 std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
@@ -75,7 +74,7 @@ constexpr std::size_t kManySamples = 1000;  // enough to tell two exponentials f
 std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_t n) {
   constexpr std::size_t kFew = 30;
   if (config.n_scatter_terms > 0) return {config.n_scatter_terms};
-  if (n >= kVeryMany) return {3, 6};
+  if (n >= kVeryMany) return {3, 6};  // the widths' shape is resolved beyond a parabola
   if (n < kFew) return {1};
   return {3, 2, 1};
 }

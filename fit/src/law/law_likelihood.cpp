@@ -160,7 +160,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
   Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
   parallel_for(n_blocks, 0, [&](std::size_t block) {
     LogSum sum;
-    GradientSum of_block;
+    GradientSum of_block(gradient ? static_cast<std::size_t>(n_parameters()) : 0);
     SampleBlock samples;
     const std::size_t end = std::min(data_.size(), (block + 1) * kParallel);
     for (samples.begin = block * kParallel; samples.begin < end; samples.begin += samples.n) {
@@ -169,8 +169,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
       sum.add(samples.n, samples.f);
       if (gradient) add_scores(samples, of_block);
     }
-    if (gradient)
-      of_block.put(gradients.col(static_cast<Eigen::Index>(block)).data(), static_cast<std::size_t>(n_parameters()));
+    if (gradient) of_block.put(gradients.col(static_cast<Eigen::Index>(block)).data());
     sums[block] = sum.value();
   });
   double sum = 0.0;
