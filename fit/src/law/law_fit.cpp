@@ -105,19 +105,26 @@ Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& s
   return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
 
+/// Every n-th sample of so many that a search among these first saves passes over all; absent of fewer.
+std::optional<LawData> some_of(const LawData& data) {
+  constexpr std::size_t kSome = 10000;
+  const std::size_t stride = data.size() / kSome;
+  return stride < 4 ? std::nullopt : std::optional(thinned(data, stride));
+}
+
 /// The maximum of very many samples is sought from that of some of them, which is a few standard errors off: most steps
 /// of a search from far off then cost a fraction of a pass.
 Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
-  constexpr std::size_t kSome = 10000;
-  const std::size_t stride = likelihood.data().size() / kSome;
-  if (stride < 4) return maximise_twice(likelihood, start);
-  const LawData some = thinned(likelihood.data(), stride);
-  const Maximum near = maximise_twice(LawLikelihood(some, likelihood.model(), likelihood.scatter()), start);
+  const std::optional<LawData> some = some_of(likelihood.data());
+  if (!some) return maximise_twice(likelihood, start);
+  const Maximum near = maximise_twice(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), start);
   return maximise_twice(likelihood, near.converged ? near.x : start);
 }
 
+/// @param start  of the samples themselves: the timing errors are widened by it
+/// @param near   where the search begins, if it is known better
 Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
-                     const Eigen::VectorXd& start) {
+                     const Eigen::VectorXd& start, const Eigen::VectorXd* near = nullptr) {
   Candidate candidate{family, data, {}};
   if (family.is_two_sided()) {
     const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
@@ -128,7 +135,7 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
     widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
           std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = maximise_from_some(likelihood, start);
+  candidate.maximum = near ? maximise_twice(likelihood, *near) : maximise_from_some(likelihood, start);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
@@ -139,6 +146,30 @@ bool is_better(const Candidate& a, const Candidate& b) {
 
 /// Whether the normal part is larger than the exponentials.
 bool is_large_part(const Candidate& candidate) { return candidate.maximum.x[candidate.maximum.x.size() - 1] > 0.0; }
+
+/// Whether some of very many samples already rule out a normal part as large as the exponentials: by more than six
+/// standard errors, which all of them would not reverse.
+bool surely_no_large_part(const LawData& data, const LawModel& model, const ScatterFamily& family,
+                          const Eigen::VectorXd& start) {
+  constexpr double kSixStandardErrors = 36.0;
+  const std::optional<LawData> some = some_of(data);
+  if (!some) return false;
+  const LawLikelihood likelihood(*some, model, family);
+  const Maximum best = maximise_twice(likelihood, start);
+  const Eigen::Index n_others = start.size() - 1;
+  if (!best.converged || best.x[n_others] > 0.0) return false;
+  Eigen::VectorXd as_large = best.x;
+  as_large[n_others] = 0.0;
+  const LogLikelihood of_others = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
+    as_large.head(n_others) = x;
+    const double value = likelihood(as_large, gradient);
+    if (gradient) gradient->conservativeResize(n_others);
+    return value;
+  };
+  const Eigen::MatrixXd information = likelihood.information(as_large).topLeftCorner(n_others, n_others);
+  const Maximum there = maximise(of_others, best.x.head(n_others), information);
+  return there.converged && 2.0 * (best.loglik - there.loglik) > kSixStandardErrors;
+}
 
 /// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
 /// exponentials. Fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it
@@ -157,13 +188,25 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
       ScatterFamily exponentials = family;
       exponentials.kind = ScatterKind::asymmetric_laplace;
       best = fit_family(data, model, exponentials, start_values(data, model, exponentials));
-      if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
+      if (best->maximum.converged) {
+        start = with_normal_part(best->maximum.x, family, model.n_parameters());
+        if (surely_no_large_part(data, model, family, start)) continue;
+      }
     }
     Candidate candidate = fit_family(data, model, family, start);
     const bool rounds_the_peak = undecided && best && best->maximum.converged && !is_large_part(candidate);
     if (!best || (is_better(candidate, *best) && !rounds_the_peak)) best = std::move(candidate);
   }
   return best;
+}
+
+/// The same family once more when outliers were set aside; of very many samples from where the search ended before.
+std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
+                                                const Candidate& before) {
+  if (data.size() < kVeryMany || !before.maximum.converged) return best_candidate(data, model, config);
+  const Eigen::VectorXd start = start_values(data, model, before.family);
+  if (start.size() == 0) return std::nullopt;
+  return fit_family(data, model, before.family, start, &before.maximum.x);
 }
 
 /// Moves samples that are lost bounces rather than scatter from `rows` to `outliers`.
@@ -228,7 +271,8 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
     const LawLikelihood likelihood(main.data, model, main.family);
     Maximum maximum = main.maximum;
     if (!results.empty()) {
-      const Eigen::VectorXd start = start_values(main.data, model, main.family);
+      const std::optional<LawData> some = some_of(main.data);
+      const Eigen::VectorXd start = start_values(some ? *some : main.data, model, main.family);
       if (start.size() == 0) continue;
       maximum = maximise_from_some(likelihood, start);
       if (!maximum.converged) continue;
@@ -319,7 +363,7 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
   // outliers widen the scatter they are judged by: again until none is left
   while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
     data = law_data(samples, rows);
-    candidate = best_candidate(data, model, config);
+    candidate = again_without_outliers(data, model, config, *candidate);
   }
   std::sort(fit.outliers.begin(), fit.outliers.end());
   fit.n = data.size();
