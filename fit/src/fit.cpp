@@ -3,6 +3,7 @@
 
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/roughness.hpp"
+#include "law/ordered_samples.hpp"
 #include "text/findings.hpp"
 #include "usable_samples.hpp"
 
@@ -57,7 +58,8 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   LawFitConfig main = config.law;
   main.n_goodness = config.n_goodness;
   main.compare_laws = true;
-  result.law = fit_law(used, main);
+  const OrderedSamples ordered = ordered_by_speed(used);
+  result.law = fit_law(used, ordered, main);
   step();
   if (config.memory != UseMemory::never) {
     // the impacts as they followed each other, outliers among them: where one is missing a chain ends
@@ -68,8 +70,9 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   // what the law cannot explain would widen every other fit
   const PartOfSamples without_outliers(used, result.law.outliers);
   const RestitutionSamples& kept = *without_outliers;
+  const OrderedSamples ordered_kept = result.law.outliers.empty() ? ordered : ordered_by_speed(kept);
   const auto other = [&](LawKind kind, LawMethod method) {
-    return fit_law(kept, alternative(config.law, kind, method, result.law));
+    return fit_law(kept, ordered_kept, alternative(config.law, kind, method, result.law));
   };
   result.law_least_squares = other(config.law.kind, LawMethod::least_squares);
   step();

@@ -139,9 +139,7 @@ class LawLikelihood::CurvatureSum {
   }
 
  private:
-  std::size_t first_of(std::size_t quantity) const {
-    return n_law_ + (quantity - 1) * likelihood_.scatter_.n_terms;
-  }
+  std::size_t first_of(std::size_t quantity) const { return n_law_ + (quantity - 1) * likelihood_.scatter_.n_terms; }
 
   /// By location, by log b_below (of equal sides by both), by log b_above, by rho.
   Block& score(SampleBlock& s, std::size_t i) const {
@@ -157,8 +155,8 @@ class LawLikelihood::CurvatureSum {
   void set_law_rows(const SampleBlock& s) {
     const auto first = static_cast<Eigen::Index>(s.begin);
     for (std::size_t a = 0; a < n_law_; ++a)
-      rows_[a] = likelihood_.model_.is_linear() ? &likelihood_.basis_(first, static_cast<Eigen::Index>(a))
-                                                : s.slope[a].data();
+      rows_[a] =
+          likelihood_.model_.is_linear() ? &likelihood_.basis_(first, static_cast<Eigen::Index>(a)) : s.slope[a].data();
   }
 
   /// @return the number of the next sum

@@ -14,6 +14,7 @@
 #include "law/law_likelihood.hpp"
 #include "law/law_result.hpp"
 #include "law/maximise.hpp"
+#include "law/ordered_samples.hpp"
 #include "law/replicates.hpp"
 #include "law/start_values.hpp"
 
@@ -22,7 +23,7 @@ namespace {
 
 constexpr std::size_t kFewest = 3;  // below, a mean has no scatter that it could be judged by
 constexpr double kSpeedRatioMin = 1.2;
-constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
+constexpr double kResolution = 1e-8;  // of eps: far below any timing; samples without any scatter are fitted too
 
 std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
   std::vector<std::pair<double, std::size_t>> places;
@@ -112,6 +113,17 @@ std::optional<LawData> some_of(const LawData& data) {
   return stride < 4 ? std::nullopt : std::optional(thinned(data, stride));
 }
 
+/// Start values by some of very many samples, where nothing but the begin of the search depends on them.
+Eigen::VectorXd start_by_some(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+  const std::optional<LawData> some = some_of(data);
+  return start_values(some ? *some : data, model, family);
+}
+
+/// Of all samples where timing errors are widened by them.
+Eigen::VectorXd start_of(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+  return family.kind == ScatterKind::normal ? start_by_some(data, model, family) : start_values(data, model, family);
+}
+
 /// The maximum of very many samples is sought from that of some of them, which is a few standard errors off: most steps
 /// of a search from far off then cost a fraction of a pass.
 Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
@@ -181,13 +193,13 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
     ScatterFamily family = scatter_family(config.method, n_terms, data.v_mps[data.size() / 2]);
     if (best) family.kind = best->family.kind;  // whatever the widths do
-    Eigen::VectorXd start = start_values(data, model, family);
+    Eigen::VectorXd start = start_of(data, model, family);
     if (start.size() == 0) return std::nullopt;
     const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kManySamples;
     if (undecided) {
       ScatterFamily exponentials = family;
       exponentials.kind = ScatterKind::asymmetric_laplace;
-      best = fit_family(data, model, exponentials, start_values(data, model, exponentials));
+      best = fit_family(data, model, exponentials, start_of(data, model, exponentials));
       if (best->maximum.converged) {
         start = with_normal_part(best->maximum.x, family, model.n_parameters());
         if (surely_no_large_part(data, model, family, start)) continue;
@@ -204,7 +216,7 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
 std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
                                                 const Candidate& before) {
   if (data.size() < kVeryMany || !before.maximum.converged) return best_candidate(data, model, config);
-  const Eigen::VectorXd start = start_values(data, model, before.family);
+  const Eigen::VectorXd start = start_of(data, model, before.family);
   if (start.size() == 0) return std::nullopt;
   return fit_family(data, model, before.family, start, &before.maximum.x);
 }
@@ -271,8 +283,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
     const LawLikelihood likelihood(main.data, model, main.family);
     Maximum maximum = main.maximum;
     if (!results.empty()) {
-      const std::optional<LawData> some = some_of(main.data);
-      const Eigen::VectorXd start = start_values(some ? *some : main.data, model, main.family);
+      const Eigen::VectorXd start = start_by_some(main.data, model, main.family);
       if (start.size() == 0) continue;
       maximum = maximise_from_some(likelihood, start);
       if (!maximum.converged) continue;
@@ -344,13 +355,12 @@ double scale_at(const std::vector<double>& c, double x) {
   return exp(sum);
 }
 
-LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) {
+LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& asked) {
   LawFit fit;
   if (asked.n_scatter_terms > 8)
     throw InvalidArgument("terms of the scatter " + std::to_string(asked.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
-  check(samples);
-  std::vector<std::size_t> rows = by_speed(samples);
-  LawData data = law_data(samples, rows);
+  std::vector<std::size_t> rows = ordered.rows;
+  LawData data = ordered.data;
   fit.n = data.size();
   const LawFitConfig config = for_few(asked, fit.n, fit.notes);
   fit.kind = config.kind;
@@ -359,10 +369,12 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
   if (!fit.message.empty()) return fit;
 
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
+  data.basis = make_law_basis(model, data.v_mps);
   auto candidate = best_candidate(data, model, config);
   // outliers widen the scatter they are judged by: again until none is left
   while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
     data = law_data(samples, rows);
+    data.basis = make_law_basis(model, data.v_mps);
     candidate = again_without_outliers(data, model, config, *candidate);
   }
   std::sort(fit.outliers.begin(), fit.outliers.end());
@@ -395,11 +407,22 @@ double ScatterModel::mean_minus_peak(double v_mps) const {
   return a - b - offset;
 }
 
-LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+OrderedSamples ordered_by_speed(const RestitutionSamples& samples) {
+  check(samples);
+  OrderedSamples ordered{by_speed(samples), {}};
+  ordered.data = law_data(samples, ordered.rows);
+  return ordered;
+}
+
+LawFit fit_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& config) {
   LawFit fit;
   // once for the whole search, not for each of its likelihoods
-  with_threads(0, [&] { fit = fitted_law(samples, config); });
+  with_threads(0, [&] { fit = fitted_law(samples, ordered, config); });
   return fit;
+}
+
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+  return fit_law(samples, ordered_by_speed(samples), config);
 }
 
 }  // namespace bouncelab::fit

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "law/law_block.hpp"
@@ -20,11 +22,22 @@ inline constexpr std::size_t kParallel = 4096;  ///< samples of one piece of par
 /// From here on a fit costs as many seconds as it takes passes over all samples.
 inline constexpr std::size_t kVeryMany = 20000;
 
+/// What the curve of a law is made of at each speed.
+struct LawBasis {
+  LawKind kind = LawKind::series;
+  std::vector<int> orders;
+  std::vector<double> node_v_mps;
+  Eigen::MatrixXd rows;  ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
+};
+std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps);
+
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
   std::vector<double> v_mps, eps;
   std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
   std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
+  /// Of the speeds, for one law: many likelihoods of the same samples take it from here. Goes with the speeds alone.
+  std::shared_ptr<const LawBasis> basis = nullptr;
   std::size_t size() const { return v_mps.size(); }
 };
 
@@ -175,7 +188,8 @@ class LawLikelihood {
   std::vector<double> x_;              ///< log(v / v_ref)
   std::vector<double> inverse_tau_;
   double knot_distance_ = 1.0;  ///< in x
-  Eigen::MatrixXd basis_;       ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
+  std::shared_ptr<const LawBasis> held_;
+  const Eigen::MatrixXd& basis_;
 };
 
 /// Without the normal part's size. @param n_law  parameters of the law, which come first in theta

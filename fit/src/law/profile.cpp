@@ -50,7 +50,7 @@ Crossing crossing(const std::vector<Root>& points, double z) {
 /// What the curvature at the maximum says of the others: where they are along the profile, to first order, and the step
 /// to where they are.
 struct Others {
-  Eigen::VectorXd path;                 ///< by t
+  Eigen::VectorXd path;  ///< by t
   Eigen::LLT<Eigen::MatrixXd> curvature;
 };
 

@@ -256,11 +256,16 @@ LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, Fin
     const sim::ContactOffset offset =
         contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
                           config.n_asperities, config.n_threads);
-    loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
-    loop.reservoir =
-        reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
-                        onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
-                        loop.simulation.gravity_mps2);
+    const auto reservoir = [&] {
+      loop.reservoir =
+          reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
+                          onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
+                          loop.simulation.gravity_mps2);
+    };
+    const auto theory = [&] {
+      loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
+    };
+    parallel_for(2, config.n_threads, [&](std::size_t k) { k == 0 ? reservoir() : theory(); });
   });
   return loop;
 }
