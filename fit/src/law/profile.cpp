@@ -83,9 +83,11 @@ class Side {
     bend_ = Eigen::VectorXd::Zero(across.cols());
   }
 
-  /// Of the others' path from a straight line, by t^2: to lowest order the same on both sides.
-  const Eigen::VectorXd& bend() const { return bend_; }
-  void start_with(const Eigen::VectorXd& bend) { bend_ = bend; }
+  /// The others' path bends to lowest order alike on both sides.
+  void bend_as(const Side& other) {
+    bend_ = other.bend_;
+    t_of_bend_ = other.t_of_bend_;
+  }
 
   /// t where the root is z68 and z95.
   std::optional<std::pair<double, double>> ends(const ProfileLevels& levels) {
@@ -108,7 +110,7 @@ class Side {
       if (gradient) *gradient = (across_.transpose() * *gradient).eval();
       return value;
     };
-    Eigen::VectorXd z = t * path_ + square(t) * bend_;
+    Eigen::VectorXd z = t * path_ + bend_ * square(t / t_of_bend_);  // it bends like t^2
     double best = 0.0;
     if (across_.cols() == 0) {
       best = others(z, nullptr);
@@ -120,7 +122,8 @@ class Side {
       best = found.loglik;
       z = found.x;
     }
-    bend_ = (z - t * path_) / square(t);
+    bend_ = z - t * path_;
+    t_of_bend_ = t;
     points_.push_back({t, std::sqrt(std::max(0.0, 2.0 * (maximum_.loglik - best)))});
     std::sort(points_.begin(), points_.end(), [](const Root& a, const Root& b) { return a.t < b.t; });
     return std::adjacent_find(points_.begin(), points_.end(),
@@ -169,7 +172,9 @@ class Side {
   const Eigen::MatrixXd& across_;
   std::vector<Root> points_{{0.0, 0.0}};
   const Others* others_;
-  Eigen::VectorXd path_, bend_;  ///< the others are near path t + bend t^2
+  Eigen::VectorXd path_;  ///< of the others, to first order, by t
+  Eigen::VectorXd bend_;  ///< how far from it they were found last, and where
+  double t_of_bend_ = 1.0;
 };
 
 }  // namespace
@@ -195,7 +200,7 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
   Side lower(loglik, maximum, along, across, -1.0, others ? &*others : nullptr);
   Side upper(loglik, maximum, along, across, 1.0, others ? &*others : nullptr);
   const auto below = lower.ends(levels);
-  if (others) upper.start_with(lower.bend());
+  if (others) upper.bend_as(lower);
   const auto above = upper.ends(levels);
   if (!below || !above) return std::nullopt;
   return ProfileIntervals{{-se * below->first, se * above->first}, {-se * below->second, se * above->second}};
