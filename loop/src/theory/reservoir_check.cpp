@@ -101,6 +101,7 @@ class RowsOfImpacts {
   struct Row {
     std::int64_t drop, impact;
     std::size_t row;
+    // NOLINTNEXTLINE(modernize-use-nullptr): found in the comparison that the compiler makes, where there is no pointer
     friend auto operator<=>(const Row&, const Row&) = default;
   };
   std::vector<Row> rows_;
