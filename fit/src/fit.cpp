@@ -3,6 +3,7 @@
 
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/roughness.hpp"
+#include "law/ordered_samples.hpp"
 #include "text/findings.hpp"
 #include "usable_samples.hpp"
 
@@ -41,17 +42,6 @@ bool drops_are_long(const RestitutionSamples& samples) {
   return n_drops >= kFewestDrops && samples.size() >= kFewestImpactsADrop * n_drops;
 }
 
-RestitutionSamples without(const RestitutionSamples& samples, const std::vector<std::size_t>& outliers) {
-  RestitutionSamples kept;
-  auto next = outliers.begin();
-  for (std::size_t k = 0; k < samples.size(); ++k)
-    if (next != outliers.end() && *next == k)
-      ++next;
-    else
-      kept.push_back(samples[k]);
-  return kept;
-}
-
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
   const double n_steps = config.memory == UseMemory::never ? 6.0 : 7.0;
@@ -62,12 +52,14 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   };
   FitResult result;
   LeftOut left_out;
-  const RestitutionSamples used = usable_samples(samples, left_out);
+  const PartOfSamples part = usable_samples(samples, left_out);
+  const RestitutionSamples& used = *part;
   step();
   LawFitConfig main = config.law;
   main.n_goodness = config.n_goodness;
   main.compare_laws = true;
-  result.law = fit_law(used, main);
+  const OrderedSamples ordered = ordered_by_speed(used);
+  result.law = fit_law(used, ordered, main);
   step();
   if (config.memory != UseMemory::never) {
     // the impacts as they followed each other, outliers among them: where one is missing a chain ends
@@ -76,9 +68,11 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     step();
   }
   // what the law cannot explain would widen every other fit
-  const RestitutionSamples kept = without(used, result.law.outliers);
+  const PartOfSamples without_outliers(used, result.law.outliers);
+  const RestitutionSamples& kept = *without_outliers;
+  const OrderedSamples ordered_kept = result.law.outliers.empty() ? ordered : ordered_by_speed(kept);
   const auto other = [&](LawKind kind, LawMethod method) {
-    return fit_law(kept, alternative(config.law, kind, method, result.law));
+    return fit_law(kept, ordered_kept, alternative(config.law, kind, method, result.law));
   };
   result.law_least_squares = other(config.law.kind, LawMethod::least_squares);
   step();

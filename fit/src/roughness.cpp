@@ -30,7 +30,8 @@ Roughness equivalent_surfaces(const Estimate& q, double inertia_factor) {
 RoughnessResult measure_roughness(const RestitutionSamples& samples, const RoughnessConfig& config) {
   RoughnessResult result;
   LeftOut left_out;
-  const RestitutionSamples used = usable_samples(samples, left_out);
+  const PartOfSamples part = usable_samples(samples, left_out);
+  const RestitutionSamples& used = *part;
   with_threads(config.n_threads, [&] {
     LawFitConfig start;
     start.intervals = IntervalMethod::covariance;

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "bouncelab/core/samples.hpp"
 
@@ -14,7 +16,20 @@ struct LeftOut {
   std::map<std::string, std::size_t> n, first;
 };
 
-/// Those without a flag, finite, with v > 0, in their order.
-RestitutionSamples usable_samples(const RestitutionSamples& samples, LeftOut& left_out);
+/// Samples without those that are left out: a copy only where there are such, since a sample is some hundred bytes.
+class PartOfSamples {
+ public:
+  /// @param all       must outlive this
+  /// @param left_out  indices, increasing
+  PartOfSamples(const RestitutionSamples& all, const std::vector<std::size_t>& left_out);
+  const RestitutionSamples& operator*() const { return part_ ? *part_ : all_; }
+
+ private:
+  const RestitutionSamples& all_;
+  std::optional<RestitutionSamples> part_;
+};
+
+/// Those without a flag, finite, with v > 0, in their order. @param samples  must outlive the result
+PartOfSamples usable_samples(const RestitutionSamples& samples, LeftOut& left_out);
 
 }  // namespace bouncelab::fit

@@ -88,12 +88,16 @@ TEST(Elementary, ManyAtOnceGiveTheBitsOfTheSingleFunctions) {
       y[k] = exp(x[k]);
     }
     if (n > 10) x[3] = INFINITY, x[5] = -INFINITY, x[8] = 0.0;
-    std::vector<double> exponentials = x, logarithms = y;
+    std::vector<double> exponentials = x, logarithms = y, complements = x;
+    for (double& one : complements) one *= 0.03;  // beyond 27 it is 0
+    const std::vector<double> z = complements;
     exp_each(exponentials);
     log_each(logarithms);
+    erfc_each(complements);
     for (std::size_t k = 0; k < n; ++k) {
       EXPECT_EQ(exponentials[k], exp(x[k])) << x[k];
       EXPECT_EQ(logarithms[k], log(y[k])) << y[k];
+      EXPECT_EQ(complements[k], erfc(z[k])) << z[k];
     }
   }
 }

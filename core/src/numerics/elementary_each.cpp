@@ -12,6 +12,8 @@
 extern "C" {
 __attribute__((target("avx"))) __m256d Sleef_cinz_expd4_u10avx(__m256d);
 __attribute__((target("avx"))) __m256d Sleef_cinz_logd4_u10avx(__m256d);
+__attribute__((target("avx"))) __m256d Sleef_cinz_erfcd4_u15avx(__m256d);
+__attribute__((target("avx512f"))) __m512d Sleef_cinz_erfcd8_u15avx512fnofma(__m512d);
 __attribute__((target("avx512f"))) __m512d Sleef_cinz_expd8_u10avx512fnofma(__m512d);
 __attribute__((target("avx512f"))) __m512d Sleef_cinz_logd8_u10avx512fnofma(__m512d);
 }
@@ -38,6 +40,12 @@ __attribute__((target("avx"))) void exp_of_4(double* x) {
 }
 __attribute__((target("avx"))) void log_of_4(double* x) {
   _mm256_storeu_pd(x, Sleef_cinz_logd4_u10avx(_mm256_loadu_pd(x)));
+}
+__attribute__((target("avx"))) void erfc_of_4(double* x) {
+  _mm256_storeu_pd(x, Sleef_cinz_erfcd4_u15avx(_mm256_loadu_pd(x)));
+}
+__attribute__((target("avx512f"))) void erfc_of_8(double* x) {
+  _mm512_storeu_pd(x, Sleef_cinz_erfcd8_u15avx512fnofma(_mm512_loadu_pd(x)));
 }
 __attribute__((target("avx512f"))) void exp_of_8(double* x) {
   _mm512_storeu_pd(x, Sleef_cinz_expd8_u10avx512fnofma(_mm512_loadu_pd(x)));
@@ -84,6 +92,18 @@ void log_each(std::span<double> x) {
   for (double& one : x) one = log(one);
 }
 
+void erfc_each(std::span<double> x) {
+  switch (registers()) {
+    case Registers::avx512:
+      return in_registers<8>(x, erfc_of_8);
+    case Registers::avx:
+      return in_registers<4>(x, erfc_of_4);
+    case Registers::narrow:
+      break;
+  }
+  for (double& one : x) one = erfc(one);
+}
+
 }  // namespace bouncelab
 
 #else
@@ -95,6 +115,9 @@ void exp_each(std::span<double> x) {
 }
 void log_each(std::span<double> x) {
   for (double& one : x) one = log(one);
+}
+void erfc_each(std::span<double> x) {
+  for (double& one : x) one = erfc(one);
 }
 
 }  // namespace bouncelab

@@ -2,6 +2,7 @@
 #include "numerics/offset_disc.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -35,21 +36,50 @@ struct Probability {
   double inside, outside;
 };
 
+constexpr std::size_t kStrips = 24;
+using OfStrips = std::array<double, kStrips>;
+
+/// Middles of the strips by the angle psi from 0 to `end`, and their widths.
+struct Strips {
+  explicit Strips(double end) {
+    static const QuadratureRule rule = gauss_legendre(kStrips, 0.0, 1.0);
+    for (std::size_t k = 0; k < kStrips; ++k) {
+      const SinCos psi = sin_cos(end * rule.nodes[k]);
+      sin[k] = psi.sin;
+      cos[k] = psi.cos;
+      width[k] = end * rule.weights[k];
+    }
+  }
+  OfStrips sin, cos, width;
+};
+
 /// Strips of the plane parallel to the offset, at distance y = b sin psi from the disc's middle: given y the point lies
 /// inside where the other coordinate is between a - b cos psi and a + b cos psi. Smooth in psi: 24 points of Gauss'
-/// rule reach rounding. Strips beyond y = 10 hold 1e-23.
+/// rule reach rounding. Strips beyond y = 10 hold 1e-23. All strips side by side: exponentials and error functions are
+/// what this takes.
 Probability offset_disc(double a, double b) {
   constexpr double kReach = 10.0;
-  static const QuadratureRule rule = gauss_legendre(24, 0.0, 1.0);
+  static const Strips of_quarter(0.5 * std::numbers::pi);
+  const auto strips = [&] {
+    return b <= kReach ? of_quarter : Strips(atan2(kReach, std::sqrt(b * b - kReach * kReach)));
+  }();
+  OfStrips weight, nearest, beyond;
+  for (std::size_t k = 0; k < kStrips; ++k) {
+    const double chord = b * strips.cos[k];
+    weight[k] = -0.5 * square(b * strips.sin[k]);
+    nearest[k] = std::abs(a - chord) / std::numbers::sqrt2;
+    beyond[k] = (a + chord) / std::numbers::sqrt2;
+  }
+  exp_each(weight);
+  erfc_each(nearest);
+  erfc_each(beyond);
   Probability p{0.0, 2.0 * normal_above(b)};
-  const double end = atan2(std::min(b, kReach), std::sqrt(std::max(0.0, b * b - kReach * kReach)));
-  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
-    const SinCos psi = sin_cos(end * rule.nodes[k]);
-    const double chord = b * psi.cos;
-    const double weight = 2.0 * end * rule.weights[k] * chord * kNormalPeak * exp(-0.5 * square(b * psi.sin));
-    const double beyond = normal_above(a + chord);
-    p.inside += weight * (normal_above(a - chord) - beyond);
-    p.outside += weight * (normal_above(chord - a) + beyond);
+  for (std::size_t k = 0; k < kStrips; ++k) {
+    const double chord = b * strips.cos[k];
+    const double share = 2.0 * strips.width[k] * chord * kNormalPeak * weight[k];
+    const double tail = 0.5 * nearest[k], far_tail = 0.5 * beyond[k];
+    p.inside += share * ((a > chord ? tail : 1.0 - tail) - far_tail);
+    p.outside += share * ((a > chord ? 1.0 - tail : tail) + far_tail);
   }
   return p;
 }

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cmath>
 #include <ostream>
+#include <string>
 #include <string_view>
 
 #include "bouncelab/core/csv.hpp"
@@ -16,32 +17,32 @@ bool needs_quotes(std::string_view text) {
          (!text.empty() && (is_blank(text.front()) || is_blank(text.back())));
 }
 
-void write_cell(std::ostream& out, std::string_view text) {
+void write_cell(std::string& out, std::string_view text) {
   if (!needs_quotes(text)) {
-    out << text;
+    out += text;
     return;
   }
-  out << '"';
+  out += '"';
   for (const char c : text) {
-    if (c == '"') out << '"';
-    out << c;
+    if (c == '"') out += '"';
+    out += c;
   }
-  out << '"';
+  out += '"';
 }
 
-/// Cells of one row to a stream.
+/// Cells of rows as text.
 struct Writer {
-  std::ostream& out;
+  std::string& out;
   bool alone;  // in its row: an empty cell would be a blank line, which is skipped on reading
 
   template <class T>
   void number(T value) {
     char buffer[32];
     const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
-    out.write(buffer, result.ptr - buffer);
+    out.append(buffer, result.ptr);
   }
   void nothing() {
-    if (alone) out << "\"\"";
+    if (alone) out += "\"\"";
   }
   void cell(double value) {
     if (std::isnan(value))
@@ -61,23 +62,30 @@ struct Writer {
 }  // namespace
 
 void write_csv(std::ostream& out, const Table& table) {
+  std::string header;
   for (std::size_t k = 0; k < table.columns.size(); ++k) {
-    if (k) out << ',';
-    write_cell(out, table.columns[k].name);
+    if (k) header += ',';
+    write_cell(header, table.columns[k].name);
   }
-  out << '\n';
+  out << header << '\n';
   write_csv_rows(out, table);
 }
 
 void write_csv_rows(std::ostream& out, const Table& table) {
-  Writer writer{out, table.columns.size() == 1};
+  constexpr std::size_t kPiece = 65536;  // bytes: a stream takes longer for a cell than its digits do
+  std::string text;
+  Writer writer{text, table.columns.size() == 1};
   for (std::size_t row = 0; row < table.n_rows(); ++row) {
     for (std::size_t k = 0; k < table.columns.size(); ++k) {
-      if (k) out << ',';
+      if (k) text += ',';
       std::visit([&](const auto& values) { writer.cell(values[row]); }, table.columns[k].values);
     }
-    out << '\n';
+    text += '\n';
+    if (text.size() < kPiece) continue;
+    out << text;
+    text.clear();
   }
+  out << text;
 }
 
 }  // namespace bouncelab

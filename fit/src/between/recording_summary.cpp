@@ -56,7 +56,7 @@ RecordingSummary summarize_recording(const RestitutionSamples& samples) {
   RecordingSummary summary;
   summary.recording = samples.front().recording;
   LeftOut left_out;
-  RestitutionSamples used = usable_samples(samples, left_out);
+  RestitutionSamples used = *usable_samples(samples, left_out);
   summary.n_left_out = samples.size() - used.size();
   summary.n = used.size();
   std::set<std::int64_t> drops;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "law/distributions.hpp"
@@ -11,8 +12,10 @@ namespace bouncelab::fit {
 namespace {
 
 /// Curvature of the log-likelihood in whitened coordinates, sign reversed, by differences of the gradient over one
-/// standard error: that far the kinks of single samples are smoothed out.
+/// standard error: that far the kinks of single samples are smoothed out. Of very many samples by each sample's own
+/// differences: those by parameters take up to 30 passes.
 Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& white) {
+  if (likelihood.data().size() >= kVeryMany) return white.transpose() * likelihood.observed_information(theta) * white;
   const Eigen::Index n_theta = theta.size();
   Eigen::MatrixXd h(n_theta, n_theta);
   for (Eigen::Index j = 0; j < n_theta; ++j) {
@@ -53,7 +56,8 @@ std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, cons
   constexpr double kMostOfOneDrop = 0.9;
   if (likelihood.n_drops() < kFewestDrops) return std::nullopt;
   const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(theta.size(), theta.size());
-  const Eigen::LLT<Eigen::MatrixXd> h(curvature(likelihood, theta, white));
+  Eigen::MatrixXd observed = curvature(likelihood, theta, white);
+  const Eigen::LLT<Eigen::MatrixXd> h(observed);
   if (h.info() != Eigen::Success) return std::nullopt;
   Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
   const std::vector<Eigen::MatrixXd> information = likelihood.information_by_drop(theta);
@@ -62,7 +66,7 @@ std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, cons
     if (Eigen::LLT<Eigen::MatrixXd>(kMostOfOneDrop * unit - leverage).info() != Eigen::Success) return std::nullopt;
     scores.col(d) = Eigen::LLT<Eigen::MatrixXd>(unit - leverage).solve(scores.col(d)).eval();
   }
-  return ErrorsByDrop{-(white * h.solve(scores))};
+  return ErrorsByDrop{-(white * h.solve(scores)), std::move(observed)};
 }
 
 std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
@@ -70,11 +74,12 @@ std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, co
   constexpr double kSamplesPerParameter = 30.0;
   const auto n = static_cast<double>(likelihood.data().size()), p = static_cast<double>(theta.size());
   if (n < kSamplesPerParameter * p) return std::nullopt;
-  const Eigen::LLT<Eigen::MatrixXd> h(curvature(likelihood, theta, white));
+  Eigen::MatrixXd observed = curvature(likelihood, theta, white);
+  const Eigen::LLT<Eigen::MatrixXd> h(observed);
   if (h.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_sample(theta);
   // each has p/n of what is known
-  return ErrorsByDrop{white * h.solve(scores) * (-n / (n - p))};
+  return ErrorsByDrop{white * h.solve(scores) * (-n / (n - p)), std::move(observed)};
 }
 
 }  // namespace bouncelab::fit

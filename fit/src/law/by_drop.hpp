@@ -26,7 +26,8 @@ inline constexpr std::size_t kFewestDrops = 10;
 /// noise. Sources: Liang & Zeger, Biometrika 73, 13 (1986), doi:10.1093/biomet/73.1.13; Bell & McCaffrey, Survey
 /// Methodology 28, 169 (2002); MacKinnon, Nielsen & Webb, J. Appl. Econometrics 38, 671 (2023), doi:10.1002/jae.2969.
 struct ErrorsByDrop {
-  Eigen::MatrixXd moves;  ///< theta_(-d) - theta, a column a drop
+  Eigen::MatrixXd moves;      ///< theta_(-d) - theta, a column a drop
+  Eigen::MatrixXd curvature;  ///< H in those coordinates
   std::size_t n_drops() const { return static_cast<std::size_t>(moves.cols()); }
   Eigen::MatrixXd covariance() const;
   /// Of the quantity whose gradient by theta is `direction`.

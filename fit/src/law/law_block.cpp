@@ -76,6 +76,15 @@ BOUNCELAB_VECTOR_CLONES void add_normal_part(SampleBlock& s, double square_of_ra
   }
 }
 
+/// @param location  in widths of the scatter
+BOUNCELAB_VECTOR_CLONES void displace(SampleBlock& s, const double* tau, double location) {
+  for (std::size_t k = 0; k < s.n; ++k) {
+    const double b = 0.5 * (s.sides.b_below[k] + s.sides.b_above[k]);
+    s.width[k] = std::sqrt(b * b + tau[k] * tau[k]);
+    s.residual[k] -= location * s.width[k];
+  }
+}
+
 /// Derivatives by the scales, with the normal part and the peak's offset going along, and by rho.
 BOUNCELAB_VECTOR_CLONES void derive_with_normal_part(SampleBlock& s) {
   for (std::size_t k = 0; k < s.n; ++k) {
@@ -182,8 +191,9 @@ LawLikelihood::NormalPart LawLikelihood::compute_scatter(const Eigen::VectorXd& 
   return {s.tau.data(), s.inverse_tau.data()};
 }
 
-void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const {
+void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s, double location) const {
   const NormalPart part = compute_scatter(theta, shape, s);
+  if (location != 0.0) displace(s, part.tau, location);
   if (scatter_.kind == ScatterKind::normal) return normal_densities(s, part.tau);
   normal_laplace(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, odds_of_lost_density_, s.f);
   if (shape.square_of_ratio > 0.0) derive_with_normal_part(s);

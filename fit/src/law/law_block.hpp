@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "law/normal_laplace_block.hpp"
 
@@ -18,6 +19,7 @@ struct SampleBlock {
   // of the scatter with a normal part
   Block tau, inverse_tau, normal_share, size;
   Block peak, peak_by_asymmetry, peak_by_rho;  ///< in units of size
+  Block width;  ///< of scatter and timing errors, where the curve is displaced by a part of it
   DensityBlock f;
 };
 
@@ -37,18 +39,17 @@ class LogSum {
 /// Sums of many kinds in the same manner.
 class GradientSum {
  public:
+  explicit GradientSum(std::size_t n_kinds) : sums_(n_kinds, Lanes{}) {}
   /// Adds a[k] b[k] to the sum of kind i.
   void add_products(std::size_t i, std::size_t n, const double* a, const double* b);
   /// Adds a[k] x[k]^j to the sums of kinds i + j, j < n_powers.
   void add_powers(std::size_t i, std::size_t n_powers, std::size_t n, const double* a, const double* x);
-  void put(double* gradient, std::size_t n_kinds) const;
-
-  static constexpr std::size_t kMost =
-      kMostLawParameters + std::size_t{2} * 8 + 1;  ///< a law, two sides of 8 terms, a normal part
+  /// @param sums  n_kinds of them
+  void put(double* sums) const;
 
  private:
-  static constexpr std::size_t kLanes = 8;
-  std::array<std::array<double, kLanes>, kMost> sums_{};
+  using Lanes = std::array<double, 8>;
+  std::vector<Lanes> sums_;
 };
 
 }  // namespace bouncelab::fit

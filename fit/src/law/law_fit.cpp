@@ -14,6 +14,7 @@
 #include "law/law_likelihood.hpp"
 #include "law/law_result.hpp"
 #include "law/maximise.hpp"
+#include "law/ordered_samples.hpp"
 #include "law/replicates.hpp"
 #include "law/start_values.hpp"
 
@@ -22,8 +23,7 @@ namespace {
 
 constexpr std::size_t kFewest = 3;  // below, a mean has no scatter that it could be judged by
 constexpr double kSpeedRatioMin = 1.2;
-constexpr std::size_t kVeryMany = 20000;  // the widths' shape is resolved beyond a parabola
-constexpr double kResolution = 1e-8;      // of eps: far below any timing; samples without any scatter are fitted too
+constexpr double kResolution = 1e-8;  // of eps: far below any timing; samples without any scatter are fitted too
 
 std::vector<std::size_t> by_speed(const RestitutionSamples& samples) {
   std::vector<std::pair<double, std::size_t>> places;
@@ -75,7 +75,7 @@ constexpr std::size_t kManySamples = 1000;  // enough to tell two exponentials f
 std::vector<std::size_t> numbers_of_terms(const LawFitConfig& config, std::size_t n) {
   constexpr std::size_t kFew = 30;
   if (config.n_scatter_terms > 0) return {config.n_scatter_terms};
-  if (n >= kVeryMany) return {3, 6};
+  if (n >= kVeryMany) return {3, 6};  // the widths' shape is resolved beyond a parabola
   if (n < kFew) return {1};
   return {3, 2, 1};
 }
@@ -106,19 +106,37 @@ Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& s
   return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
 
+/// Every n-th sample of so many that a search among these first saves passes over all; absent of fewer.
+std::optional<LawData> some_of(const LawData& data) {
+  constexpr std::size_t kSome = 10000;
+  const std::size_t stride = data.size() / kSome;
+  return stride < 4 ? std::nullopt : std::optional(thinned(data, stride));
+}
+
+/// Start values by some of very many samples, where nothing but the begin of the search depends on them.
+Eigen::VectorXd start_by_some(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+  const std::optional<LawData> some = some_of(data);
+  return start_values(some ? *some : data, model, family);
+}
+
+/// Of all samples where timing errors are widened by them.
+Eigen::VectorXd start_of(const LawData& data, const LawModel& model, const ScatterFamily& family) {
+  return family.kind == ScatterKind::normal ? start_by_some(data, model, family) : start_values(data, model, family);
+}
+
 /// The maximum of very many samples is sought from that of some of them, which is a few standard errors off: most steps
 /// of a search from far off then cost a fraction of a pass.
 Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorXd& start) {
-  constexpr std::size_t kSome = 10000;
-  const std::size_t stride = likelihood.data().size() / kSome;
-  if (stride < 4) return maximise_twice(likelihood, start);
-  const LawData some = thinned(likelihood.data(), stride);
-  const Maximum near = maximise_twice(LawLikelihood(some, likelihood.model(), likelihood.scatter()), start);
+  const std::optional<LawData> some = some_of(likelihood.data());
+  if (!some) return maximise_twice(likelihood, start);
+  const Maximum near = maximise_twice(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), start);
   return maximise_twice(likelihood, near.converged ? near.x : start);
 }
 
+/// @param start  of the samples themselves: the timing errors are widened by it
+/// @param near   where the search begins, if it is known better
 Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFamily& family,
-                     const Eigen::VectorXd& start) {
+                     const Eigen::VectorXd& start, const Eigen::VectorXd* near = nullptr) {
   Candidate candidate{family, data, {}};
   if (family.is_two_sided()) {
     const Eigen::Index below = model.n_parameters(), above = below + static_cast<Eigen::Index>(family.n_terms);
@@ -129,7 +147,7 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
     widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
           std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = maximise_from_some(likelihood, start);
+  candidate.maximum = near ? maximise_twice(likelihood, *near) : maximise_from_some(likelihood, start);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }
@@ -141,6 +159,30 @@ bool is_better(const Candidate& a, const Candidate& b) {
 /// Whether the normal part is larger than the exponentials.
 bool is_large_part(const Candidate& candidate) { return candidate.maximum.x[candidate.maximum.x.size() - 1] > 0.0; }
 
+/// Whether some of very many samples already rule out a normal part as large as the exponentials: by more than six
+/// standard errors, which all of them would not reverse.
+bool surely_no_large_part(const LawData& data, const LawModel& model, const ScatterFamily& family,
+                          const Eigen::VectorXd& start) {
+  constexpr double kSixStandardErrors = 36.0;
+  const std::optional<LawData> some = some_of(data);
+  if (!some) return false;
+  const LawLikelihood likelihood(*some, model, family);
+  const Maximum best = maximise_twice(likelihood, start);
+  const Eigen::Index n_others = start.size() - 1;
+  if (!best.converged || best.x[n_others] > 0.0) return false;
+  Eigen::VectorXd as_large = best.x;
+  as_large[n_others] = 0.0;
+  const LogLikelihood of_others = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
+    as_large.head(n_others) = x;
+    const double value = likelihood(as_large, gradient);
+    if (gradient) gradient->conservativeResize(n_others);
+    return value;
+  };
+  const Eigen::MatrixXd information = likelihood.information(as_large).topLeftCorner(n_others, n_others);
+  const Maximum there = maximise(of_others, best.x.head(n_others), information);
+  return there.converged && 2.0 * (best.loglik - there.loglik) > kSixStandardErrors;
+}
+
 /// By BIC how the widths go with speed, and from 1000 samples on whether there is a normal part beside the
 /// exponentials. Fewer may hide one, and without it the peak would be too sure of itself; of two pure exponentials it
 /// takes the information on the kink. One smaller than the exponentials is left out too: a rough ball's density is a
@@ -151,20 +193,32 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
     ScatterFamily family = scatter_family(config.method, n_terms, data.v_mps[data.size() / 2]);
     if (best) family.kind = best->family.kind;  // whatever the widths do
-    Eigen::VectorXd start = start_values(data, model, family);
+    Eigen::VectorXd start = start_of(data, model, family);
     if (start.size() == 0) return std::nullopt;
     const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kManySamples;
     if (undecided) {
       ScatterFamily exponentials = family;
       exponentials.kind = ScatterKind::asymmetric_laplace;
-      best = fit_family(data, model, exponentials, start_values(data, model, exponentials));
-      if (best->maximum.converged) start = with_normal_part(best->maximum.x, family, model.n_parameters());
+      best = fit_family(data, model, exponentials, start_of(data, model, exponentials));
+      if (best->maximum.converged) {
+        start = with_normal_part(best->maximum.x, family, model.n_parameters());
+        if (surely_no_large_part(data, model, family, start)) continue;
+      }
     }
     Candidate candidate = fit_family(data, model, family, start);
     const bool rounds_the_peak = undecided && best && best->maximum.converged && !is_large_part(candidate);
     if (!best || (is_better(candidate, *best) && !rounds_the_peak)) best = std::move(candidate);
   }
   return best;
+}
+
+/// The same family once more when outliers were set aside; of very many samples from where the search ended before.
+std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
+                                                const Candidate& before) {
+  if (data.size() < kVeryMany || !before.maximum.converged) return best_candidate(data, model, config);
+  const Eigen::VectorXd start = start_of(data, model, before.family);
+  if (start.size() == 0) return std::nullopt;
+  return fit_family(data, model, before.family, start, &before.maximum.x);
 }
 
 /// Moves samples that are lost bounces rather than scatter from `rows` to `outliers`.
@@ -229,7 +283,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
     const LawLikelihood likelihood(main.data, model, main.family);
     Maximum maximum = main.maximum;
     if (!results.empty()) {
-      const Eigen::VectorXd start = start_values(main.data, model, main.family);
+      const Eigen::VectorXd start = start_by_some(main.data, model, main.family);
       if (start.size() == 0) continue;
       maximum = maximise_from_some(likelihood, start);
       if (!maximum.converged) continue;
@@ -301,13 +355,12 @@ double scale_at(const std::vector<double>& c, double x) {
   return exp(sum);
 }
 
-LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) {
+LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& asked) {
   LawFit fit;
   if (asked.n_scatter_terms > 8)
     throw InvalidArgument("terms of the scatter " + std::to_string(asked.n_scatter_terms) + ": 1 to 8, 0 = by BIC");
-  check(samples);
-  std::vector<std::size_t> rows = by_speed(samples);
-  LawData data = law_data(samples, rows);
+  std::vector<std::size_t> rows = ordered.rows;
+  LawData data = ordered.data;
   fit.n = data.size();
   const LawFitConfig config = for_few(asked, fit.n, fit.notes);
   fit.kind = config.kind;
@@ -316,11 +369,13 @@ LawFit fitted_law(const RestitutionSamples& samples, const LawFitConfig& asked) 
   if (!fit.message.empty()) return fit;
 
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);
+  data.basis = make_law_basis(model, data.v_mps);
   auto candidate = best_candidate(data, model, config);
   // outliers widen the scatter they are judged by: again until none is left
   while (candidate && data.size() > kFewest && remove_outliers(data, model, *candidate, rows, fit.outliers)) {
     data = law_data(samples, rows);
-    candidate = best_candidate(data, model, config);
+    data.basis = make_law_basis(model, data.v_mps);
+    candidate = again_without_outliers(data, model, config, *candidate);
   }
   std::sort(fit.outliers.begin(), fit.outliers.end());
   fit.n = data.size();
@@ -352,11 +407,22 @@ double ScatterModel::mean_minus_peak(double v_mps) const {
   return a - b - offset;
 }
 
-LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+OrderedSamples ordered_by_speed(const RestitutionSamples& samples) {
+  check(samples);
+  OrderedSamples ordered{by_speed(samples), {}};
+  ordered.data = law_data(samples, ordered.rows);
+  return ordered;
+}
+
+LawFit fit_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& config) {
   LawFit fit;
   // once for the whole search, not for each of its likelihoods
-  with_threads(0, [&] { fit = fitted_law(samples, config); });
+  with_threads(0, [&] { fit = fitted_law(samples, ordered, config); });
   return fit;
+}
+
+LawFit fit_law(const RestitutionSamples& samples, const LawFitConfig& config) {
+  return fit_law(samples, ordered_by_speed(samples), config);
 }
 
 }  // namespace bouncelab::fit

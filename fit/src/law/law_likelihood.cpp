@@ -24,6 +24,10 @@ NormalLaplace normal_density(double d, double s, double tau) {
           0.0,          0.0};
 }
 
+bool is_of(const std::shared_ptr<const LawBasis>& basis, const LawModel& model) {
+  return basis && basis->kind == model.kind && basis->orders == model.orders && basis->node_v_mps == model.node_v_mps;
+}
+
 double polynomial(const double* c, std::size_t n, double x) {
   double sum = 0.0;
   for (std::size_t k = n; k-- > 0;) sum = sum * x + c[k];
@@ -34,6 +38,18 @@ double polynomial(const double* c, std::size_t n, double x) {
 
 Eigen::Index ScatterFamily::n_parameters() const {
   return static_cast<Eigen::Index>((is_two_sided() ? 2 : 1) * n_terms + (kind == ScatterKind::normal_laplace ? 1 : 0));
+}
+
+std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps) {
+  if (model.is_linear())
+    return std::make_shared<LawBasis>(LawBasis{model.kind, model.orders, model.node_v_mps,
+                                               model.jacobian(v_mps, Eigen::VectorXd::Ones(model.n_parameters()))});
+  const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
+  return std::make_shared<LawBasis>(
+      LawBasis{model.kind,
+               model.orders,
+               {},
+               Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), static_cast<Eigen::Index>(tenth_powers.size()))});
 }
 
 LawData thinned(const LawData& all, std::size_t stride) {
@@ -48,7 +64,12 @@ LawData thinned(const LawData& all, std::size_t stride) {
 }
 
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
-    : data_(data), model_(model), scatter_(scatter), n_law_(model.n_parameters()) {
+    : data_(data),
+      model_(model),
+      scatter_(scatter),
+      n_law_(model.n_parameters()),
+      held_(is_of(data.basis, model) ? data.basis : make_law_basis(model, data.v_mps)),
+      basis_(held_->rows) {
   constexpr double kRangeOfLost = 2.0;
   odds_of_lost_density_ = scatter.lost_share / kRangeOfLost / (1.0 - scatter.lost_share);
   x_.reserve(data.size());
@@ -58,12 +79,6 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
   for (const double tau : data.tau) inverse_tau_.push_back(1.0 / tau);
   // between one knot before the first sample and one behind the last
   knot_distance_ = std::max((x_.back() - x_.front()) / static_cast<double>(kKnots - 3), 1e-9);
-  if (model.is_linear()) {
-    basis_ = model.jacobian(data.v_mps, Eigen::VectorXd::Ones(n_law_));
-  } else {
-    const std::vector<double> tenth_powers = powers_of(data.v_mps, 0.1);
-    basis_ = Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), static_cast<Eigen::Index>(data.size()));
-  }
 }
 
 double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row) const {
@@ -160,7 +175,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
   Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
   parallel_for(n_blocks, 0, [&](std::size_t block) {
     LogSum sum;
-    GradientSum of_block;
+    GradientSum of_block(gradient ? static_cast<std::size_t>(n_parameters()) : 0);
     SampleBlock samples;
     const std::size_t end = std::min(data_.size(), (block + 1) * kParallel);
     for (samples.begin = block * kParallel; samples.begin < end; samples.begin += samples.n) {
@@ -169,8 +184,7 @@ double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* 
       sum.add(samples.n, samples.f);
       if (gradient) add_scores(samples, of_block);
     }
-    if (gradient)
-      of_block.put(gradients.col(static_cast<Eigen::Index>(block)).data(), static_cast<std::size_t>(n_parameters()));
+    if (gradient) of_block.put(gradients.col(static_cast<Eigen::Index>(block)).data());
     sums[block] = sum.value();
   });
   double sum = 0.0;

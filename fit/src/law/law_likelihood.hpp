@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "law/law_block.hpp"
@@ -17,11 +19,25 @@ inline constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
 inline constexpr std::size_t kParallel = 4096;  ///< samples of one piece of parallel work, a multiple of kBlockSize
 
+/// From here on a fit costs as many seconds as it takes passes over all samples.
+inline constexpr std::size_t kVeryMany = 20000;
+
+/// What the curve of a law is made of at each speed.
+struct LawBasis {
+  LawKind kind = LawKind::series;
+  std::vector<int> orders;
+  std::vector<double> node_v_mps;
+  Eigen::MatrixXd rows;  ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
+};
+std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps);
+
 /// What is fitted: columns of equal length, sorted by speed.
 struct LawData {
   std::vector<double> v_mps, eps;
   std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
   std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
+  /// Of the speeds, for one law: many likelihoods of the same samples take it from here. Goes with the speeds alone.
+  std::shared_ptr<const LawBasis> basis = nullptr;
   std::size_t size() const { return v_mps.size(); }
 };
 
@@ -69,6 +85,12 @@ class LawLikelihood {
 
   /// Expected information at theta; from every n-th sample (in order of speed) where there are many.
   Eigen::MatrixXd information(const Eigen::VectorXd& theta) const;
+
+  /// Observed information at theta: the curvature of the log-likelihood, sign reversed. By differences of each sample's
+  /// scores over one standard error of the curve, sqrt(n_law / n) of the scatter's width: that far the kinks of single
+  /// samples are smoothed out. A sample's density depends on theta by location, log scales and rho alone: two
+  /// evaluations for each of these, however many parameters they have.
+  Eigen::MatrixXd observed_information(const Eigen::VectorXd& theta) const;
 
   /// Of sample k: density of its residual, with derivatives by location and log scales.
   NormalLaplace density(const Eigen::VectorXd& theta, std::size_t k) const;
@@ -128,7 +150,13 @@ class LawLikelihood {
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
   NormalLaplace density_at(double d, const Scales& scales) const;
   /// Of s.n samples from s.begin on: densities with their derivatives.
-  void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  /// @param location  the curve's displacement, in widths of the scatter and timing errors together
+  void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s, double location = 0.0) const;
+  struct Displaced;
+  class CurvatureSum;
+  Displaced displaced(const Eigen::VectorXd& theta) const;
+  /// Sum over samples of the score by location times the curve's second derivative by q.
+  double bend_of_curve(const Eigen::VectorXd& theta) const;
   /// All that density and distribution function take: residuals (with a normal part from where the exponentials join),
   /// sides, standard deviations of normal part and timing error together.
   struct NormalPart {
@@ -160,7 +188,8 @@ class LawLikelihood {
   std::vector<double> x_;              ///< log(v / v_ref)
   std::vector<double> inverse_tau_;
   double knot_distance_ = 1.0;  ///< in x
-  Eigen::MatrixXd basis_;       ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
+  std::shared_ptr<const LawBasis> held_;
+  const Eigen::MatrixXd& basis_;
 };
 
 /// Without the normal part's size. @param n_law  parameters of the law, which come first in theta

@@ -157,7 +157,8 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
     Eigen::VectorXd direction = Eigen::VectorXd::Zero(maximum.x.size());
     direction.head(n_law) = row.transpose();
     return profile_intervals(function, maximum, white, direction,
-                             by_drop ? by_drop->profile_levels_of(direction, white) : of_samples);
+                             by_drop ? by_drop->profile_levels_of(direction, white) : of_samples,
+                             by_drop ? &by_drop->curvature : nullptr);
   };
   // one coordinate: everything reported is a monotone function of it
   const auto one = n_law == 1 ? along(Eigen::RowVectorXd::Ones(1)) : std::nullopt;

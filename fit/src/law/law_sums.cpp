@@ -101,8 +101,8 @@ void GradientSum::add_powers(std::size_t i, std::size_t n_powers, std::size_t n,
   for (std::size_t j = 0; j < n_powers; ++j) sum_and_multiply(n, value.data(), x, sums_[i + j].data());
 }
 
-void GradientSum::put(double* gradient, std::size_t n_kinds) const {
-  for (std::size_t i = 0; i < n_kinds; ++i) gradient[i] = sum_of(sums_[i]);
+void GradientSum::put(double* sums) const {
+  for (std::size_t i = 0; i < sums_.size(); ++i) sums[i] = sum_of(sums_[i]);
 }
 
 }  // namespace bouncelab::fit

@@ -180,12 +180,12 @@ Eigen::Matrix4d normal_laplace_information(double b_below, double b_above, doubl
   Block taus, inverse_taus;
   taus.fill(tau);
   inverse_taus.fill(1.0 / tau);
-  GradientSum sum;
+  std::array<double, 10> pairs;
+  GradientSum sum(pairs.size());
   for (std::size_t begin = 0; begin < kPoints; begin += kBlockSize)
     add_information(std::min(kBlockSize, kPoints - begin), &points.d[begin], &points.weight[begin], sides, taus,
                     inverse_taus, sum);
-  std::array<double, 10> pairs;
-  sum.put(pairs.data(), pairs.size());
+  sum.put(pairs.data());
   Eigen::Matrix4d information;
   std::size_t pair = 0;
   for (Eigen::Index i = 0; i < 4; ++i)

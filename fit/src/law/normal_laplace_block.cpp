@@ -49,11 +49,28 @@ struct NearBlock {
   Block sum, share_above, hazard;
 };
 
+bool is_near(double u1, double u2) { return !(u1 < -kFar || u2 < -kFar); }
+
+/// Whether any of each eight samples is near the peak: of exact times few are. @param p  u1 of those that fill up the
+/// last eight is far off
+BOUNCELAB_VECTOR_CLONES void find_near(std::size_t n, const PartsBlock& p, std::array<bool, kBlockSize / 8>& any) {
+  for (std::size_t group = 0; 8 * group < n; ++group) {
+    unsigned is_any = 0;
+    for (std::size_t k = 8 * group; k < 8 * group + 8; ++k) is_any |= is_near(p.u1[k], p.u2[k]) ? 1U : 0U;
+    any[group] = is_any != 0;
+  }
+}
+
 void gather(std::size_t n, const PartsBlock& p, NearBlock& near) {
+  std::array<bool, kBlockSize / 8> any;
+  find_near(n, p, any);
   near.n = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    near.of[near.n] = k;
-    near.n += !(p.u1[k] < -kFar || p.u2[k] < -kFar);
+  for (std::size_t group = 0; 8 * group < n; ++group) {
+    if (!any[group]) continue;
+    for (std::size_t k = 8 * group; k < std::min(n, 8 * group + 8); ++k) {
+      near.of[near.n] = k;
+      near.n += is_near(p.u1[k], p.u2[k]);
+    }
   }
   for (std::size_t i = 0; i < near.n; ++i) {
     near.u1[i] = p.u1[near.of[i]];
@@ -167,6 +184,7 @@ namespace {
 void parts(std::size_t n, const double* d, const SidesBlock& sides, const double* tau, const double* inverse_tau,
            PartsBlock& p) {
   far_parts(n, d, sides, tau, inverse_tau, p);
+  std::fill(p.u1.begin() + static_cast<std::ptrdiff_t>(n), p.u1.end(), -HUGE_VAL);
   NearBlock near;
   gather(n, p, near);
   if (near.n == 0) return;

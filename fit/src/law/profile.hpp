@@ -30,10 +30,12 @@ ProfileLevels profile_levels(std::size_t n, std::size_t n_location);
 /// the standard error.
 /// @param white      theta = maximum.x + white y makes the likelihood about exp(-y^2/2)
 /// @param direction  gradient of the quantity by theta
+/// @param curvature  of the log-likelihood by y, sign reversed, where it is known: the others follow by Newton's method
 /// @return nullopt where the likelihood does not fall to the level of 95 % within 200 standard errors, or a search
 ///         fails
 std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, const Maximum& maximum,
                                                   const Eigen::MatrixXd& white, const Eigen::VectorXd& direction,
-                                                  const ProfileLevels& levels = {});
+                                                  const ProfileLevels& levels = {},
+                                                  const Eigen::MatrixXd* curvature = nullptr);
 
 }  // namespace bouncelab::fit

@@ -75,7 +75,8 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
                                       std::uint64_t seed) {
   AndersonDarling result;
   result.a2 = anderson_darling(likelihood.probabilities_below(maximum.x));
-  const LawData design = thinned_and_widened(likelihood, maximum.x);
+  LawData design = thinned_and_widened(likelihood, maximum.x);
+  design.basis = make_law_basis(likelihood.model(), design.v_mps);
   const LawLikelihood thin(design, likelihood.model(), likelihood.scatter());
   const Eigen::MatrixXd information = thin.information(maximum.x);
   const ScatterModel scatter = likelihood.scatter_model(maximum.x);

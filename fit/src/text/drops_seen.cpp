@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "bouncelab/core/units.hpp"
@@ -44,12 +43,29 @@ std::optional<double> height_of(const std::vector<const RestitutionSample*>& dro
   return v0_mps * v0_mps / (2.0 * gravity_of(first));
 }
 
+/// Those of the samples and on either side of each. @param drop  ordered by impact number
+std::size_t n_impacts_of(const std::vector<const RestitutionSample*>& drop) {
+  std::size_t n = 0;
+  std::int64_t next = 0;  // smallest number not counted yet
+  for (const RestitutionSample* s : drop) {
+    const std::int64_t first = std::max(next, s->impact - 1);
+    n += static_cast<std::size_t>(std::max<std::int64_t>(0, s->impact + 2 - first));
+    next = std::max(next, s->impact + 2);
+  }
+  return n;
+}
+
 }  // namespace
 
 DropsSeen drops_seen(const RestitutionSamples& samples) {
   std::map<std::pair<std::string, std::int64_t>, std::vector<const RestitutionSample*>> drops;
-  for (const RestitutionSample& s : samples)
-    if (is_sound(s)) drops[{s.recording, s.drop}].push_back(&s);
+  auto present = drops.end();  // successive samples are mostly of one drop
+  for (const RestitutionSample& s : samples) {
+    if (!is_sound(s)) continue;
+    if (present == drops.end() || present->first.second != s.drop || present->first.first != s.recording)
+      present = drops.try_emplace({s.recording, s.drop}).first;
+    present->second.push_back(&s);
+  }
   DropsSeen seen;
   seen.n_drops = drops.size();
   const DropsSeen untimed = seen;
@@ -62,10 +78,7 @@ DropsSeen drops_seen(const RestitutionSamples& samples) {
                                                     return a->impact == b->impact || a->t_s >= b->t_s;
                                                   }) == drop.end();
     if (!timed) return untimed;  // a table of speeds and eps alone
-    std::set<std::int64_t> impacts;
-    for (const RestitutionSample* s : drop) impacts.insert({s->impact - 1, s->impact, s->impact + 1});
-    impacts.erase(-1);
-    n_impacts += impacts.size();
+    n_impacts += n_impacts_of(drop);
     const RestitutionSample &first = *drop.front(), &last = *drop.back();
     duration_s += last.t_s + std::max(0.0, last.eps) * interval_before_s(last) - first.t_s;
     if (first.impact > 0) duration_s += interval_before_s(first);

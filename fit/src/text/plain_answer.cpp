@@ -84,6 +84,7 @@ std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
 }
 
 std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const RestitutionSamples& samples) {
+  if (result.recordings.rows.empty()) return {};
   std::map<std::string, RestitutionSamples> of;
   for (const RestitutionSample& s : samples) of[s.recording].push_back(s);
   const std::optional<double> v_mps = common_speed(result.recordings.rows);

@@ -42,7 +42,8 @@ QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit
   error.offset68 = {-reach.z68 * error.se, reach.z68 * error.se};
   error.offset95 = {-reach.z95 * error.se, reach.z95 * error.se};
   if (!fit.maximum.converged) return error;
-  if (const auto profile = profile_intervals(function, fit.maximum, white, direction, levels)) {
+  const Eigen::MatrixXd* const curvature = by_drop ? &by_drop->curvature : nullptr;
+  if (const auto profile = profile_intervals(function, fit.maximum, white, direction, levels, curvature)) {
     error.offset68 = profile->offset68;
     error.offset95 = profile->offset95;
     error.method = IntervalMethod::profile;

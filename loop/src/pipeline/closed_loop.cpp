@@ -169,18 +169,25 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
   fit_config.law.node_speeds_mps = config.node_speeds_mps;
   fit_config.budget = budget_config_of(loop.simulation);
   fit_config.compare_recordings = false;  // each drop is one, all of the same ball
-  loop.samples_direct = direct_samples(loop.rough.impacts);
-  loop.samples_true = samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
-  loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
   const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
     fit::FitConfig this_config = fit_config;
     if (memory) this_config.memory = fit::UseMemory::where_long;
     result = fit::fit_all(samples, this_config);
   };
   if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, 4.0);
-  std::vector<std::function<void()>> fits{[&] { fit(loop.samples_sound, loop.sound, config.with_memory); },
-                                          [&] { fit(loop.samples_true, loop.true_times, config.with_memory); },
-                                          [&] { fit(loop.samples_direct, loop.direct); }};
+  std::vector<std::function<void()>> fits{[&] {
+                                            loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
+                                            fit(loop.samples_sound, loop.sound, config.with_memory);
+                                          },
+                                          [&] {
+                                            loop.samples_true =
+                                                samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
+                                            fit(loop.samples_true, loop.true_times, config.with_memory);
+                                          },
+                                          [&] {
+                                            loop.samples_direct = direct_samples(loop.rough.impacts);
+                                            fit(loop.samples_direct, loop.direct);
+                                          }};
   if (!loop.smooth.drops.empty())
     fits.emplace_back([&] { fit(samples_of(onsets_of(loop.smooth.drops)), loop.smooth_sound); });
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
@@ -249,11 +256,16 @@ LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, Fin
     const sim::ContactOffset offset =
         contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
                           config.n_asperities, config.n_threads);
-    loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
-    loop.reservoir =
-        reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
-                        onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
-                        loop.simulation.gravity_mps2);
+    const auto reservoir = [&] {
+      loop.reservoir =
+          reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
+                          onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
+                          loop.simulation.gravity_mps2);
+    };
+    const auto theory = [&] {
+      loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
+    };
+    parallel_for(2, config.n_threads, [&](std::size_t k) { k == 0 ? reservoir() : theory(); });
   });
   return loop;
 }

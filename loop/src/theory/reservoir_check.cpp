@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <compare>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -81,6 +82,31 @@ fit::ImpactChain chain_of(const Stretch& stretch, const Onsets& onsets,
   return chain;
 }
 
+/// Rows of a table of impacts by drop and impact.
+class RowsOfImpacts {
+ public:
+  explicit RowsOfImpacts(const Impacts& impacts) {
+    rows_.reserve(impacts.rows.size());
+    for (std::size_t k = 0; k < impacts.rows.size(); ++k)
+      rows_.push_back({impacts.rows[k].drop, impacts.rows[k].impact, k});
+    if (!std::is_sorted(rows_.begin(), rows_.end())) std::sort(rows_.begin(), rows_.end());
+  }
+  std::optional<std::size_t> find(std::int64_t drop, std::int64_t impact) const {
+    const auto at = std::lower_bound(rows_.begin(), rows_.end(), Row{drop, impact, 0});
+    if (at == rows_.end() || at->drop != drop || at->impact != impact) return std::nullopt;
+    return at->row;
+  }
+
+ private:
+  struct Row {
+    std::int64_t drop, impact;
+    std::size_t row;
+    // NOLINTNEXTLINE(modernize-use-nullptr): found in the comparison that the compiler makes, where there is no pointer
+    friend auto operator<=>(const Row&, const Row&) = default;
+  };
+  std::vector<Row> rows_;
+};
+
 double root_mean_square(const std::vector<ReservoirOfDrop>& drops, const auto& of) {
   double sum = 0.0;
   for (const ReservoirOfDrop& drop : drops) sum += of(drop) * of(drop);
@@ -120,9 +146,7 @@ std::optional<ReservoirCheck> reservoir_check(const Impacts& simulated, const st
   ReservoirCheck check;
   const std::optional<fit::LawWithErrors> law = law_of(fitted, check.with_memory);
   if (!law) return std::nullopt;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> row_of;
-  for (std::size_t k = 0; k < simulated.rows.size(); ++k)
-    row_of[{simulated.rows[k].drop, simulated.rows[k].impact}] = k;
+  const RowsOfImpacts row_of(simulated);
 
   const auto sample_of = samples_by_onset(onsets, samples);
   std::vector<fit::ImpactChain> chains;
@@ -130,9 +154,9 @@ std::optional<ReservoirCheck> reservoir_check(const Impacts& simulated, const st
   for (const Stretch& stretch : longest_stretches(truth, match, sample_of)) {
     // of the first impact of all there is no sample: an impact before the stretch exists
     const Onset &first = truth[stretch.begin], &last = truth[stretch.end - 1];
-    const auto before = row_of.find({first.drop, first.impact - 1}), after = row_of.find({last.drop, last.impact});
-    if (before == row_of.end() || after == row_of.end()) continue;
-    const sim::Reservoir &begin = reservoirs[before->second], &end = reservoirs[after->second];
+    const auto before = row_of.find(first.drop, first.impact - 1), after = row_of.find(last.drop, last.impact);
+    if (!before || !after) continue;
+    const sim::Reservoir &begin = reservoirs[*before], &end = reservoirs[*after];
     check.drops.push_back({first.drop, first.impact, last.impact, end.total_m2ps2() - begin.total_m2ps2(), {}});
     chains.push_back(chain_of(stretch, onsets, match, sample_of));
     spin += end.spin_m2ps2;

@@ -4,8 +4,10 @@
 #include <sys/resource.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/loop/paper_experiment.hpp"
@@ -42,11 +44,13 @@ double peak_memory_bytes() {
 }
 
 void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
-  write_table(run, folder / "impacts.csv", to_table(loop.rough.impacts));
-  write_table(run, folder / "truth.csv", truth_table_of(loop.rough.drops, loop.rough.name));
-  write_table(run, folder / "onsets.csv", to_table(onsets_of(loop.rough.drops)));
-  write_table(run, folder / "samples.csv", to_table(loop.samples_sound));
-  write_table(run, folder / "samples_from_true_times.csv", to_table(loop.samples_true));
+  const std::vector<std::function<void()>> tables{
+      [&] { write_table(run, folder / "truth.csv", truth_table_of(loop.rough.drops, loop.rough.name)); },
+      [&] { write_table(run, folder / "samples.csv", to_table(loop.samples_sound)); },
+      [&] { write_table(run, folder / "impacts.csv", to_table(loop.rough.impacts)); },
+      [&] { write_table(run, folder / "onsets.csv", to_table(onsets_of(loop.rough.drops))); },
+      [&] { write_table(run, folder / "samples_from_true_times.csv", to_table(loop.samples_true)); }};
+  parallel_for(tables.size(), run.common.n_threads, [&](std::size_t k) { tables[k](); });
 }
 
 void write_fits(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
@@ -57,11 +61,11 @@ void write_fits(const loop::LoopResult& loop, const fs::path& folder, const Run&
   write_text(run, folder / "fit_smooth_ball.json", to_json(loop.smooth_sound));
 }
 
-/// Wall and processor time of the loop's stages, then of those that followed, which one thread did.
-LoopWork work_of(const loop::LoopResult& loop, const SecondsByStage& later_s) {
+/// Wall and processor time of the loop's stages, then of those that followed.
+LoopWork work_of(const loop::LoopResult& loop, const StageClock& later) {
   LoopWork work{loop::sound_s(loop), loop.wall_s, loop.processor_s, peak_memory_bytes()};
-  work.wall_s.insert(work.wall_s.end(), later_s.begin(), later_s.end());
-  work.processor_s.insert(work.processor_s.end(), later_s.begin(), later_s.end());
+  work.wall_s.insert(work.wall_s.end(), later.seconds().begin(), later.seconds().end());
+  work.processor_s.insert(work.processor_s.end(), later.processor_seconds().begin(), later.processor_seconds().end());
   return work;
 }
 
@@ -122,7 +126,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, own);
   });
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
-  const LoopWork work = work_of(result, clock.seconds());
+  const LoopWork work = work_of(result, clock);
   Outcome outcome;
   outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball, work);
   write_summary(outcome.json);

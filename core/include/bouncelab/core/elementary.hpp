@@ -46,6 +46,7 @@ Pair exp(Pair x);
 /// one.
 void exp_each(std::span<double> x);
 void log_each(std::span<double> x);
+void erfc_each(std::span<double> x);
 
 /// exp(y log x), to 1 + 3 |y log x| units in the last place: a quarter of the time of a pow() that is good to one.
 /// @param x  >= 0
