@@ -19,6 +19,9 @@ constexpr std::int64_t kBlock = ResonatorBank::kBlock;
 /// Frames that are made, from ringing to rounding, while they are in the first-level cache.
 constexpr std::size_t kPiece = 2048;
 
+/// Of a piece: noise, rounded and stored, so few that the processor stores them while it computes the next.
+constexpr std::size_t kPart = 256;
+
 /// 2.5 s: long against the plate's memory, of which each segment computes the beginning anew.
 std::int64_t frames_of_a_segment(int rate_hz) {
   return std::max<std::int64_t>(1 << 16, std::int64_t{rate_hz} * 5 / 2 / kBlock * kBlock);
@@ -90,7 +93,7 @@ std::vector<double> Renderer::reverberant_sound(std::size_t channel, std::int64_
 }
 
 template <class T, class Use>
-void Renderer::pieces_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
+void Renderer::parts_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
   const bool is_dead = config_.channels[channel].gain == 0.0;
   const bool is_reverberant = sound_.instrument().tail().is_audible() && !is_dead;
   std::vector<double> whole;  // what cannot be computed in pieces
@@ -105,44 +108,47 @@ void Renderer::pieces_of(std::size_t channel, std::int64_t first, std::int64_t n
   for (std::size_t at = 0; at < static_cast<std::size_t>(n); at += kPiece) {
     piece.fill(T{});
     if (strikes) strikes->add_next(std::span<T>(piece));
-    const std::span<T> wanted = std::span(piece).first(std::min(kPiece, static_cast<std::size_t>(n) - at));
-    if (!whole.empty())
-      for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += static_cast<T>(whole[at + k]);
-    if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at), wanted);
-    use(at, wanted);
+    const std::size_t n_wanted = std::min(kPiece, static_cast<std::size_t>(n) - at);
+    for (std::size_t begin = 0; begin < n_wanted; begin += kPart) {
+      const std::span<T> part = std::span(piece).subspan(begin, std::min(kPart, n_wanted - begin));
+      if (!whole.empty())
+        for (std::size_t k = 0; k < part.size(); ++k) part[k] += static_cast<T>(whole[at + begin + k]);
+      if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at + begin), part);
+      use(at + begin, part);
+    }
   }
 }
 
 template <class Use>
-void Renderer::for_each_piece(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
+void Renderer::for_each_part(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
   if (is_single())
-    pieces_of<float>(channel, first, n, use);
+    parts_of<float>(channel, first, n, use);
   else
-    pieces_of<double>(channel, first, n, use);
+    parts_of<double>(channel, first, n, use);
 }
 
 std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   const std::size_t n_channels = config_.channels.size();
   std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_piece(c, first, n, [&](std::size_t at, auto piece) {
-      for (std::size_t k = 0; k < piece.size(); ++k)
-        interleaved[(at + k) * n_channels + c] = std::clamp<double>(piece[k], -1.0, 1.0);
+    for_each_part(c, first, n, [&](std::size_t at, auto part) {
+      for (std::size_t k = 0; k < part.size(); ++k)
+        interleaved[(at + k) * n_channels + c] = std::clamp<double>(part[k], -1.0, 1.0);
     });
   return interleaved;
 }
 
 void Renderer::append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const {
   const std::size_t n_channels = config_.channels.size(), begin = out.size();
-  std::array<float, kPiece> rounded;
+  std::array<float, kPart> rounded;
   if (n_channels > 1) out.resize(begin + static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_piece(c, first, n, [&](std::size_t at, auto piece) {
-      audio::as_read_back(piece, config_.encoding, rounded);
+    for_each_part(c, first, n, [&](std::size_t at, auto part) {
+      audio::as_read_back(part, config_.encoding, rounded);
       if (n_channels == 1)
-        out.insert(out.end(), rounded.begin(), rounded.begin() + std::ssize(piece));
+        out.insert(out.end(), rounded.begin(), rounded.begin() + std::ssize(part));
       else
-        for (std::size_t k = 0; k < piece.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
+        for (std::size_t k = 0; k < part.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
     });
 }
 

@@ -37,11 +37,11 @@ class Renderer {
   /// All strikes' sound with the reverberation tail, begun so early that its start has decayed.
   template <class T>
   std::vector<double> reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
-  /// Calls use(at, piece): frames first + at ... of one channel, of type float where that is enough.
+  /// Calls use(at, part): frames first + at ... of one channel, of type float where that is enough.
   template <class Use>
-  void for_each_piece(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
+  void for_each_part(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
   template <class T, class Use>
-  void pieces_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
+  void parts_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
   template <class Use>
   void for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const;
 
