@@ -27,14 +27,31 @@ std::int64_t frames_of_a_segment(int rate_hz) {
   return std::max<std::int64_t>(1 << 16, std::int64_t{rate_hz} * 5 / 2 / kBlock * kBlock);
 }
 
+ContactWave scaled(ContactWave wave, double gain) {
+  for (double& y : wave.samples) y *= gain;
+  for (std::size_t p = 0; p < wave.ringing.size(); ++p) wave.ringing.set(p, gain * wave.ringing[p]);
+  return wave;
+}
+
+/// To full scale. Inlined with a step of 1 it is a loop for the compiler to vectorise.
+template <class T>
+[[gnu::always_inline]] inline void clip(std::span<const T> samples, std::size_t step, double* out) {
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto y = static_cast<double>(samples[k]);
+    const double at_least = y < -1.0 ? -1.0 : y;
+    out[k * step] = at_least > 1.0 ? 1.0 : at_least;
+  }
+}
+
 }  // namespace
 
 Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule,
-                   const Levels& levels)
+                   const Levels& levels, const std::vector<ContactWave>& known)
     : config_(config),
       sound_(sound),
       schedule_(schedule),
       levels_(levels),
+      known_(known),
       background_(config, schedule, sound.instrument().bank().filter(), levels),
       segment_frames_(frames_of_a_segment(config.rate_hz)),
       reach_back_s_(static_cast<double>(sound.instrument().bank().memory_frames() +
@@ -44,17 +61,22 @@ Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, cons
       reach_ahead_s_((ConverterFilter::kHalfWidth_samples + 4.0) / config.rate_hz),
       silence_(std::max(kSilence, kSilenceInNoise * levels.noise_rms)) {}
 
-template <class Use>
-void Renderer::for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const {
-  const StrikeSound::Wave wave = sound_.wave_at(channel, strike);
-  Contact direct = sound_.contact(channel, strike);
+void Renderer::add_contacts(std::size_t channel, std::size_t strike, std::int64_t end, StrikeRinging& ringing) const {
+  const Strike& at = schedule_.strikes[strike];
+  const bool is_known = channel == sound_.measured_channel() && !known_[strike].samples.empty();
+  const auto begins = [end](const Contact& contact) {
+    return contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end);
+  };
+  Contact direct = sound_.contact(channel, at);
   direct.impulse *= levels_.gain;
-  use(direct, wave);
+  const StrikeSound::Wave wave =
+      is_known && config_.sensor.echoes.empty() ? StrikeSound::Wave() : sound_.wave_at(channel, at);
+  if (begins(direct)) ringing.add(is_known ? scaled(known_[strike], levels_.gain) : wave(direct, false));
   for (const Echo& echo : config_.sensor.echoes) {
     Contact late = direct;
     late.arrival_samples += echo.delay_s * config_.rate_hz;
     late.impulse *= echo.gain;
-    use(late, wave);
+    if (begins(late)) ringing.add(wave(late, false));
   }
 }
 
@@ -67,17 +89,13 @@ StrikeRinging Renderer::ringing(std::size_t channel, std::int64_t first, std::in
   const ResonatorBank& bank = sound_.instrument().bank();
   const std::int64_t end = first + n;
   StrikeRinging result(bank, silence_, first);
-  const auto add_contact = [&](const Contact& contact, const StrikeSound::Wave& wave_of) {
-    if (contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end))
-      result.add(wave_of(contact, false));
-  };
   const double earliest_s =
       static_cast<double>(first - bank.memory_frames()) / config_.rate_hz - sound_.largest_delay_s();
   const double latest_s = static_cast<double>(end) / config_.rate_hz + reach_ahead_s_;
   auto strike = std::lower_bound(schedule_.strikes.begin(), schedule_.strikes.end(), earliest_s,
                                  [](const Strike& s, double t_s) { return s.t_s < t_s; });
   for (; strike != schedule_.strikes.end() && strike->t_s < latest_s; ++strike)
-    for_each_contact(channel, *strike, add_contact);
+    add_contacts(channel, static_cast<std::size_t>(strike - schedule_.strikes.begin()), end, result);
   return result;
 }
 
@@ -131,9 +149,12 @@ std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   const std::size_t n_channels = config_.channels.size();
   std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_part(c, first, n, [&](std::size_t at, auto part) {
-      for (std::size_t k = 0; k < part.size(); ++k)
-        interleaved[(at + k) * n_channels + c] = std::clamp<double>(part[k], -1.0, 1.0);
+    for_each_part(c, first, n, [&]<class T>(std::size_t at, std::span<T> part) {
+      double* const out = interleaved.data() + at * n_channels + c;
+      if (n_channels == 1)
+        clip<T>(part, 1, out);
+      else
+        clip<T>(part, n_channels, out);
     });
   return interleaved;
 }
