@@ -58,12 +58,12 @@ void draw_plainly(std::uint64_t seed, std::uint32_t source, std::uint64_t first_
                                                                           std::uint64_t first_block,
                                                                           std::uint32_t* const out[4]) {
   constexpr __mmask8 kAll = 0xFF;  // gcc 12 warns of the unmasked ones: their headers read what is not initialized
-  constexpr int kRegisters = 4;    // even and odd blocks of 16, then of the next 16
+  constexpr std::size_t kRegisters = 4;  // even and odd blocks of 16, then of the next 16
   const __m512i p_factor = _mm512_set1_epi64(kMultiplier[0]), q_factor = _mm512_set1_epi64(kMultiplier[1]);
   const __m512i even = _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14);
   __m512i a[kRegisters], b[kRegisters], c[kRegisters], d[kRegisters];
-  for (int i = 0; i < kRegisters; ++i) {
-    const std::uint64_t begin = first_block + static_cast<std::uint64_t>(i / 2 * 16 + i % 2);
+  for (std::size_t i = 0; i < kRegisters; ++i) {
+    const std::uint64_t begin = first_block + i / 2 * 16 + i % 2;
     a[i] = _mm512_add_epi64(_mm512_set1_epi64(static_cast<long long>(begin)), even);
     b[i] = _mm512_maskz_srli_epi64(kAll, a[i], 32);
     c[i] = _mm512_set1_epi64(source);
@@ -72,7 +72,7 @@ void draw_plainly(std::uint64_t seed, std::uint32_t source, std::uint64_t first_
   Key key(seed);
   for (int round = 0; round < kRounds; ++round, key.step()) {
     const __m512i lower = _mm512_set1_epi64(key.lower), upper = _mm512_set1_epi64(key.upper);
-    for (int i = 0; i < kRegisters; ++i) {
+    for (std::size_t i = 0; i < kRegisters; ++i) {
       constexpr int kXorOfThree = 0x96;
       const __m512i p = _mm512_maskz_mul_epu32(kAll, a[i], p_factor), q = _mm512_maskz_mul_epu32(kAll, c[i], q_factor);
       a[i] = _mm512_ternarylogic_epi64(_mm512_maskz_srli_epi64(kAll, q, 32), b[i], lower, kXorOfThree);
@@ -83,7 +83,7 @@ void draw_plainly(std::uint64_t seed, std::uint32_t source, std::uint64_t first_
   }
   const __m512i* const lanes[4] = {a, b, c, d};
   for (int w = 0; w < 4; ++w)
-    for (int i = 0; i < kRegisters; i += 2)
+    for (std::size_t i = 0; i < kRegisters; i += 2)
       _mm512_storeu_si512(out[w] + i * 8, _mm512_mask_blend_epi32(0xAAAA, lanes[w][i],
                                                                   _mm512_maskz_slli_epi64(kAll, lanes[w][i + 1], 32)));
 }
