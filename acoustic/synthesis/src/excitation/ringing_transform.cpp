@@ -17,6 +17,7 @@ using Complex = std::complex<double>;
 constexpr std::size_t kLength = 2 * RingingTransform::kFrames;  // M
 constexpr std::size_t kBins = kLength / 2;
 constexpr int kWidth = 12;  // w
+constexpr int kHalfWidth = kWidth / 2;
 constexpr double kBeta = 0.75 * std::numbers::pi * kWidth;
 constexpr double kMiddle = 0.5 * RingingTransform::kFrames;
 /// Within M / 2 frames, as exponent.
@@ -74,7 +75,7 @@ BOUNCELAB_VECTOR_CLONES void add_product(const float* a, const float* b, std::si
 RingingTransform::RingingTransform(const std::vector<Complex>& poles) : fft_(kLength), holds_(poles.size(), false) {
   for (std::size_t p = 0; p < poles.size(); ++p) {
     const double bin = poles[p].imag() * kLength / (2.0 * std::numbers::pi);
-    const double first = std::floor(bin) - kWidth / 2 + 1;
+    const double first = std::floor(bin) - kHalfWidth + 1;
     // the transform has no bins 0 and M / 2
     holds_[p] = -poles[p].real() * kLength / 2.0 <= kLargestDecay && first >= 1.0 && first + kWidth <= kBins;
     if (!holds_[p]) continue;
