@@ -100,12 +100,15 @@ double WaveMeter::ringing_peak(PoleValues ringing, double peak) const {
   }
 }
 
-double WaveMeter::peak(const ContactWave& wave) const { return ringing_peak(wave.ringing, largest(wave.samples, 0.0)); }
+double WaveMeter::peak(const ContactWave& wave) const {
+  return wave.peak ? *wave.peak : ringing_peak(wave.ringing, largest(wave.samples, 0.0));
+}
 
-WaveMeasure WaveMeter::measure(ContactWave wave, const Whitening& whitening) const {
-  whitening.noise.whiten(wave.slopes);
+WaveMeasure WaveMeter::measure(const ContactWave& wave, const Whitening& whitening) const {
+  std::vector<double> whitened = wave.slopes;
+  whitening.noise.whiten(whitened);
   WaveMeasure result;
-  for (const double slope : wave.slopes) result.slope_energy += slope * slope;
+  for (const double slope : whitened) result.slope_energy += slope * slope;
   PoleValues slopes(bank_.size());
   for (std::size_t p = 0; p < bank_.size(); ++p) slopes.set(p, wave.ringing[p] * whitening.slope_gains[p]);
   result.slope_energy += ringing_energy(slopes);

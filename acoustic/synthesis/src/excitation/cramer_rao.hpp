@@ -35,7 +35,7 @@ class WaveMeter {
   explicit WaveMeter(const ResonatorBank& bank);
   double peak(const ContactWave& wave) const;
   /// @param wave  with slopes
-  WaveMeasure measure(ContactWave wave, const Whitening& whitening) const;
+  WaveMeasure measure(const ContactWave& wave, const Whitening& whitening) const;
 
  private:
   double ringing_energy(const PoleValues& slopes) const;

@@ -25,6 +25,10 @@ constexpr std::int64_t kFree = kConverterReach + 1;
 constexpr auto kRow = static_cast<std::size_t>(PointResponse::kLongestContact_samples + kConverterReach +
                                                ResonatorBank::kBlock + 8 - kFirst);
 
+/// Blocks of values after the longest wave, among which its peak is looked for.
+constexpr std::size_t kLaterBlocks = 16;
+constexpr std::size_t kLongRow = kRow + kLaterBlocks * static_cast<std::size_t>(ResonatorBank::kBlock);
+
 /// Interpolates between quarters of a sample: Kaiser's windowed sinc. It passes 0.5 cycles in a sample within 1e-8, and
 /// stops their images, from 3.5 on, as well.
 constexpr int kHalfWidth_quarters = 8;
@@ -53,6 +57,27 @@ BOUNCELAB_VECTOR_CLONES void horner_step(const double* e_re, const double* e_im,
   }
 }
 
+double sum_of_magnitudes(const PoleValues& values) {
+  double sum = 0.0;
+  for (std::size_t p = 0; p < values.size(); ++p) sum += std::abs(values[p]);
+  return sum;
+}
+
+double largest_magnitude(std::span<const double> samples) {
+  double largest = 0.0;
+  for (const double y : samples) largest = std::max(largest, std::abs(y));
+  return largest;
+}
+
+/// Appends free ringing until there are at least `n`.
+void continue_ringing(const ResonatorBank& bank, PoleValues state, std::size_t n, std::vector<double>& values) {
+  const std::size_t n_before = values.size();
+  if (n <= n_before) return;
+  constexpr auto kBlock = static_cast<std::size_t>(ResonatorBank::kBlock);
+  values.resize(n_before + (n - n_before + kBlock - 1) / kBlock * kBlock, 0.0);
+  bank.ring(state, 0.0, std::span(values).subspan(n_before));
+}
+
 std::int64_t quotient_rounded_up(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b - 1) / b : -(-a / b); }
 std::int64_t quotient_rounded_down(std::int64_t a, std::int64_t b) { return -quotient_rounded_up(-a, b); }
 
@@ -63,6 +88,7 @@ PointResponse::PointResponse(const ResonatorBank& bank, const PoleValues& amplit
   for (std::size_t p = 0; p < bank.size(); ++p)
     quarter_step_.set(p, exp(bank.poles_per_s()[p] / (kPhases * bank.rate_hz())));
   tabulate(amplitudes);
+  bound_later_values();
 }
 
 void PointResponse::tabulate(const PoleValues& amplitudes) {
@@ -75,11 +101,46 @@ void PointResponse::tabulate(const PoleValues& amplitudes) {
     slopes = values;
     values.insert(values.end(), wave.samples.begin(), wave.samples.end());
     slopes.insert(slopes.end(), wave.slopes.begin(), wave.slopes.end());
-    bank_.continue_ringing(wave.ringing, kRow - values.size(), values, slopes);
+    continue_ringing(bank_, wave.ringing, kLongRow, values);
+    PoleValues slope_ringing = wave.ringing;
+    for (std::size_t p = 0; p < bank_.size(); ++p)
+      slope_ringing.set(p, wave.ringing[p] * (bank_.poles_per_s()[p] / bank_.rate_hz()));
+    continue_ringing(bank_, slope_ringing, kRow, slopes);
     PoleValues& free = free_[static_cast<std::size_t>(phase)];
     free = wave.ringing;
     bank_.advance(free, kFree - wave.end());
   }
+}
+
+/// After the last value by the sum of amplitudes.
+void PointResponse::bound_later_values() {
+  constexpr auto kBlock = static_cast<std::size_t>(ResonatorBank::kBlock);
+  constexpr auto kBegin = static_cast<std::size_t>(kFree - kFirst);
+  bounds_.assign(kLaterBlocks + 1, 0.0);
+  for (std::size_t phase = 0; phase < values_.size(); ++phase) {
+    PoleValues at_last = free_[phase];
+    bank_.advance(at_last, static_cast<std::int64_t>(kLaterBlocks) * ResonatorBank::kBlock);
+    bounds_.back() = std::max(bounds_.back(), sum_of_magnitudes(at_last));
+    for (std::size_t k = 0; k < kLaterBlocks; ++k)
+      bounds_[k] =
+          std::max(bounds_[k], largest_magnitude(std::span(values_[phase]).subspan(kBegin + k * kBlock, kBlock)));
+  }
+  for (std::size_t k = kLaterBlocks; k-- > 0;) bounds_[k] = std::max(bounds_[k], bounds_[k + 1]);
+}
+
+/// |y(n)| <= sum_m |F(m)| max |K|: until no later block can hold more than those before.
+/// @return nothing where that is after the last value of K
+std::optional<double> PointResponse::peak(const Filter& filter, const ContactWave& wave) const {
+  constexpr auto kBlock = static_cast<std::size_t>(ResonatorBank::kBlock);
+  double sum_of_taps = 0.0, peak = largest_magnitude(wave.samples);
+  for (const double tap : filter.taps) sum_of_taps += std::abs(tap);
+  for (std::size_t k = 0; k <= kLaterBlocks; ++k) {
+    if (sum_of_taps * bounds_[k] <= peak) return peak;
+    if (k == kLaterBlocks) break;
+    const std::int64_t first = wave.end() + static_cast<std::int64_t>(k * kBlock);
+    peak = std::max(peak, largest_magnitude(filtered(filter, values_, first, kBlock)));
+  }
+  return {};
 }
 
 PointResponse::Filter PointResponse::filter_of(const Contact& contact) {
@@ -136,6 +197,7 @@ ContactWave PointResponse::wave(const Contact& contact, bool with_slopes) const 
   wave.samples = filtered(filter, values_, wave.first, n);
   if (with_slopes) wave.slopes = filtered(filter, slopes_, wave.first, n);
   wave.ringing = ringing(filter, end * kPhases - last);
+  wave.peak = peak(filter, wave);
   return wave;
 }
 

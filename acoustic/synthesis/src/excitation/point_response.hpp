@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "excitation/resonator_bank.hpp"
@@ -38,14 +39,17 @@ class PointResponse {
   };
 
   void tabulate(const PoleValues& amplitudes);
+  void bound_later_values();
   static Filter filter_of(const Contact& contact);
   static std::vector<double> filtered(const Filter& filter, const Rows& rows, std::int64_t first, std::size_t n);
   PoleValues ringing(const Filter& filter, std::int64_t from_quarter) const;
+  std::optional<double> peak(const Filter& filter, const ContactWave& wave) const;
 
   const ResonatorBank& bank_;
   Rows values_, slopes_;                  // K and dK/dt at kFirst + k + phase / 4
   PoleValues quarter_step_;               // exp(s / 4)
   std::array<PoleValues, kPhases> free_;  // a_p z_p of the unit impulse at kFree + phase / 4
+  std::vector<double> bounds_;            // [k] of |K| from kFree + k blocks on
 };
 
 }  // namespace bouncelab::synthesis

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <numeric>
 
@@ -17,7 +18,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Re sum_p a_p z_p, in four partial sums: the compiler may not reorder a sum, we may.
-double real_part_of_product(const PoleValues& a, const PoleValues& z) {
+BOUNCELAB_VECTOR_CLONES double real_part_of_product(const PoleValues& a, const PoleValues& z) {
   double sums[4] = {0.0, 0.0, 0.0, 0.0};
   const std::size_t n = a.size(), n_whole = n / 4 * 4;
   for (std::size_t k = 0; k < n_whole; k += 4)
@@ -87,6 +88,38 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, c
 BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re,
                                          const double* step_im, double silence, double* re, double* im) {
   add_four(out, c, s, step_re, step_im, silence, re, im);
+}
+
+using Four = double __attribute__((vector_size(4 * sizeof(double))));
+using FourSingle = float __attribute__((vector_size(4 * sizeof(float))));
+static_assert(kTogether == 4);
+
+/// Copies fours of resonators in single precision; those that are silent are set to zero.
+/// @param holds  by fours: others are copied as zeros, and stay as they are
+/// @return how many resonators are copied and not silent
+BOUNCELAB_VECTOR_CLONES std::size_t take_fours(double* re, double* im, const char* holds, std::size_t n_fours,
+                                               double silence, float* held_re, float* held_im) {
+  std::size_t n_ringing = 0;
+  for (std::size_t f = 0; f < n_fours; ++f) {
+    Four x{}, y{};
+    if (holds[f]) {
+      std::memcpy(&x, re + 4 * f, sizeof x);
+      std::memcpy(&y, im + 4 * f, sizeof y);
+      const auto is_silent = (x < 0.0 ? -x : x) + (y < 0.0 ? -y : y) < silence;
+      if (is_silent[0] & is_silent[1] & is_silent[2] & is_silent[3]) {
+        x = y = Four{};
+        std::memcpy(re + 4 * f, &x, sizeof x);
+        std::memcpy(im + 4 * f, &y, sizeof y);
+      } else {
+        n_ringing += 4;
+      }
+    }
+    const FourSingle single_x = __builtin_convertvector(x, FourSingle),
+                     single_y = __builtin_convertvector(y, FourSingle);
+    std::memcpy(held_re + 4 * f, &single_x, sizeof single_x);
+    std::memcpy(held_im + 4 * f, &single_y, sizeof single_y);
+  }
+  return n_ringing;
 }
 
 std::size_t rounded_up(std::size_t n) { return (n + kTogether - 1) / kTogether * kTogether; }
@@ -176,7 +209,7 @@ ContactWave ResonatorBank::wave(const Contact& contact, const PoleValues& amplit
   std::vector<std::vector<double>> drive;
   for (const double node : interval_.nodes) drive.push_back(force(contact, first, n_driven, node));
 
-  ContactWave wave{first, std::vector<double>(n), {}, PoleValues(size())};
+  ContactWave wave{first, std::vector<double>(n), {}, PoleValues(size()), {}};
   // dy/dt = Re sum a_p (s_p z_p + g)
   const PoleValues slope_amplitudes = with_slopes ? product(amplitudes, pole_steps_) : PoleValues();
   if (with_slopes) {
@@ -203,6 +236,9 @@ void ResonatorBank::ring_four(PoleValues& state, std::size_t p, double silence, 
   double re[kTogether]{}, im[kTogether]{};
   std::copy_n(state.re.data() + p, n, re);
   std::copy_n(state.im.data() + p, n, im);
+  double loudest = 0.0;
+  for (std::size_t k = 0; k < kTogether; ++k) loudest = std::max(loudest, std::abs(re[k]) + std::abs(im[k]));
+  if (loudest == 0.0) return;
   add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
               silence, re, im);
   std::copy_n(re, n, state.re.data() + p);
@@ -240,22 +276,23 @@ void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out
   }
 }
 
-/// Copies fours that the transform holds; those that are silent are set to zero. @return how many of them are not
+/// Copies what the transform holds; fours that are silent are set to zero. @return how many resonators are not
 std::size_t ResonatorBank::take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held) const {
-  std::size_t n_ringing = 0;
-  for (std::size_t p = 0; p < size(); p += kTogether) {
-    const std::size_t n = transform_holds_[p / kTogether] ? std::min(kTogether, size() - p) : 0;
-    double loudest = 0.0;
-    for (std::size_t k = p; k < p + n; ++k) loudest = std::max(loudest, std::abs(state.re[k]) + std::abs(state.im[k]));
-    const bool is_silent = loudest < silence;
-    if (!is_silent) n_ringing += n;
-    for (std::size_t k = p; k < p + n; ++k) {
-      if (is_silent) state.set(k, 0.0);
-      held.re[k] = static_cast<float>(state.re[k]);
-      held.im[k] = static_cast<float>(state.im[k]);
-    }
-  }
-  return n_ringing;
+  const std::size_t n_fours = size() / kTogether, n_rest = size() % kTogether;
+  const std::size_t n_ringing = take_fours(state.re.data(), state.im.data(), transform_holds_.data(), n_fours, silence,
+                                           held.re.data(), held.im.data());
+  if (n_rest == 0) return n_ringing;
+  double re[kTogether]{}, im[kTogether]{};
+  float single_re[kTogether], single_im[kTogether];
+  const std::size_t p = size() - n_rest;
+  std::copy_n(state.re.data() + p, n_rest, re);
+  std::copy_n(state.im.data() + p, n_rest, im);
+  const bool rings = take_fours(re, im, transform_holds_.data() + n_fours, 1, silence, single_re, single_im) > 0;
+  std::copy_n(re, n_rest, state.re.data() + p);
+  std::copy_n(im, n_rest, state.im.data() + p);
+  std::copy_n(single_re, n_rest, held.re.data() + p);
+  std::copy_n(single_im, n_rest, held.im.data() + p);
+  return n_ringing + (rings ? n_rest : 0);
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {
@@ -266,14 +303,6 @@ void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {
 void ResonatorBank::advance_in_block(PoleValues& state, std::int64_t n_frames) const {
   for (std::size_t p = 0; p < size(); ++p)
     state.set(p, state[p] * waves_[p * static_cast<std::size_t>(kBlock) + static_cast<std::size_t>(n_frames)]);
-}
-
-void ResonatorBank::continue_ringing(PoleValues state, std::size_t n_frames, std::vector<double>& samples,
-                                     std::vector<double>& slopes) const {
-  for (std::size_t k = 0; k < n_frames; ++k, rotate(state, step_)) {
-    samples.push_back(std::accumulate(state.re.begin(), state.re.end(), 0.0));
-    slopes.push_back(real_part_of_product(pole_steps_, state));
-  }
 }
 
 }  // namespace bouncelab::synthesis

@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct ContactWave {
   std::vector<double> samples;  ///< y
   std::vector<double> slopes;   ///< dy per sample; empty unless asked for
   PoleValues ringing;           ///< a_p z_p at frame end(), a multiple of ResonatorBank::kBlock
+  std::optional<double> peak;   ///< largest |y|, also after end(), where it comes with the samples
 
   std::int64_t end() const { return first + static_cast<std::int64_t>(samples.size()); }
 };
@@ -79,9 +81,6 @@ class ResonatorBank {
   void advance(PoleValues& state, std::int64_t n_frames) const;
   /// The same for less than a block, from a table.
   void advance_in_block(PoleValues& state, std::int64_t n_frames) const;
-  /// Appends n_frames of free ringing and of its slope to `samples` and `slopes`.
-  void continue_ringing(PoleValues state, std::size_t n_frames, std::vector<double>& samples,
-                        std::vector<double>& slopes) const;
 
  private:
   std::size_t take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held) const;

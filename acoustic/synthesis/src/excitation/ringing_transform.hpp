@@ -35,15 +35,11 @@ class RingingTransform {
   void add(const float* re, const float* im, std::span<float> out) const;
 
  private:
-  static constexpr std::size_t kTaps = 16;  // a whole register; the last four are 0
-  struct Row {
-    std::size_t pole, first_bin;
-  };
-
   audio::RealFft fft_;
   std::vector<bool> holds_;
-  std::vector<Row> rows_;          // such that neighbours do not share bins: each would wait for the one before
-  std::vector<float> re_, im_;     // kTaps for each row: phi, moved from the middle to the first frame
+  // of each row, such that neighbours do not share bins: each would wait for the one before
+  std::vector<std::size_t> poles_, first_bins_;
+  std::vector<float> re_, im_;     // 16 for each row: phi, moved from the middle to the first frame
   std::vector<float> correction_;  // kFrames: 1 / psi
 };
 

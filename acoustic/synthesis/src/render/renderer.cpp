@@ -19,19 +19,39 @@ constexpr std::int64_t kBlock = ResonatorBank::kBlock;
 /// Frames that are made, from ringing to rounding, while they are in the first-level cache.
 constexpr std::size_t kPiece = 2048;
 
+/// Of a piece: noise, rounded and stored, so few that the processor stores them while it computes the next.
+constexpr std::size_t kPart = 256;
+
 /// 2.5 s: long against the plate's memory, of which each segment computes the beginning anew.
 std::int64_t frames_of_a_segment(int rate_hz) {
   return std::max<std::int64_t>(1 << 16, std::int64_t{rate_hz} * 5 / 2 / kBlock * kBlock);
 }
 
+ContactWave scaled(ContactWave wave, double gain) {
+  for (double& y : wave.samples) y *= gain;
+  for (std::size_t p = 0; p < wave.ringing.size(); ++p) wave.ringing.set(p, gain * wave.ringing[p]);
+  return wave;
+}
+
+/// To full scale. Inlined with a step of 1 it is a loop for the compiler to vectorise.
+template <class T>
+[[gnu::always_inline]] inline void clip(std::span<const T> samples, std::size_t step, double* out) {
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto y = static_cast<double>(samples[k]);
+    const double at_least = y < -1.0 ? -1.0 : y;
+    out[k * step] = at_least > 1.0 ? 1.0 : at_least;
+  }
+}
+
 }  // namespace
 
 Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule,
-                   const Levels& levels)
+                   const Levels& levels, const std::vector<ContactWave>& known)
     : config_(config),
       sound_(sound),
       schedule_(schedule),
       levels_(levels),
+      known_(known),
       background_(config, schedule, sound.instrument().bank().filter(), levels),
       segment_frames_(frames_of_a_segment(config.rate_hz)),
       reach_back_s_(static_cast<double>(sound.instrument().bank().memory_frames() +
@@ -41,17 +61,22 @@ Renderer::Renderer(const SynthesisConfig& config, const StrikeSound& sound, cons
       reach_ahead_s_((ConverterFilter::kHalfWidth_samples + 4.0) / config.rate_hz),
       silence_(std::max(kSilence, kSilenceInNoise * levels.noise_rms)) {}
 
-template <class Use>
-void Renderer::for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const {
-  const StrikeSound::Wave wave = sound_.wave_at(channel, strike);
-  Contact direct = sound_.contact(channel, strike);
+void Renderer::add_contacts(std::size_t channel, std::size_t strike, std::int64_t end, StrikeRinging& ringing) const {
+  const Strike& at = schedule_.strikes[strike];
+  const bool is_known = channel == sound_.measured_channel() && !known_[strike].samples.empty();
+  const auto begins = [end](const Contact& contact) {
+    return contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end);
+  };
+  Contact direct = sound_.contact(channel, at);
   direct.impulse *= levels_.gain;
-  use(direct, wave);
+  const StrikeSound::Wave wave =
+      is_known && config_.sensor.echoes.empty() ? StrikeSound::Wave() : sound_.wave_at(channel, at);
+  if (begins(direct)) ringing.add(is_known ? scaled(known_[strike], levels_.gain) : wave(direct, false));
   for (const Echo& echo : config_.sensor.echoes) {
     Contact late = direct;
     late.arrival_samples += echo.delay_s * config_.rate_hz;
     late.impulse *= echo.gain;
-    use(late, wave);
+    if (begins(late)) ringing.add(wave(late, false));
   }
 }
 
@@ -64,17 +89,13 @@ StrikeRinging Renderer::ringing(std::size_t channel, std::int64_t first, std::in
   const ResonatorBank& bank = sound_.instrument().bank();
   const std::int64_t end = first + n;
   StrikeRinging result(bank, silence_, first);
-  const auto add_contact = [&](const Contact& contact, const StrikeSound::Wave& wave_of) {
-    if (contact.arrival_samples - ConverterFilter::kHalfWidth_samples < static_cast<double>(end))
-      result.add(wave_of(contact, false));
-  };
   const double earliest_s =
       static_cast<double>(first - bank.memory_frames()) / config_.rate_hz - sound_.largest_delay_s();
   const double latest_s = static_cast<double>(end) / config_.rate_hz + reach_ahead_s_;
   auto strike = std::lower_bound(schedule_.strikes.begin(), schedule_.strikes.end(), earliest_s,
                                  [](const Strike& s, double t_s) { return s.t_s < t_s; });
   for (; strike != schedule_.strikes.end() && strike->t_s < latest_s; ++strike)
-    for_each_contact(channel, *strike, add_contact);
+    add_contacts(channel, static_cast<std::size_t>(strike - schedule_.strikes.begin()), end, result);
   return result;
 }
 
@@ -90,7 +111,7 @@ std::vector<double> Renderer::reverberant_sound(std::size_t channel, std::int64_
 }
 
 template <class T, class Use>
-void Renderer::pieces_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
+void Renderer::parts_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
   const bool is_dead = config_.channels[channel].gain == 0.0;
   const bool is_reverberant = sound_.instrument().tail().is_audible() && !is_dead;
   std::vector<double> whole;  // what cannot be computed in pieces
@@ -105,44 +126,50 @@ void Renderer::pieces_of(std::size_t channel, std::int64_t first, std::int64_t n
   for (std::size_t at = 0; at < static_cast<std::size_t>(n); at += kPiece) {
     piece.fill(T{});
     if (strikes) strikes->add_next(std::span<T>(piece));
-    const std::span<T> wanted = std::span(piece).first(std::min(kPiece, static_cast<std::size_t>(n) - at));
-    if (!whole.empty())
-      for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] += static_cast<T>(whole[at + k]);
-    if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at), wanted);
-    use(at, wanted);
+    const std::size_t n_wanted = std::min(kPiece, static_cast<std::size_t>(n) - at);
+    for (std::size_t begin = 0; begin < n_wanted; begin += kPart) {
+      const std::span<T> part = std::span(piece).subspan(begin, std::min(kPart, n_wanted - begin));
+      if (!whole.empty())
+        for (std::size_t k = 0; k < part.size(); ++k) part[k] += static_cast<T>(whole[at + begin + k]);
+      if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at + begin), part);
+      use(at + begin, part);
+    }
   }
 }
 
 template <class Use>
-void Renderer::for_each_piece(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
+void Renderer::for_each_part(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const {
   if (is_single())
-    pieces_of<float>(channel, first, n, use);
+    parts_of<float>(channel, first, n, use);
   else
-    pieces_of<double>(channel, first, n, use);
+    parts_of<double>(channel, first, n, use);
 }
 
 std::vector<double> Renderer::frames(std::int64_t first, std::int64_t n) const {
   const std::size_t n_channels = config_.channels.size();
   std::vector<double> interleaved(static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_piece(c, first, n, [&](std::size_t at, auto piece) {
-      for (std::size_t k = 0; k < piece.size(); ++k)
-        interleaved[(at + k) * n_channels + c] = std::clamp<double>(piece[k], -1.0, 1.0);
+    for_each_part(c, first, n, [&]<class T>(std::size_t at, std::span<T> part) {
+      double* const out = interleaved.data() + at * n_channels + c;
+      if (n_channels == 1)
+        clip<T>(part, 1, out);
+      else
+        clip<T>(part, n_channels, out);
     });
   return interleaved;
 }
 
 void Renderer::append_read_back(std::int64_t first, std::int64_t n, std::vector<float>& out) const {
   const std::size_t n_channels = config_.channels.size(), begin = out.size();
-  std::array<float, kPiece> rounded;
+  std::array<float, kPart> rounded;
   if (n_channels > 1) out.resize(begin + static_cast<std::size_t>(n) * n_channels);
   for (std::size_t c = 0; c < n_channels; ++c)
-    for_each_piece(c, first, n, [&](std::size_t at, auto piece) {
-      audio::as_read_back(piece, config_.encoding, rounded);
+    for_each_part(c, first, n, [&](std::size_t at, auto part) {
+      audio::as_read_back(part, config_.encoding, rounded);
       if (n_channels == 1)
-        out.insert(out.end(), rounded.begin(), rounded.begin() + std::ssize(piece));
+        out.insert(out.end(), rounded.begin(), rounded.begin() + std::ssize(part));
       else
-        for (std::size_t k = 0; k < piece.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
+        for (std::size_t k = 0; k < part.size(); ++k) out[begin + (at + k) * n_channels + c] = rounded[k];
     });
 }
 

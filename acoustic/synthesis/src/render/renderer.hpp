@@ -17,8 +17,9 @@ namespace bouncelab::synthesis {
 /// rendered on any thread, and only the events that sound in it need be in the schedule.
 class Renderer {
  public:
-  /// All must outlive this.
-  Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule, const Levels& levels);
+  /// @param known  the waves of the schedule's strikes, as StrikeSound::truth gives them. All must outlive this.
+  Renderer(const SynthesisConfig& config, const StrikeSound& sound, const Schedule& schedule, const Levels& levels,
+           const std::vector<ContactWave>& known);
 
   std::int64_t segment_frames() const { return segment_frames_; }
   /// How far before and after a segment strikes contribute to it.
@@ -37,18 +38,19 @@ class Renderer {
   /// All strikes' sound with the reverberation tail, begun so early that its start has decayed.
   template <class T>
   std::vector<double> reverberant_sound(std::size_t channel, std::int64_t first, std::int64_t n) const;
-  /// Calls use(at, piece): frames first + at ... of one channel, of type float where that is enough.
+  /// Calls use(at, part): frames first + at ... of one channel, of type float where that is enough.
   template <class Use>
-  void for_each_piece(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
+  void for_each_part(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
   template <class T, class Use>
-  void pieces_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
-  template <class Use>
-  void for_each_contact(std::size_t channel, const Strike& strike, const Use& use) const;
+  void parts_of(std::size_t channel, std::int64_t first, std::int64_t n, const Use& use) const;
+  /// The strike and its echoes, those that begin before frame `end`.
+  void add_contacts(std::size_t channel, std::size_t strike, std::int64_t end, StrikeRinging& ringing) const;
 
   const SynthesisConfig& config_;
   const StrikeSound& sound_;
   const Schedule& schedule_;
   Levels levels_;
+  const std::vector<ContactWave>& known_;
   Background background_;
   std::int64_t segment_frames_;
   double reach_back_s_, reach_ahead_s_;

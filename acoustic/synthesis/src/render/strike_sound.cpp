@@ -36,7 +36,7 @@ struct StrikeSound::Responses {
 StrikeSound::StrikeSound(const SynthesisConfig& config, std::shared_ptr<const Instrument> instrument)
     : config_(config),
       instrument_(std::move(instrument)),
-      wanted_channel_(first_live_channel(config.channels)),
+      measured_channel_(first_live_channel(config.channels)),
       whitening_(instrument_->bank(), FlickerFilter(config.noise_corner_hz, config.rate_hz)),
       responses_(std::make_unique<Responses>()) {}
 
@@ -100,15 +100,14 @@ double StrikeSound::largest_delay_s() const {
 std::vector<double> StrikeSound::peaks(std::span<const Strike> strikes) const {
   std::vector<double> result(strikes.size());
   parallel_for(strikes.size(), config_.n_threads, [&](std::size_t k) {
-    const ContactWave wave = wave_at(wanted_channel_, strikes[k])(contact(wanted_channel_, strikes[k]), false);
+    const ContactWave wave = wave_at(measured_channel_, strikes[k])(contact(measured_channel_, strikes[k]), false);
     result[k] = instrument_->meter().peak(wave);
   });
   return result;
 }
 
-TrueImpact StrikeSound::true_impact(const Strike& strike) const {
-  const WaveMeasure wave = instrument_->meter().measure(
-      wave_at(wanted_channel_, strike)(contact(wanted_channel_, strike), true), whitening_);
+TrueImpact StrikeSound::true_impact(const Strike& strike, const ContactWave& sound) const {
+  const WaveMeasure wave = instrument_->meter().measure(sound, whitening_);
   TrueImpact row;
   row.drop = strike.drop;
   row.impact = strike.impact;
@@ -116,19 +115,26 @@ TrueImpact StrikeSound::true_impact(const Strike& strike) const {
   row.sigma_t_s = 1.0 / (whitening_.noise.rms() * config_.rate_hz * std::sqrt(wave.slope_energy));
   row.amplitude = wave.peak;
   row.contact_time_s = strike.duration_s;
-  row.travel_time_s = instrument_->travel_time_s(wanted_channel_, strike.x_m, strike.y_m);
+  row.travel_time_s = instrument_->travel_time_s(measured_channel_, strike.x_m, strike.y_m);
   row.x_m = strike.x_m;
   row.y_m = strike.y_m;
   row.v_mps = strike.v_mps;
   return row;
 }
 
-std::vector<TrueImpact> StrikeSound::truth(std::span<const Strike> strikes) const {
-  std::vector<const Strike*> hits;
-  for (const Strike& strike : strikes)
-    if (strike.impact_index >= 0) hits.push_back(&strike);
+std::vector<TrueImpact> StrikeSound::truth(std::span<const Strike> strikes, std::vector<ContactWave>* waves) const {
+  std::vector<std::size_t> hits;
+  for (std::size_t k = 0; k < strikes.size(); ++k)
+    if (strikes[k].impact_index >= 0) hits.push_back(k);
+  if (waves) waves->assign(strikes.size(), ContactWave());
   std::vector<TrueImpact> rows(hits.size());
-  parallel_for(hits.size(), config_.n_threads, [&](std::size_t k) { rows[k] = true_impact(*hits[k]); });
+  parallel_for(hits.size(), config_.n_threads, [&](std::size_t k) {
+    const Strike& strike = strikes[hits[k]];
+    ContactWave wave = wave_at(measured_channel_, strike)(contact(measured_channel_, strike), true);
+    rows[k] = true_impact(strike, wave);
+    wave.slopes = {};
+    if (waves) (*waves)[hits[k]] = std::move(wave);
+  });
   return rows;
 }
 

@@ -31,19 +31,23 @@ class StrikeSound {
   /// Longest time from a strike to the begin of its last echo in any channel, plus a contact.
   double largest_delay_s() const;
 
-  /// Clean peaks of strikes at gain 1 in the first channel that is not dead.
+  /// Clean peaks of strikes at gain 1 in the measured channel.
   std::vector<double> peaks(std::span<const Strike> strikes) const;
   /// True values of the ball's strikes among these, for gain 1 and noise of rms 1.
-  std::vector<TrueImpact> truth(std::span<const Strike> strikes) const;
+  /// @param waves  if not null: of each strike in the measured channel, without slopes; empty of those that are not the
+  ///               ball's
+  std::vector<TrueImpact> truth(std::span<const Strike> strikes, std::vector<ContactWave>* waves = nullptr) const;
+  /// The first channel that is not dead, in which all is measured.
+  std::size_t measured_channel() const { return measured_channel_; }
 
  private:
   PoleValues amplitudes(std::size_t channel, const Strike& strike) const;
   std::shared_ptr<const PointResponse> response(std::size_t channel, const Strike& strike) const;
-  TrueImpact true_impact(const Strike& strike) const;
+  TrueImpact true_impact(const Strike& strike, const ContactWave& wave) const;
 
   const SynthesisConfig& config_;
   std::shared_ptr<const Instrument> instrument_;
-  std::size_t wanted_channel_;
+  std::size_t measured_channel_;
   Whitening whitening_;
   struct Responses;
   std::unique_ptr<Responses> responses_;  // of points that many strikes share; safe from any thread

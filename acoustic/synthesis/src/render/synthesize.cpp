@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -68,7 +71,7 @@ class RecordingWriter {
         survey_(survey),
         out_(std::move(out)),
         scheduler_(config, survey.weakest_impulse_ns),
-        renderer_(config, sound, schedule_, survey.levels),
+        renderer_(config, sound, schedule_, survey.levels, waves_),
         n_frames_(static_cast<std::int64_t>(std::ceil(survey.duration_s * config.rate_hz))),
         writer_(out_, {config.rate_hz, static_cast<int>(config.channels.size()), config.encoding}, n_frames_,
                 may_replace) {}
@@ -85,7 +88,9 @@ class RecordingWriter {
         ++n_drops;
         add(drop, truth, result);
       }
+      const std::size_t n_before = schedule_.strikes.size();
       forget(schedule_, begin_s - renderer_.reach_back_s());
+      waves_.erase(waves_.begin(), waves_.begin() + static_cast<std::ptrdiff_t>(n_before - schedule_.strikes.size()));
       write_batch(first, std::min(first + batch_frames, n_frames_));
       if (progress) progress(std::min(survey_.duration_s, end_s), survey_.duration_s);
     }
@@ -99,8 +104,10 @@ class RecordingWriter {
   void add(const Impacts& drop, const TruthSink& truth, SynthesisResult& result) {
     const std::size_t n_before = schedule_.strikes.size();
     scheduler_.add_drop(drop, schedule_);
-    DropTruth of_drop{out_, sound_.truth(std::span(schedule_.strikes).subspan(n_before)),
+    std::vector<ContactWave> waves;
+    DropTruth of_drop{out_, sound_.truth(std::span(schedule_.strikes).subspan(n_before), &waves),
                       std::exchange(schedule_.others, {})};
+    std::move(waves.begin(), waves.end(), std::back_inserter(waves_));
     scale_to(survey_.levels, of_drop.impacts);
     result.n_impacts += static_cast<std::int64_t>(of_drop.impacts.size());
     result.n_other_sounds += static_cast<std::int64_t>(of_drop.others.size());
@@ -124,6 +131,7 @@ class RecordingWriter {
   Survey survey_;
   std::filesystem::path out_;
   Schedule schedule_;
+  std::vector<ContactWave> waves_;  // of its strikes
   Scheduler scheduler_;
   Renderer renderer_;
   std::int64_t n_frames_;

@@ -21,9 +21,9 @@ struct SyntheticRecording::State {
       : config(config_),
         sound(config, std::move(instrument)),
         schedule(schedule_of(impacts, config)),
-        truth(sound.truth(schedule.strikes)),
+        truth(sound.truth(schedule.strikes, &waves)),
         levels(config.levels ? *config.levels : levels_of(truth, config)),
-        renderer(config, sound, schedule, levels),
+        renderer(config, sound, schedule, levels, waves),
         n_frames(static_cast<std::int64_t>(std::ceil(schedule.duration_s * config.rate_hz))) {
     scale_to(levels, truth);
   }
@@ -51,6 +51,7 @@ struct SyntheticRecording::State {
   SynthesisConfig config;
   StrikeSound sound;
   Schedule schedule;
+  std::vector<ContactWave> waves;  // from which the truth is read, and the samples are made
   std::vector<TrueImpact> truth;
   Levels levels;
   Renderer renderer;

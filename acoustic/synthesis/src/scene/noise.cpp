@@ -15,9 +15,10 @@
 namespace bouncelab::synthesis {
 namespace {
 
-/// Frames that are made at once.
-constexpr auto kFrames = static_cast<std::int64_t>(NoiseWords::kFrames);
-constexpr std::size_t kPairs = NoiseWords::kBlocks;  // of samples, from two words of each block
+/// Blocks of words that make samples in a row: the first coordinates of as many points, the second ones, then those of
+/// each block's other point.
+constexpr std::size_t kPairs = 16;
+constexpr std::size_t kRow = 4 * kPairs;
 
 /// Of 31 bits. Below it a radius is drawn with 53 bits more: beyond 5.77 of its standard deviation.
 constexpr std::uint32_t kFewBits = 1U << 7;
@@ -63,18 +64,21 @@ constexpr std::uint32_t kFewBits = 1U << 7;
 }
 
 /// Box and Muller's transform of blocks of four words: two points, whose coordinates are samples kPairs apart.
-/// @return false where a word asks for a radius of more bits
-BOUNCELAB_VECTOR_CLONES bool transform(const NoiseWords& words, float* samples) {
-  std::uint32_t n_few = 0;
-  for (std::size_t half = 0; half < 2; ++half) {
-    const std::uint32_t *of_radius = words.word[2 * half], *of_angle = words.word[2 * half + 1];
-    float* x = samples + 2 * half * kPairs;
-    for (std::size_t k = 0; k < kPairs; ++k) {
-      n_few += (of_radius[k] >> 1) < kFewBits ? 1 : 0;
-      point_of(radius_of(of_radius[k]), of_angle[k], x[k], x[kPairs + k]);
+BOUNCELAB_VECTOR_CLONES void transform(const NoiseWords& words, float* samples) {
+  for (std::size_t first = 0; first < NoiseWords::kBlocks; first += kPairs)
+    for (std::size_t half = 0; half < 2; ++half) {
+      const std::uint32_t *of_radius = words.word[2 * half] + first, *of_angle = words.word[2 * half + 1] + first;
+      float* x = samples + 4 * first + 2 * half * kPairs;
+      for (std::size_t k = 0; k < kPairs; ++k) point_of(radius_of(of_radius[k]), of_angle[k], x[k], x[kPairs + k]);
     }
-  }
-  return n_few == 0;
+}
+
+/// Whether a word asks for a radius of more bits.
+BOUNCELAB_VECTOR_CLONES bool has_few_bits(const NoiseWords& words) {
+  std::uint32_t n_few = 0;
+  for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k)
+    n_few += ((words.word[0][k] >> 1) < kFewBits ? 1 : 0) + ((words.word[2][k] >> 1) < kFewBits ? 1 : 0);
+  return n_few != 0;
 }
 
 BOUNCELAB_VECTOR_CLONES void add_scaled(const float* x, double factor, std::size_t n, double* out) {
@@ -89,10 +93,10 @@ BOUNCELAB_VECTOR_CLONES void add_scaled(const float* x, double factor, std::size
 
 void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, float* samples) const {
   for (std::size_t half = 0; half < 2; ++half)
-    for (std::size_t k = 0; k < kPairs; ++k) {
+    for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k) {
       const std::uint32_t few = words.word[2 * half][k] >> 1;
       if (few >= kFewBits) continue;
-      const std::size_t at = 2 * half * kPairs + k;
+      const std::size_t at = k / kPairs * kRow + 2 * half * kPairs + k % kPairs;
       const auto frame = static_cast<std::uint64_t>(first_frame) + at;
       Random random(seed_, RandomStream::noise, ((frame + 1) << 8) | source_);
       const double u = (few + random.uniform()) * 0x1p-31;
@@ -103,14 +107,15 @@ void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, f
 
 template <class T>
 void WhiteNoise::add_to(std::int64_t first_frame, double rms, std::span<T> out) const {
-  std::int64_t frame = (first_frame >= 0 ? first_frame : first_frame - (kFrames - 1)) / kFrames * kFrames;
+  constexpr auto kInRow = static_cast<std::int64_t>(kRow), kAtOnce = static_cast<std::int64_t>(NoiseWords::kFrames);
+  std::int64_t frame = (first_frame >= 0 ? first_frame : first_frame - (kInRow - 1)) / kInRow * kInRow;
   auto skipped = static_cast<std::size_t>(first_frame - frame);
   NoiseWords words;
   std::array<float, NoiseWords::kFrames> samples;
-  for (std::size_t k = 0; k < out.size(); frame += kFrames, skipped = 0) {
-    const auto first_block = static_cast<std::uint64_t>(frame / kFrames) * NoiseWords::kBlocks;
-    words.draw(seed_, static_cast<std::uint32_t>(source_), first_block);
-    if (!transform(words, samples.data())) far_points(frame, words, samples.data());
+  for (std::size_t k = 0; k < out.size(); frame += kAtOnce, skipped = 0) {
+    words.draw(seed_, static_cast<std::uint32_t>(source_), static_cast<std::uint64_t>(frame / kInRow) * kPairs);
+    transform(words, samples.data());
+    if (has_few_bits(words)) far_points(frame, words, samples.data());
     const std::size_t n = std::min(samples.size() - skipped, out.size() - k);
     add_scaled(samples.data() + skipped, rms, n, out.data() + k);
     k += n;

@@ -53,35 +53,48 @@ void draw_plainly(std::uint64_t seed, std::uint32_t source, std::uint64_t first_
 // harm. The lanes of even blocks are in one register, those of odd blocks in another, so that two make 32-bit words in
 // order.
 
-[[gnu::target("avx512f")]] void draw_by_512_bits(std::uint64_t seed, std::uint32_t source, std::uint64_t first_block,
-                                                 NoiseWords& words) {
+/// 32 blocks, in four registers for each word: a round of one is computed while that of the others is on its way.
+[[gnu::target("avx512f"), gnu::always_inline]] inline void draw_32_blocks(std::uint64_t seed, std::uint32_t source,
+                                                                          std::uint64_t first_block,
+                                                                          std::uint32_t* const out[4]) {
   constexpr __mmask8 kAll = 0xFF;  // gcc 12 warns of the unmasked ones: their headers read what is not initialized
+  constexpr std::size_t kRegisters = 4;  // even and odd blocks of 16, then of the next 16
   const __m512i p_factor = _mm512_set1_epi64(kMultiplier[0]), q_factor = _mm512_set1_epi64(kMultiplier[1]);
   const __m512i even = _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14);
-  __m512i a[2], b[2], c[2], d[2];
-  for (int odd = 0; odd < 2; ++odd) {
-    a[odd] = _mm512_add_epi64(_mm512_set1_epi64(static_cast<long long>(first_block) + odd), even);
-    b[odd] = _mm512_maskz_srli_epi64(kAll, a[odd], 32);
-    c[odd] = _mm512_set1_epi64(source);
-    d[odd] = _mm512_set1_epi64(kStream);
+  __m512i a[kRegisters], b[kRegisters], c[kRegisters], d[kRegisters];
+  for (std::size_t i = 0; i < kRegisters; ++i) {
+    const std::uint64_t begin = first_block + i / 2 * 16 + i % 2;
+    a[i] = _mm512_add_epi64(_mm512_set1_epi64(static_cast<long long>(begin)), even);
+    b[i] = _mm512_maskz_srli_epi64(kAll, a[i], 32);
+    c[i] = _mm512_set1_epi64(source);
+    d[i] = _mm512_set1_epi64(kStream);
   }
   Key key(seed);
   for (int round = 0; round < kRounds; ++round, key.step()) {
     const __m512i lower = _mm512_set1_epi64(key.lower), upper = _mm512_set1_epi64(key.upper);
-    for (int odd = 0; odd < 2; ++odd) {
+    for (std::size_t i = 0; i < kRegisters; ++i) {
       constexpr int kXorOfThree = 0x96;
-      const __m512i p = _mm512_maskz_mul_epu32(kAll, a[odd], p_factor),
-                    q = _mm512_maskz_mul_epu32(kAll, c[odd], q_factor);
-      a[odd] = _mm512_ternarylogic_epi64(_mm512_maskz_srli_epi64(kAll, q, 32), b[odd], lower, kXorOfThree);
-      b[odd] = q;
-      c[odd] = _mm512_ternarylogic_epi64(_mm512_maskz_srli_epi64(kAll, p, 32), d[odd], upper, kXorOfThree);
-      d[odd] = p;
+      const __m512i p = _mm512_maskz_mul_epu32(kAll, a[i], p_factor), q = _mm512_maskz_mul_epu32(kAll, c[i], q_factor);
+      a[i] = _mm512_ternarylogic_epi64(_mm512_maskz_srli_epi64(kAll, q, 32), b[i], lower, kXorOfThree);
+      b[i] = q;
+      c[i] = _mm512_ternarylogic_epi64(_mm512_maskz_srli_epi64(kAll, p, 32), d[i], upper, kXorOfThree);
+      d[i] = p;
     }
   }
   const __m512i* const lanes[4] = {a, b, c, d};
   for (int w = 0; w < 4; ++w)
-    _mm512_storeu_si512(words.word[w],
-                        _mm512_mask_blend_epi32(0xAAAA, lanes[w][0], _mm512_maskz_slli_epi64(kAll, lanes[w][1], 32)));
+    for (std::size_t i = 0; i < kRegisters; i += 2)
+      _mm512_storeu_si512(out[w] + i * 8, _mm512_mask_blend_epi32(0xAAAA, lanes[w][i],
+                                                                  _mm512_maskz_slli_epi64(kAll, lanes[w][i + 1], 32)));
+}
+
+[[gnu::target("avx512f")]] void draw_by_512_bits(std::uint64_t seed, std::uint32_t source, std::uint64_t first_block,
+                                                 NoiseWords& words) {
+  for (std::size_t first = 0; first < NoiseWords::kBlocks; first += 32) {
+    std::uint32_t* const out[4] = {words.word[0] + first, words.word[1] + first, words.word[2] + first,
+                                   words.word[3] + first};
+    draw_32_blocks(seed, source, first_block + first, out);
+  }
 }
 
 [[gnu::target("avx2")]] void draw_by_256_bits(std::uint64_t seed, std::uint32_t source, std::uint64_t first_block,
