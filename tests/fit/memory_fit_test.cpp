@@ -26,7 +26,6 @@ struct Drops {
   bool memory = true;     ///< else each impact has the reservoir of another drop's
   double timing_s = 0.0;  ///< standard deviation of the times
   double power = 0.0;     ///< roughness is q v^power
-  double own_sd = 0.0;    ///< of a scatter that eps has at each impact by itself
   double spread = 0.0;    ///< standard deviation, between drops, of the share that 1 - eps differs by
 };
 
@@ -44,9 +43,7 @@ RestitutionSamples drawn(const Drops& drops, std::uint64_t seed) {
       if (!drops.memory) w = mean_w * random.exponential();
       mean_w += 2.0 * drops.q * (1.0 + eps(v)) * (1.0 + eps(v)) * v * v;
       const double z2 = random.normal(), z1 = random.normal();
-      double eps_here = restitution_with_memory(v, eps, drops.q * std::pow(v, drops.power), z1, z2, w);
-      if (drops.own_sd > 0.0) eps_here += drops.own_sd * random.normal();
-      v *= eps_here;
+      v *= restitution_with_memory(v, eps, drops.q * std::pow(v, drops.power), z1, z2, w);
       w *= drops.kept * (1.0 - drops.slips * std::pow(0.7, k));
       times.push_back(times.back() + 2.0 * v / 9.81);
     }
@@ -225,16 +222,6 @@ TEST(MemoryFit, ABallThatIsRougherForSlowImpactsFailsItsTest) {
   EXPECT_LT(fit.by_speed.z, -3.0);
   EXPECT_FALSE(fit.holds);
   EXPECT_NE(fit.message.find("slow impacts"), std::string::npos) << fit.message;
-}
-
-TEST(MemoryFit, AScatterThatIsNotTheRoughnesssFailsItsTest) {
-  Drops drops;
-  drops.own_sd = 3e-4;  // as wide as the ball's own at 1.2 m/s
-  const MemoryFit fit = fitted(drawn(drops, 15)).memory;
-  ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
-  EXPECT_GT(fit.own_scatter.z, 4.0);
-  EXPECT_FALSE(fit.holds);
-  EXPECT_NE(fit.message.find("beside the ball"), std::string::npos) << fit.message;
 }
 
 TEST(MemoryFit, DropsThatDifferFailTheirTest) {

@@ -42,8 +42,6 @@ function memoryTests(m) {
                      said(ad.p_value, 'each fluctuation is distributed as its drop’s past says', 'the fluctuations are not distributed as the model says')]);
   rows.push(['offset and width by one roughness', `z = ${number(tests.mechanism_z, 2)}`, pText(tests.mechanism_p),
              said(tests.mechanism_p, 'the scatter is that of a rough ball', 'something other than the ball’s roughness scatters ε as well')]);
-  rows.push(['no scatter but the roughness’', `z = ${number(tests.own_scatter_z, 2)}`, pText(tests.own_scatter_p),
-             said(tests.own_scatter_p, 'with a scatter of ε’s own the impacts are not likelier', 'with a scatter of ε’s own, at each impact by itself, the impacts are likelier; or the times are worse than stated')]);
   rows.push(['as rough at every speed', `z = ${number(tests.by_speed_z, 2)}`, pText(tests.by_speed_p),
              said(tests.by_speed_p, 'fast and slow impacts scatter by one roughness', 'fast and slow impacts want different roughness: ε scatters by more than the ball’s, or the times are worse than stated')]);
   if (known(tests.between_drops_p))

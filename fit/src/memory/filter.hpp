@@ -103,14 +103,14 @@ class ChainFilter {
     const double v = m.v_mps, after = m.v_after_mps;
     const T& e = law.eps;
     const T y = after - e * v, one_e = 1.0 + e, f = 1.0 + v * law.slope / one_e;
-    const T q = p_.q * (1.0 + p_.power * log(v)), own_variance = p_.own * square(v);
+    const T q = p_.q * (1.0 + p_.power * log(v));
     errors_.measure(m, law, height_variance_);
     EmissionInput<T> in;
     in.y = y;
     in.noise_mean = errors_.y_mean();
     in.a = q * square_of(one_e * f);
     in.b = 2.0 * q * p_.ratio * one_e * v;
-    in.noise_variance = errors_.y_variance() + own_variance + square_of(kResolution * in.b);
+    in.noise_variance = errors_.y_variance() + square_of(kResolution * in.b);
     const T speed_mean = errors_.speed_mean(), speed_variance = errors_.speed_variance();
     in.covariance = -2.0 * v * errors_.covariance();
 
@@ -133,10 +133,7 @@ class ChainFilter {
       const T offset = mean_offset_square(in.reservoir, reach, y / (v * one_e), q);
       const T gain = em.by_reservoir, bend = c.variance * em.curvature_by_reservoir;
       c.book += c.variance * gain + square(v) - square(after) - loss * (1.0 + offset);
-      // a scatter of its own, of which y says by_noise, is not out of the reservoir
-      c.book += 2.0 * after * own_variance * em.by_noise;
-      c.variance = (value_of(bend) < 0.0 ? c.variance / (1.0 - bend) : c.variance * (1.0 + bend)) + loss_variance +
-                   square(2.0 * after) * own_variance * (1.0 + own_variance * em.curvature_by_noise);
+      c.variance = (value_of(bend) < 0.0 ? c.variance / (1.0 - bend) : c.variance * (1.0 + bend)) + loss_variance;
     }
     const Together all = together();
     if (transforms) {

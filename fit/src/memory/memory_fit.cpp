@@ -78,12 +78,6 @@ Eigen::VectorXd first_theta(const MemoryLikelihood& likelihood, const LawFit& in
   return best;
 }
 
-double fastest(const Chains& chains) {
-  double v = 0.0;
-  for (const Chain& chain : chains.chains) v = std::max(v, chain.impacts.front().v_mps);
-  return v;
-}
-
 /// Where a search ended.
 struct Found {
   Maximum maximum;
@@ -120,34 +114,6 @@ double loglik_independent(const Chains& chains, const LawFit& independent) {
   for (const Chain& chain : chains.chains)
     for (const ChainImpact& m : chain.impacts) sum -= log(m.v_mps);
   return sum;
-}
-
-/// ln L of a rival model above that of the model: eps scatters by itself too, at each impact alike and taken from
-/// nowhere. A scatter of that kind is explained by a greater reservoir at the release otherwise, and no test at that
-/// maximum sees it. p by the half of a chi-square's that lies on the side where there can be such a scatter (Self &
-/// Liang, J. Am. Stat. Assoc. 82, 605 (1987), doi:10.1080/01621459.1987.10478472).
-/// @param theta  where the model's likelihood has its maximum
-MemoryTest own_scatter_test(const Chains& all, const LawModel& model, const LawFit& independent,
-                            const Eigen::VectorXd& theta) {
-  const Chains some = thinned_chains(all, kFewImpacts);
-  MemoryLikelihood usual(some, model);
-  const Eigen::VectorXd best = some.n_impacts < all.n_impacts ? search(usual, theta).maximum.x : theta;
-  const double v = fastest(some);
-  const double least_scatter = independent.scatter->below(v) * independent.scatter->above(v);
-  double gain = 0.0;
-  for (const double share : {0.1, 0.6}) {
-    const double own_variance = share * least_scatter;
-    MemoryLikelihood rival(some, model, own_variance);
-    Eigen::VectorXd start = start_with(some, model, independent, 1.0, rival.n_parameters());
-    start[rival.index_of_q()] += log1p(-share);
-    start[start.size() - 1] = log(own_variance);
-    const Found found = search(rival, start);
-    if (std::isfinite(found.maximum.loglik)) gain = std::max(gain, rival.anew(found.maximum.x) - usual.anew(best));
-  }
-  MemoryTest test;
-  test.z = std::sqrt(2.0 * gain);
-  test.p_value = 0.5 * two_sided(test.z);
-  return test;
 }
 
 bool succeeded(const Found& found) { return std::isfinite(found.maximum.loglik) && found.maximum.gain_left < 0.5; }
@@ -198,7 +164,6 @@ MemoryFit fit_memory(const RestitutionSamples& samples, const LawFit& independen
   }
   fit.loglik_independent = loglik_independent(chains, independent);
   fit.status = FitStatus::ok;
-  fit.own_scatter = own_scatter_test(chains, model, independent, found.maximum.x);
   describe(fit, likelihood, found.maximum.x, found.scores, config, speeds);
   return fit;
 }

@@ -12,7 +12,6 @@ namespace {
 /// Relative step for the slope of the law.
 constexpr double kStep = 1e-3;
 constexpr double kSlipSd = 1.2527629684953681;  // log(7/2)
-constexpr double kOwnSd = 2.302585092994046;    // log(10)
 
 std::vector<double> speeds_of(const Chain& chain, double factor) {
   std::vector<double> v;
@@ -32,8 +31,8 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_of(const Chain& chain, const La
 
 }  // namespace
 
-MemoryLikelihood::MemoryLikelihood(const Chains& chains, const LawModel& model, std::optional<double> own_variance)
-    : chains_(chains), model_(model), n_law_(model.n_parameters()), own_variance_(own_variance) {
+MemoryLikelihood::MemoryLikelihood(const Chains& chains, const LawModel& model)
+    : chains_(chains), model_(model), n_law_(model.n_parameters()) {
   if (!model.is_linear()) return;
   const Eigen::VectorXd anywhere = Eigen::VectorXd::Ones(n_law_);
   for (const Chain& chain : chains.chains) {
@@ -83,7 +82,6 @@ MemoryParameters<double> MemoryLikelihood::parameters(const Eigen::VectorXd& the
           theta[n_law_ + 1],
           exp(theta[n_law_ + 2]) - first_at_rest_m2ps2(q),
           {theta[n_law_ + 3], theta[n_law_ + 4]},
-          own_variance_ ? exp(theta[n_law_ + 5]) : 0.0,
           1.0,
           0.0};
 }
@@ -110,16 +108,17 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
   }
   const MemoryParameters<double> values = parameters(theta);
   const int n = static_cast<int>(n_law_);
-  MemoryParameters<Jet<N>> p{Jet<N>(values.q),       Jet<N>(values.keep),
-                             Jet<N>(values.release), {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
-                             Jet<N>(values.own),     Jet<N>(values.ratio),
+  MemoryParameters<Jet<N>> p{Jet<N>(values.q),
+                             Jet<N>(values.keep),
+                             Jet<N>(values.release),
+                             {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
+                             Jet<N>(values.ratio),
                              Jet<N>(values.power)};
   p.q.v[n] = values.q;
   p.keep.v[n + 1] = 1.0;
   p.release.v[n] = -first_at_rest_m2ps2(values.q);
   p.release.v[n + 2] = exp(theta[n_law_ + 2]);
   for (std::size_t j = 0; j < kSlipTimes; ++j) p.slip[j].v[n + 3 + static_cast<int>(j)] = 1.0;
-  if (own_variance_) p.own.v[n + 5] = values.own;
   if (by_impact) {
     const int tested = static_cast<int>(n_parameters());
     p.ratio.v[tested] = p.power.v[tested + 1] = 1.0;
@@ -148,7 +147,7 @@ double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorX
     } else if (n_parameters() <= 8) {
       score<8>(c, theta, logliks[c], &gradients[c], nullptr);
     } else {
-      score<kMostMemoryLawParameters + 6>(c, theta, logliks[c], &gradients[c], nullptr);
+      score<kMostMemoryLawParameters + 5>(c, theta, logliks[c], &gradients[c], nullptr);
     }
   });
   double sum = log_prior(theta);
@@ -161,23 +160,19 @@ double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorX
 
 double MemoryLikelihood::log_prior(const Eigen::VectorXd& theta) const {
   if (!(theta[index_of_first()] < log(chains_.least_s_before))) return -HUGE_VAL;
-  const double own = own_variance_ ? (theta[n_law_ + 5] - log(*own_variance_)) / kOwnSd : 0.0;
-  return -0.5 * (theta.segment(index_of_slip(), kSlips).squaredNorm() / square(kSlipSd) + square(own)) -
-         log1p(rest_over_first_squared(theta));
+  return -0.5 * theta.tail(kSlipTimes).squaredNorm() / square(kSlipSd) - log1p(rest_over_first_squared(theta));
 }
 
 Eigen::VectorXd MemoryLikelihood::prior_gradient(const Eigen::VectorXd& theta) const {
   Eigen::VectorXd gradient = gradient_by_first(theta);
-  gradient.segment(index_of_slip(), kSlips) = -theta.segment(index_of_slip(), kSlips) / square(kSlipSd);
-  if (own_variance_) gradient[n_law_ + 5] = -(theta[n_law_ + 5] - log(*own_variance_)) / square(kOwnSd);
+  gradient.tail(kSlipTimes) = -theta.tail(kSlipTimes) / square(kSlipSd);
   return gradient;
 }
 
 Eigen::MatrixXd MemoryLikelihood::prior_information(const Eigen::VectorXd& theta) const {
   const Eigen::VectorXd by_first = gradient_by_first(theta);
   Eigen::MatrixXd information = by_first * by_first.transpose();
-  information.diagonal().segment(index_of_slip(), kSlips).array() += 1.0 / square(kSlipSd);
-  if (own_variance_) information(n_law_ + 5, n_law_ + 5) += 1.0 / square(kOwnSd);
+  information.diagonal().tail(kSlipTimes).array() += 1.0 / square(kSlipSd);
   return information;
 }
 
@@ -197,7 +192,7 @@ Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta)
   std::vector<Eigen::MatrixXd> by_chain(chains_.chains.size());
   parallel_for(by_chain.size(), 0, [&](std::size_t c) {
     double ignored = 0.0;
-    score<kMostMemoryLawParameters + 6 + kTestedParameters>(c, theta, ignored, nullptr, &by_chain[c]);
+    score<kMostMemoryLawParameters + 5 + kTestedParameters>(c, theta, ignored, nullptr, &by_chain[c]);
   });
   Eigen::MatrixXd all(n_parameters() + kTestedParameters, static_cast<Eigen::Index>(chains_.n_impacts));
   Eigen::Index begin = 0;

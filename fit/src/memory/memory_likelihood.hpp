@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "law/law_model.hpp"
@@ -19,15 +18,12 @@ inline constexpr int kMostMemoryLawParameters = 5;
 /// impacts before that one added, which needs not be known apart. It is free whether or not the release was clean.
 class MemoryLikelihood {
  public:
-  /// @param own_variance  where given, theta ends with the logarithm of the variance that eps has of its own, and this
-  ///                      is where its search begins: a rival model, for a test
-  MemoryLikelihood(const Chains& chains, const LawModel& model, std::optional<double> own_variance = std::nullopt);
+  MemoryLikelihood(const Chains& chains, const LawModel& model);
 
-  Eigen::Index n_parameters() const { return index_of_slip() + kSlips + (own_variance_ ? 1 : 0); }
+  Eigen::Index n_parameters() const { return n_law_ + 3 + static_cast<Eigen::Index>(kSlipTimes); }
   Eigen::Index index_of_q() const { return n_law_; }
   Eigen::Index index_of_keep() const { return n_law_ + 1; }
   Eigen::Index index_of_first() const { return n_law_ + 2; }
-  Eigen::Index index_of_slip() const { return n_law_ + 3; }
   /// What balls at rest when released would have for M: 2 q S [m^2/s^2].
   double first_at_rest_m2ps2(double q) const { return 2.0 * q * chains_.least_s_before; }
   MemoryParameters<double> parameters(const Eigen::VectorXd& theta) const;
@@ -40,9 +36,8 @@ class MemoryLikelihood {
   double anew(const Eigen::VectorXd& theta) const;
   /// Each slip is normal about 0: of the spin of a solid ball that is released with nothing else 2/7 is left when it
   /// rolls, and log(7/2) is the standard deviation. Log M is flat, up to four times the square of the first speed, and
-  /// falls off as 1/(1 + (M0/M)^2) below M0 = first_at_rest_m2ps2(), which any release only adds to. That of eps' own
-  /// variance is normal about the begin of its search, as wide as a factor of ten: it keeps the search from nothing at
-  /// all. Flat in the others.
+  /// falls off as 1/(1 + (M0/M)^2) below M0 = first_at_rest_m2ps2(), which any release only adds to. Flat in the
+  /// others.
   double log_prior(const Eigen::VectorXd& theta) const;
   Eigen::VectorXd prior_gradient(const Eigen::VectorXd& theta) const;
   /// By the curvature of slip and the square of the score of M, as of impacts.
@@ -60,8 +55,6 @@ class MemoryLikelihood {
   const LawModel& model() const { return model_; }
 
  private:
-  static constexpr auto kSlips = static_cast<Eigen::Index>(kSlipTimes);
-
   struct LawRows {
     Eigen::RowVectorXd eps, slope;       ///< an entry an impact
     Eigen::MatrixXd eps_row, slope_row;  ///< a column an impact
@@ -81,7 +74,6 @@ class MemoryLikelihood {
   const Chains& chains_;
   const LawModel& model_;
   Eigen::Index n_law_;
-  std::optional<double> own_variance_;
   std::vector<FilterPlan> plans_;
   std::vector<LawRows> linear_;  ///< rows of a linear model, by chain
 };

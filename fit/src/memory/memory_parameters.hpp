@@ -27,7 +27,6 @@ struct MemoryParameters {
   T release;  ///< mean reservoir at the release; less than 0 where first ones are less than impacts make [m^2/s^2]
   /// Of the logarithm of the reservoir: what slip at the contact takes soon after a release, by each decay, in all.
   std::array<T, kSlipTimes> slip;
-  T own;  ///< variance that eps has of its own, which no reservoir gives or takes; 0 but in a rival model
   /// What the model says has one value, to be tested by the derivative there.
   T ratio;  ///< 1; of the mean of |t|^2 to 2 q: both effects of the offset agree
   T power;  ///< 0; d log q / d log v: the ball is as rough at every speed

@@ -84,10 +84,9 @@ struct MemoryFit {
   MemoryTest release;
   MemoryTest
       mechanism;  ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
-  MemoryTest own_scatter;  ///< eps has no scatter of its own, taken from no reservoir; p one-sided
-  MemoryTest by_speed;     ///< q the same at every speed; z > 0: fast impacts meet the rougher ball
+  MemoryTest by_speed;  ///< q the same at every speed; z > 0: fast impacts meet the rougher ball
   std::optional<DropsTest> between_drops;
-  /// The model passes: transforms, mechanism, own scatter, roughness by speed and drops with p above .01, and likelier
+  /// The model passes: transforms, mechanism, roughness by speed and drops with p above .01, and likelier
   /// than independent samples.
   bool holds = false;
 };
