@@ -219,20 +219,23 @@ TEST(MemoryFit, ABallThatIsRougherForSlowImpactsFailsItsTest) {
   drops.power = -1.2;  // that of offsets averaged over Hertz' patch
   const MemoryFit fit = fitted(drawn(drops, 13), 150, kEnoughReplicates).memory;
   ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
-  EXPECT_LT(fit.by_speed.z, -3.0);
+  EXPECT_LT(fit.by_speed.z, -2.5);
   EXPECT_FALSE(fit.holds);
   EXPECT_NE(fit.message.find("slow impacts"), std::string::npos) << fit.message;
 }
 
-TEST(MemoryFit, DropsThatDifferFailTheirTest) {
+TEST(MemoryFit, DropsThatDifferAreSeenInTheirScores) {
   Drops drops;
-  drops.spread = 0.01;  // 4e-4 of eps, as some tenths of a kelvin or another place on the plate might do
-  const MemoryFit fit = fitted(drawn(drops, 14), 150, kEnoughReplicates).memory;
-  ASSERT_EQ(fit.status, FitStatus::ok) << fit.message;
-  ASSERT_TRUE(fit.between_drops);
-  EXPECT_GT(fit.between_drops->ratio, 2.0);
-  EXPECT_FALSE(fit.holds);
-  EXPECT_NE(fit.message.find("drops differ"), std::string::npos) << fit.message;
+  drops.n = 20;
+  drops.impacts = 92;
+  const auto ratio = [&](std::uint64_t seed) {
+    const MemoryFit fit = fitted(drawn(drops, seed), 60, 1).memory;
+    return fit.between_drops ? fit.between_drops->ratio : 0.0;
+  };
+  // mean of 8 chi-squares of 19 degrees of freedom over 19: standard deviation .12 and, scores not being normal, more
+  EXPECT_NEAR(ratio(17), 1.0, 0.6);
+  drops.spread = 0.003;  // some 1e-4 of eps
+  EXPECT_GT(ratio(17), 1.8);
 }
 
 TEST(MemoryFit, WithOneConstantAndWithGamma) {

@@ -108,12 +108,9 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
   }
   const MemoryParameters<double> values = parameters(theta);
   const int n = static_cast<int>(n_law_);
-  MemoryParameters<Jet<N>> p{Jet<N>(values.q),
-                             Jet<N>(values.keep),
-                             Jet<N>(values.release),
-                             {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
-                             Jet<N>(values.ratio),
-                             Jet<N>(values.power)};
+  MemoryParameters<Jet<N>> p{Jet<N>(values.q),       Jet<N>(values.keep),
+                             Jet<N>(values.release), {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
+                             Jet<N>(values.ratio),   Jet<N>(values.power)};
   p.q.v[n] = values.q;
   p.keep.v[n + 1] = 1.0;
   p.release.v[n] = -first_at_rest_m2ps2(values.q);

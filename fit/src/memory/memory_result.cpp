@@ -168,9 +168,9 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
   if (config.n_goodness > 0) {
     const Eigen::MatrixXd of_fitted = scores.topRows(n);
-    const ModelTests tests = tests_by_drawing(
-        likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta), z,
-        config.n_goodness, config.seed);
+    const ModelTests tests =
+        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta), z,
+                         config.n_goodness, config.seed);
     fit.anderson_darling = tests.anderson_darling;
     if (fit.n_drops > 1) fit.between_drops = tests.between_drops;
     for (std::size_t j = 0; tests.score_p && j < tested.size(); ++j) tested[j]->p_value = (*tests.score_p)[j];

@@ -86,8 +86,7 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
       result.z[j] = score_test(those, scores, theta.size() + static_cast<Eigen::Index>(j)).z;
     Eigen::VectorXd others(theta.size());
     for (double& x : others) x = random->normal();
-    const Eigen::VectorXd in_white =
-        white.transpose() * fitted.rowwise().sum() + std::sqrt(1.0 - share) * others;
+    const Eigen::VectorXd in_white = white.transpose() * fitted.rowwise().sum() + std::sqrt(1.0 - share) * others;
     result.a2 = statistic(those, theta + white * in_white);
     return result;
   };

@@ -126,6 +126,10 @@ template <class T, class Use>
 requires std::is_same_v<std::remove_const_t<T>, MemoryTest>
 void members(T& t, const Use& use) { use(t.z, t.p_value); }
 
+template <class T, class Use>
+requires std::is_same_v<std::remove_const_t<T>, DropsTest>
+void members(T& t, const Use& use) { use(t.ratio, t.p_value); }
+
 }  // namespace bouncelab::fit
 
 namespace bouncelab::loop {

@@ -83,7 +83,7 @@ struct MemoryFit {
   /// it. A statement: nothing in the fit depends on it.
   MemoryTest release;
   MemoryTest
-      mechanism;  ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
+      mechanism;        ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
   MemoryTest by_speed;  ///< q the same at every speed; z > 0: fast impacts meet the rougher ball
   std::optional<DropsTest> between_drops;
   /// The model passes: transforms, mechanism, roughness by speed and drops with p above .01, and likelier
