@@ -42,6 +42,11 @@ function memoryTests(m) {
                      said(ad.p_value, 'each fluctuation is distributed as its drop’s past says', 'the fluctuations are not distributed as the model says')]);
   rows.push(['offset and width by one roughness', `z = ${number(tests.mechanism_z, 2)}`, pText(tests.mechanism_p),
              said(tests.mechanism_p, 'the scatter is that of a rough ball', 'something other than the ball’s roughness scatters ε as well')]);
+  rows.push(['as rough at every speed', `z = ${number(tests.by_speed_z, 2)}`, pText(tests.by_speed_p),
+             said(tests.by_speed_p, 'fast and slow impacts scatter by one roughness', 'fast and slow impacts want different roughness: ε scatters by more than the ball’s, or the times are worse than stated')]);
+  if (known(tests.between_drops_p))
+    rows.push(['drops alike', `ratio ${number(tests.between_drops_ratio, 3)}`, pText(tests.between_drops_p),
+               said(tests.between_drops_p, 'drops differ as much as their impacts say', 'drops differ by more: the place on the plate, its temperature or the ball changed between them')]);
   rows.push(['energy lost by the reservoir at a bounce', m.leak ? measured(m.leak.value, m.leak.se) : '–', pText(tests.leak_p),
              said(tests.leak_p, 'none seen; it is in the error of ε(v)', 'spin and sideways motion die away; taken into account')]);
   rows.push(['energy in the reservoir at the release', m.release_m2ps2 ? measured(m.release_m2ps2.value, m.release_m2ps2.se) + ' m²/s²' : '–', pText(tests.release_p),

@@ -103,33 +103,34 @@ class ChainFilter {
     const double v = m.v_mps, after = m.v_after_mps;
     const T& e = law.eps;
     const T y = after - e * v, one_e = 1.0 + e, f = 1.0 + v * law.slope / one_e;
+    const T q = p_.q * (1.0 + p_.power * log(v));
     errors_.measure(m, law, height_variance_);
     EmissionInput<T> in;
     in.y = y;
     in.noise_mean = errors_.y_mean();
-    in.a = p_.q * square_of(one_e * f);
-    in.b = 2.0 * p_.q * p_.ratio * one_e * v;
+    in.a = q * square_of(one_e * f);
+    in.b = 2.0 * q * p_.ratio * one_e * v;
     in.noise_variance = errors_.y_variance() + square_of(kResolution * in.b);
     const T speed_mean = errors_.speed_mean(), speed_variance = errors_.speed_variance();
     in.covariance = -2.0 * v * errors_.covariance();
 
     // approached faster, more often: the weight of a contact (docs/physics.md)
-    const T flux = 1.0 + y / (v * one_e) + 2.0 * p_.q;
+    const T flux = 1.0 + y / (v * one_e) + 2.0 * q;
     const T reach = square_of(f) * T(0.25 / square(v));
     const T loss = (1.0 - e) / one_e * square(v + after);
-    const T loss_variance = square_of((1.0 - e) * one_e * square(v)) * (2.0 * p_.q * p_.q) +
+    const T loss_variance = square_of((1.0 - e) * one_e * square(v)) * (2.0 * q * q) +
                             square_of(2.0 * (1.0 - e) / one_e * (v + after)) * in.noise_variance;
     double tail = 0.0;
     emissions_.clear();
     for (Component<T>& c : components_) {
       in.reservoir_variance = c.variance + 4.0 * square(v) * speed_variance;
-      const T soft = in.reservoir_variance + square_of(0.2 * p_.q * square(v));
+      const T soft = in.reservoir_variance + square_of(0.2 * q * square(v));
       in.reservoir = rounded_positive<T>(c.book - 2.0 * v * speed_mean, soft);
       emissions_.push_back(emission(in));
       const Emission<T>& em = emissions_.back();
       if (transforms) tail += value_of(c.weight) * probability_below(in, em);
       // book of energies: what came, what went, what the bounce dissipated
-      const T offset = mean_offset_square(in.reservoir, reach, y / (v * one_e), p_.q);
+      const T offset = mean_offset_square(in.reservoir, reach, y / (v * one_e), q);
       const T gain = em.by_reservoir, bend = c.variance * em.curvature_by_reservoir;
       c.book += c.variance * gain + square(v) - square(after) - loss * (1.0 + offset);
       c.variance = (value_of(bend) < 0.0 ? c.variance / (1.0 - bend) : c.variance * (1.0 + bend)) + loss_variance;

@@ -82,7 +82,8 @@ MemoryParameters<double> MemoryLikelihood::parameters(const Eigen::VectorXd& the
           theta[n_law_ + 1],
           exp(theta[n_law_ + 2]) - first_at_rest_m2ps2(q),
           {theta[n_law_ + 3], theta[n_law_ + 4]},
-          1.0};
+          1.0,
+          0.0};
 }
 
 void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
@@ -107,25 +108,27 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
   }
   const MemoryParameters<double> values = parameters(theta);
   const int n = static_cast<int>(n_law_);
-  MemoryParameters<Jet<N>> p{Jet<N>(values.q),
-                             Jet<N>(values.keep),
-                             Jet<N>(values.release),
-                             {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
-                             Jet<N>(values.ratio)};
+  MemoryParameters<Jet<N>> p{Jet<N>(values.q),       Jet<N>(values.keep),
+                             Jet<N>(values.release), {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
+                             Jet<N>(values.ratio),   Jet<N>(values.power)};
   p.q.v[n] = values.q;
   p.keep.v[n + 1] = 1.0;
   p.release.v[n] = -first_at_rest_m2ps2(values.q);
   p.release.v[n + 2] = exp(theta[n_law_ + 2]);
   for (std::size_t j = 0; j < kSlipTimes; ++j) p.slip[j].v[n + 3 + static_cast<int>(j)] = 1.0;
-  if (n + 5 < N) p.ratio.v[n + 5] = values.ratio;
+  if (by_impact) {
+    const int tested = static_cast<int>(n_parameters());
+    p.ratio.v[tested] = p.power.v[tested + 1] = 1.0;
+  }
   std::vector<Jet<N>> densities;
   const Jet<N> sum = filter(chain, p).loglik(law, plans_[chain], by_impact ? &densities : nullptr);
   loglik = sum.a;
   if (gradient) *gradient = sum.v.head(n_parameters());
   if (!by_impact) return;
-  by_impact->resize(n_law_ + 6, static_cast<Eigen::Index>(densities.size()));
+  const Eigen::Index n_rows = n_parameters() + kTestedParameters;
+  by_impact->resize(n_rows, static_cast<Eigen::Index>(densities.size()));
   for (std::size_t k = 0; k < densities.size(); ++k)
-    by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_law_ + 6);
+    by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_rows);
 }
 
 double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
@@ -141,7 +144,7 @@ double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorX
     } else if (n_parameters() <= 8) {
       score<8>(c, theta, logliks[c], &gradients[c], nullptr);
     } else {
-      score<kMostMemoryLawParameters + 6>(c, theta, logliks[c], &gradients[c], nullptr);
+      score<kMostMemoryLawParameters + 5>(c, theta, logliks[c], &gradients[c], nullptr);
     }
   });
   double sum = log_prior(theta);
@@ -186,9 +189,9 @@ Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta)
   std::vector<Eigen::MatrixXd> by_chain(chains_.chains.size());
   parallel_for(by_chain.size(), 0, [&](std::size_t c) {
     double ignored = 0.0;
-    score<kMostMemoryLawParameters + 6>(c, theta, ignored, nullptr, &by_chain[c]);
+    score<kMostMemoryLawParameters + 5 + kTestedParameters>(c, theta, ignored, nullptr, &by_chain[c]);
   });
-  Eigen::MatrixXd all(n_law_ + 6, static_cast<Eigen::Index>(chains_.n_impacts));
+  Eigen::MatrixXd all(n_parameters() + kTestedParameters, static_cast<Eigen::Index>(chains_.n_impacts));
   Eigen::Index begin = 0;
   for (const Eigen::MatrixXd& one : by_chain) {
     all.middleCols(begin, one.cols()) = one;

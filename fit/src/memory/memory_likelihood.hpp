@@ -43,8 +43,8 @@ class MemoryLikelihood {
   /// By the curvature of slip and the square of the score of M, as of impacts.
   Eigen::MatrixXd prior_information(const Eigen::VectorXd& theta) const;
   /// Derivatives of each impact's log density given those before it by (law's coordinates, log q, keep, log M,
-  /// slip, log ratio), a column an impact: differences of a martingale, so the sum of their squares is an information
-  /// matrix.
+  /// slip, then what is tested: ratio, power), a column an impact: differences of a martingale, so the sum of
+  /// their squares is an information matrix.
   Eigen::MatrixXd scores_by_impact(const Eigen::VectorXd& theta) const;
   /// Sums of them over the impacts of each drop.
   Eigen::MatrixXd by_drop(const Eigen::MatrixXd& scores_by_impact) const;

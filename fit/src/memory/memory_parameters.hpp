@@ -16,6 +16,9 @@ struct LawAt {
   T slope;  ///< d eps / d v [s/m]
 };
 
+/// Derivatives by these are scores of tests: ratio, power.
+inline constexpr int kTestedParameters = 2;
+
 /// What all impacts have in common.
 template <class T>
 struct MemoryParameters {
@@ -24,7 +27,9 @@ struct MemoryParameters {
   T release;  ///< mean reservoir at the release; less than 0 where first ones are less than impacts make [m^2/s^2]
   /// Of the logarithm of the reservoir: what slip at the contact takes soon after a release, by each decay, in all.
   std::array<T, kSlipTimes> slip;
-  T ratio;  ///< 1; of the mean of |t|^2 to 2 q, to test whether both effects of the offset agree
+  /// What the model says has one value, to be tested by the derivative there.
+  T ratio;  ///< 1; of the mean of |t|^2 to 2 q: both effects of the offset agree
+  T power;  ///< 0; d log q / d log v: the ball is as rough at every speed
 };
 
 /// Share of the reservoir that outlasts an impact. Until the contact of a ball that was released with spin rolls,

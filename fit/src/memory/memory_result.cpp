@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <span>
@@ -121,6 +122,9 @@ std::string objections(const MemoryFit& fit) {
   if (fit.anderson_darling && fit.anderson_darling->p_value <= kRejected)
     add("the impacts do not scatter as the model says (Anderson-Darling test of the probability transforms)");
   if (fit.mechanism.p_value <= kRejected) add("offset and width of the scatter want different roughness");
+  if (fit.by_speed.p_value <= kRejected) add("slow impacts want another roughness than fast ones");
+  if (fit.between_drops && fit.between_drops->p_value <= kRejected)
+    add("drops differ from each other by more than their impacts say");
   return text;
 }
 
@@ -129,7 +133,12 @@ std::string objections(const MemoryFit& fit) {
 void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
               const Eigen::MatrixXd& scores, const MemoryFitConfig& config, const std::vector<double>& speeds) {
   const Eigen::Index n = likelihood.n_parameters();
-  fit.mechanism = score_test(likelihood, scores, scores.rows() - 1);
+  const std::array<MemoryTest*, kTestedParameters> tested{&fit.mechanism, &fit.by_speed};
+  std::array<double, kTestedParameters> z{};
+  for (std::size_t j = 0; j < tested.size(); ++j) {
+    *tested[j] = score_test(likelihood, scores, n + static_cast<Eigen::Index>(j));
+    z[j] = tested[j]->z;
+  }
   fit.loglik = likelihood.anew(theta);
   const Posterior posterior = uncertainty(likelihood, theta, scores, config);
   if (posterior.effective < kFewestDraws) {
@@ -160,10 +169,11 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
   if (config.n_goodness > 0) {
     const Eigen::MatrixXd of_fitted = scores.topRows(n);
     const ModelTests tests =
-        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta),
-                         fit.mechanism.z, config.n_goodness, config.seed);
+        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta), z,
+                         config.n_goodness, config.seed);
     fit.anderson_darling = tests.anderson_darling;
-    fit.mechanism.p_value = tests.mechanism_p.value_or(fit.mechanism.p_value);
+    if (fit.n_drops > 1) fit.between_drops = tests.between_drops;
+    for (std::size_t j = 0; tests.score_p && j < tested.size(); ++j) tested[j]->p_value = (*tests.score_p)[j];
   }
   fit.message = objections(fit);
   fit.holds = fit.message.empty();

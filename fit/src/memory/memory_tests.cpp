@@ -3,8 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
@@ -45,9 +45,19 @@ MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd&
   return test;
 }
 
+double drops_over_impacts(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores,
+                          const Eigen::MatrixXd& information) {
+  const Eigen::MatrixXd drops = likelihood.by_drop(scores);
+  const auto n = static_cast<double>(drops.cols());
+  if (n < 2.0) return 0.0;
+  // about their mean: it is zero of what was fitted, and not of a sample that was drawn
+  const Eigen::MatrixXd white = whitening(information, 1e-9).transpose() * (drops.colwise() - drops.rowwise().mean());
+  return white.squaredNorm() * n / (n - 1.0) / static_cast<double>(scores.rows());
+}
+
 ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
-                            const Eigen::MatrixXd& information, double mechanism_z, std::size_t n_replicates,
-                            std::uint64_t seed) {
+                            const Eigen::MatrixXd& information, const std::array<double, kTestedParameters>& z,
+                            std::size_t n_replicates, std::uint64_t seed) {
   const Chains design = thinned_chains(likelihood.chains(), kMostImpacts);
   const LawModel& model = likelihood.model();
   const RestitutionLaw law = model.law(theta.head(model.n_parameters()));
@@ -57,33 +67,55 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
   const double height_sd_m = design.height_sd_m(parameters.q);
   const Eigen::MatrixXd white = whitening(information, 1e-9);
 
-  ModelTests tests;
-  AndersonDarling& result = tests.anderson_darling;
-  result.a2 = statistic(MemoryLikelihood(design, model), theta);
-  result.n_replicates = n_replicates;
-  std::vector<double> a2(n_replicates, 0.0), z(n_replicates, 0.0);
+  /// What is compared, of the impacts observed or drawn.
+  struct Statistics {
+    double a2 = 0.0, drops = 0.0;
+    std::array<double, kTestedParameters> z{};
+  };
+  const auto statistics = [&](MemoryLikelihood& those, Random* random) {
+    Statistics result;
+    those.plan_at(theta);
+    const Eigen::MatrixXd scores = those.scores_by_impact(theta);
+    const Eigen::MatrixXd fitted = scores.topRows(theta.size());
+    result.drops = drops_over_impacts(those, fitted, fitted * fitted.transpose() + those.prior_information(theta));
+    if (random == nullptr) {
+      result.a2 = statistic(those, theta);
+      return result;
+    }
+    for (std::size_t j = 0; j < result.z.size(); ++j)
+      result.z[j] = score_test(those, scores, theta.size() + static_cast<Eigen::Index>(j)).z;
+    Eigen::VectorXd others(theta.size());
+    for (double& x : others) x = random->normal();
+    const Eigen::VectorXd in_white = white.transpose() * fitted.rowwise().sum() + std::sqrt(1.0 - share) * others;
+    result.a2 = statistic(those, theta + white * in_white);
+    return result;
+  };
+
+  MemoryLikelihood observed(design, model);
+  const Statistics here = statistics(observed, nullptr);
+  std::vector<Statistics> drawn(n_replicates);
   parallel_for(n_replicates, 0, [&](std::size_t i) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{2} << 32U) + i);
-    Chains drawn = design;
-    for (Chain& chain : drawn.chains) chain = draw_chain(chain, law, parameters, height_sd_m, random);
-    MemoryLikelihood again(drawn, model);
-    again.plan_at(theta);
-    const Eigen::MatrixXd scores = again.scores_by_impact(theta);
-    const Eigen::VectorXd score = scores.topRows(theta.size()).rowwise().sum();
-    z[i] = score_test(again, scores, scores.rows() - 1).z;
-    Eigen::VectorXd others(theta.size());
-    for (double& x : others) x = random.normal();
-    const Eigen::VectorXd in_white = white.transpose() * score + std::sqrt(1.0 - share) * others;
-    a2[i] = statistic(again, theta + white * in_white);
+    Chains chains = design;
+    for (Chain& chain : chains.chains) chain = draw_chain(chain, law, parameters, height_sd_m, random);
+    MemoryLikelihood again(chains, model);
+    drawn[i] = statistics(again, &random);
   });
-  const auto n_larger = std::count_if(a2.begin(), a2.end(), [&](double x) { return !(x < result.a2); });
-  result.p_value = (1.0 + static_cast<double>(n_larger)) / (1.0 + static_cast<double>(n_replicates));
-  if (design.n_impacts == likelihood.chains().n_impacts) {
-    // of few drops the score is neither normal nor about zero
-    const double mean = std::accumulate(z.begin(), z.end(), 0.0) / static_cast<double>(n_replicates);
-    const auto n_farther = std::count_if(
-        z.begin(), z.end(), [&](double x) { return !(std::abs(x - mean) < std::abs(mechanism_z - mean)); });
-    tests.mechanism_p = (1.0 + static_cast<double>(n_farther)) / (1.0 + static_cast<double>(n_replicates));
+
+  const auto p_of = [&](const auto& is_beyond) {
+    const auto n_beyond = std::count_if(drawn.begin(), drawn.end(), is_beyond);
+    return (1.0 + static_cast<double>(n_beyond)) / (1.0 + static_cast<double>(n_replicates));
+  };
+  ModelTests tests;
+  tests.anderson_darling = {here.a2, p_of([&](const Statistics& s) { return !(s.a2 < here.a2); }), n_replicates};
+  tests.between_drops = {here.drops, p_of([&](const Statistics& s) { return !(s.drops < here.drops); })};
+  if (design.n_impacts < likelihood.chains().n_impacts) return tests;
+  // of few drops a score is neither normal nor about zero
+  tests.score_p.emplace();
+  for (std::size_t j = 0; j < z.size(); ++j) {
+    double mean = 0.0;
+    for (const Statistics& s : drawn) mean += s.z[j] / static_cast<double>(n_replicates);
+    (*tests.score_p)[j] = p_of([&](const Statistics& s) { return !(std::abs(s.z[j] - mean) < std::abs(z[j] - mean)); });
   }
   return tests;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -22,17 +23,27 @@ MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd&
 /// Does the model hold? Against samples drawn from it.
 struct ModelTests {
   AndersonDarling anderson_darling;
-  /// Of the mechanism's score: probability that a sample's is as far from their mean. None where impacts are so many
-  /// that the score is normal.
-  std::optional<double> mechanism_p;
+  DropsTest between_drops;
+  /// Of the scores of what is tested: probability that a sample's is as far from their mean. None where impacts are so
+  /// many that the scores are normal.
+  std::optional<std::array<double, kTestedParameters>> score_p;
 };
 
+/// Mean square of the drops' scores over what the scores of their impacts make it, over all directions of what was
+/// fitted: 1 but for chance where all drops have the same parameters (information matrix test: White, Econometrica 50,
+/// 1 (1982), doi:10.2307/1912526). 0 of one drop.
+/// @param scores       of what was fitted, by impact
+/// @param information  of what was fitted, by impacts
+double drops_over_impacts(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores,
+                          const Eigen::MatrixXd& information);
+
 /// Anderson-Darling on the probability transforms of up to 4,000 impacts (whole chains, evenly chosen), against samples
-/// drawn from the model; each has the parameters that one step of scoring finds for it.
+/// drawn from the model; each has the parameters that one step of scoring finds for it. Drops' scores of the same
+/// impacts.
 /// @param information  of all impacts about theta
-/// @param mechanism_z  of the score test of the last parameter, the ratio of offset to width
+/// @param z            of the score tests
 ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
-                            const Eigen::MatrixXd& information, double mechanism_z, std::size_t n_replicates,
-                            std::uint64_t seed);
+                            const Eigen::MatrixXd& information, const std::array<double, kTestedParameters>& z,
+                            std::size_t n_replicates, std::uint64_t seed);
 
 }  // namespace bouncelab::fit

@@ -11,6 +11,8 @@ std::string describe_tests(const MemoryFit& memory) {
     text +=
         formatted("Anderson-Darling test of the probability transforms p = %.2g, ", memory.anderson_darling->p_value);
   text += formatted("offset and width of the scatter by one roughness p = %.2g", memory.mechanism.p_value);
+  text += formatted(", as rough at every speed p = %.2g", memory.by_speed.p_value);
+  if (memory.between_drops) text += formatted(", drops alike p = %.2g", memory.between_drops->p_value);
   return text;
 }
 

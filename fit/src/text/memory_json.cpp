@@ -7,9 +7,13 @@
 namespace bouncelab::fit {
 
 Json tests_of(const MemoryFit& m) {
-  return {{"leak_z", json_of(m.leak.z)},           {"leak_p", json_of(m.leak.p_value)},
-          {"release_z", json_of(m.release.z)},     {"release_p", json_of(m.release.p_value)},
-          {"mechanism_z", json_of(m.mechanism.z)}, {"mechanism_p", json_of(m.mechanism.p_value)}};
+  Json j{{"leak_z", json_of(m.leak.z)},           {"leak_p", json_of(m.leak.p_value)},
+         {"release_z", json_of(m.release.z)},     {"release_p", json_of(m.release.p_value)},
+         {"mechanism_z", json_of(m.mechanism.z)}, {"mechanism_p", json_of(m.mechanism.p_value)},
+         {"by_speed_z", json_of(m.by_speed.z)},   {"by_speed_p", json_of(m.by_speed.p_value)}};
+  j["between_drops_ratio"] = m.between_drops ? json_of(m.between_drops->ratio) : Json(nullptr);
+  j["between_drops_p"] = m.between_drops ? json_of(m.between_drops->p_value) : Json(nullptr);
+  return j;
 }
 
 Json json_of(const MemoryFit& m) {

@@ -132,6 +132,8 @@ MemoryExperiment run_memory_experiment(const MemoryConditions& conditions, std::
   experiment.quantities.back().with_memory = memory.roughness.q;
   if (memory.anderson_darling) experiment.anderson_darling_p = memory.anderson_darling->p_value;
   experiment.mechanism = memory.mechanism;
+  experiment.by_speed = memory.by_speed;
+  experiment.between_drops = memory.between_drops;
   experiment.release = memory.release;
   experiment.leak = memory.leak;
   experiment.keep = memory.keep;

@@ -33,9 +33,12 @@ Table to_table(const std::vector<MemoryExperiment>& experiments) {
   column("status", [](const E& e) { return std::string(to_string(e.status)); });
   column("holds", [](const E& e) { return std::int64_t{e.holds}; });
   column("anderson_darling_p", [&](const E& e) { return e.anderson_darling_p.value_or(kUnknown); });
-  for (const auto& [name, test] :
-       {std::pair{"mechanism_p", &E::mechanism}, {"release_p", &E::release}, {"leak_p", &E::leak}})
+  for (const auto& [name, test] : {std::pair{"mechanism_p", &E::mechanism},
+                                   {"by_speed_p", &E::by_speed},
+                                   {"release_p", &E::release},
+                                   {"leak_p", &E::leak}})
     column(name, [test = test](const E& e) { return e.*test ? (e.*test)->p_value : kUnknown; });
+  column("between_drops_p", [&](const E& e) { return e.between_drops ? e.between_drops->p_value : kUnknown; });
   column("keep", [&](const E& e) { return e.keep ? e.keep->value : kUnknown; });
   column("se_keep", [&](const E& e) { return e.keep ? e.keep->se.value_or(kUnknown) : kUnknown; });
   using Part = std::function<double(const fit::Estimate&)>;

@@ -126,6 +126,10 @@ template <class T, class Use>
 requires std::is_same_v<std::remove_const_t<T>, MemoryTest>
 void members(T& t, const Use& use) { use(t.z, t.p_value); }
 
+template <class T, class Use>
+requires std::is_same_v<std::remove_const_t<T>, DropsTest>
+void members(T& t, const Use& use) { use(t.ratio, t.p_value); }
+
 }  // namespace bouncelab::fit
 
 namespace bouncelab::loop {
@@ -141,8 +145,8 @@ void members(T& q, const Use& use) { use(q.name, q.truth, q.with_memory, q.indep
 template <class T, class Use>
 requires std::is_same_v<std::remove_const_t<T>, MemoryExperiment>
 void members(T& e, const Use& use) {
-  use(e.n_used, e.status, e.message, e.holds, e.anderson_darling_p, e.mechanism, e.release, e.leak, e.keep,
-      e.quantities);
+  use(e.n_used, e.status, e.message, e.holds, e.anderson_darling_p, e.mechanism, e.by_speed, e.release, e.leak,
+      e.between_drops, e.keep, e.quantities);
 }
 
 std::string to_record(const detection::Detection& found, bool with_details) {

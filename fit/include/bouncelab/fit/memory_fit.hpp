@@ -44,6 +44,12 @@ struct MemoryTest {
   double p_value = 1.0;  ///< two-sided
 };
 
+/// Do drops differ from each other by more than their impacts say?
+struct DropsTest {
+  double ratio = 0.0;    ///< of the variance of what drops ask for to that expected of their impacts
+  double p_value = 1.0;  ///< of a ratio as large, by samples drawn from the model
+};
+
 /// eps(v) from fluctuations that remember: the energy that earlier bounces of a drop took out of the vertical motion
 /// sits in a reservoir w (sideways motion and spin), and sets how much the next bounce may scatter (docs/physics.md,
 /// 7). Twenty drops so analysed say about as much as thousands of independent impacts; it holds only where the scatter
@@ -77,8 +83,11 @@ struct MemoryFit {
   /// it. A statement: nothing in the fit depends on it.
   MemoryTest release;
   MemoryTest
-      mechanism;  ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
-  /// The model passes: transforms and mechanism with p above .01, and likelier than independent samples.
+      mechanism;        ///< mean offset and width by the same q (from the difference of the slopes and from the widths)
+  MemoryTest by_speed;  ///< q the same at every speed; z > 0: fast impacts meet the rougher ball
+  std::optional<DropsTest> between_drops;
+  /// The model passes: transforms, mechanism, roughness by speed and drops with p above .01, and likelier
+  /// than independent samples.
   bool holds = false;
 };
 

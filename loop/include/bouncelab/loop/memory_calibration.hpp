@@ -65,7 +65,8 @@ struct MemoryExperiment {
   std::string message;                       ///< of the fit with memory: why it failed, or what speaks against it
   bool holds = false;                        ///< its test passes
   std::optional<double> anderson_darling_p;  ///< of the probability transforms
-  std::optional<fit::MemoryTest> mechanism, release, leak;
+  std::optional<fit::MemoryTest> mechanism, by_speed, release, leak;
+  std::optional<fit::DropsTest> between_drops;
   std::optional<fit::Estimate> keep;           ///< share of the reservoir that outlasts a bounce
   std::vector<CalibratedQuantity> quantities;  ///< always the seven
 };
