@@ -59,7 +59,7 @@ BOUNCELAB_VECTOR_CLONES void horner_step(const double* e_re, const double* e_im,
 
 double sum_of_magnitudes(const PoleValues& values) {
   double sum = 0.0;
-  for (std::size_t p = 0; p < values.size(); ++p) sum += std::abs(values[p]);
+  for (std::size_t p = 0; p < values.size(); ++p) sum += hypot(values[p].real(), values[p].imag());
   return sum;
 }
 
