@@ -21,4 +21,8 @@ OrderedSamples ordered_by_speed(const RestitutionSamples& samples);
 /// fit_law() of samples already ordered. @param ordered  of these samples
 LawFit fit_law(const RestitutionSamples& samples, const OrderedSamples& ordered, const LawFitConfig& config);
 
+/// Columns of some samples, drops numbered as all of them are.
+/// @param order  indices of the samples that are fitted
+LawData law_data(const RestitutionSamples& samples, const std::vector<std::size_t>& order);
+
 }  // namespace bouncelab::fit

@@ -60,14 +60,22 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   EXPECT_TRUE(far.alternatives.empty());
 }
 
+constexpr double kSecondLater_s = 17e-3;
+
+/// With another impact behind the tenth, so many times as loud.
+std::vector<float> recording_with_second(float loudness) {
+  std::vector<float> samples = recording();
+  std::vector<float> again(samples.size(), 0.0F);
+  add_impact(again, time_of(10) + kSecondLater_s);
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += loudness * again[k];
+  return samples;
+}
+
 TEST(ImpactTimer, FindsByOneCorrelationThePlacesThatItFindsOneByOne) {
   // two impacts of which the second is four fifths as loud, looked for from 10 ms before the first to 20 ms behind it:
   // more than one block of the search
-  std::vector<float> samples = recording();
-  const double second_s = time_of(10) + 17e-3;
-  std::vector<float> again(samples.size(), 0.0F);
-  add_impact(again, second_s);
-  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += 0.8F * again[k];
+  const double second_s = time_of(10) + kSecondLater_s;
+  const std::vector<float> samples = recording_with_second(0.8F);
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
@@ -101,10 +109,7 @@ TEST(ImpactTimer, FindsNoPlaceBesideAnImpactOnlyWhereTheSoundHasNoEnergyForOne) 
   constexpr double kApart_s = 2e-3;
   int n_left_out = 0;
   for (const float second : {0.0F, 0.1F, 0.8F}) {
-    std::vector<float> samples = recording();
-    std::vector<float> again(samples.size(), 0.0F);
-    add_impact(again, time_of(10) + 17e-3);
-    for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += second * again[k];
+    const std::vector<float> samples = recording_with_second(second);
     const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
     const std::optional<ImpactTemplate> learned = template_of(sound);
     ASSERT_TRUE(learned);
@@ -128,10 +133,7 @@ TEST(ImpactTimer, FindsNoPlaceBesideAnImpactOnlyWhereTheSoundHasNoEnergyForOne) 
 }
 
 TEST(ImpactTimer, FindsAPlaceBehindAnImpactThatIsNotInTheStretch) {
-  std::vector<float> samples = recording();
-  std::vector<float> again(samples.size(), 0.0F);
-  add_impact(again, time_of(10) + 17e-3);
-  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] += 0.8F * again[k];
+  const std::vector<float> samples = recording_with_second(0.8F);
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
