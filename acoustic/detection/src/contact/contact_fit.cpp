@@ -94,13 +94,13 @@ std::vector<double> log_likelihood(const LevelModel& model) {
   return by_band;
 }
 
-/// Gauss-Newton steps in tau_1^2. The active bands and the weights of a model that was fitted before are kept.
+/// Gauss-Newton steps in tau_1^2.
 /// @param tau_1_s  to start from
 std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
   ContactFit fit;
   for (int step = 0; step < kMaxSteps; ++step) {
     set_pulse(pulse, tau_1_s, model);
-    const int n_rounds = step == 0 && !model.bands_are_fixed ? kFirstRounds : kLaterRounds;
+    const int n_rounds = model.is_fixed ? 1 : step == 0 ? kFirstRounds : kLaterRounds;
     for (int round = 0; round < n_rounds; ++round) {
       fit_amplitudes(model);
       update_weights(model);
@@ -124,7 +124,8 @@ std::optional<ContactEvidence> fit_contact(const BandLevels& levels) {
   LevelModel model(levels);
   const std::optional<ContactFit> hertz = fit_pulse(PulseSpectrum::hertz(), kStart_s, model);
   if (!hertz) return std::nullopt;
-  model.bands_are_fixed = true;  // the same bands, so that the likelihoods of the two pulses can be compared
+  // the likelihoods of two pulses can be compared where the levels have the same bands, weights and variances
+  model.is_fixed = true;
   const double start_s = kHalfSineOverHertz * std::sqrt(std::max(hertz->tau2_s2, kMinTau_s * kMinTau_s));
   const std::optional<ContactFit> half_sine = fit_pulse(PulseSpectrum::half_sine(), start_s, model);
   if (!half_sine) return std::nullopt;

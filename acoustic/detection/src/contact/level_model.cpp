@@ -150,7 +150,7 @@ void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
   const double largest_scaling = *std::max_element(l.contact_scaling.begin(), l.contact_scaling.end());
   for (std::size_t m = 0; m < model.n_bands(); ++m) {
     const double largest = l.f_hz[m] * tau_1_s * largest_scaling;
-    if (!model.bands_are_fixed) model.is_active[m] = pulse.at(largest).value > kMinPulse && largest < kMaxArgument;
+    if (!model.is_fixed) model.is_active[m] = pulse.at(largest).value > kMinPulse && largest < kMaxArgument;
     model.active_mask[m] = model.is_active[m] ? 1.0 : 0.0;
   }
   for (std::size_t k = 0; k < model.n_impacts(); ++k) {
@@ -187,6 +187,7 @@ void fit_amplitudes(LevelModel& model) {
 
 void update_weights(LevelModel& model) {
   set_residuals(model);
+  if (model.is_fixed) return;
   estimate_scatter(model);
   estimate_row_inflation(model);
   for (std::size_t k = 0; k < model.n_impacts(); ++k)

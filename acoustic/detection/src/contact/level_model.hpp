@@ -38,10 +38,10 @@ struct LevelModel {
   std::vector<double> row_inflation;  ///< factor >= 1 on the variance of impacts at which there was another sound too
   std::vector<bool> is_active;        ///< bands in which P is large enough for the model of the pulse to hold
   std::vector<double> active_mask;    ///< the same as 1 and 0
-  bool bands_are_fixed = false;       ///< whether set_pulse leaves is_active as it is
+  bool is_fixed = false;              ///< whether active bands, weights and variances stay as they are
 };
 
-/// Sets P and its derivative at a contact time, and the active bands unless they are fixed.
+/// Sets P and its derivative at a contact time, and the active bands unless the model is fixed.
 void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model);
 
 /// Amplitudes and responses that fit the levels best with the present weights: alternately sum w level / (h P) / sum w
@@ -49,7 +49,7 @@ void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model);
 void fit_amplitudes(LevelModel& model);
 
 /// Residuals, the variance components in them (scatter by band, inflation by impact) and the weights that follow, with
-/// Huber's factor for residuals beyond 2.5 standard deviations.
+/// Huber's factor for residuals beyond 2.5 standard deviations; of a fixed model the residuals alone.
 /// Source: Huber, Ann. Math. Stat. 35, 73 (1964), doi:10.1214/aoms/1177703732
 void update_weights(LevelModel& model);
 

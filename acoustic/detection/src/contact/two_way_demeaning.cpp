@@ -59,7 +59,7 @@ BOUNCELAB_VECTOR_CLONES double demean_once(double* __restrict x, const double* _
 
 void demean_two_way(BandTable& x, const BandTable& weight) {
   constexpr int kMaxRounds = 12;
-  constexpr double kConverged = 1e-12;  // of the sum of squares of the first round
+  constexpr double kConverged = 1e-8;  // of the sum of squares of the first round
   std::vector<double> per_row = sums_of_rows(weight);
   std::vector<double> per_column = sums_of_columns(weight);
   for (double& sum : per_row) sum = 1.0 / (sum + 1e-300);

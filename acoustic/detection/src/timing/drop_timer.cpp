@@ -74,7 +74,7 @@ double rms_hz_of(const TimingInput& input, const ImpactTemplate& learned) {
 }
 
 std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks,
-                                          audio::WhiteSound& white) {
+                                          audio::WhiteSound& white, const std::vector<float>& known_whitener) {
   constexpr float kBelowLimit = 0.999F;
   std::vector<Candidate> impacts;
   std::vector<bool> clipped;
@@ -87,7 +87,8 @@ std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::v
       limit = std::min(limit, level);
     }
   // a low band does not show where the converter was limited
-  return estimate_template(white, input.noise, impacts, clipped, input.is_full_band ? kBelowLimit * limit : INFINITY);
+  return estimate_template(white, input.noise, impacts, clipped, input.is_full_band ? kBelowLimit * limit : INFINITY,
+                           known_whitener);
 }
 
 TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTemplate* learned, double end_s,
@@ -116,7 +117,7 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
   return drop;
 }
 
-void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, const audio::AudioSource& band,
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, audio::WhiteSound& white,
                         TimedDrop& drop) {
   constexpr std::size_t kStrongest = 5;
   constexpr double kReach_s = 0.2e-3;
@@ -128,7 +129,6 @@ void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate
     return drop.impacts[a].fit.amplitude * *drop.peak > drop.impacts[b].fit.amplitude * *drop.peak;
   });
   if (clear.size() < kStrongest) return;
-  audio::WhiteSound white(band);
   ImpactTimer timer(white, reference.learned);
   std::vector<double> later_s;
   for (std::size_t k = 0; k < kStrongest; ++k) {

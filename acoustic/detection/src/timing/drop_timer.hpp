@@ -41,7 +41,7 @@ struct TimedDrop {
 /// Template of the impacts of some tracks of a recording.
 /// @param white  of input.band
 std::optional<ImpactTemplate> template_of(const TimingInput& input, const std::vector<Track>& tracks,
-                                          audio::WhiteSound& white);
+                                          audio::WhiteSound& white, const std::vector<float>& known_whitener = {});
 
 /// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
 /// and then the impacts that overlap, jointly.
@@ -70,7 +70,7 @@ struct ReferenceTemplate {
 /// Each drop's template has an onset of its own, uncertain by a sample or two: moves all times of a drop by the median
 /// difference to those that the reference gives its five strongest impacts. Leaves a drop whose impacts do not
 /// correlate with the reference, or that has fewer than five clear ones.
-void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, const audio::AudioSource& band,
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, audio::WhiteSound& white,
                         TimedDrop& drop);
 
 }  // namespace bouncelab::detection

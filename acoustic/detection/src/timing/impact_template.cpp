@@ -46,7 +46,7 @@ void whiten_residuals(TemplateEstimation& e) {
 void refine_template(TemplateEstimation& e) {
   for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
   average(e);
-  align_and_average(e, 1, 2);  // the new whitener may have resolved what was ambiguous
+  align_and_average(e, 1, 1);  // the new whitener may have resolved what was ambiguous
 }
 
 void estimate_subbands(TemplateEstimation& e) {
@@ -129,29 +129,35 @@ void describe_waveform(TemplateEstimation& e) {
   }
 }
 
-TemplateEstimation begin_estimation(audio::WhiteSound& white, const audio::ArModel& noise,
-                                    const std::vector<Candidate>& impacts, const std::vector<bool>& clipped) {
+TemplateEstimation begin_estimation(audio::WhiteSound& white, const std::vector<Candidate>& impacts,
+                                    const std::vector<bool>& clipped) {
   const audio::AudioSource& sound = white.source();
   const TemplateWindow window = template_window(sound, impacts);
   TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
   e.learned.n_template = window.n_template;
   for (const std::size_t k : choose_training_impacts(impacts, clipped))
     e.begins.push_back(window.samples(impacts[k].t_s - kTemplateLead_s));
-  e.learned.whitener = impact_whitener(sound, noise, e.begins, window.n_window);
   return e;
+}
+
+/// The template by a whitener of its own.
+void find_template_and_whitener(TemplateEstimation& e, const audio::ArModel& noise) {
+  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window);
+  find_template(e);
+  whiten_by_noise(e, noise);
+  whiten_residuals(e);
+  refine_template(e);
 }
 
 }  // namespace
 
 std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
-                                                float clip_level) {
+                                                float clip_level, const std::vector<float>& known_whitener) {
   if (impacts.size() < 3) return std::nullopt;
-  TemplateEstimation e = begin_estimation(white, noise, impacts, clipped);
-  find_template(e);
-  whiten_by_noise(e, noise);
-  whiten_residuals(e);
-  refine_template(e);
+  TemplateEstimation e = begin_estimation(white, impacts, clipped);
+  e.learned.whitener = known_whitener;
+  if (known_whitener.empty() || !find_template_at_candidates(e)) find_template_and_whitener(e, noise);
   estimate_subbands(e);
   describe_training(e);
   if (e.learned.n_impacts < 3) return std::nullopt;

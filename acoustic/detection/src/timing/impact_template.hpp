@@ -43,10 +43,13 @@ struct ImpactTemplate {
 /// @param clipped  for each whether the recording is at its limit there; such impacts are used only where too few
 ///                 others are (has_enough_unclipped)
 /// @param clip_level  limit of the recording; infinity where it is not reached
+/// @param known_whitener  that of other impacts in the same noise, which is kept where three quarters of these are
+///                        alike by it; empty = one is estimated
 /// @return absent where no three impacts are alike
 std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
-                                                float clip_level = INFINITY);
+                                                float clip_level = INFINITY,
+                                                const std::vector<float>& known_whitener = {});
 
 /// Whether a template can be estimated from unclipped impacts alone.
 bool has_enough_unclipped(const std::vector<bool>& clipped);

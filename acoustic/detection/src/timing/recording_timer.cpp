@@ -134,14 +134,16 @@ class DropsTimer {
                            1,
                            input_.recorded_rms_hz};
     audio::WhiteSound white(band, memory.white.of_size(n_whitened(begin_s, last_s, band.rate_hz)));
+    // noise, and what impacts have of their own, are the recording's
+    const std::vector<float> whitener = timed_.reference ? timed_.reference->learned.whitener : std::vector<float>{};
     const std::optional<ImpactTemplate> own =
-        track.impacts.size() >= kOwnTemplate ? template_of(here, {track}, white) : std::nullopt;
+        track.impacts.size() >= kOwnTemplate ? template_of(here, {track}, white, whitener) : std::nullopt;
     const ImpactTemplate* learned = own ? &*own : shared_ ? &*shared_ : nullptr;
     TimedDrop& drop = timed_.drops[k];
     drop = time_drop(here, track, learned, end_of_track(input_, k), white);
     if (learned != nullptr) {
       if (timed_.reference)
-        align_to_reference(*timed_.reference, *learned, band, drop);
+        align_to_reference(*timed_.reference, *learned, white, drop);
       else  // nothing else is being timed yet
         timed_.reference = ReferenceTemplate{*learned, drop.reference_scaling};
     }

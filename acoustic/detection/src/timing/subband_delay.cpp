@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
@@ -199,6 +200,7 @@ DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subban
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;
+  double last_move = 0.0;
   for (int step = 0; step < kMaxSteps; ++step) {
     const Sums sums = products.sums_at(subbands, r.shift);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
@@ -221,7 +223,9 @@ DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subban
     const double move = std::clamp(mean, -kMaxStep, kMaxStep);
     for (std::size_t j = 0; j < n; ++j) r.deviation[j] -= move;
     r.shift += move;
-    if (std::abs(move) < kDelayTolerance) break;
+    // moves shrink by a common factor: the next one is known from the last two
+    if (std::abs(move) < kDelayTolerance || square(move) < kDelayTolerance * std::abs(last_move)) break;
+    last_move = move;
   }
   if (r.amplitude > 0.0) r.variance = delay_variance(r, subbands);
   return r;

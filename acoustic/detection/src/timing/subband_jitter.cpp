@@ -13,6 +13,7 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr int kJitterRounds = 8;
+constexpr double kLittle = 2e-3;       // relative change of each jitter; 32 impacts determine one to 12 %
 constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band over the median one
 constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
 constexpr double kMaxCorrelation = 0.95;
@@ -114,6 +115,12 @@ void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& s
                           (n_impacts + kPriorImpacts) * energy_over_information(j);
 }
 
+bool is_alike(const std::vector<double>& before, const std::vector<double>& after) {
+  for (std::size_t j = 0; j < after.size(); ++j)
+    if (std::abs(after[j] - before[j]) > kLittle * after[j]) return false;
+  return true;
+}
+
 }  // namespace
 
 void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedFilter& filter, Subbands& subbands) {
@@ -125,11 +132,13 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   Deviations d{zeros, zeros, zeros, std::vector<SubbandMean>(estimates.size())};
   for (int round = 0; round < kJitterRounds; ++round) {
     set_deviations(estimates, subbands, d);
+    const std::vector<double> before = subbands.jitter2;
     for (std::size_t j = 0; j < n; ++j)
       subbands.jitter2[j] = jitter_of(d.squares[j], d.noise[j], residual_shares(d, j));
     shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
     set_deviations(estimates, subbands, d);
     subbands.correlation = correlation(d, subbands);
+    if (is_alike(before, subbands.jitter2)) break;
   }
 }
 

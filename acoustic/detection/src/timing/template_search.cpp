@@ -54,7 +54,7 @@ void start_from(TemplateEstimation& e, std::size_t start, const TemplateSearch& 
   e.only_lower_half = false;
   e.learned.subbands = {};
   average(e);
-  align_and_average(e, 0, 1);
+  align(e, false);
 }
 
 std::ptrdiff_t n_alike(const std::vector<TrainingImpact>& training) {
@@ -120,6 +120,13 @@ void include_what_comes_before(TemplateEstimation& e) {
 
 }  // namespace
 
+bool find_template_at_candidates(TemplateEstimation& e) {
+  Found found = find_template(e, {});
+  const bool is_enough = found.is_enough();
+  restore(e, std::move(found));
+  return is_enough;
+}
+
 void find_template(TemplateEstimation& e) {
   Found best = find_template(e, {});
   for (const TemplateSearch& search : {TemplateSearch{.at_attacks = true}, TemplateSearch{.lower_half_first = false}}) {
@@ -145,7 +152,7 @@ void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise) {
   }
   e.learned.subbands = {};
   average(e);
-  align_and_average(e, 0, 1);
+  align(e, false);
   if (n_alike(e.training) < before.n_alike()) restore(e, std::move(before));
 }
 

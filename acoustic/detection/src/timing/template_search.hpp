@@ -10,6 +10,10 @@ namespace bouncelab::detection {
 /// are alike.
 void find_template(TemplateEstimation& e);
 
+/// The same, in the first way alone.
+/// @return whether three quarters of the impacts are alike
+bool find_template_at_candidates(TemplateEstimation& e);
+
 /// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood
 /// for is known from the residuals from here on. Leaves the whitener where fewer impacts are alike by the noise's: it
 /// is that of digital silence, or of a codec's gaps in the spectrum, which the impacts fill each in its own way.
