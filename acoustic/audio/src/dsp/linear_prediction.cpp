@@ -15,8 +15,7 @@ namespace bouncelab::audio {
 namespace {
 
 constexpr double kFrame_s = 10e-3;
-constexpr std::int64_t kBlock =
-    1 << 12;  // samples; with 48 of them the quiet tenth determines 48 coefficients to a percent
+constexpr std::int64_t kBlock = 1 << 13;
 constexpr std::int64_t kMostBlocks = 48;
 // keeps Levinson's recursion regular where a codec left nothing above its cutoff: -80 dB of the differenced signal
 constexpr double kRidge = 1e-8;

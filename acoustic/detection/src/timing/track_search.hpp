@@ -22,6 +22,7 @@ struct Search {
 struct TimedTrack {
   Search search;
   std::vector<TimedImpact> impacts;
+  std::vector<double> own_shares;  ///< of impacts by themselves, of what their sound has that the template has not
 };
 
 /// Adds an impact to the track; its ringing is subtracted from then on.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "timing/delay_posterior.hpp"
 #include "timing/merged_fit.hpp"
 #include "timing/missing_impacts.hpp"
@@ -17,6 +18,7 @@
 namespace bouncelab::detection {
 namespace {
 
+constexpr std::ptrdiff_t kShares = 5;   // of the last impacts, whose median is expected of the next
 constexpr double kMuchLeft = 1.25;      // of the expected residual: then the impact may be at another place
 constexpr double kLate_s = 6e-3;        // of a candidate behind its impact: the longest window of candidates.cpp
 constexpr double kPreEcho_s = 21.4e-3;  // of a candidate before its impact: a block of 1024 samples at 48 kHz
@@ -63,22 +65,38 @@ ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& n
   return merged(with_fewer_places(near), with_fewer_places(far), same_s);
 }
 
-/// Residual variance that a fit at the right place leaves: noise, and of the impact the share that the training impacts
-/// have of their own.
-double expected_residual(const Search& search, const ImpactFit& fit) {
-  const double explained = square(search.learned.correlation);
-  return std::min(1.0, search.timer.noise()) + (1.0 - explained) / explained * 2.0 * fit.log_likelihood_ratio /
-                                                   static_cast<double>(search.learned.n_template);
+double least_residual(const Search& search) { return std::min(1.0, search.timer.noise()); }
+
+/// Variance of what a fit explains.
+double explained_variance(const Search& search, const ImpactFit& fit) {
+  return 2.0 * fit.log_likelihood_ratio / static_cast<double>(search.learned.n_template);
 }
 
-bool is_explained(const Search& search, const ImpactFit& fit) {
-  return fit.residual_variance <= kMuchLeft * expected_residual(search, fit);
+/// What an impact has of its own, over what the template explains of it: that of the training impacts or, as it grows
+/// towards slow ones, whose contact is longer, that of the last impacts which no other place explains better.
+double expected_own_share(const TimedTrack& track) {
+  const double explained = square(track.search.learned.correlation);
+  const double trained = (1.0 - explained) / explained;
+  if (std::ssize(track.own_shares) < kShares) return trained;
+  return std::max(trained, upper_median({track.own_shares.end() - kShares, track.own_shares.end()}));
+}
+
+bool is_explained(const TimedTrack& track, const ImpactFit& fit) {
+  const double expected =
+      least_residual(track.search) + expected_own_share(track) * explained_variance(track.search, fit);
+  return fit.residual_variance <= kMuchLeft * expected;
+}
+
+void remember_own_share(TimedTrack& track, const ImpactFit& fit) {
+  const double own = std::max(0.0, fit.residual_variance - least_residual(track.search));
+  track.own_shares.push_back(own / (explained_variance(track.search, fit) + 1e-30));
 }
 
 /// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
 /// another sound then, a knock of the same plate perhaps, however loud.
-std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<Candidate>& candidates, std::size_t k,
-                                              double reach_s) {
+std::optional<ImpactFit> before_another_sound(TimedTrack& track, const std::vector<Candidate>& candidates,
+                                              std::size_t k, double reach_s) {
+  Search& search = track.search;
   const Candidate& c = candidates[k];
   const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
   const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
@@ -88,7 +106,7 @@ std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<
   constexpr double kOfTemplate = 0.75;  // a window without an end is longer than the template
   const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
   const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
-  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(search, fit)) return {};
+  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(track, fit)) return {};
   return fit;
 }
 
@@ -108,9 +126,13 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
   // another impact's sound in the window is reason enough for a low correlation
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
-  if (is_alone && !is_explained(track.search, timed.fit)) {
-    const std::optional<ImpactFit> alone = before_another_sound(track.search, candidates, of_track.candidate, reach_s);
-    timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, reach_s, before_s, after_s, next_s);
+  if (is_alone) {
+    const double near_s = timed.fit.t_s;
+    if (!is_explained(track, timed.fit)) {
+      const std::optional<ImpactFit> alone = before_another_sound(track, candidates, of_track.candidate, reach_s);
+      timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, reach_s, before_s, after_s, next_s);
+    }
+    if (timed.fit.t_s == near_s) remember_own_share(track, timed.fit);
   }
   timed.overlap = next_s - c.t_s < track.search.template_s;
   append(track, timed);
@@ -200,6 +222,7 @@ std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTempla
                                     const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
       {white, learned, ImpactTimer(white, learned), static_cast<double>(learned.n_template) / white.source().rate_hz},
+      {},
       {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
     const TrackImpact& here = tracked.impacts[k];
