@@ -15,9 +15,8 @@ constexpr double kDurationTimesFrequency = 0.4;
 constexpr double kDurationSigma = 0.25;  // times the frequency
 constexpr double kMaxDifference = 3.0;  // standard errors between the prior and a recording, beyond which it is dropped
 constexpr double kSignificant = 2.0;    // standard errors of tau^2: four of tau
-// Hertz's pulse is that of a solid ball by theory (doi:10.1515/crll.1882.92.156): standard errors by which a half-sine
-// must be the more likely one to be as probable
-constexpr double kInFavourOfHertz = 2.0;
+// standard errors by which two pulses must differ before it counts: neighbouring bands are correlated
+constexpr double kMinPulseDifference = 2.0;
 
 ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvidence::*pulse) {
   ContactFit pooled;
@@ -37,8 +36,8 @@ ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvi
   return pooled;
 }
 
-/// Probability of Hertz's pulse, by a paired test of the log-likelihoods over bands: a band that neither pulse explains
-/// counts once, whatever the number of impacts.
+/// Probability that Hertz's pulse is the more likely one, by a paired test of the log-likelihoods over bands: a band
+/// that neither pulse explains counts once, whatever the number of impacts.
 double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
   double n = 0.0, sum = 0.0, squares = 0.0;
   for (const ContactEvidence& drop : drops)
@@ -48,7 +47,7 @@ double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
     }
   const double error = std::sqrt(std::max(squares - sum * sum / n, 1e-30) / (n - 1.0) * n);
   const double z = sum / error;
-  return 0.5 * erfc(-(z + kInFavourOfHertz) / std::sqrt(2.0));
+  return 0.5 * erfc(-std::copysign(std::max(0.0, std::abs(z) - kMinPulseDifference), z) / std::sqrt(2.0));
 }
 
 /// Combined with the prior, where the two are compatible.
