@@ -109,6 +109,37 @@ constexpr std::array<AddTaps, kMostTaps> add_taps_of(std::index_sequence<n_less_
   return {add_taps<n_less_one + 1, is_first>...};
 }
 
+constexpr std::size_t kMostInRegisters = 56;  // outputs
+
+/// Few outputs, as of an autocorrelation: all are held in registers, and each tap is loaded once.
+template <std::size_t n_registers>
+[[gnu::target("avx2,fma")]] void correlate_held(const float* x, const float* taps, std::size_t n_taps, float* out) {
+  __m256 sum[n_registers];
+#pragma GCC unroll 8
+  for (std::size_t j = 0; j < n_registers; ++j) sum[j] = _mm256_setzero_ps();
+  for (std::size_t first = 0; first < std::min(kStride, n_taps); ++first)
+    for (std::size_t k = first; k < n_taps; k += kStride) {
+      const __m256 tap = _mm256_set1_ps(taps[k]);
+#pragma GCC unroll 8
+      for (std::size_t j = 0; j < n_registers; ++j)
+        sum[j] = _mm256_fmadd_ps(tap, _mm256_loadu_ps(x + k + j * kStride), sum[j]);
+    }
+#pragma GCC unroll 8
+  for (std::size_t j = 0; j < n_registers; ++j) _mm256_storeu_ps(out + j * kStride, sum[j]);
+}
+
+using CorrelateHeld = void (*)(const float*, const float*, std::size_t, float*);
+template <std::size_t... n_less_one>
+constexpr std::array<CorrelateHeld, sizeof...(n_less_one)> correlate_held_of(std::index_sequence<n_less_one...>) {
+  return {correlate_held<n_less_one + 1>...};
+}
+
+/// n outputs, a multiple of kStride and no more than kMostInRegisters.
+void correlate_in_registers(const float* x, const float* taps, std::size_t n_taps, float* out, std::size_t n) {
+  static constexpr auto kHeld = correlate_held_of(std::make_index_sequence<kMostInRegisters / kStride>());
+  kHeld[n / kStride - 1](x, taps, n_taps, out);
+}
+
 /// n outputs, a multiple of kOutputs.
 void correlate_by_256_bits(const float* x, const float* taps, std::size_t n_taps, float* out, std::size_t n) {
   static constexpr auto kSet = add_taps_of<true>(std::make_index_sequence<kMostTaps>());
@@ -128,6 +159,8 @@ void correlate_by_256_bits(const float* x, const float* taps, std::size_t n_taps
 
 const bool kHas256 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #else
+constexpr std::size_t kMostInRegisters = 0;
+void correlate_in_registers(const float*, const float*, std::size_t, float*, std::size_t) {}
 void correlate_by_256_bits(const float*, const float*, std::size_t, float*, std::size_t) {}
 constexpr bool kHas256 = false;
 #endif
@@ -148,6 +181,8 @@ void correlate_whole(const float* x, const float* taps, std::size_t n_taps, floa
 void correlate(std::span<const float> x, std::span<const float> taps, std::span<float> out) {
   assert(x.size() + 1 >= out.size() + taps.size());
   const std::size_t n = out.size(), n_whole = n - n % kOutputs;
+  if (kHas256 && n > 0 && n <= kMostInRegisters && n % kStride == 0)
+    return correlate_in_registers(x.data(), taps.data(), taps.size(), out.data(), n);
   correlate_whole(x.data(), taps.data(), taps.size(), out.data(), n_whole);
   if (n_whole == n) return;
   if (n >= kOutputs) {  // of the last ones some are computed twice, which takes less time than one by one

@@ -38,7 +38,7 @@ std::vector<float> hann(std::size_t n) {
 }
 
 /// To what is correlated fastest.
-std::size_t rounded_up(std::size_t n) { return (n + 63) / 64 * 64; }
+std::size_t rounded_up(std::size_t n) { return (n + 7) / 8 * 8; }
 
 /// One frame's autocorrelation over its energy.
 struct Frame {
