@@ -89,21 +89,24 @@ BandLevels measure_levels(audio::WhiteSound& white, const ImpactTemplate& learne
     levels.noise2.push_back(band.noise / band.energy);
   }
   audio::RealFft fourier(n_window);
+  const audio::Spectrum& w = learned.filter.spectrum();
+  audio::Spectrum sound, products = w, in_phase = w;  // for their size
   std::vector<float> window(learned.n_template);
   for (const TimedImpact& impact : thin_out(impacts)) {
     const double position = impact.fit.t_s * rate_hz - learned.contact_index;
     const auto first = static_cast<std::int64_t>(std::floor(position));
     white.read(learned.whitener, first, window);  // zeros follow
-    const audio::Spectrum z =
-        audio::phase_shifted(audio::product_conj(learned.filter.spectrum(), fourier.forward(window)),
-                             learned.filter.omega() * (position - static_cast<double>(first)));
+    fourier.forward(window, sound);
+    audio::product_conj(w, sound, w.size(), products.re.data(), products.im.data());
+    audio::phase_shift(products, learned.filter.omega() * (position - static_cast<double>(first)), in_phase);
     const bool is_training = std::any_of(learned.training_t_s.begin(), learned.training_t_s.end(),
                                          [&](double t_s) { return std::abs(t_s - impact.fit.t_s) < kSameImpact_s; });
     std::vector<double> row;
+    row.reserve(bands.size());
     for (const Band& band : bands) {
-      const double in_phase = std::accumulate(z.re.begin() + static_cast<std::ptrdiff_t>(band.from),
-                                              z.re.begin() + static_cast<std::ptrdiff_t>(band.to), 0.0);
-      row.push_back(in_phase / band.energy - (is_training ? impact.fit.amplitude * band.own_noise : 0.0));
+      const double sum = std::accumulate(in_phase.re.begin() + static_cast<std::ptrdiff_t>(band.from),
+                                         in_phase.re.begin() + static_cast<std::ptrdiff_t>(band.to), 0.0);
+      row.push_back(sum / band.energy - (is_training ? impact.fit.amplitude * band.own_noise : 0.0));
     }
     levels.contact_scaling.push_back(pow(impact.v_mps, -0.2));
     levels.level.push_back(std::move(row));

@@ -112,8 +112,8 @@ TimedDrop time_drop(const TimingInput& input, const Track& track, const ImpactTe
   drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
   const ContactLaw assumed = assumed_contact(rms_hz_of(input, *learned));
   const ContactLaw law = drop.contact ? *pool_contacts({*drop.contact}, assumed) : assumed;
-  separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts);
-  mark_clipped(input.whole, drop.impacts);  // the times may have moved
+  if (separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts))
+    mark_clipped(input.whole, drop.impacts);  // at their new times
   return drop;
 }
 

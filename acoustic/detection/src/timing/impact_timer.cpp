@@ -170,7 +170,9 @@ double ImpactTimer::residual_variance(const FitWindow& window, double log_likeli
 
 double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) {
   const MatchedFilter& filter = learned_.filter;
-  audio::Spectrum placed = audio::phase_shifted(filter.spectrum(), -filter.omega() * r.shift);
+  audio::Spectrum& placed = placed_;
+  if (placed.size() != filter.spectrum().size()) placed = filter.spectrum();  // for its size
+  audio::phase_shift(filter.spectrum(), -filter.omega() * r.shift, placed);
   if (!window.mask.empty()) {
     std::vector<float> wave = fourier_.inverse(placed);
     multiply(wave, window.mask);

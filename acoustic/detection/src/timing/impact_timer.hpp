@@ -100,6 +100,7 @@ class ImpactTimer {
   Ringing known_;
   std::optional<PlaceSearch> places_;  // made when first needed
   FitWindow window_;                   // that is searched; kept for its memory
+  audio::Spectrum placed_;             // the template where an impact is; kept for its memory
   std::vector<float> unshifted_;       // the template; computed when first needed
   std::vector<float> taper_;           // of the last mask
 };

@@ -46,12 +46,22 @@ std::vector<double> impact_power(const audio::AudioSource& sound, const std::vec
   return power;
 }
 
+/// cos(2 pi k / n), k = 0 ... n - 1; n a power of two, at least 4.
+std::vector<double> cosines(std::size_t n) {
+  std::vector<double> cosine(n);
+  for (std::size_t k = 0; k <= n / 4; ++k) {
+    const double x = cos(2.0 * kPi * static_cast<double>(k) / static_cast<double>(n));
+    cosine[k] = cosine[(n - k) % n] = x;
+    cosine[n / 2 - k] = cosine[n / 2 + k] = -x;
+  }
+  return cosine;
+}
+
 /// Prediction error filter for a power spectrum, scaled to leave variance 1. Of the differenced sound, as the noise was
 /// modelled: the spectrum spans less then.
 std::vector<float> whitener_for(const std::vector<double>& power, std::size_t n_order) {
   const std::size_t n = 2 * (power.size() - 1);
-  std::vector<double> cosine(n);
-  for (std::size_t k = 0; k < n; ++k) cosine[k] = cos(2.0 * kPi * static_cast<double>(k) / static_cast<double>(n));
+  const std::vector<double> cosine = cosines(n);
   std::vector<double> r(n_order + 1, 0.0);
   for (std::size_t k = 1; k < power.size(); ++k) {
     const double differenced = power[k] * 2.0 * (1.0 - cosine[k]);

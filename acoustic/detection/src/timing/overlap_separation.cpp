@@ -111,11 +111,13 @@ class JointEstimator {
 
 }  // namespace
 
-void separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
+bool separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
                        double template_scaling, std::vector<TimedImpact>& impacts) {
   const double tau_1_s = law ? law->hertz_tau_1_s : 0.0;
-  if (std::any_of(impacts.begin(), impacts.end(), [](const TimedImpact& impact) { return impact.overlap; }))
-    JointEstimator(white, learned, tau_1_s, template_scaling, impacts).run();
+  if (std::none_of(impacts.begin(), impacts.end(), [](const TimedImpact& impact) { return impact.overlap; }))
+    return false;
+  JointEstimator(white, learned, tau_1_s, template_scaling, impacts).run();
+  return true;
 }
 
 }  // namespace bouncelab::detection

@@ -18,7 +18,8 @@ namespace bouncelab::detection {
 /// @param law               absent = the template as it is
 /// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
 /// @param impacts           of one track, in time order; v_mps 0 = the template as it is
-void separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
+/// @return whether there were any
+bool separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
                        double template_scaling, std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection
