@@ -20,6 +20,8 @@
 namespace bouncelab::detection {
 namespace {
 
+constexpr std::size_t kMany =
+    24;  // training impacts: every other one is enough for the first template and its whitener
 constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
 constexpr std::size_t kResidualOrder = 32;
 constexpr std::size_t kMinSubbands = 2;  // from which their disagreement gives the jitter
@@ -46,6 +48,7 @@ void whiten_residuals(TemplateEstimation& e) {
 void refine_template(TemplateEstimation& e) {
   for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
   average(e);
+  let_others_join(e);
   align_and_average(e, 1, 1);  // the new whitener may have resolved what was ambiguous
 }
 
@@ -133,17 +136,33 @@ TemplateEstimation begin_estimation(audio::WhiteSound& white, const std::vector<
                                     const std::vector<bool>& clipped) {
   const audio::AudioSource& sound = white.source();
   const TemplateWindow window = template_window(sound, impacts);
-  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
+  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, 0, {}, {}, {}};
   e.learned.n_template = window.n_template;
-  for (const std::size_t k : choose_training_impacts(impacts, clipped))
-    e.begins.push_back(window.samples(impacts[k].t_s - kTemplateLead_s));
+  const std::vector<std::size_t> chosen = choose_training_impacts(impacts, clipped);
+  const std::size_t step = chosen.size() >= kMany ? 2 : 1;
+  for (std::size_t first = 0; first < step; ++first) {
+    for (std::size_t k = first; k < chosen.size(); k += step)
+      e.begins.push_back(window.samples(impacts[chosen[k]].t_s - kTemplateLead_s));
+    if (first == 0) e.n_used = e.begins.size();
+  }
   return e;
+}
+
+void whiten_by_impacts(TemplateEstimation& e, const audio::ArModel& noise) {
+  const std::vector<std::int64_t> used(e.begins.begin(), e.begins.begin() + static_cast<std::ptrdiff_t>(e.n_used));
+  e.learned.whitener = impact_whitener(e.white.source(), noise, used, e.window.n_window);
 }
 
 /// The template by a whitener of its own.
 void find_template_and_whitener(TemplateEstimation& e, const audio::ArModel& noise) {
-  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window);
-  find_template(e);
+  whiten_by_impacts(e, noise);
+  if (e.n_used == e.begins.size() || !find_template_at_candidates(e)) {
+    if (e.n_used < e.begins.size()) {
+      e.n_used = e.begins.size();
+      whiten_by_impacts(e, noise);
+    }
+    find_template(e);
+  }
   whiten_by_noise(e, noise);
   whiten_residuals(e);
   refine_template(e);
@@ -157,7 +176,12 @@ std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const 
   if (impacts.size() < 3) return std::nullopt;
   TemplateEstimation e = begin_estimation(white, impacts, clipped);
   e.learned.whitener = known_whitener;
-  if (known_whitener.empty() || !find_template_at_candidates(e)) find_template_and_whitener(e, noise);
+  if (known_whitener.empty() || !find_template_at_candidates(e)) {
+    find_template_and_whitener(e, noise);
+  } else if (e.n_used < e.begins.size()) {
+    let_others_join(e);
+    align_and_average(e, 1, 1);
+  }
   estimate_subbands(e);
   describe_training(e);
   if (e.learned.n_impacts < 3) return std::nullopt;

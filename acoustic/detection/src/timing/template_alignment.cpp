@@ -85,6 +85,10 @@ void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds) {
   }
 }
 
+void let_others_join(TemplateEstimation& e) {
+  for (; e.n_used < e.begins.size(); ++e.n_used) cut_training_window(e, e.begins[e.n_used], e.training.emplace_back());
+}
+
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact) {
   const MatchedFilter& filter = e.learned.filter;
   const std::vector<float> placed =

@@ -18,6 +18,7 @@ struct TemplateEstimation {
   TemplateWindow window;
   audio::RealFft fourier;
   std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates
+  std::size_t n_used = 0;            ///< of them, until the others join; in either part the strongest first
   std::vector<TrainingImpact> training;
   ImpactTemplate learned;
   std::vector<float> mean;       ///< of the last average, as a function of time
@@ -39,6 +40,9 @@ void align(TemplateEstimation& e, bool search);
 
 /// @param n_searched  rounds in which positions are searched for; in the others they are refined
 void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds);
+
+/// Uses all training impacts from here on; where the template is in those that join has to be searched for.
+void let_others_join(TemplateEstimation& e);
 
 /// What the template leaves of a training impact.
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);

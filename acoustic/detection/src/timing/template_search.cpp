@@ -36,7 +36,7 @@ std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) 
 }
 
 std::vector<TrainingImpact> cut_training(TemplateEstimation& e, const TemplateSearch& search) {
-  std::vector<TrainingImpact> training(e.begins.size());
+  std::vector<TrainingImpact> training(e.n_used);
   for (std::size_t k = 0; k < training.size(); ++k)
     cut_training_window(e, e.begins[k] + (search.at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
   return training;
@@ -93,7 +93,7 @@ void restore(TemplateEstimation& e, Found found) {
 Found find_template(TemplateEstimation& e, const TemplateSearch& search) {
   constexpr std::size_t kMaxStarts = 5;
   Found best;
-  for (std::size_t start = 0; start < std::min(kMaxStarts, e.begins.size()); ++start) {
+  for (std::size_t start = 0; start < std::min(kMaxStarts, e.n_used); ++start) {
     e.training = cut_training(e, search);
     start_from(e, start, search);
     Found found = take_state_of(e);
