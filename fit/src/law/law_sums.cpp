@@ -81,10 +81,10 @@ BOUNCELAB_VECTOR_CLONES void add_and_multiply(std::size_t n, const double* terms
 
 void LogSum::add(std::size_t n, const DensityBlock& f) {
   constexpr double kRange = 1e60;  // times that of a block's factors it is still a number
-  Block logarithms = f.factor;
   if (are_moderate(n, f.factor.data())) {
     add_and_multiply(n, f.exponent.data(), f.factor.data(), sum_.data(), product_.data());
   } else {
+    Block logarithms = f.factor;
     log_each(std::span(logarithms).first(n));
     Block ones;
     ones.fill(1.0);
