@@ -22,37 +22,50 @@ __attribute__((target("avx512f"))) __m512d Sleef_cinz_logd8_u10avx512fnofma(__m5
 namespace bouncelab {
 namespace {
 
-/// What is left over goes through a register that is filled up with ones.
-template <std::size_t kWidth, class Whole>
-void in_registers(std::span<double> x, const Whole& whole) {
+/// What is left over of x goes through a register that is filled up with ones.
+template <std::size_t kWidth>
+struct Rest {
+  std::array<double, kWidth> filled;
+
+  explicit Rest(std::span<const double> x) {
+    filled.fill(1.0);
+    std::copy(x.begin(), x.end(), filled.begin());
+  }
+  void put(std::span<double> x) const { std::copy_n(filled.begin(), x.size(), x.begin()); }
+};
+
+// The loops are compiled for the registers that they fill: between them there is nothing but the library's function.
+template <class Function>
+__attribute__((target("avx"))) void by_4(std::span<double> x) {
   std::size_t k = 0;
-  for (; k + kWidth <= x.size(); k += kWidth) whole(x.data() + k);
+  for (; k + 4 <= x.size(); k += 4) _mm256_storeu_pd(x.data() + k, Function::of(_mm256_loadu_pd(x.data() + k)));
   if (k == x.size()) return;
-  std::array<double, kWidth> rest;
-  rest.fill(1.0);
-  std::copy(x.begin() + static_cast<std::ptrdiff_t>(k), x.end(), rest.begin());
-  whole(rest.data());
-  std::copy_n(rest.begin(), x.size() - k, x.begin() + static_cast<std::ptrdiff_t>(k));
+  Rest<4> rest(x.subspan(k));
+  _mm256_storeu_pd(rest.filled.data(), Function::of(_mm256_loadu_pd(rest.filled.data())));
+  rest.put(x.subspan(k));
+}
+template <class Function>
+__attribute__((target("avx512f"))) void by_8(std::span<double> x) {
+  std::size_t k = 0;
+  for (; k + 8 <= x.size(); k += 8) _mm512_storeu_pd(x.data() + k, Function::of(_mm512_loadu_pd(x.data() + k)));
+  if (k == x.size()) return;
+  Rest<8> rest(x.subspan(k));
+  _mm512_storeu_pd(rest.filled.data(), Function::of(_mm512_loadu_pd(rest.filled.data())));
+  rest.put(x.subspan(k));
 }
 
-__attribute__((target("avx"))) void exp_of_4(double* x) {
-  _mm256_storeu_pd(x, Sleef_cinz_expd4_u10avx(_mm256_loadu_pd(x)));
-}
-__attribute__((target("avx"))) void log_of_4(double* x) {
-  _mm256_storeu_pd(x, Sleef_cinz_logd4_u10avx(_mm256_loadu_pd(x)));
-}
-__attribute__((target("avx"))) void erfc_of_4(double* x) {
-  _mm256_storeu_pd(x, Sleef_cinz_erfcd4_u15avx(_mm256_loadu_pd(x)));
-}
-__attribute__((target("avx512f"))) void erfc_of_8(double* x) {
-  _mm512_storeu_pd(x, Sleef_cinz_erfcd8_u15avx512fnofma(_mm512_loadu_pd(x)));
-}
-__attribute__((target("avx512f"))) void exp_of_8(double* x) {
-  _mm512_storeu_pd(x, Sleef_cinz_expd8_u10avx512fnofma(_mm512_loadu_pd(x)));
-}
-__attribute__((target("avx512f"))) void log_of_8(double* x) {
-  _mm512_storeu_pd(x, Sleef_cinz_logd8_u10avx512fnofma(_mm512_loadu_pd(x)));
-}
+struct Exp {
+  __attribute__((target("avx"))) static __m256d of(__m256d x) { return Sleef_cinz_expd4_u10avx(x); }
+  __attribute__((target("avx512f"))) static __m512d of(__m512d x) { return Sleef_cinz_expd8_u10avx512fnofma(x); }
+};
+struct Log {
+  __attribute__((target("avx"))) static __m256d of(__m256d x) { return Sleef_cinz_logd4_u10avx(x); }
+  __attribute__((target("avx512f"))) static __m512d of(__m512d x) { return Sleef_cinz_logd8_u10avx512fnofma(x); }
+};
+struct Erfc {
+  __attribute__((target("avx"))) static __m256d of(__m256d x) { return Sleef_cinz_erfcd4_u15avx(x); }
+  __attribute__((target("avx512f"))) static __m512d of(__m512d x) { return Sleef_cinz_erfcd8_u15avx512fnofma(x); }
+};
 
 enum class Registers { narrow, avx, avx512 };
 Registers registers() {
@@ -67,25 +80,27 @@ Registers registers() {
 void exp_each(std::span<double> x) {
   switch (registers()) {
     case Registers::avx512:
-      return in_registers<8>(x, exp_of_8);
+      return by_8<Exp>(x);
     case Registers::avx:
-      return in_registers<4>(x, exp_of_4);
+      return by_4<Exp>(x);
     case Registers::narrow:
       break;
   }
-  in_registers<2>(x, [](double* two) {
-    const Pair both = exp(Pair{two[0], two[1]});
-    two[0] = both.first;
-    two[1] = both.second;
-  });
+  std::size_t k = 0;
+  for (; k + 2 <= x.size(); k += 2) {
+    const Pair both = exp(Pair{x[k], x[k + 1]});
+    x[k] = both.first;
+    x[k + 1] = both.second;
+  }
+  if (k < x.size()) x[k] = exp(x[k]);
 }
 
 void log_each(std::span<double> x) {
   switch (registers()) {
     case Registers::avx512:
-      return in_registers<8>(x, log_of_8);
+      return by_8<Log>(x);
     case Registers::avx:
-      return in_registers<4>(x, log_of_4);
+      return by_4<Log>(x);
     case Registers::narrow:
       break;
   }
@@ -95,9 +110,9 @@ void log_each(std::span<double> x) {
 void erfc_each(std::span<double> x) {
   switch (registers()) {
     case Registers::avx512:
-      return in_registers<8>(x, erfc_of_8);
+      return by_8<Erfc>(x);
     case Registers::avx:
-      return in_registers<4>(x, erfc_of_4);
+      return by_4<Erfc>(x);
     case Registers::narrow:
       break;
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <span>
 
@@ -39,14 +40,22 @@ BOUNCELAB_VECTOR_CLONES void residuals(std::size_t n, const double* eps, double*
   for (std::size_t k = 0; k < n; ++k) fitted[k] = eps[k] - fitted[k];
 }
 
-BOUNCELAB_VECTOR_CLONES void polynomials(std::size_t n, const double* x, std::span<const double> c, double lo,
-                                         double hi, double* sum) {
-  for (std::size_t k = 0; k < n; ++k) sum[k] = 0.0;
-  for (std::size_t j = c.size(); j-- > 0;)
-    for (std::size_t k = 0; k < n; ++k) sum[k] = sum[k] * x[k] + c[j];
-  for (std::size_t k = 0; k < n; ++k) {
-    const double raised = sum[k] < lo ? lo : sum[k];
-    sum[k] = hi < raised ? hi : raised;
+/// By Horner's rule, in registers.
+BOUNCELAB_VECTOR_CLONES void polynomials(std::size_t n, const double* x, const double* c, std::size_t n_terms,
+                                         double lo, double hi, double* value) {
+  std::size_t k = 0;
+  for (; k + kLanes <= n; k += kLanes) {
+    Lanes at, sum{};
+    std::memcpy(&at, x + k, sizeof at);
+    for (std::size_t j = n_terms; j-- > 0;) sum = sum * at + c[j];
+    sum = sum < lo ? Lanes{} + lo : sum;
+    sum = sum > hi ? Lanes{} + hi : sum;
+    std::memcpy(value + k, &sum, sizeof sum);
+  }
+  for (; k < n; ++k) {
+    double sum = 0.0;
+    for (std::size_t j = n_terms; j-- > 0;) sum = sum * x[k] + c[j];
+    value[k] = std::clamp(sum, lo, hi);
   }
 }
 
@@ -147,11 +156,11 @@ void LawLikelihood::compute_sides(const Eigen::VectorXd& theta, const Shape& sha
     return;
   }
   const double* x = &x_[s.begin];
-  const std::span<const double> c(theta.data() + n_law_, scatter_.n_terms);
-  polynomials(s.n, x, c, kLogScaleMin, kLogScaleMax, b.b_below.data());
+  const double* c = theta.data() + n_law_;
+  polynomials(s.n, x, c, scatter_.n_terms, kLogScaleMin, kLogScaleMax, b.b_below.data());
   exp_each(std::span(b.b_below).first(s.n));
   if (scatter_.is_two_sided()) {
-    polynomials(s.n, x, {c.data() + c.size(), c.size()}, kLogScaleMin, kLogScaleMax, b.b_above.data());
+    polynomials(s.n, x, c + scatter_.n_terms, scatter_.n_terms, kLogScaleMin, kLogScaleMax, b.b_above.data());
     exp_each(std::span(b.b_above).first(s.n));
   } else {
     b.b_above = b.b_below;

@@ -32,8 +32,8 @@ class LogSum {
   double value() const;
 
  private:
-  static constexpr std::size_t kLanes = 8;
-  std::array<double, kLanes> sum_{}, product_;
+  alignas(64) std::array<double, kLanes> sum_{};
+  alignas(64) std::array<double, kLanes> product_;
 };
 
 /// Sums of many kinds in the same manner.
@@ -48,7 +48,7 @@ class GradientSum {
   void put(double* sums) const;
 
  private:
-  using Lanes = std::array<double, 8>;
+  struct alignas(64) Lanes : std::array<double, kLanes> {};
   std::vector<Lanes> sums_;
 };
 

@@ -68,9 +68,10 @@ Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorX
 
 namespace {
 
-/// Of all samples where timing errors are widened by them.
-Eigen::VectorXd start_of(const LawData& data, const LawModel& model, const ScatterFamily& family) {
-  return family.kind == ScatterKind::normal ? start_by_some(data, model, family) : start_values(data, model, family);
+/// At all samples where timing errors are widened by what is seen.
+std::optional<FirstLook> look_for(LawMethod method, const LawData& data, const LawModel& model) {
+  const std::optional<LawData> some = method == LawMethod::least_squares ? some_of(data) : std::nullopt;
+  return first_look(some ? *some : data, model);
 }
 
 /// @param start  of the samples themselves: the timing errors are widened by it
@@ -127,16 +128,17 @@ bool surely_no_large_part(const LawData& data, const LawModel& model, const Scat
 
 std::optional<Candidate> best_candidate(const LawData& data, const LawModel& model, const LawFitConfig& config) {
   std::optional<Candidate> best;
+  const std::optional<FirstLook> look = look_for(config.method, data, model);
+  if (!look) return best;
   for (const std::size_t n_terms : numbers_of_terms(config, data.size())) {
     ScatterFamily family = scatter_family(config.method, n_terms, data.v_mps[data.size() / 2]);
     if (best) family.kind = best->family.kind;  // whatever the widths do
-    Eigen::VectorXd start = start_of(data, model, family);
-    if (start.size() == 0) return std::nullopt;
+    Eigen::VectorXd start = start_values(*look, family);
     const bool undecided = !best && family.kind == ScatterKind::normal_laplace && data.size() >= kManySamples;
     if (undecided) {
       ScatterFamily exponentials = family;
       exponentials.kind = ScatterKind::asymmetric_laplace;
-      best = fit_family(data, model, exponentials, start_of(data, model, exponentials));
+      best = fit_family(data, model, exponentials, start_values(*look, exponentials));
       if (best->maximum.converged) {
         start = with_normal_part(best->maximum.x, family, model.n_parameters());
         if (surely_no_large_part(data, model, family, start)) continue;
@@ -152,9 +154,9 @@ std::optional<Candidate> best_candidate(const LawData& data, const LawModel& mod
 std::optional<Candidate> again_without_outliers(const LawData& data, const LawModel& model, const LawFitConfig& config,
                                                 const Candidate& before) {
   if (data.size() < kVeryMany || !before.maximum.converged) return best_candidate(data, model, config);
-  const Eigen::VectorXd start = start_of(data, model, before.family);
-  if (start.size() == 0) return std::nullopt;
-  return fit_family(data, model, before.family, start, &before.maximum.x);
+  const std::optional<FirstLook> look = look_for(config.method, data, model);
+  if (!look) return std::nullopt;
+  return fit_family(data, model, before.family, start_values(*look, before.family), &before.maximum.x);
 }
 
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/vector_clones.hpp"
@@ -9,40 +10,52 @@
 namespace bouncelab::fit {
 namespace {
 
-constexpr std::size_t kSumLanes = 8;
-
-double sum_of(const std::array<double, kSumLanes>& lanes) {
+double sum_of(const std::array<double, kLanes>& lanes) {
   return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
 BOUNCELAB_VECTOR_CLONES void sum_of_products(std::size_t n, const double* a, const double* b, double* lanes) {
-  std::array<double, kSumLanes> sum;
-  for (std::size_t l = 0; l < kSumLanes; ++l) sum[l] = lanes[l];
+  std::array<double, kLanes> sum;
+  for (std::size_t l = 0; l < kLanes; ++l) sum[l] = lanes[l];
   std::size_t k = 0;
-  for (; k + kSumLanes <= n; k += kSumLanes)
-    for (std::size_t l = 0; l < kSumLanes; ++l) sum[l] += a[k + l] * b[k + l];
+  for (; k + kLanes <= n; k += kLanes)
+    for (std::size_t l = 0; l < kLanes; ++l) sum[l] += a[k + l] * b[k + l];
   for (std::size_t l = 0; k < n; ++k, ++l) sum[l] += a[k] * b[k];
-  for (std::size_t l = 0; l < kSumLanes; ++l) lanes[l] = sum[l];
+  for (std::size_t l = 0; l < kLanes; ++l) lanes[l] = sum[l];
 }
 
-/// a times x in the place of a, after the sum of a.
-BOUNCELAB_VECTOR_CLONES void sum_and_multiply(std::size_t n, double* a, const double* x, double* lanes) {
-  std::array<double, kSumLanes> sum;
-  for (std::size_t l = 0; l < kSumLanes; ++l) sum[l] = lanes[l];
+constexpr std::size_t kPowersAtOnce = 3;
+
+/// Adds a x^j, j < n_powers, to sums whose lanes follow each other. @param next  a x^n_powers, may be in a's place
+template <std::size_t n_powers>
+[[gnu::always_inline]] inline void sum_powers(std::size_t n, const double* a, const double* x, double* next,
+                                              double* lanes) {
+  std::array<Lanes, n_powers> sum;
+  std::memcpy(sum.data(), lanes, sizeof sum);
   std::size_t k = 0;
-  for (; k + kSumLanes <= n; k += kSumLanes)
-    for (std::size_t l = 0; l < kSumLanes; ++l) {
-      sum[l] += a[k + l];
-      a[k + l] *= x[k + l];
-    }
-  for (std::size_t l = 0; k < n; ++k, ++l) {
-    sum[l] += a[k];
-    a[k] *= x[k];
+  for (; k + kLanes <= n; k += kLanes) {
+    Lanes term, factor;
+    std::memcpy(&term, a + k, sizeof term);
+    std::memcpy(&factor, x + k, sizeof factor);
+    for (std::size_t j = 0; j < n_powers; ++j, term *= factor) sum[j] += term;
+    std::memcpy(next + k, &term, sizeof term);
   }
-  for (std::size_t l = 0; l < kSumLanes; ++l) lanes[l] = sum[l];
+  std::memcpy(lanes, sum.data(), sizeof sum);
+  for (std::size_t l = 0; k < n; ++k, ++l) {
+    double term = a[k];
+    for (std::size_t j = 0; j < n_powers; ++j, term *= x[k]) lanes[j * kLanes + l] += term;
+    next[k] = term;
+  }
 }
 
-/// Whether all lie where a product of kBlockSize / kSumLanes of them is a number.
+BOUNCELAB_VECTOR_CLONES void sum_of_one(std::size_t n, const double* a, const double* x, double* next, double* lanes) {
+  sum_powers<1>(n, a, x, next, lanes);
+}
+BOUNCELAB_VECTOR_CLONES void sum_of_some(std::size_t n, const double* a, const double* x, double* next, double* lanes) {
+  sum_powers<kPowersAtOnce>(n, a, x, next, lanes);
+}
+
+/// Whether all lie where a product of kBlockSize / kLanes of them is a number.
 BOUNCELAB_VECTOR_CLONES bool are_moderate(std::size_t n, const double* x) {
   constexpr double kLeast = 1e-30, kMost = 1e30;
   std::size_t n_moderate = 0;
@@ -53,8 +66,8 @@ BOUNCELAB_VECTOR_CLONES bool are_moderate(std::size_t n, const double* x) {
 BOUNCELAB_VECTOR_CLONES void add_and_multiply(std::size_t n, const double* terms, const double* factors, double* sums,
                                               double* products) {
   std::size_t k = 0;
-  for (; k + kSumLanes <= n; k += kSumLanes)
-    for (std::size_t l = 0; l < kSumLanes; ++l) {
+  for (; k + kLanes <= n; k += kLanes)
+    for (std::size_t l = 0; l < kLanes; ++l) {
       sums[l] += terms[k + l];
       products[l] *= factors[k + l];
     }
@@ -68,10 +81,10 @@ BOUNCELAB_VECTOR_CLONES void add_and_multiply(std::size_t n, const double* terms
 
 void LogSum::add(std::size_t n, const DensityBlock& f) {
   constexpr double kRange = 1e60;  // times that of a block's factors it is still a number
-  Block logarithms = f.factor;
   if (are_moderate(n, f.factor.data())) {
     add_and_multiply(n, f.exponent.data(), f.factor.data(), sum_.data(), product_.data());
   } else {
+    Block logarithms = f.factor;
     log_each(std::span(logarithms).first(n));
     Block ones;
     ones.fill(1.0);
@@ -96,9 +109,13 @@ void GradientSum::add_products(std::size_t i, std::size_t n, const double* a, co
 }
 
 void GradientSum::add_powers(std::size_t i, std::size_t n_powers, std::size_t n, const double* a, const double* x) {
-  Block value;
-  std::copy(a, a + n, value.begin());
-  for (std::size_t j = 0; j < n_powers; ++j) sum_and_multiply(n, value.data(), x, sums_[i + j].data());
+  Block next;
+  const double* of = a;
+  for (std::size_t j = 0; j < n_powers; of = next.data()) {
+    const bool some = j + kPowersAtOnce <= n_powers;
+    (some ? sum_of_some : sum_of_one)(n, of, x, next.data(), sums_[i + j].data());
+    j += some ? kPowersAtOnce : 1;
+  }
 }
 
 void GradientSum::put(double* sums) const {

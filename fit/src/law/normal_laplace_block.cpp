@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "bouncelab/core/elementary.hpp"
@@ -21,7 +22,7 @@ struct PartsBlock {
 };
 
 BOUNCELAB_VECTOR_CLONES void far_parts(std::size_t n, const double* d, const SidesBlock& sides, const double* tau,
-                                       const double* inverse_tau, PartsBlock& p) {
+                                       const double* inverse_tau, PartsBlock& __restrict p) {
   for (std::size_t k = 0; k < n; ++k) {
     const double a_tau = tau[k] * sides.inverse_above[k], c_tau = tau[k] * sides.inverse_below[k];
     const double z = d[k] * inverse_tau[k];
@@ -49,27 +50,31 @@ struct NearBlock {
   Block sum, share_above, hazard;
 };
 
-bool is_near(double u1, double u2) { return !(u1 < -kFar || u2 < -kFar); }
-
-/// Whether any of each eight samples is near the peak: of exact times few are. @param p  u1 of those that fill up the
-/// last eight is far off
-BOUNCELAB_VECTOR_CLONES void find_near(std::size_t n, const PartsBlock& p, std::array<bool, kBlockSize / 8>& any) {
-  for (std::size_t group = 0; 8 * group < n; ++group) {
-    unsigned is_any = 0;
-    for (std::size_t k = 8 * group; k < 8 * group + 8; ++k) is_any |= is_near(p.u1[k], p.u2[k]) ? 1U : 0U;
-    any[group] = is_any != 0;
+/// The smaller of u1 and u2 of each sample, and the largest of these in each lane: of exact times few samples are near
+/// the peak, and in most lanes none.
+/// @param p  those that fill up the block are far off
+BOUNCELAB_VECTOR_CLONES void nearness(const PartsBlock& p, Block& __restrict least,
+                                      std::array<double, kLanes>& __restrict largest) {
+  for (std::size_t k = 0; k < kBlockSize; ++k) least[k] = p.u1[k] < p.u2[k] ? p.u1[k] : p.u2[k];
+  Lanes most, here;
+  std::memcpy(&most, least.data(), sizeof most);
+  for (std::size_t k = kLanes; k < kBlockSize; k += kLanes) {
+    std::memcpy(&here, least.data() + k, sizeof here);
+    most = most < here ? here : most;
   }
+  std::memcpy(largest.data(), &most, sizeof most);
 }
 
-void gather(std::size_t n, const PartsBlock& p, NearBlock& near) {
-  std::array<bool, kBlockSize / 8> any;
-  find_near(n, p, any);
+void gather(const PartsBlock& p, NearBlock& near) {
+  Block least;
+  std::array<double, kLanes> largest;
+  nearness(p, least, largest);
   near.n = 0;
-  for (std::size_t group = 0; 8 * group < n; ++group) {
-    if (!any[group]) continue;
-    for (std::size_t k = 8 * group; k < std::min(n, 8 * group + 8); ++k) {
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    if (!(largest[l] >= -kFar)) continue;
+    for (std::size_t k = l; k < kBlockSize; k += kLanes) {
       near.of[near.n] = k;
-      near.n += is_near(p.u1[k], p.u2[k]);
+      near.n += least[k] >= -kFar ? 1 : 0;
     }
   }
   for (std::size_t i = 0; i < near.n; ++i) {
@@ -138,30 +143,35 @@ void scatter(const NearBlock& near, PartsBlock& p) {
   }
 }
 
-/// @param beside  the background over exp(exponent)
-BOUNCELAB_VECTOR_CLONES void densities(std::size_t n, const SidesBlock& sides, const PartsBlock& p, const Block& beside,
-                                       double background, DensityBlock& f) {
+BOUNCELAB_VECTOR_CLONES void negate(std::size_t n, const Block& x, Block& __restrict to) {
+  for (std::size_t k = 0; k < n; ++k) to[k] = -x[k];
+}
+
+/// @param inverse  of exp(exponent); 0 where there is no background
+BOUNCELAB_VECTOR_CLONES void densities(std::size_t n, const SidesBlock& sides, const PartsBlock& p,
+                                       const Block& inverse, double background, DensityBlock& __restrict f) {
+  const double vanishing = background > 0.0 ? kVanished : -HUGE_VAL;
   for (std::size_t k = 0; k < n; ++k) {
     const double density = p.sum[k] * sides.inverse_width[k];
-    const double sum = density + beside[k];
+    const double sum = density + background * inverse[k];
+    const bool vanished = p.exponent[k] < vanishing;
     // without a background exactly 1
-    const double part = density / sum;
-    const bool vanished = background > 0.0 && p.exponent[k] < kVanished;
-    const double share = vanished ? 0.0 : background > 0.0 ? part : 1.0;
+    const double part = density / sum, share = vanished ? 0.0 : part;
     const double a_tau = p.a_tau[k], c_tau = p.c_tau[k], z = p.z[k], hazard = p.hazard[k];
     const double w1 = p.share_above[k], w2 = 1.0 - w1;
     const double d_location = w1 * sides.inverse_above[k] - w2 * sides.inverse_below[k];
     // as in normal_laplace() of one
     const double curvature =
         a_tau * c_tau * (1.0 - (sides.b_above[k] - sides.b_below[k]) * d_location) - hazard * (a_tau + c_tau);
-    const double d_log_below = -share * (1.0 - sides.p_above[k] + c_tau * ((c_tau + z) * w2 - hazard));
-    const double d_log_above = -share * (sides.p_above[k] + a_tau * ((a_tau - z) * w1 - hazard));
+    const double by_log_below = -share * (1.0 - sides.p_above[k] + c_tau * ((c_tau + z) * w2 - hazard));
+    const double by_log_above = -share * (sides.p_above[k] + a_tau * ((a_tau - z) * w1 - hazard));
+    const double by_location = share * d_location, by_log_tau = share * curvature;
     f.exponent[k] = vanished ? 0.0 : p.exponent[k];
     f.factor[k] = vanished ? background : sum;
-    f.d_location[k] = vanished ? 0.0 : share * d_location;
-    f.d_log_below[k] = vanished ? 0.0 : d_log_below;
-    f.d_log_above[k] = vanished ? 0.0 : d_log_above;
-    f.d_log_tau[k] = vanished ? 0.0 : share * curvature;
+    f.d_location[k] = vanished ? 0.0 : by_location;
+    f.d_log_below[k] = vanished ? 0.0 : by_log_below;
+    f.d_log_above[k] = vanished ? 0.0 : by_log_above;
+    f.d_log_tau[k] = vanished ? 0.0 : by_log_tau;
   }
 }
 
@@ -184,9 +194,9 @@ namespace {
 void parts(std::size_t n, const double* d, const SidesBlock& sides, const double* tau, const double* inverse_tau,
            PartsBlock& p) {
   far_parts(n, d, sides, tau, inverse_tau, p);
-  std::fill(p.u1.begin() + static_cast<std::ptrdiff_t>(n), p.u1.end(), -HUGE_VAL);
+  for (Block* u : {&p.u1, &p.u2}) std::fill(u->begin() + static_cast<std::ptrdiff_t>(n), u->end(), -HUGE_VAL);
   NearBlock near;
-  gather(n, p, near);
+  gather(p, near);
   if (near.n == 0) return;
   exp_arguments(near);
   exp_each(std::span(near.exp1).first(near.n));
@@ -233,15 +243,14 @@ void normal_laplace(std::size_t n, const double* d, const SidesBlock& sides, con
                     const double* inverse_tau, double background, DensityBlock& f) {
   PartsBlock p;
   parts(n, d, sides, tau, inverse_tau, p);
-  Block beside;
+  Block inverse;
   if (background > 0.0) {
-    for (std::size_t k = 0; k < n; ++k) beside[k] = -p.exponent[k];
-    exp_each(std::span(beside).first(n));
-    for (std::size_t k = 0; k < n; ++k) beside[k] *= background;
+    negate(n, p.exponent, inverse);
+    exp_each(std::span(inverse).first(n));
   } else {
-    for (std::size_t k = 0; k < n; ++k) beside[k] = 0.0;
+    inverse.fill(0.0);
   }
-  densities(n, sides, p, beside, background, f);
+  densities(n, sides, p, inverse, background, f);
 }
 
 }  // namespace bouncelab::fit

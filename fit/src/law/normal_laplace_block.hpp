@@ -11,7 +11,10 @@ namespace bouncelab::fit {
 
 /// Samples of which everything is computed side by side, in registers as wide as the processor's.
 inline constexpr std::size_t kBlockSize = 64;
-using Block = std::array<double, kBlockSize>;
+inline constexpr std::size_t kLanes = 8;  ///< doubles in the widest registers
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+/// Begins where a line of the cache does: registers of 512 bits that lie across two cost twice as much.
+struct alignas(64) Block : std::array<double, kBlockSize> {};
 
 struct SidesBlock {
   Block b_below, b_above, inverse_below, inverse_above, p_above, inverse_width;

@@ -104,25 +104,39 @@ double log_scale_of_few(const LawData& data, const Eigen::VectorXd& fitted, std:
 
 }  // namespace
 
-Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {
+std::optional<FirstLook> first_look(const LawData& data, const LawModel& model) {
   constexpr std::size_t kFew = 40;  // below, bins have no medians
   const bool few = data.size() < kFew;
   const auto bins = speed_bins(data);
-  const Eigen::VectorXd law = few && model.is_linear() ? least_absolute(data, model) : start_of_law(bins, model);
-  if (law.size() == 0) return {};
-  const Eigen::VectorXd fitted = model.eps(data.v_mps, law);
-  const auto n_terms = static_cast<Eigen::Index>(scatter.n_terms);
-  Eigen::MatrixXd powers(static_cast<Eigen::Index>(bins.size()), n_terms);
-  for (Eigen::Index j = 0; j < powers.rows(); ++j)
-    for (Eigen::Index i = 0; i < n_terms; ++i)
-      powers(j, i) = power(log(bins[static_cast<std::size_t>(j)].v_mps / scatter.v_ref_mps), static_cast<int>(i));
-  const auto solver = powers.colPivHouseholderQr();
-  Eigen::VectorXd below = Eigen::VectorXd::Zero(n_terms), above = below;
+  FirstLook look{few && model.is_linear() ? least_absolute(data, model) : start_of_law(bins, model), {}, {}, {}};
+  if (look.law.size() == 0) return std::nullopt;
+  for (const SpeedBin& bin : bins) look.v_mps.push_back(bin.v_mps);
+  const Eigen::VectorXd fitted = model.eps(data.v_mps, look.law);
   if (few) {
-    below[0] = above[0] = log_scale_of_few(data, fitted, static_cast<std::size_t>(model.n_parameters()));
+    look.log_below = look.log_above =
+        Eigen::VectorXd::Constant(1, log_scale_of_few(data, fitted, static_cast<std::size_t>(model.n_parameters())));
   } else {
-    below = solver.solve(log_scales(data, bins, fitted, -1.0));
-    above = solver.solve(log_scales(data, bins, fitted, 1.0));
+    look.log_below = log_scales(data, bins, fitted, -1.0);
+    look.log_above = log_scales(data, bins, fitted, 1.0);
+  }
+  return look;
+}
+
+Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter) {
+  const Eigen::VectorXd& law = look.law;
+  const auto n_terms = static_cast<Eigen::Index>(scatter.n_terms);
+  Eigen::VectorXd below = Eigen::VectorXd::Zero(n_terms), above = below;
+  if (look.log_below.size() == 1) {
+    below[0] = look.log_below[0];
+    above[0] = look.log_above[0];
+  } else {
+    Eigen::MatrixXd powers(look.log_below.size(), n_terms);
+    for (Eigen::Index j = 0; j < powers.rows(); ++j)
+      for (Eigen::Index i = 0; i < n_terms; ++i)
+        powers(j, i) = power(log(look.v_mps[static_cast<std::size_t>(j)] / scatter.v_ref_mps), static_cast<int>(i));
+    const auto solver = powers.colPivHouseholderQr();
+    below = solver.solve(look.log_below);
+    above = solver.solve(look.log_above);
   }
   Eigen::VectorXd theta(law.size() + scatter.n_parameters());
   if (scatter.kind == ScatterKind::normal_laplace) {
@@ -135,6 +149,11 @@ Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const S
   else
     theta << law, 0.5 * (below + above);
   return theta;
+}
+
+Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {
+  const std::optional<FirstLook> look = first_look(data, model);
+  return look ? start_values(*look, scatter) : Eigen::VectorXd();
 }
 
 Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter,

@@ -227,6 +227,7 @@ RestitutionInPieces::RestitutionInPieces(RestitutionConfig config)
 
 RestitutionSamples RestitutionInPieces::add(Onsets onsets) {
   RestitutionSamples samples;
+  samples.reserve(onsets.size());
   counts_.n_onsets += onsets.size();
   for (Onset& onset : onsets) {
     if (!drop_.empty() && (onset.recording != drop_.front().recording || onset.drop != drop_.front().drop))

@@ -35,12 +35,25 @@ void move_to(double centre, const LawFit& law, LawData& data) {
   }
 }
 
+/// Samples, and their speeds as a column: a sample is some hundred bytes, and each window has few of them.
+struct SamplesWithSpeeds {
+  const RestitutionSamples& all;
+  std::vector<double> v_mps;
+
+  explicit SamplesWithSpeeds(const RestitutionSamples& samples) : all(samples) {
+    v_mps.reserve(all.size());
+    for (const RestitutionSample& s : all) v_mps.push_back(s.v_mps);
+  }
+};
+
 /// Samples of the window, moved along the law to its centre.
-LawData window_data(const RestitutionSamples& samples, double lo, double hi, double centre, const LawFit& law) {
+LawData window_data(const SamplesWithSpeeds& samples, double lo, double hi, double centre, const LawFit& law) {
   LawData data;
   DropNumbers drops;
-  for (const RestitutionSample& s : samples) {
-    if (!(s.v_mps >= lo && s.v_mps < hi) || !std::isfinite(s.eps)) continue;
+  for (std::size_t k = 0; k < samples.v_mps.size(); ++k) {
+    if (!(samples.v_mps[k] >= lo && samples.v_mps[k] < hi)) continue;
+    const RestitutionSample& s = samples.all[k];
+    if (!std::isfinite(s.eps)) continue;
     data.v_mps.push_back(s.v_mps);
     data.eps.push_back(s.eps);
     data.tau.push_back(hypot(s.sigma_eps.value_or(0.0), kResolution));
@@ -147,7 +160,7 @@ std::string verdict(const HistogramFit& h) {
   return text;
 }
 
-HistogramFit fit_histogram(const RestitutionSamples& samples, double centre, double width, std::size_t n_min,
+HistogramFit fit_histogram(const SamplesWithSpeeds& samples, double centre, double width, std::size_t n_min,
                            const LawFit& law) {
   HistogramFit result;
   result.v_mps = centre;
@@ -168,13 +181,13 @@ HistogramFit fit_histogram(const RestitutionSamples& samples, double centre, dou
 }
 
 /// The narrowest that gives the median window enough samples.
-double chosen_width_mps(const RestitutionSamples& samples, const std::vector<double>& centres_mps) {
+double chosen_width_mps(const std::vector<double>& v_mps, const std::vector<double>& centres_mps) {
   constexpr std::size_t kEnough = 1000;
   for (const double width : {0.02, 0.05, 0.1}) {
     std::vector<std::size_t> counts;
     for (const double centre : centres_mps)
-      counts.push_back(static_cast<std::size_t>(std::count_if(
-          samples.begin(), samples.end(), [&](const auto& s) { return std::abs(s.v_mps - centre) < 0.5 * width; })));
+      counts.push_back(static_cast<std::size_t>(
+          std::count_if(v_mps.begin(), v_mps.end(), [&](double v) { return std::abs(v - centre) < 0.5 * width; })));
     std::sort(counts.begin(), counts.end());
     if (!counts.empty() && counts[counts.size() / 2] >= kEnough) return width;
   }
@@ -209,10 +222,12 @@ const char* to_string(DensityShape shape) {
 std::vector<HistogramFit> fit_histograms(const RestitutionSamples& samples, const HistogramConfig& config,
                                          const LawFit& law) {
   check(config);
-  const double width = config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(samples, config.centres_mps);
+  const SamplesWithSpeeds with_speeds(samples);
+  const double width =
+      config.width_mps > 0.0 ? config.width_mps : chosen_width_mps(with_speeds.v_mps, config.centres_mps);
   std::vector<HistogramFit> results(config.centres_mps.size());
   parallel_for(results.size(), 0, [&](std::size_t i) {
-    results[i] = fit_histogram(samples, config.centres_mps[i], width, config.n_min, law);
+    results[i] = fit_histogram(with_speeds, config.centres_mps[i], width, config.n_min, law);
   });
   return results;
 }

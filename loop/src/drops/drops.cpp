@@ -108,12 +108,18 @@ std::vector<DropResult> run_drops(const Impacts& impacts, const std::string& bal
 
 Onsets onsets_of(const std::vector<DropResult>& drops) {
   Onsets all;
+  std::size_t n = 0;
+  for (const DropResult& drop : drops) n += drop.onsets.size();
+  all.reserve(n);
   for (const DropResult& drop : drops) all.insert(all.end(), drop.onsets.begin(), drop.onsets.end());
   return all;
 }
 
 Onsets true_onsets_of(const std::vector<DropResult>& drops, const std::string& ball) {
   Onsets all;
+  std::size_t n = 0;
+  for (const DropResult& drop : drops) n += drop.truth.size();
+  all.reserve(n);
   for (const DropResult& drop : drops) {
     const Onsets truth = synthesis::onsets_of_truth(drop.truth, recording_name(ball, drop.drop));
     all.insert(all.end(), truth.begin(), truth.end());

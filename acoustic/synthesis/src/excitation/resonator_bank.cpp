@@ -96,18 +96,21 @@ static_assert(kTogether == 4);
 
 /// Copies fours of resonators in single precision; those that are silent are set to zero.
 /// @param holds  by fours: others are copied as zeros, and stay as they are
+/// @param rings  by fours: 0 where they are silent
 /// @return how many resonators are copied and not silent
 BOUNCELAB_VECTOR_CLONES std::size_t take_fours(double* re, double* im, const char* holds, std::size_t n_fours,
-                                               double silence, float* held_re, float* held_im) {
+                                               double silence, float* held_re, float* held_im, char* rings) {
   std::size_t n_ringing = 0;
   for (std::size_t f = 0; f < n_fours; ++f) {
     Four x{}, y{};
+    rings[f] = 1;
     if (holds[f]) {
       std::memcpy(&x, re + 4 * f, sizeof x);
       std::memcpy(&y, im + 4 * f, sizeof y);
       const auto is_silent = (x < 0.0 ? -x : x) + (y < 0.0 ? -y : y) < silence;
       if (is_silent[0] & is_silent[1] & is_silent[2] & is_silent[3]) {
         x = y = Four{};
+        rings[f] = 0;
         std::memcpy(re + 4 * f, &x, sizeof x);
         std::memcpy(im + 4 * f, &y, sizeof y);
       } else {
@@ -236,9 +239,6 @@ void ResonatorBank::ring_four(PoleValues& state, std::size_t p, double silence, 
   double re[kTogether]{}, im[kTogether]{};
   std::copy_n(state.re.data() + p, n, re);
   std::copy_n(state.im.data() + p, n, im);
-  double loudest = 0.0;
-  for (std::size_t k = 0; k < kTogether; ++k) loudest = std::max(loudest, std::abs(re[k]) + std::abs(im[k]));
-  if (loudest == 0.0) return;
   add_ringing(out, waves.re.data() + at, waves.im.data() + at, block_step_.re.data() + p, block_step_.im.data() + p,
               silence, re, im);
   std::copy_n(re, n, state.re.data() + p);
@@ -260,39 +260,46 @@ void ResonatorBank::ring(PoleValues& state, double silence, std::span<double> ou
 void ResonatorBank::ring(PoleValues& state, double silence, std::span<float> out) const {
   // as many resonators cost as much by themselves as a transform does for all
   constexpr std::size_t kWorthATransform = 28;
-  PoleValuesOf<float> held(out.size() < RingingTransform::kFrames ? 0 : size());
+  const bool is_long = out.size() >= RingingTransform::kFrames;
+  PoleValuesOf<float> held(is_long ? size() : 0);
+  std::vector<char> rings(is_long ? transform_holds_.size() : 0);
   while (!out.empty()) {
     std::size_t n = RingingTransform::kFrames;
-    if (out.size() >= n && take_ringing(state, silence, held) >= kWorthATransform) {
+    if (out.size() < n) {
+      n = out.size();
+      ring_together(state, silence, single_waves_, out);
+    } else if (take_ringing(state, silence, held, rings) >= kWorthATransform) {
       transform_.add(held.re.data(), held.im.data(), out.first(n));
       for (std::size_t p = 0; p < size(); p += kTogether)
         if (!transform_holds_[p / kTogether]) ring_four(state, p, silence, single_waves_, out.first(n));
       rotate(state, transform_step_);
     } else {
-      n = std::min(n, out.size());
-      ring_together(state, silence, single_waves_, out.first(n));
+      for (std::size_t p = 0; p < size(); p += kTogether)
+        if (rings[p / kTogether]) ring_four(state, p, silence, single_waves_, out.first(n));
     }
     out = out.subspan(n);
   }
 }
 
 /// Copies what the transform holds; fours that are silent are set to zero. @return how many resonators are not
-std::size_t ResonatorBank::take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held) const {
+std::size_t ResonatorBank::take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held,
+                                        std::vector<char>& rings) const {
   const std::size_t n_fours = size() / kTogether, n_rest = size() % kTogether;
   const std::size_t n_ringing = take_fours(state.re.data(), state.im.data(), transform_holds_.data(), n_fours, silence,
-                                           held.re.data(), held.im.data());
+                                           held.re.data(), held.im.data(), rings.data());
   if (n_rest == 0) return n_ringing;
   double re[kTogether]{}, im[kTogether]{};
   float single_re[kTogether], single_im[kTogether];
   const std::size_t p = size() - n_rest;
   std::copy_n(state.re.data() + p, n_rest, re);
   std::copy_n(state.im.data() + p, n_rest, im);
-  const bool rings = take_fours(re, im, transform_holds_.data() + n_fours, 1, silence, single_re, single_im) > 0;
+  const std::size_t n_last =
+      take_fours(re, im, transform_holds_.data() + n_fours, 1, silence, single_re, single_im, rings.data() + n_fours);
   std::copy_n(re, n_rest, state.re.data() + p);
   std::copy_n(im, n_rest, state.im.data() + p);
   std::copy_n(single_re, n_rest, held.re.data() + p);
   std::copy_n(single_im, n_rest, held.im.data() + p);
-  return n_ringing + (rings ? n_rest : 0);
+  return n_ringing + std::min(n_last, n_rest);
 }
 
 void ResonatorBank::advance(PoleValues& state, std::int64_t n_frames) const {

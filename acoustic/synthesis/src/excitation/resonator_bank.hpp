@@ -83,7 +83,8 @@ class ResonatorBank {
   void advance_in_block(PoleValues& state, std::int64_t n_frames) const;
 
  private:
-  std::size_t take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held) const;
+  std::size_t take_ringing(PoleValues& state, double silence, PoleValuesOf<float>& held,
+                           std::vector<char>& rings) const;
   template <class T>
   void ring_four(PoleValues& state, std::size_t p, double silence, const PoleValuesOf<T>& waves,
                  std::span<T> out) const;
