@@ -18,10 +18,14 @@ namespace {
 /// @param name  of a function of libsndfile
 /// @throws bouncelab::FileError
 void* loaded(const char* name) {
-  static void* const library = dlopen(BOUNCELAB_SNDFILE, RTLD_NOW | RTLD_LOCAL);
+  // each time anew: a library that is there already takes no time, and what is missing now, a descriptor or memory, may
+  // not be so later
+  void* const library = dlopen(BOUNCELAB_SNDFILE, RTLD_LAZY | RTLD_LOCAL);
   void* const function = library != nullptr ? dlsym(library, name) : nullptr;
   if (function != nullptr) return function;
-  throw bouncelab::FileError("libsndfile", std::string("cannot be loaded (") + dlerror() + "); install it");
+  const char* const reason = dlerror();
+  throw bouncelab::FileError(
+      "libsndfile", std::string("cannot be loaded (") + (reason != nullptr ? reason : "why?") + "); install it");
 }
 
 }  // namespace

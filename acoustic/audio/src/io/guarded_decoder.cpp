@@ -27,6 +27,8 @@ constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
 constexpr std::int64_t kMemoryPerFileByte = 10;
 // of samples that a process keeps for the next file
 constexpr std::size_t kKept_bytes = 1 << 20;
+constexpr std::int64_t kSamplesOfPiece = 1 << 15;  // of a file that is read while it is decoded
+constexpr std::int64_t kMostPiecesBegun = 16;      // a request and its answer are a few hundred bytes in the socket
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
 
@@ -35,6 +37,7 @@ enum class Action : std::int32_t { open, read, close };
 struct Request {
   Action action = Action::open;
   std::int64_t first = 0, n_frames = 0;  // of read
+  std::int64_t to = 0;                   // sample of the shared memory
 };
 
 /// SoundInfo but for its texts, which follow, each with a 0 at its end.
@@ -90,8 +93,9 @@ class DecodingService {
     if (request.action == Action::open) return open(descriptor, std::string(message.substr(sizeof request)));
     if (request.action == Action::close) return close();
     const std::int64_t n_samples = request.n_frames * decoder_.value().info().n_channels;
-    const std::span<float> out = samples_.first(static_cast<std::size_t>(n_samples));
-    if (out.size_bytes() > kKept_bytes) memory_.populate(out.size_bytes());
+    const auto n_after = static_cast<std::size_t>(request.to + n_samples);
+    const std::span<float> out = samples_.first(n_after).last(static_cast<std::size_t>(n_samples));
+    if (n_after * sizeof(float) > kKept_bytes) memory_.populate(std::as_bytes(out));
     decoder_->read(request.first, out);
     return {};
   }
@@ -130,7 +134,7 @@ class DecoderProcess {
         samples_(reinterpret_cast<float*>(memory_.bytes().data()), GuardedDecoder::kMostSamples),
         child_([decoding = std::make_shared<DecodingService>(memory_, samples_)](
                    std::string_view request, int descriptor) { return decoding->answer(request, descriptor); },
-               file) {}
+               file, load_libsndfile) {}
 
   std::span<float> samples() const { return samples_; }
   ChildProcess& child() { return child_; }
@@ -212,12 +216,47 @@ GuardedDecoder::~GuardedDecoder() {
   }
 }
 
+void GuardedDecoder::start_process() {
+  try {
+    idle().keep(idle().take("recordings"));
+  } catch (const std::exception&) {  // whoever opens a recording will find out
+  }
+}
+
 std::span<float> GuardedDecoder::read(std::int64_t first, std::int64_t n_frames) {
-  const auto n_samples = static_cast<std::size_t>(n_frames * info_.n_channels);
-  ChildLimits limits = limits_for(n_bytes_, static_cast<std::int64_t>(n_samples * sizeof(float)));
-  limits.memory_bytes = 0;  // as for opening it
+  const std::int64_t n_samples = n_frames * info_.n_channels;
+  const ChildLimits limits = limits_for_samples(n_samples);
   process_->child().ask(bytes_of(Request{Action::read, first, n_frames}), limits, name_, kRemedy);
-  return process_->samples().first(n_samples);
+  return process_->samples().first(static_cast<std::size_t>(n_samples));
+}
+
+std::span<float> GuardedDecoder::read_whole(std::int64_t n_frames) {
+  const std::int64_t n_piece = std::max<std::int64_t>(1, kSamplesOfPiece / info_.n_channels);
+  const ChildLimits of_all = limits_for_samples(info_.n_frames * info_.n_channels);
+  const auto begin_more = [&] {
+    for (; n_begun_ < info_.n_frames && n_begun_ < n_read_ + kMostPiecesBegun * n_piece; n_begun_ += n_piece) {
+      ChildLimits limits = of_all;
+      if (n_begun_ > 0) limits.cpu_s = 0.0;  // all pieces share it
+      const Request request{Action::read, n_begun_, std::min(n_piece, info_.n_frames - n_begun_),
+                            n_begun_ * info_.n_channels};
+      process_->child().begin(bytes_of(request), limits);
+    }
+  };
+  for (begin_more(); n_read_ < std::min(n_frames, info_.n_frames); begin_more()) {
+    process_->child().finish(of_all, name_, kRemedy);
+    n_read_ = std::min(n_read_ + n_piece, info_.n_frames);
+  }
+  return process_->samples().first(static_cast<std::size_t>(n_read_ * info_.n_channels));
+}
+
+std::span<const float> GuardedDecoder::place_of_whole() const {
+  return process_->samples().first(static_cast<std::size_t>(info_.n_frames * info_.n_channels));
+}
+
+ChildLimits GuardedDecoder::limits_for_samples(std::int64_t n_samples) const {
+  ChildLimits limits = limits_for(n_bytes_, n_samples * static_cast<std::int64_t>(sizeof(float)));
+  limits.memory_bytes = 0;  // as for opening it
+  return limits;
 }
 
 }  // namespace bouncelab::audio

@@ -129,6 +129,11 @@ std::string seconds(double n_frames, double rate_hz) {
 
 }  // namespace
 
+void load_libsndfile() {
+  std::array<char, 64> version{};
+  sf_command(nullptr, SFC_GET_LIB_VERSION, version.data(), version.size());
+}
+
 struct SoundDecoder::State {
   ByteCursor cursor;
   std::string name;

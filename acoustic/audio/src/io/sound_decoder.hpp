@@ -12,6 +12,9 @@
 
 namespace bouncelab::audio {
 
+/// Has libsndfile and its codecs ready, which some programs load on demand.
+void load_libsndfile();
+
 /// What is known of a sound file once it is open.
 struct SoundInfo {
   double rate_hz = 0.0;

@@ -58,6 +58,10 @@ class AudioReader {
   std::unique_ptr<State> state_;
 };
 
+/// Starts the process in which recordings will be decoded, as the first AudioReader would: what its caller does
+/// meanwhile costs no time. Nothing where it cannot be started, which that reader then says.
+void prepare_to_read();
+
 /// The version of the ffmpeg that has decoded a recording in this process; empty where none has.
 std::string ffmpeg_version_used();
 
