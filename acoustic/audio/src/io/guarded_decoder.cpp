@@ -138,13 +138,20 @@ class DecoderProcess {
 
   std::span<float> samples() const { return samples_; }
   ChildProcess& child() { return child_; }
+  /// Closes the file there, which is not waited for.
   /// @param n_samples  that the file had at most at once
-  void finish_file(std::int64_t n_samples) {
+  void finish_file(std::int64_t n_samples, const ChildLimits& limits) {
     holds_many_ |= n_samples > static_cast<std::int64_t>(kKept_bytes / sizeof(float));
+    child_.begin(bytes_of(Request{Action::close}), limits);
+    is_closing_ = true;
   }
   /// Another file, which may be short. After the last one the pages go with the process, in less time.
-  void begin_file() {
+  /// @return whether it can be read there
+  bool begin_file(const std::string& file) {
+    if (std::exchange(is_closing_, false)) child_.finish({}, file, kRemedy);
+    if (!child_.is_usable()) return false;  // this process is a copy of its owner
     if (std::exchange(holds_many_, false)) memory_.discard();
+    return true;
   }
 
  private:
@@ -152,6 +159,7 @@ class DecoderProcess {
   std::span<float> samples_;
   ChildProcess child_;
   bool holds_many_ = false;
+  bool is_closing_ = false;
 };
 
 namespace {
@@ -166,9 +174,10 @@ class Idle {
       while (!processes_.empty()) {
         std::unique_ptr<DecoderProcess> process = std::move(processes_.back());
         processes_.pop_back();
-        if (!process->child().is_usable()) continue;  // this process is a copy of its owner
-        process->begin_file();
-        return process;
+        try {
+          if (process->begin_file(file)) return process;
+        } catch (const FileError&) {  // the file before was damaged: not this one's concern
+        }
       }
     }
     return std::make_unique<DecoderProcess>(file);
@@ -209,8 +218,7 @@ GuardedDecoder::GuardedDecoder(int descriptor, std::string name)
 GuardedDecoder::~GuardedDecoder() {
   if (!process_ || !process_->child().is_usable()) return;
   try {
-    process_->child().ask(bytes_of(Request{Action::close}), limits_for(n_bytes_, 0), name_, kRemedy);
-    process_->finish_file(std::min(info_.n_frames, kMostSamples) * info_.n_channels);
+    process_->finish_file(std::min(info_.n_frames, kMostSamples) * info_.n_channels, limits_for(n_bytes_, 0));
     idle().keep(std::move(process_));
   } catch (...) {  // the samples were read; the process ends here
   }
