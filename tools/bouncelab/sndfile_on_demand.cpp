@@ -40,6 +40,7 @@ void* loaded(const char* name) {
 extern "C" {
 BOUNCELAB_ON_DEMAND(int, sf_close, (SNDFILE * file), (file))
 BOUNCELAB_ON_DEMAND(int, sf_command, (SNDFILE * file, int command, void* data, int n), (file, command, data, n))
+BOUNCELAB_ON_DEMAND(int, sf_error, (SNDFILE * file), (file))
 BOUNCELAB_ON_DEMAND(const char*, sf_error_number, (int number), (number))
 BOUNCELAB_ON_DEMAND(int, sf_format_check, (const SF_INFO* info), (info))
 BOUNCELAB_ON_DEMAND(SNDFILE*, sf_open_virtual, (SF_VIRTUAL_IO * calls, int mode, SF_INFO* info, void* user),

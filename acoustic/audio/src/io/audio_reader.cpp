@@ -234,6 +234,6 @@ AudioSource AudioReader::source(int channel) {
   return source;
 }
 
-void prepare_to_read() { GuardedDecoder::start_process(); }
+void prepare_to_read(int n_threads) { GuardedDecoder::start_process(n_threads); }
 
 }  // namespace bouncelab::audio

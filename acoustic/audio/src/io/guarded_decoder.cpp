@@ -14,6 +14,7 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "io/sound_bytes.hpp"
+#include "io/two_part_decoder.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -27,12 +28,13 @@ constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
 constexpr std::int64_t kMemoryPerFileByte = 10;
 // of samples that a process keeps for the next file
 constexpr std::size_t kKept_bytes = 1 << 20;
-constexpr std::int64_t kSamplesOfPiece = 1 << 15;  // of a file that is read while it is decoded
-constexpr std::int64_t kMostPiecesBegun = 16;      // a request and its answer are a few hundred bytes in the socket
+constexpr std::int64_t kSamplesOfPiece = 1 << 15;   // of a file that is read while it is decoded
+constexpr std::int64_t kLeastOfTwoParts = 1 << 18;  // samples: below, a thread takes longer than it saves
+constexpr std::int64_t kMostPiecesBegun = 16;       // a request and its answer are a few hundred bytes in the socket
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
 
-enum class Action : std::int32_t { open, read, close };
+enum class Action : std::int32_t { open, read, read_whole, close };
 
 struct Request {
   Action action = Action::open;
@@ -85,13 +87,16 @@ SoundInfo info_of(const std::string& message) {
 class DecodingService {
  public:
   /// @param memory  of the samples
-  DecodingService(SharedMemory& memory, std::span<float> samples) : memory_(memory), samples_(samples) {}
+  DecodingService(SharedMemory& memory, std::span<float> samples, int n_threads)
+      : memory_(memory), samples_(samples), n_threads_(n_threads) {}
 
   std::string answer(std::string_view message, int descriptor) {
     Request request;
     std::memcpy(&request, message.data(), sizeof request);
     if (request.action == Action::open) return open(descriptor, std::string(message.substr(sizeof request)));
     if (request.action == Action::close) return close();
+    if (request.action == Action::read_whole && in_two_parts())
+      return two_parts_->read_until(request.first + request.n_frames), std::string();
     const std::int64_t n_samples = request.n_frames * decoder_.value().info().n_channels;
     const auto n_after = static_cast<std::size_t>(request.to + n_samples);
     const std::span<float> out = samples_.first(n_after).last(static_cast<std::size_t>(n_samples));
@@ -103,6 +108,7 @@ class DecodingService {
  private:
   std::string open(int descriptor, const std::string& name) {
     descriptor_ = descriptor;
+    name_ = name;
     try {
       decoder_.emplace(SoundBytes(descriptor), name);
     } catch (const NotForLibsndfile& error) {
@@ -115,7 +121,16 @@ class DecodingService {
     return info;
   }
 
+  bool in_two_parts() {
+    const SoundDecoder& decoder = decoder_.value();
+    const bool is_long = decoder.info().n_frames * decoder.info().n_channels >= kLeastOfTwoParts;
+    if (!two_parts_ && n_threads_ > 1 && is_long && decoder.can_begin_anywhere())
+      two_parts_.emplace(*decoder_, descriptor_, name_, memory_);
+    return two_parts_.has_value();
+  }
+
   std::string close() {
+    two_parts_.reset();
     decoder_.reset();
     ::close(descriptor_);
     return {};
@@ -124,15 +139,17 @@ class DecodingService {
   SharedMemory& memory_;
   std::span<float> samples_;
   std::optional<SoundDecoder> decoder_;
-  int descriptor_ = -1;
+  std::optional<TwoPartDecoder> two_parts_;
+  int descriptor_ = -1, n_threads_;
+  std::string name_;
 };
 
 class DecoderProcess {
  public:
-  explicit DecoderProcess(const std::string& file)
+  DecoderProcess(const std::string& file, int n_threads)
       : memory_(GuardedDecoder::kMostSamples * sizeof(float)),
         samples_(reinterpret_cast<float*>(memory_.bytes().data()), GuardedDecoder::kMostSamples),
-        child_([decoding = std::make_shared<DecodingService>(memory_, samples_)](
+        child_([decoding = std::make_shared<DecodingService>(memory_, samples_, n_threads)](
                    std::string_view request, int descriptor) { return decoding->answer(request, descriptor); },
                file, load_libsndfile) {}
 
@@ -168,7 +185,7 @@ namespace {
 class Idle {
  public:
   /// One that is kept, or a new one.
-  std::unique_ptr<DecoderProcess> take(const std::string& file) {
+  std::unique_ptr<DecoderProcess> take(const std::string& file, int n_threads = 1) {
     {
       const std::lock_guard lock(mutex_);
       while (!processes_.empty()) {
@@ -180,7 +197,7 @@ class Idle {
         }
       }
     }
-    return std::make_unique<DecoderProcess>(file);
+    return std::make_unique<DecoderProcess>(file, n_threads);
   }
   void keep(std::unique_ptr<DecoderProcess> process) {
     const std::lock_guard lock(mutex_);
@@ -224,9 +241,9 @@ GuardedDecoder::~GuardedDecoder() {
   }
 }
 
-void GuardedDecoder::start_process() {
+void GuardedDecoder::start_process(int n_threads) {
   try {
-    idle().keep(idle().take("recordings"));
+    idle().keep(idle().take("recordings", n_threads));
   } catch (const std::exception&) {  // whoever opens a recording will find out
   }
 }
@@ -245,7 +262,7 @@ std::span<float> GuardedDecoder::read_whole(std::int64_t n_frames) {
     for (; n_begun_ < info_.n_frames && n_begun_ < n_read_ + kMostPiecesBegun * n_piece; n_begun_ += n_piece) {
       ChildLimits limits = of_all;
       if (n_begun_ > 0) limits.cpu_s = 0.0;  // all pieces share it
-      const Request request{Action::read, n_begun_, std::min(n_piece, info_.n_frames - n_begun_),
+      const Request request{Action::read_whole, n_begun_, std::min(n_piece, info_.n_frames - n_begun_),
                             n_begun_ * info_.n_channels};
       process_->child().begin(bytes_of(request), limits);
     }

@@ -47,7 +47,8 @@ class GuardedDecoder {
   std::span<const float> place_of_whole() const;
 
   /// Starts a process for the next file, unless one is idle or none can be started.
-  static void start_process();
+  /// @param n_threads  2: read_whole() there may decode on two threads
+  static void start_process(int n_threads);
 
  private:
   ChildLimits limits_for_samples(std::int64_t n_samples) const;

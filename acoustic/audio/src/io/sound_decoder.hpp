@@ -53,6 +53,13 @@ class SoundDecoder {
   /// @throws FileError where the file ends early
   void read(std::int64_t first, std::span<float> interleaved);
 
+  /// Whether frames are the same wherever reading begins: of FLAC that has what its header says.
+  bool can_begin_anywhere() const;
+  /// The same as read(). @return false where libsndfile saw any error, also one that read() passes over
+  bool read_without_error(std::int64_t first, std::span<float> interleaved);
+  /// To the first frame, as if nothing had been read.
+  void begin_again();
+
  private:
   struct State;
   std::unique_ptr<State> state_;
