@@ -30,12 +30,14 @@ void* loaded(const char* name) {
 
 }  // namespace
 
-// NOLINTNEXTLINE(cppcoreguidelines-macro-usage): as many functions of the same kind
+// NOLINTBEGIN(cppcoreguidelines-macro-usage, bugprone-macro-parentheses): functions of the same kind, and their types
 #define BOUNCELAB_ON_DEMAND(Result, function, parameters, arguments)                   \
   Result function parameters {                                                         \
     static const auto its = reinterpret_cast<Result(*) parameters>(loaded(#function)); \
     return its arguments;                                                              \
   }
+
+// NOLINTEND(cppcoreguidelines-macro-usage, bugprone-macro-parentheses)
 
 extern "C" {
 BOUNCELAB_ON_DEMAND(int, sf_close, (SNDFILE * file), (file))

@@ -115,13 +115,14 @@ constexpr int kSocket = 3;
 /// Signals end the child as if it were a program of its own, and of the files open here it keeps its socket only: one
 /// that holds the socket of another child would keep it from noticing that its owner has ended.
 void detach(int socket) {
+  // the files first: where the owner is killed now, their locks must not outlive it
+  if (socket != kSocket) dup2(socket, kSocket);
+  if (close_range(kSocket + 1, ~0U, 0) != 0)  // Linux before 5.9
+    for (int descriptor = kSocket + 1; descriptor < 4096; ++descriptor) close(descriptor);
   for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  if (socket != kSocket) dup2(socket, kSocket);
-  if (close_range(kSocket + 1, ~0U, 0) != 0)  // Linux before 5.9
-    for (int descriptor = kSocket + 1; descriptor < 4096; ++descriptor) close(descriptor);
   const int nothing = open("/dev/null", O_RDWR);
   // a reader that is ended says so on standard error, beside our own message; a sanitizer's report is wanted
   for (int descriptor = 0; descriptor < (kHasAddressSanitizer ? 2 : 3); ++descriptor) dup2(nothing, descriptor);

@@ -125,9 +125,12 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
   const auto add_if_highest = [&](std::int64_t k) {
     if (after(k) < least * before(k)) return;
     const double here = after(k) / before(k);
-    bool is_highest = true;
-    for (std::int64_t j = k - kApartHops; j <= k + kApartHops; ++j) is_highest &= after(j) / before(j) <= here;
-    if (is_highest) found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
+    const auto is_higher = [&](std::int64_t j) {
+      return !(after(j) / before(j) <= here);
+    };                                                          // nor is it where there is no number
+    for (std::int64_t apart = 1; apart <= kApartHops; ++apart)  // on a slope the nearest tells
+      if (is_higher(k - apart) || is_higher(k + apart)) return;
+    found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
   };
   constexpr std::int64_t kAtOnce = 64;  // hops tested at once: most hold no rise
   for (std::int64_t at = first; at < first + n_hops; at += kAtOnce) {
