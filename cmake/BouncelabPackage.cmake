@@ -46,6 +46,7 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME bouncelab)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS libsndfile1)  # loaded when it is needed, which no tool sees
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ffmpeg)
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "Drop a ball on a plate and record the sound: the intervals between impacts
 give the coefficient of restitution at each speed. bouncelab finds the impacts

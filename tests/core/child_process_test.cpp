@@ -90,6 +90,44 @@ TEST(ChildProcess, CountsTheTimeOfEachRequestAnew) {
   for (int k = 0; k < 5; ++k) EXPECT_EQ(child.ask("", {0.4, 0}, "a.xyz", ""), "");
 }
 
+TEST(ChildProcess, AnswersRequestsThatWereBegunTogetherInTheirOrder) {
+  ChildProcess child(misbehave, "a.xyz");
+  for (const char* request : {"a", "b", "refuse", "c"}) child.begin(request, kWide);
+  EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "a!");
+  EXPECT_FALSE(child.is_usable()) << "three answers are to come";
+  EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "b!");
+  EXPECT_THROW(child.finish(kWide, "a.xyz", ""), FileError);
+  EXPECT_THROW(child.finish(kWide, "a.xyz", ""), FileError) << "after a failure nothing is certain";
+}
+
+TEST(ChildProcess, CountsTheTimeOfRequestsThatShareItTogether) {
+  ChildProcess child(
+      [](std::string_view, int) {
+        const std::clock_t begin = std::clock();
+        while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
+        }
+        return std::string();
+      },
+      "a.xyz");
+  child.begin("", {0.25, 0});
+  for (int k = 0; k < 5; ++k) child.begin("", {0.0, 0});  // 0.6 s in all
+  EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "");
+  EXPECT_THROW(
+      {
+        for (int k = 0; k < 5; ++k) child.finish(kWide, "a.xyz", "");
+      },
+      FileError);
+}
+
+TEST(ChildProcess, IsPreparedBeforeTheFirstRequest) {
+  int n_prepared = 0;  // the child's copy
+  ChildProcess child([&](std::string_view, int) { return std::to_string(n_prepared); }, "a.xyz", [&] { ++n_prepared; });
+  EXPECT_EQ(child.ask("", kWide, "a.xyz", ""), "1");
+  EXPECT_EQ(n_prepared, 0);
+  ChildProcess other(misbehave, "a.xyz", [] { throw std::runtime_error("not there"); });
+  EXPECT_EQ(other.ask("a", kWide, "a.xyz", ""), "a!") << "what is missing is for the request to find";
+}
+
 TEST(ChildProcess, SurvivesACrashOfTheReader) {
   for (const char* way : {"crash", "exit"}) {
     ChildProcess child(misbehave, "a.xyz");

@@ -118,6 +118,22 @@ TEST_F(OutputFileTest, WhatAKilledProcessLeftIsRemovedAndNothingElse) {
   EXPECT_TRUE(fs::exists(folder_ / ".bouncelab-notes.partial.csv"));
 }
 
+TEST_F(OutputFileTest, WaitsForTheLockThatAKilledProcessLeftToItsChild) {
+  const pid_t owner = ::fork();
+  if (owner == 0) {
+    const OutputFile file(folder_ / "a.csv", false);
+    if (::fork() == 0) {  // has the file open too
+      ::usleep(50'000);
+      ::_exit(0);
+    }
+    ::raise(SIGKILL);
+  }
+  ASSERT_EQ(::waitpid(owner, nullptr, 0), owner);
+  ASSERT_EQ(n_files(), 1);
+  remove_abandoned_files(folder_);
+  EXPECT_EQ(n_files(), 0);
+}
+
 TEST_F(OutputFileTest, KeepsTheExtensionOfTheTemporaryFile) {
   EXPECT_EQ(OutputFile(folder_ / "a.flac", false).temporary_path().extension(), ".flac");
 }

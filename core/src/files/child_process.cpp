@@ -115,13 +115,14 @@ constexpr int kSocket = 3;
 /// Signals end the child as if it were a program of its own, and of the files open here it keeps its socket only: one
 /// that holds the socket of another child would keep it from noticing that its owner has ended.
 void detach(int socket) {
+  // the files first: where the owner is killed now, their locks must not outlive it
+  if (socket != kSocket) dup2(socket, kSocket);
+  if (close_range(kSocket + 1, ~0U, 0) != 0)  // Linux before 5.9
+    for (int descriptor = kSocket + 1; descriptor < 4096; ++descriptor) close(descriptor);
   for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  if (socket != kSocket) dup2(socket, kSocket);
-  if (close_range(kSocket + 1, ~0U, 0) != 0)  // Linux before 5.9
-    for (int descriptor = kSocket + 1; descriptor < 4096; ++descriptor) close(descriptor);
   const int nothing = open("/dev/null", O_RDWR);
   // a reader that is ended says so on standard error, beside our own message; a sanitizer's report is wanted
   for (int descriptor = 0; descriptor < (kHasAddressSanitizer ? 2 : 3); ++descriptor) dup2(nothing, descriptor);
@@ -152,7 +153,7 @@ void limit_memory(std::int64_t more_bytes) {
   setrlimit(RLIMIT_DATA, &limit);
 }
 
-/// SIGPROF ends the child when it has used so much processor time from now on. 0: never.
+/// SIGPROF ends the child when it has used so much processor time from now on.
 void limit_cpu(double seconds) {
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<time_t>(seconds);
@@ -175,6 +176,13 @@ std::pair<Ending, std::string> answer_to(const ChildProcess::Answer& answer, std
   }
 }
 
+void prepare_to_serve(const std::function<void()>& prepare) {
+  try {
+    if (prepare) prepare();
+  } catch (const std::exception&) {  // of the request that will need it
+  }
+}
+
 /// Until the owner has closed its side or ended.
 void serve(const ChildProcess::Answer& answer) {
   for (RequestHead head; receive_all(kSocket, &head, sizeof head);) {
@@ -182,9 +190,8 @@ void serve(const ChildProcess::Answer& answer) {
     if (!receive_all(kSocket, request.data(), request.size())) return;
     const int descriptor = head.has_descriptor ? receive_descriptor(kSocket) : -1;
     if (head.limits.memory_bytes > 0) limit_memory(head.limits.memory_bytes);
-    limit_cpu(head.limits.cpu_s);
+    if (head.limits.cpu_s > 0.0) limit_cpu(head.limits.cpu_s);  // which waiting for the next request does not use
     const auto [ending, text] = answer_to(answer, request, descriptor);
-    limit_cpu(0.0);
     const AnswerHead answered{text.size(), ending};
     if (!send_all(kSocket, &answered, sizeof answered) || !send_all(kSocket, text.data(), text.size())) return;
   }
@@ -237,9 +244,13 @@ struct ChildProcess::State {
   pid_t owner = getpid(), child = 0;
   int socket = -1;
   bool has_failed = false;
+  std::size_t n_begun = 0;  // requests whose answers have not come
+
+  bool is_owned() const { return getpid() == owner; }
 };
 
-ChildProcess::ChildProcess(const Answer& answer, const std::string& file) : state_(std::make_unique<State>()) {
+ChildProcess::ChildProcess(const Answer& answer, const std::string& file, const std::function<void()>& prepare)
+    : state_(std::make_unique<State>()) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw FileError(file, std::string("no process can be started to read files (") + std::strerror(errno) +
@@ -248,6 +259,7 @@ ChildProcess::ChildProcess(const Answer& answer, const std::string& file) : stat
   if (state_->child == 0) {
     try {
       detach(ends[1]);
+      prepare_to_serve(prepare);
       serve(answer);
     } catch (...) {  // no memory for a request
     }
@@ -273,28 +285,38 @@ ChildProcess::~ChildProcess() {
   }
 }
 
-bool ChildProcess::is_usable() const { return !state_->has_failed && getpid() == state_->owner; }
+bool ChildProcess::is_usable() const { return !state_->has_failed && state_->n_begun == 0 && state_->is_owned(); }
 
 std::string ChildProcess::ask(std::string_view request, const ChildLimits& limits, const std::string& file,
                               const std::string& remedy, int descriptor) {
-  const bool was_usable = is_usable();
-  state_->has_failed = true;  // until all has gone well
-  if (!was_usable) throw FileError(file, "cannot be read: its reader has ended");
-  const int socket = state_->socket;
+  begin(request, limits, descriptor);
+  return finish(limits, file, remedy);
+}
+
+void ChildProcess::begin(std::string_view request, const ChildLimits& limits, int descriptor) {
+  State& s = *state_;
+  ++s.n_begun;
+  if (s.has_failed || !s.is_owned()) return;  // finish() says so
   const RequestHead head{request.size(), limits, descriptor >= 0};
+  // where the child has ended, its answer will be missing
+  static_cast<void>(send_all(s.socket, &head, sizeof head) && send_all(s.socket, request.data(), request.size()) &&
+                    (descriptor < 0 || send_descriptor(s.socket, descriptor)));
+}
+
+std::string ChildProcess::finish(const ChildLimits& limits, const std::string& file, const std::string& remedy) {
+  State& s = *state_;
+  const bool has_failed = std::exchange(s.has_failed, true);  // until all has gone well
+  if (has_failed || s.n_begun == 0 || !s.is_owned()) throw FileError(file, "cannot be read: its reader has ended");
+  --s.n_begun;
   AnswerHead answered;
   std::string text;
-  bool is_alive = send_all(socket, &head, sizeof head) && send_all(socket, request.data(), request.size()) &&
-                  (descriptor < 0 || send_descriptor(socket, descriptor));
-  if (is_alive) {
-    wait_for_answer(socket);
-    is_alive = receive_all(socket, &answered, sizeof answered);
-  }
+  wait_for_answer(s.socket);
+  bool is_alive = receive_all(s.socket, &answered, sizeof answered);
   if (is_alive) {
     text.resize(answered.n_bytes);
-    is_alive = receive_all(socket, text.data(), text.size());
+    is_alive = receive_all(s.socket, text.data(), text.size());
   }
-  if (!is_alive) throw_end_of(state_->child, limits, file, remedy);
+  if (!is_alive) throw_end_of(s.child, limits, file, remedy);
   switch (answered.ending) {
     case Ending::answered:
       break;
@@ -305,7 +327,7 @@ std::string ChildProcess::ask(std::string_view request, const ChildLimits& limit
     case Ending::other_error:
       throw FileError(file, "cannot be read (" + text + "): damaged? " + remedy);
   }
-  state_->has_failed = false;
+  s.has_failed = false;
   return text;
 }
 
@@ -319,11 +341,15 @@ SharedMemory::~SharedMemory() { munmap(bytes_.data(), bytes_.size()); }
 
 void SharedMemory::discard() { madvise(bytes_.data(), bytes_.size(), MADV_REMOVE); }
 
-void SharedMemory::populate(std::size_t n_bytes) {
+void SharedMemory::populate(std::span<const std::byte> part) {
 #ifdef MADV_POPULATE_WRITE
-  madvise(bytes_.data(), std::min(n_bytes, bytes_.size()), MADV_POPULATE_WRITE);
+  // whole pages
+  const auto n_page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const auto first = static_cast<std::size_t>(part.data() - bytes_.data()) / n_page * n_page;
+  const std::size_t end = static_cast<std::size_t>(part.data() - bytes_.data()) + part.size();
+  madvise(bytes_.data() + first, end - first, MADV_POPULATE_WRITE);
 #else
-  static_cast<void>(n_bytes);
+  static_cast<void>(part);
 #endif
 }
 

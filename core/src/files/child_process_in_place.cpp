@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <deque>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -14,24 +15,42 @@
 namespace bouncelab {
 
 struct ChildProcess::State {
+  struct Request {
+    std::string text;
+    int descriptor = -1;
+  };
   Answer answer;
+  std::deque<Request> begun;
   bool has_failed = false;
 };
 
-ChildProcess::ChildProcess(const Answer& answer, const std::string&) : state_(std::make_unique<State>()) {
+ChildProcess::ChildProcess(const Answer& answer, const std::string&, const std::function<void()>&)
+    : state_(std::make_unique<State>()) {
   state_->answer = answer;
 }
 
 ChildProcess::~ChildProcess() = default;
 
-bool ChildProcess::is_usable() const { return !state_->has_failed; }
+bool ChildProcess::is_usable() const { return !state_->has_failed && state_->begun.empty(); }
 
-std::string ChildProcess::ask(std::string_view request, const ChildLimits&, const std::string& file,
+std::string ChildProcess::ask(std::string_view request, const ChildLimits& limits, const std::string& file,
                               const std::string& remedy, int descriptor) {
-  if (std::exchange(state_->has_failed, true)) throw FileError(file, "cannot be read: its reader has ended");
+  begin(request, limits, descriptor);
+  return finish(limits, file, remedy);
+}
+
+void ChildProcess::begin(std::string_view request, const ChildLimits&, int descriptor) {
+  state_->begun.push_back({std::string(request), descriptor >= 0 ? dup(descriptor) : -1});
+}
+
+std::string ChildProcess::finish(const ChildLimits&, const std::string& file, const std::string& remedy) {
+  if (std::exchange(state_->has_failed, true) || state_->begun.empty())
+    throw FileError(file, "cannot be read: its reader has ended");
+  const State::Request request = std::move(state_->begun.front());
+  state_->begun.pop_front();
   std::string text;
   try {
-    text = state_->answer(request, descriptor >= 0 ? dup(descriptor) : -1);
+    text = state_->answer(request.text, request.descriptor);
   } catch (const FileError&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -54,6 +73,6 @@ SharedMemory::SharedMemory(std::size_t n_bytes) {
 SharedMemory::~SharedMemory() { std::free(bytes_.data()); }
 
 void SharedMemory::discard() {}
-void SharedMemory::populate(std::size_t) {}
+void SharedMemory::populate(std::span<const std::byte>) {}
 
 }  // namespace bouncelab

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -49,11 +50,30 @@ const std::string& machine() {
 
 [[noreturn]] void fail(int error) { throw std::system_error(error, std::generic_category()); }
 
-void remove_if_abandoned(const fs::path& path) {
+/// Whether the process that a temporary file is named after has ended.
+bool has_ended(const std::string& name, std::size_t pid_at) {
+  const long pid = std::strtol(name.c_str() + pid_at, nullptr, 10);
+  return pid > 0 && ::kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
+}
+
+/// A process that was killed while it started a child leaves its locks to the child, until that gets a processor for
+/// the first time and closes what it does not need: then they are waited for.
+LockResult lock_left_by(int descriptor, bool owner_has_ended) {
+  constexpr int kTries = 40;
+  constexpr useconds_t kBetween_us = 5'000;
+  LockResult lock = lock_exclusively(descriptor);
+  for (int k = 0; k < kTries && owner_has_ended && lock == LockResult::held_by_another; ++k) {
+    ::usleep(kBetween_us);
+    lock = lock_exclusively(descriptor);
+  }
+  return lock;
+}
+
+void remove_if_abandoned(const fs::path& path, bool owner_has_ended) {
   const Descriptor file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   struct stat status {};
   if (!file.is_open() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) return;
-  if (lock_exclusively(file.get()) != LockResult::taken || !has_name(file.get(), path)) return;
+  if (lock_left_by(file.get(), owner_has_ended) != LockResult::taken || !has_name(file.get(), path)) return;
   ::unlink(path.c_str());
 }
 
@@ -128,7 +148,7 @@ void remove_abandoned_files(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name.starts_with(ours) && name.find(kInfix, ours.size()) != std::string::npos)
-      remove_if_abandoned(entry->path());
+      remove_if_abandoned(entry->path(), has_ended(name, ours.size()));
   }
 }
 

@@ -207,6 +207,26 @@ TEST_F(AudioReaderTest, ReadsFlacToItsResolution) {
   for (std::size_t k = 0; k < x.size(); ++k) ASSERT_NEAR(out[k], x[k], std::ldexp(1.0, -23));
 }
 
+TEST_F(AudioReaderTest, HasPartsOfACodedFileWhileTheRestIsDecoded) {
+  for (const int n_channels : {1, 3}) {
+    const auto x = ramp(n_channels * 300'000);  // more than ten of the pieces that are decoded at once
+    const auto path = write("long.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_24, 48000, n_channels, x);
+    AudioReader reader(path), other(path);
+    const AudioSource source = reader.source(n_channels - 1);
+    std::vector<float> all(300'000), part(1'000);
+    other.read(0, n_channels - 1, all);
+    for (const std::int64_t first : {0, 40'000, 39'500, 299'000, 170'000}) {
+      const std::span<const float> resident = resident_span(source, first, part.size());
+      EXPECT_EQ(resident.empty(), n_channels > 1);
+      source.read(first, part);
+      EXPECT_TRUE(std::equal(part.begin(), part.end(), all.begin() + first)) << first;
+      EXPECT_TRUE(std::equal(resident.begin(), resident.end(), all.begin() + first)) << first;
+    }
+    EXPECT_TRUE(other.source(0).resident.empty() || !other.source(0).wait_for) << "all samples are there";
+    const AudioSource of_unread = AudioReader(path).source(0);  // whose reader goes while the file is being decoded
+  }
+}
+
 TEST_F(AudioReaderTest, RefusesWhatIsNotThere) {
   EXPECT_THAT(message_of(folder_ / "no.wav"), HasSubstr("no such file"));
 }

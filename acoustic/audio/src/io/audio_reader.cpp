@@ -92,6 +92,8 @@ struct AudioReader::State {
 
   bool is_plain() const { return info.plain != PlainEncoding::none; }
 
+  bool is_coded() const { return guarded && !is_plain(); }
+
   bool is_held_whole() const {
     if (ffmpeg) return ffmpeg->is_whole();
     return info.n_frames <= (is_plain() ? kMostPlainHeldWhole : kMostHeldWhole) / info.n_channels;
@@ -100,6 +102,7 @@ struct AudioReader::State {
   /// @param n_wanted  frames; what goes on from the last ones is read in larger pieces
   void fill_buffer(std::int64_t first, std::int64_t n_wanted) {
     const bool whole = is_held_whole();
+    if (whole && is_coded()) return hold_until(std::min(first + n_wanted, info.n_frames));
     if (whole) first = 0;
     const std::int64_t n_most = whole ? info.n_frames : std::min(kFramesPerPiece, info.n_frames);
     const bool goes_on = first == buffered_first + std::ssize(buffered) / info.n_channels;
@@ -107,11 +110,21 @@ struct AudioReader::State {
         whole || goes_on || !is_plain() ? n_most : std::clamp(n_wanted, std::min(kFramesOfJump, n_most), n_most),
         info.n_frames - first);
     buffered = {};
-    buffered = ffmpeg                   ? ffmpeg->read(first, n)
-               : guarded && !is_plain() ? guarded->read(first, n)
-                                        : read_into_buffer(first, n, n_most);
+    buffered = ffmpeg       ? ffmpeg->read(first, n)
+               : is_coded() ? guarded->read(first, n)
+                            : read_into_buffer(first, n, n_most);
     buffered_first = first;
-    if (info.may_be_infinite) check_finite();
+    if (info.may_be_infinite) check_finite(0);
+  }
+
+  /// Of a recording that the guarded decoder holds whole: the frames before `end`, and those that are decoded anyway.
+  void hold_until(std::int64_t end) {
+    const std::size_t n_before = buffered.size();
+    if (std::ssize(buffered) >= end * info.n_channels) return;
+    const std::span<float> held = guarded->read_whole(end);
+    buffered_first = 0;
+    buffered = held;
+    if (info.may_be_infinite) check_finite(n_before);
   }
 
   std::span<float> read_into_buffer(std::int64_t first, std::int64_t n, std::int64_t n_most) {
@@ -148,10 +161,12 @@ struct AudioReader::State {
     }
   }
 
-  void check_finite() const {
+  /// @param from  sample of the buffer
+  void check_finite(std::size_t from) const {
     // all exponent bits set is how infinity and NaN are written: one pass of integers
     std::uint32_t n_bad = 0;
-    for (const float x : buffered) n_bad += (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 1 : 0;
+    for (const float x : buffered.subspan(from))
+      n_bad += (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 1 : 0;
     if (n_bad == 0) return;
     const auto bad = std::find_if(buffered.begin(), buffered.end(), [](float x) { return !std::isfinite(x); });
     const std::int64_t index = bad - buffered.begin();
@@ -206,11 +221,19 @@ AudioSource AudioReader::source(int channel) {
                      [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); },
                      {},
                      0};
-  if (s.format.n_channels == 1 && s.is_held_whole()) {
+  if (s.format.n_channels == 1 && s.is_held_whole() && s.is_coded()) {
+    source.resident = s.guarded->place_of_whole();
+    if (std::ssize(s.buffered) < s.format.n_frames) {
+      s.guarded->read_whole(0);  // is being decoded from now on
+      source.wait_for = [&s](std::int64_t end) { s.hold_until(end); };
+    }
+  } else if (s.format.n_channels == 1 && s.is_held_whole()) {
     if (s.buffered.empty()) s.fill_buffer(0, s.format.n_frames);
     source.resident = s.buffered;
   }
   return source;
 }
+
+void prepare_to_read(int n_threads) { GuardedDecoder::start_process(n_threads); }
 
 }  // namespace bouncelab::audio

@@ -25,17 +25,22 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
 }
 
 AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> reading) {
-  source.read = [read = std::move(source.read), reading = std::move(reading)](std::int64_t first,
-                                                                              std::span<float> out) {
+  source.read = [read = std::move(source.read), reading](std::int64_t first, std::span<float> out) {
     const std::lock_guard lock(*reading);
     read(first, out);
   };
+  if (source.wait_for)
+    source.wait_for = [wait_for = std::move(source.wait_for), reading = std::move(reading)](std::int64_t end) {
+      const std::lock_guard lock(*reading);
+      wait_for(end);
+    };
   return source;
 }
 
 std::span<const float> resident_span(const AudioSource& source, std::int64_t first, std::size_t n) {
   const std::int64_t offset = first - source.resident_first;
   const bool all = offset >= 0 && offset + static_cast<std::int64_t>(n) <= std::ssize(source.resident);
+  if (all && source.wait_for) source.wait_for(first + static_cast<std::int64_t>(n));
   return all ? source.resident.subspan(static_cast<std::size_t>(offset), n) : std::span<const float>{};
 }
 

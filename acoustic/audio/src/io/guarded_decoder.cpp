@@ -14,6 +14,7 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "io/sound_bytes.hpp"
+#include "io/two_part_decoder.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -27,14 +28,18 @@ constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
 constexpr std::int64_t kMemoryPerFileByte = 10;
 // of samples that a process keeps for the next file
 constexpr std::size_t kKept_bytes = 1 << 20;
+constexpr std::int64_t kSamplesOfPiece = 1 << 15;   // of a file that is read while it is decoded
+constexpr std::int64_t kLeastOfTwoParts = 1 << 18;  // samples: below, a thread takes longer than it saves
+constexpr std::int64_t kMostPiecesBegun = 16;       // a request and its answer are a few hundred bytes in the socket
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
 
-enum class Action : std::int32_t { open, read, close };
+enum class Action : std::int32_t { open, read, read_whole, close };
 
 struct Request {
   Action action = Action::open;
   std::int64_t first = 0, n_frames = 0;  // of read
+  std::int64_t to = 0;                   // sample of the shared memory
 };
 
 /// SoundInfo but for its texts, which follow, each with a 0 at its end.
@@ -82,16 +87,20 @@ SoundInfo info_of(const std::string& message) {
 class DecodingService {
  public:
   /// @param memory  of the samples
-  DecodingService(SharedMemory& memory, std::span<float> samples) : memory_(memory), samples_(samples) {}
+  DecodingService(SharedMemory& memory, std::span<float> samples, int n_threads)
+      : memory_(memory), samples_(samples), n_threads_(n_threads) {}
 
   std::string answer(std::string_view message, int descriptor) {
     Request request;
     std::memcpy(&request, message.data(), sizeof request);
     if (request.action == Action::open) return open(descriptor, std::string(message.substr(sizeof request)));
     if (request.action == Action::close) return close();
+    if (request.action == Action::read_whole && in_two_parts())
+      return two_parts_->read_until(request.first + request.n_frames), std::string();
     const std::int64_t n_samples = request.n_frames * decoder_.value().info().n_channels;
-    const std::span<float> out = samples_.first(static_cast<std::size_t>(n_samples));
-    if (out.size_bytes() > kKept_bytes) memory_.populate(out.size_bytes());
+    const auto n_after = static_cast<std::size_t>(request.to + n_samples);
+    const std::span<float> out = samples_.first(n_after).last(static_cast<std::size_t>(n_samples));
+    if (n_after * sizeof(float) > kKept_bytes) memory_.populate(std::as_bytes(out));
     decoder_->read(request.first, out);
     return {};
   }
@@ -99,6 +108,7 @@ class DecodingService {
  private:
   std::string open(int descriptor, const std::string& name) {
     descriptor_ = descriptor;
+    name_ = name;
     try {
       decoder_.emplace(SoundBytes(descriptor), name);
     } catch (const NotForLibsndfile& error) {
@@ -111,7 +121,16 @@ class DecodingService {
     return info;
   }
 
+  bool in_two_parts() {
+    const SoundDecoder& decoder = decoder_.value();
+    const bool is_long = decoder.info().n_frames * decoder.info().n_channels >= kLeastOfTwoParts;
+    if (!two_parts_ && n_threads_ > 1 && is_long && decoder.can_begin_anywhere())
+      two_parts_.emplace(*decoder_, descriptor_, name_, memory_);
+    return two_parts_.has_value();
+  }
+
   std::string close() {
+    two_parts_.reset();
     decoder_.reset();
     ::close(descriptor_);
     return {};
@@ -120,27 +139,36 @@ class DecodingService {
   SharedMemory& memory_;
   std::span<float> samples_;
   std::optional<SoundDecoder> decoder_;
-  int descriptor_ = -1;
+  std::optional<TwoPartDecoder> two_parts_;
+  int descriptor_ = -1, n_threads_;
+  std::string name_;
 };
 
 class DecoderProcess {
  public:
-  explicit DecoderProcess(const std::string& file)
+  DecoderProcess(const std::string& file, int n_threads)
       : memory_(GuardedDecoder::kMostSamples * sizeof(float)),
         samples_(reinterpret_cast<float*>(memory_.bytes().data()), GuardedDecoder::kMostSamples),
-        child_([decoding = std::make_shared<DecodingService>(memory_, samples_)](
+        child_([decoding = std::make_shared<DecodingService>(memory_, samples_, n_threads)](
                    std::string_view request, int descriptor) { return decoding->answer(request, descriptor); },
-               file) {}
+               file, load_libsndfile) {}
 
   std::span<float> samples() const { return samples_; }
   ChildProcess& child() { return child_; }
+  /// Closes the file there, which is not waited for.
   /// @param n_samples  that the file had at most at once
-  void finish_file(std::int64_t n_samples) {
+  void finish_file(std::int64_t n_samples, const ChildLimits& limits) {
     holds_many_ |= n_samples > static_cast<std::int64_t>(kKept_bytes / sizeof(float));
+    child_.begin(bytes_of(Request{Action::close}), limits);
+    is_closing_ = true;
   }
   /// Another file, which may be short. After the last one the pages go with the process, in less time.
-  void begin_file() {
+  /// @return whether it can be read there
+  bool begin_file(const std::string& file) {
+    if (std::exchange(is_closing_, false)) child_.finish({}, file, kRemedy);
+    if (!child_.is_usable()) return false;  // this process is a copy of its owner
     if (std::exchange(holds_many_, false)) memory_.discard();
+    return true;
   }
 
  private:
@@ -148,6 +176,7 @@ class DecoderProcess {
   std::span<float> samples_;
   ChildProcess child_;
   bool holds_many_ = false;
+  bool is_closing_ = false;
 };
 
 namespace {
@@ -156,18 +185,19 @@ namespace {
 class Idle {
  public:
   /// One that is kept, or a new one.
-  std::unique_ptr<DecoderProcess> take(const std::string& file) {
+  std::unique_ptr<DecoderProcess> take(const std::string& file, int n_threads = 1) {
     {
       const std::lock_guard lock(mutex_);
       while (!processes_.empty()) {
         std::unique_ptr<DecoderProcess> process = std::move(processes_.back());
         processes_.pop_back();
-        if (!process->child().is_usable()) continue;  // this process is a copy of its owner
-        process->begin_file();
-        return process;
+        try {
+          if (process->begin_file(file)) return process;
+        } catch (const FileError&) {  // the file before was damaged: not this one's concern
+        }
       }
     }
-    return std::make_unique<DecoderProcess>(file);
+    return std::make_unique<DecoderProcess>(file, n_threads);
   }
   void keep(std::unique_ptr<DecoderProcess> process) {
     const std::lock_guard lock(mutex_);
@@ -205,19 +235,53 @@ GuardedDecoder::GuardedDecoder(int descriptor, std::string name)
 GuardedDecoder::~GuardedDecoder() {
   if (!process_ || !process_->child().is_usable()) return;
   try {
-    process_->child().ask(bytes_of(Request{Action::close}), limits_for(n_bytes_, 0), name_, kRemedy);
-    process_->finish_file(std::min(info_.n_frames, kMostSamples) * info_.n_channels);
+    process_->finish_file(std::min(info_.n_frames, kMostSamples) * info_.n_channels, limits_for(n_bytes_, 0));
     idle().keep(std::move(process_));
   } catch (...) {  // the samples were read; the process ends here
   }
 }
 
+void GuardedDecoder::start_process(int n_threads) {
+  try {
+    idle().keep(idle().take("recordings", n_threads));
+  } catch (const std::exception&) {  // whoever opens a recording will find out
+  }
+}
+
 std::span<float> GuardedDecoder::read(std::int64_t first, std::int64_t n_frames) {
-  const auto n_samples = static_cast<std::size_t>(n_frames * info_.n_channels);
-  ChildLimits limits = limits_for(n_bytes_, static_cast<std::int64_t>(n_samples * sizeof(float)));
-  limits.memory_bytes = 0;  // as for opening it
+  const std::int64_t n_samples = n_frames * info_.n_channels;
+  const ChildLimits limits = limits_for_samples(n_samples);
   process_->child().ask(bytes_of(Request{Action::read, first, n_frames}), limits, name_, kRemedy);
-  return process_->samples().first(n_samples);
+  return process_->samples().first(static_cast<std::size_t>(n_samples));
+}
+
+std::span<float> GuardedDecoder::read_whole(std::int64_t n_frames) {
+  const std::int64_t n_piece = std::max<std::int64_t>(1, kSamplesOfPiece / info_.n_channels);
+  const ChildLimits of_all = limits_for_samples(info_.n_frames * info_.n_channels);
+  const auto begin_more = [&] {
+    for (; n_begun_ < info_.n_frames && n_begun_ < n_read_ + kMostPiecesBegun * n_piece; n_begun_ += n_piece) {
+      ChildLimits limits = of_all;
+      if (n_begun_ > 0) limits.cpu_s = 0.0;  // all pieces share it
+      const Request request{Action::read_whole, n_begun_, std::min(n_piece, info_.n_frames - n_begun_),
+                            n_begun_ * info_.n_channels};
+      process_->child().begin(bytes_of(request), limits);
+    }
+  };
+  for (begin_more(); n_read_ < std::min(n_frames, info_.n_frames); begin_more()) {
+    process_->child().finish(of_all, name_, kRemedy);
+    n_read_ = std::min(n_read_ + n_piece, info_.n_frames);
+  }
+  return process_->samples().first(static_cast<std::size_t>(n_read_ * info_.n_channels));
+}
+
+std::span<const float> GuardedDecoder::place_of_whole() const {
+  return process_->samples().first(static_cast<std::size_t>(info_.n_frames * info_.n_channels));
+}
+
+ChildLimits GuardedDecoder::limits_for_samples(std::int64_t n_samples) const {
+  ChildLimits limits = limits_for(n_bytes_, n_samples * static_cast<std::int64_t>(sizeof(float)));
+  limits.memory_bytes = 0;  // as for opening it
+  return limits;
 }
 
 }  // namespace bouncelab::audio

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "bouncelab/core/child_process.hpp"
 #include "io/sound_decoder.hpp"
 
 namespace bouncelab::audio {
@@ -35,11 +36,28 @@ class GuardedDecoder {
   /// @throws FileError
   std::span<float> read(std::int64_t first, std::int64_t n_frames);
 
+  /// Of a file that can be read at once: all frames are being decoded from the first call on, in pieces, while the
+  /// caller works on those that are there. Not together with read().
+  /// @param n_frames  that are needed, from the beginning on
+  /// @return n_frames or more interleaved frames, valid and shared as those of read(), of which no later call changes
+  /// any
+  /// @throws FileError
+  std::span<float> read_whole(std::int64_t n_frames);
+  /// Where those of read_whole() are or will be.
+  std::span<const float> place_of_whole() const;
+
+  /// Starts a process for the next file, unless one is idle or none can be started.
+  /// @param n_threads  2: read_whole() there may decode on two threads
+  static void start_process(int n_threads);
+
  private:
+  ChildLimits limits_for_samples(std::int64_t n_samples) const;
+
   std::string name_;
   std::int64_t n_bytes_ = 0;
   std::unique_ptr<DecoderProcess> process_;
   SoundInfo info_;
+  std::int64_t n_begun_ = 0, n_read_ = 0;  // frames of read_whole()
 };
 
 }  // namespace bouncelab::audio

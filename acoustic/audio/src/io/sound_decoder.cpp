@@ -129,6 +129,11 @@ std::string seconds(double n_frames, double rate_hz) {
 
 }  // namespace
 
+void load_libsndfile() {
+  std::array<char, 64> version{};
+  sf_command(nullptr, SFC_GET_LIB_VERSION, version.data(), version.size());
+}
+
 struct SoundDecoder::State {
   ByteCursor cursor;
   std::string name;
@@ -136,6 +141,7 @@ struct SoundDecoder::State {
   SNDFILE* file = nullptr;
   SoundInfo info{};
   std::int64_t next_frame = 0;  // where libsndfile stands
+  bool can_begin_anywhere = false;
 
   State(SoundBytes bytes, std::string name_) : cursor{bytes, 0, bytes.size()}, name(std::move(name_)) {
     if (const auto ogg = ogg_in_wav(cursor.bytes)) {
@@ -277,6 +283,7 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
   const bool is_right = has_number && s.can_read_last();
   s.reopen();
   if (!is_right) s.take_what_is_there();
+  s.can_begin_anywhere = is_right && !s.repair && (header.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_FLAC;
 }
 
 SoundDecoder::SoundDecoder(SoundDecoder&&) noexcept = default;
@@ -298,6 +305,25 @@ void SoundDecoder::read(std::int64_t first, std::span<float> interleaved) {
   s.check_bytes();
   throw FileError(s.name, ends_early(s.next_frame, s.info.n_frames));
 }
+
+bool SoundDecoder::can_begin_anywhere() const { return state_->can_begin_anywhere; }
+
+bool SoundDecoder::read_without_error(std::int64_t first, std::span<float> interleaved) {
+  State& s = *state_;
+  const std::int64_t n = std::ssize(interleaved) / s.info.n_channels;
+  if (first != s.next_frame && sf_seek(s.file, first, SEEK_SET) != first) return false;
+  s.next_frame = first;
+  for (std::int64_t n_done = 0; n_done < n;) {
+    const std::int64_t got =
+        sf_readf_float(s.file, interleaved.data() + n_done * s.info.n_channels, std::min(kFramesAtOnce, n - n_done));
+    if (got <= 0 || sf_error(s.file) != SF_ERR_NO_ERROR || s.cursor.bytes.error() != 0) return false;
+    n_done += got;
+    s.next_frame += got;
+  }
+  return true;
+}
+
+void SoundDecoder::begin_again() { state_->reopen(); }
 
 void check_rate(double rate_hz, const std::string& name) {
   if (rate_hz >= kLowestRate_hz && rate_hz <= kHighestRate_hz) return;

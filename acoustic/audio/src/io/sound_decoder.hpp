@@ -12,6 +12,9 @@
 
 namespace bouncelab::audio {
 
+/// Has libsndfile and its codecs ready, which some programs load on demand.
+void load_libsndfile();
+
 /// What is known of a sound file once it is open.
 struct SoundInfo {
   double rate_hz = 0.0;
@@ -49,6 +52,13 @@ class SoundDecoder {
   /// Interleaved frames from `first` on, all of them inside the file.
   /// @throws FileError where the file ends early
   void read(std::int64_t first, std::span<float> interleaved);
+
+  /// Whether frames are the same wherever reading begins: of FLAC that has what its header says.
+  bool can_begin_anywhere() const;
+  /// The same as read(). @return false where libsndfile saw any error, also one that read() passes over
+  bool read_without_error(std::int64_t first, std::span<float> interleaved);
+  /// To the first frame, as if nothing had been read.
+  void begin_again();
 
  private:
   struct State;

@@ -20,7 +20,9 @@ constexpr std::array<std::int64_t, 3> kAfterHops{3, 12, 48};
 constexpr std::int64_t kBeforeFactor = 3;  // three times as long before, for a more accurate background
 constexpr std::int64_t kApartHops = 4;
 constexpr std::int64_t kBlockHops = 1 << 13;
-constexpr std::int64_t kSegmentHops = 8 * kBlockHops;  // of one thread; its margins are read twice, a hundredth of it
+// of one thread, of which the margins are read twice: a hundredth of it
+constexpr std::int64_t kMostBlocksOfSegment = 8;
+constexpr std::int64_t kSegmentsOfThread = 2;  // at least: threads do not end at the same time
 // candidates are searched so far beyond a block's ends that the result does not depend on the blocks
 constexpr std::int64_t kOverlapHops = 128;
 constexpr std::int64_t kMarginHops = kOverlapHops + kBeforeFactor * kAfterHops.back() + 2 * kApartHops;
@@ -123,9 +125,12 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
   const auto add_if_highest = [&](std::int64_t k) {
     if (after(k) < least * before(k)) return;
     const double here = after(k) / before(k);
-    bool is_highest = true;
-    for (std::int64_t j = k - kApartHops; j <= k + kApartHops; ++j) is_highest &= after(j) / before(j) <= here;
-    if (is_highest) found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
+    const auto is_higher = [&](std::int64_t j) {
+      return !(after(j) / before(j) <= here);
+    };                                                          // nor is it where there is no number
+    for (std::int64_t apart = 1; apart <= kApartHops; ++apart)  // on a slope the nearest tells
+      if (is_higher(k - apart) || is_higher(k + apart)) return;
+    found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
   };
   constexpr std::int64_t kAtOnce = 64;  // hops tested at once: most hold no rise
   for (std::int64_t at = first; at < first + n_hops; at += kAtOnce) {
@@ -209,6 +214,14 @@ std::vector<Candidate> find_in_segment(const Search& search, std::int64_t begin,
   return candidates;
 }
 
+/// Whatever they are, candidates are the same: blocks begin where they did.
+std::int64_t hops_of_segment(std::int64_t n_hops, int n_threads) {
+  const std::int64_t n_blocks = (n_hops + kBlockHops - 1) / kBlockHops;
+  const std::int64_t n = resolved_threads(n_threads);
+  if (n == 1) return std::max<std::int64_t>(1, n_blocks) * kBlockHops;
+  return std::clamp<std::int64_t>(n_blocks / (kSegmentsOfThread * n), 1, kMostBlocksOfSegment) * kBlockHops;
+}
+
 }  // namespace
 
 std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
@@ -224,11 +237,12 @@ std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const au
     progress(static_cast<double>(n_hops_done * search.hop) / sound.rate_hz,
              static_cast<double>(sound.n_samples) / sound.rate_hz);
   };
-  const std::int64_t n_segments = (search.n_hops + kSegmentHops - 1) / kSegmentHops;
+  const std::int64_t n_of_segment = hops_of_segment(search.n_hops, n_threads);
+  const std::int64_t n_segments = (search.n_hops + n_of_segment - 1) / n_of_segment;
   std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(n_segments));
   parallel_for(found.size(), n_threads, [&](std::size_t k) {
-    const std::int64_t begin = static_cast<std::int64_t>(k) * kSegmentHops;
-    found[k] = find_in_segment(search, begin, std::min(begin + kSegmentHops, search.n_hops), block_done);
+    const std::int64_t begin = static_cast<std::int64_t>(k) * n_of_segment;
+    found[k] = find_in_segment(search, begin, std::min(begin + n_of_segment, search.n_hops), block_done);
   });
   std::vector<Candidate> candidates;
   for (const std::vector<Candidate>& here : found) candidates.insert(candidates.end(), here.begin(), here.end());

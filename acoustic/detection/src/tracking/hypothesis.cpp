@@ -85,9 +85,10 @@ double Hypothesis::jitter2(const Observation& next) const {
   return (square(next.sigma_s) + square(2.0 * last_[0].sigma_s) + square(last_[1].sigma_s)) / square(flight_s);
 }
 
-std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_missing, double same_source,
-                                               bool is_counted, double least_log_odds,
-                                               const TrackingModel& model) const {
+template <bool with_rhythms>
+std::optional<Hypothesis> Hypothesis::extended_as(const Observation& next, int n_missing, double same_source,
+                                                  bool is_counted, double least_log_odds,
+                                                  const TrackingModel& model) const {
   const std::optional<Flight> flight = flight_of(next.t_s - last_[0].t_s, flight_s, n_missing);
   if (!flight) return {};
   const double before = log_odds + next.log_rise_odds;
@@ -104,7 +105,7 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
   const double odds = before + log(density / of_clutter);
   if (odds < least_log_odds) return {};
   Hypothesis h = *this;
-  h.follow_rhythm(next, next.log_rise_odds - log(of_clutter), model);
+  if constexpr (with_rhythms) h.follow_rhythm(next, next.log_rise_odds - log(of_clutter), model);
   h.log_odds = odds;
   h.flight_s = flight->flight_s;
   h.log_flight_ = log_flight;
@@ -113,6 +114,17 @@ std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_mi
   h.n_impacts += 1;
   h.last_ = {Impact{next.t_s, next.log_amplitude, next.sigma_s}, last_[0], last_[1]};
   return h;
+}
+
+std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_missing, double same_source,
+                                               bool is_counted, double least_log_odds,
+                                               const TrackingModel& model) const {
+  return extended_as<true>(next, n_missing, same_source, is_counted, least_log_odds, model);
+}
+
+std::optional<Hypothesis> Hypothesis::extended_as_ball(const Observation& next, int n_missing, double same_source,
+                                                       double least_log_odds, const TrackingModel& model) const {
+  return extended_as<false>(next, n_missing, same_source, false, least_log_odds, model);
 }
 
 double Hypothesis::largest_gain(int n_missing, const TrackingModel& model) const {

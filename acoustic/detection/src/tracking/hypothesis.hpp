@@ -41,6 +41,9 @@ class Hypothesis {
   /// log odds that are of interest.
   std::optional<Hypothesis> extended(const Observation& next, int n_missing, double same_source, bool is_counted,
                                      double least_log_odds, const TrackingModel& model) const;
+  /// The same as a ball only, in less time: the rhythms stay behind, and `log_odds` alone is to be used of it.
+  std::optional<Hypothesis> extended_as_ball(const Observation& next, int n_missing, double same_source,
+                                             double least_log_odds, const TrackingModel& model) const;
 
   /// Log odds that an impact after n_missing may add at most, but for its rise.
   double largest_gain(int n_missing, const TrackingModel& model) const;
@@ -69,6 +72,9 @@ class Hypothesis {
     double log_amplitude = 0.0;
     double sigma_s = 0.0;
   };
+  template <bool with_rhythms>
+  std::optional<Hypothesis> extended_as(const Observation& next, int n_missing, double same_source, bool is_counted,
+                                        double least_log_odds, const TrackingModel& model) const;
   double own_density(const Observation& next, const Flight& flight, double log_eps, double same_source,
                      const TrackingModel& model) const;
   double log_odds_of_rhythm(std::size_t kind, const TrackingModel& model) const;

@@ -101,7 +101,8 @@ class Alternatives {
     return o_.same_source(impacts_.candidate[j], impacts_.candidate[k]);
   }
   std::optional<Hypothesis> extended(const Hypothesis& h, std::size_t from, std::size_t to, double least) const {
-    return h.extended(impacts_.seen[to], impacts_.n_missing(from, to), same_source(from, to), false, least, o_.model());
+    return h.extended_as_ball(impacts_.seen[to], impacts_.n_missing(from, to), same_source(from, to), least,
+                              o_.model());
   }
 
   /// Log weight of a hypothesis that has reached impact n, over as many more of the track's.
@@ -126,12 +127,12 @@ class Alternatives {
     } else {
       const int n_missing = impacts_.n_missing(n - 1, n);
       // whether it is worth the count of its neighbours without the track's own
-      if (!hypothesis(n - 1).extended(o_[k], n_missing, source(n - 1), false, least(n) - kOwnSounds, model))
+      if (!hypothesis(n - 1).extended_as_ball(o_[k], n_missing, source(n - 1), least(n) - kOwnSounds, model))
         return -INFINITY;
-      h = hypothesis(n - 1).extended(o_.without(k, explained_), n_missing, source(n - 1), false, least(n), model);
+      h = hypothesis(n - 1).extended_as_ball(o_.without(k, explained_), n_missing, source(n - 1), least(n), model);
     }
     if (!h || is_last) return h ? h->log_odds - log_odds(n) : -INFINITY;
-    h = h->extended(impacts_.seen[n + 1], impacts_.n_missing(n, n + 1), source(n + 1), false, -INFINITY, model);
+    h = h->extended_as_ball(impacts_.seen[n + 1], impacts_.n_missing(n, n + 1), source(n + 1), -INFINITY, model);
     return followed(h, n + 1, kFollowed - 1);
   }
 

@@ -29,7 +29,7 @@ constexpr bool kMayStartChildBesideThreads = !kHasAddressSanitizer;
 
 /// What a child process may use for one request.
 struct ChildLimits {
-  double cpu_s = 0.0;  ///< processor time
+  double cpu_s = 0.0;  ///< processor time; 0: what the request before has left of its own
   /// memory that it may take in addition to what it has; 0: as limited for the request before
   std::int64_t memory_bytes = 0;
 };
@@ -49,10 +49,11 @@ class ChildProcess {
   /// @return the answer. What it throws is thrown by ask
   using Answer = std::function<std::string(std::string_view request, int descriptor)>;
 
-  /// @param answer  must not use threads, nor wait for a lock that another thread may hold now
-  /// @param file    that is to be read, for messages
+  /// @param answer   must not use threads, nor wait for a lock that another thread may hold now
+  /// @param file     that is to be read, for messages
+  /// @param prepare  called in the child before the first request comes; what it throws is for the request to find
   /// @throws FileError where the system allows no more processes
-  ChildProcess(const Answer& answer, const std::string& file);
+  ChildProcess(const Answer& answer, const std::string& file, const std::function<void()>& prepare = {});
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
   /// Ends the child at once.
@@ -67,7 +68,16 @@ class ChildProcess {
   std::string ask(std::string_view request, const ChildLimits& limits, const std::string& file,
                   const std::string& remedy, int descriptor = -1);
 
-  /// False once a request failed: what a damaged file has left behind in the child's memory is not known.
+  /// ask() in two parts: what the caller does between them it does while the child is at work. Several requests may be
+  /// begun, a few at a time, since they wait in the child's socket; their answers come in the same order.
+  void begin(std::string_view request, const ChildLimits& limits, int descriptor = -1);
+  /// The answer to the request begun first of those not finished yet.
+  /// @param limits  for the message where they were exceeded
+  /// @throws as ask(), which then is thrown by all that follow
+  std::string finish(const ChildLimits& limits, const std::string& file, const std::string& remedy);
+
+  /// False once a request failed: what a damaged file has left behind in the child's memory is not known. False as well
+  /// while a request is not finished.
   bool is_usable() const;
 
  private:
@@ -87,9 +97,9 @@ class SharedMemory {
   std::span<std::byte> bytes() const { return bytes_; }
   /// Gives the pages back; their content becomes 0.
   void discard();
-  /// Gives the first n bytes their pages at once, which takes less time than one by one as they are written to; nothing
-  /// where the system cannot.
-  void populate(std::size_t n_bytes);
+  /// Gives a part its pages at once, which takes less time than one by one as they are written to; nothing where the
+  /// system cannot.
+  void populate(std::span<const std::byte> part);
 
  private:
   std::span<std::byte> bytes_;
