@@ -60,7 +60,7 @@ function nameCells(place) {
     [...row.cells].forEach((cell, k) => {
       const [head, width] = heads[k];
       cell.dataset.head = head;
-      cell.style.setProperty('--width', cell.matches('.text') || cell.querySelector('.words') ? '100%' : width);
+      cell.style.setProperty('--width', cell.matches('.text, .value') || cell.querySelector('.words') ? '100%' : width);
     });
   for (const [selector, role] of Object.entries(roles)) for (const node of place.querySelectorAll(selector)) node.setAttribute('role', role);
 }
