@@ -50,10 +50,38 @@ function interval(range) {
 }
 const speed = v => `${number(v, 3)} m/s`;
 
+/// Below 600 px report.css shows a table that is wider than its place row by row: each cell names its column and is as
+/// wide as the column was, which is the longest value or word of the head. The roles are those that elements of a table
+/// lose where they are not displayed as one.
+const roles = {table: 'table', 'thead, tbody': 'rowgroup', tr: 'row', 'thead th': 'columnheader', 'tbody th': 'rowheader', td: 'cell'};
+function nameCells(place) {
+  const heads = [...place.querySelectorAll('thead tr > *')].map(cell => [cell.textContent, `${cell.offsetWidth}px`]);
+  for (const row of place.querySelectorAll('tbody tr'))
+    [...row.cells].forEach((cell, k) => {
+      const [head, width] = heads[k];
+      cell.dataset.head = head;
+      cell.style.setProperty('--width', cell.matches('.text, .value') || cell.querySelector('.words') ? '100%' : width);
+    });
+  for (const [selector, role] of Object.entries(roles)) for (const node of place.querySelectorAll(selector)) node.setAttribute('role', role);
+}
+const widths = new WeakMap();
+const placeWidths = new ResizeObserver(changes => requestAnimationFrame(() => {
+  for (const {target: place, contentRect: {width}} of changes) {
+    if (widths.get(place) === width) continue;
+    widths.set(place, width);
+    place.classList.remove('by-row');
+    if (place.scrollWidth <= place.clientWidth) continue;
+    nameCells(place);
+    place.classList.add('by-row');
+  }
+}));
+
 /// A place that scrolls sideways, by keyboard too, and says to a screen reader what it holds.
 let unnamedRegions = 0;
 function scrollPlace(label) {
-  return element('div', {class: 'scroll', role: 'region', tabindex: '0', 'aria-label': label || `table ${++unnamedRegions}`});
+  const place = element('div', {class: 'scroll', role: 'region', tabindex: '0', 'aria-label': label || `table ${++unnamedRegions}`});
+  placeWidths.observe(place);
+  return place;
 }
 /// A head without words is no head.
 const headCell = text => text === '' ? element('td', {}) : element('th', {scope: 'col'}, text);

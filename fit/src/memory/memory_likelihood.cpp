@@ -93,8 +93,8 @@ void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
 }
 
 template <int N>
-void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
-                             Eigen::MatrixXd* by_impact) const {
+void MemoryLikelihood::score_by_jets(std::size_t chain, const Eigen::VectorXd& theta, double& loglik,
+                                     Eigen::VectorXd* gradient, Eigen::MatrixXd* by_impact) const {
   const LawRows rows = law_rows(chain, theta);
   std::vector<LawAt<Jet<N>>> law(static_cast<std::size_t>(rows.eps.size()));
   for (std::size_t k = 0; k < law.size(); ++k) {
@@ -131,21 +131,28 @@ void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, do
     by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_rows);
 }
 
+void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
+                             Eigen::MatrixXd* by_impact) const {
+#ifndef BOUNCELAB_ONE_JET_SIZE  // the page loads the code of each size
+  const Eigen::Index n = n_parameters() + (by_impact ? kTestedParameters : 0);
+  if (n <= 6) return score_by_jets<6>(chain, theta, loglik, gradient, by_impact);
+  if (n <= 8) return score_by_jets<8>(chain, theta, loglik, gradient, by_impact);
+  if (n <= 10) return score_by_jets<10>(chain, theta, loglik, gradient, by_impact);
+#endif
+  constexpr int kAll = kMostMemoryLawParameters + 3 + static_cast<int>(kSlipTimes) + kTestedParameters;
+  score_by_jets<kAll>(chain, theta, loglik, gradient, by_impact);
+}
+
 double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
   const std::size_t n = chains_.chains.size();
   std::vector<double> logliks(n, 0.0);
   std::vector<Eigen::VectorXd> gradients(gradient ? n : 0);
   const MemoryParameters<double> p = parameters(theta);
   parallel_for(n, 0, [&](std::size_t c) {
-    if (!gradient) {
+    if (gradient)
+      score(c, theta, logliks[c], &gradients[c], nullptr);
+    else
       logliks[c] = filter(c, p).loglik(law_values(c, theta), plans_[c]);
-    } else if (n_parameters() <= 6) {
-      score<6>(c, theta, logliks[c], &gradients[c], nullptr);
-    } else if (n_parameters() <= 8) {
-      score<8>(c, theta, logliks[c], &gradients[c], nullptr);
-    } else {
-      score<kMostMemoryLawParameters + 5>(c, theta, logliks[c], &gradients[c], nullptr);
-    }
   });
   double sum = log_prior(theta);
   for (const double one : logliks) sum += one;
@@ -189,7 +196,7 @@ Eigen::MatrixXd MemoryLikelihood::scores_by_impact(const Eigen::VectorXd& theta)
   std::vector<Eigen::MatrixXd> by_chain(chains_.chains.size());
   parallel_for(by_chain.size(), 0, [&](std::size_t c) {
     double ignored = 0.0;
-    score<kMostMemoryLawParameters + 5 + kTestedParameters>(c, theta, ignored, nullptr, &by_chain[c]);
+    score(c, theta, ignored, nullptr, &by_chain[c]);
   });
   Eigen::MatrixXd all(n_parameters() + kTestedParameters, static_cast<Eigen::Index>(chains_.n_impacts));
   Eigen::Index begin = 0;

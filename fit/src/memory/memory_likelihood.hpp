@@ -63,9 +63,13 @@ class MemoryLikelihood {
   ChainFilter<T> filter(std::size_t chain, const MemoryParameters<T>& parameters) const {
     return {chains_.chains[chain], chains_.height_sd_m(parameters.q), parameters};
   }
-  template <int N>
+  /// Of one chain: its log-likelihood, and the gradient or the rows of scores_by_impact() of its impacts, by jets of
+  /// the least size compiled that holds the derivatives. Each derivative is the same number by jets of any size.
   void score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
              Eigen::MatrixXd* by_impact) const;
+  template <int N>
+  void score_by_jets(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
+                     Eigen::MatrixXd* by_impact) const;
   Eigen::VectorXd gradient_by_first(const Eigen::VectorXd& theta) const;
   double rest_over_first_squared(const Eigen::VectorXd& theta) const;
   LawRows law_rows(std::size_t chain, const Eigen::VectorXd& theta) const;
