@@ -15,7 +15,10 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "law/law_likelihood.hpp"
 #include "law/normal_laplace.hpp"
+#include "law/ordered_samples.hpp"
+#include "law/start_values.hpp"
 
 namespace {
 
@@ -56,6 +59,21 @@ void print_density() {
   bench::print_line("fit", "density of a sample", "convolution by quadrature", pair.baseline_s / kSamples, "s");
 }
 
+/// Value and gradient of the log-likelihood of a law in exponentials and timing errors, as a search asks for them.
+void print_likelihood(double noise_at_1mps, const std::string& timing) {
+  testing::SyntheticRun run;
+  const fit::OrderedSamples ordered =
+      fit::ordered_by_speed(testing::independent_samples(run, 64000, 0.2, 1.4, noise_at_1mps));
+  const fit::LawModel model = fit::make_law_model(fit::LawKind::series, {2, 4, 5}, ordered.data.v_mps);
+  const fit::ScatterFamily family{fit::ScatterKind::asymmetric_laplace, 3, 0.6, 0.01};
+  const fit::LawLikelihood likelihood(ordered.data, model, family);
+  const Eigen::VectorXd theta = fit::start_values(ordered.data, model, family);
+  Eigen::VectorXd gradient;
+  const double all_s = bench::least_s([&] { sink = likelihood(theta, &gradient); }, 20, 0.0);
+  bench::print_line("fit", "likelihood of a sample, timing noise " + timing, "with its gradient",
+                    all_s / static_cast<double>(ordered.data.size()), "s");
+}
+
 void fit_samples(std::size_t n, double noise_at_1mps, const std::string& timing, const char* folder) {
   testing::SyntheticRun run;
   const auto samples = testing::independent_samples(run, n, 0.2, 1.4, noise_at_1mps);
@@ -87,6 +105,8 @@ int main(int argc, char** argv) {
   const char* const folder = argc > 2 ? argv[2] : nullptr;
   with_threads(1, [&] {
     print_density();
+    print_likelihood(1e-4, "0.2 of the scatter");
+    print_likelihood(8.7e-4, "1.7 of the scatter");
     fit_samples(n, 1e-4, "0.2 of the scatter", folder);  // none at all leaves a kink on which MIGRAD fails
     fit_samples(n, 8.7e-4, "1.7 of the scatter", folder);
   });

@@ -84,6 +84,6 @@ def stages(measured):
               "the method needs tens of them, for the template, the alignment and the sub-bands", fft_flop=transforms_of(2048, 2)),
         contact_search(measured, "equal radii, N = 10⁶, an index of 70 MB", "constant:0.001, N = 1000000", 64),
         contact_search(measured, "uniform radii, N = 10⁶, an index of 10 MB", "uniform:5e-04,0.0015, N = 1000000", 8),
-        Stage("likelihood of the fit", "sample", get("fit", "density of a sample", "closed form, with four derivatives"), 56, 150,
-              "two Mills ratios of 33, two exponentials of 15, sums and derivatives 54. Seven doubles read: ε, its error and inverse, log v, three of the law", doubles=True),
+        Stage("likelihood of the fit", "sample", get("fit", "likelihood of a sample, timing noise 1.7 of the scatter", "with its gradient"), 56, 150,
+              "with its gradient, timing noise 1.7 of the scatter: two Mills ratios of 33, two exponentials of 15, sums and derivatives 54. Seven doubles read: ε, its error and inverse, log v, three of the law", doubles=True),
     ]
