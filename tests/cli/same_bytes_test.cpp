@@ -33,12 +33,12 @@ const std::array<Stage, 11> kStages{{
     {"synthesize other.csv --rate 96000 --out fine.wav", "fine.wav",
      "125b115e345829b5f0d5b3db3bfe672ead12e36241faf96a1f4973926098c385"},
     {"detect sound.wav --out onsets.csv", "onsets.csv",
-     "46a69adf10c16d7c19d584530a08951c635022030b554ab58f5607ca4a60a934"},
+     "7a89d1310ba8bd8157d6dffdb9d6772404511e30cb3ca887897748fd76220d96"},
     {"restitution onsets.csv --correct-drag --ball steel:6mm --plate glass --out samples.csv", "samples.csv",
-     "457ebdd8e0044251299bbb0841b3424cfc925f57e733219d023f2e63b1344e14"},
+     "45db67ee60399a07a5c54000be10d69ac50c5923c5bb6160437d27b5bdeeba24"},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json",
-     "cc414a71136e367df9a76c9651da2ad84b7a6364d9c369175a9e73480c4d5ea6"},
-    {"", "law.csv", "b675e2f579b432658a553c0809bb69c9d7e8b68d8d86ed0b0f5e0ffe91dc2777"},
+     "03e11bba08e57821df5edc0fc882ad84ec7cf77845a4a54a8a43c5d224899e5b"},
+    {"", "law.csv", "5673878449d831d5db1321ae2668fd98336e47b5ba00e797dc0fbc44ffeaa1cf"},
 }};
 
 class SameBytesTest : public ProgramTest {
