@@ -77,15 +77,15 @@ TEST(ChildProcess, EndsAReaderThatNeverReturns) {
   EXPECT_FALSE(child.is_usable());
 }
 
+std::string compute_for_a_tenth_of_a_second(std::string_view, int) {
+  const std::clock_t begin = std::clock();
+  while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
+  }
+  return {};
+}
+
 TEST(ChildProcess, CountsTheTimeOfEachRequestAnew) {
-  ChildProcess child(
-      [](std::string_view, int) {
-        const std::clock_t begin = std::clock();
-        while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
-        }
-        return std::string();
-      },
-      "a.xyz");
+  ChildProcess child(compute_for_a_tenth_of_a_second, "a.xyz");
   // half a second in all
   for (int k = 0; k < 5; ++k) EXPECT_EQ(child.ask("", {0.4, 0}, "a.xyz", ""), "");
 }
@@ -101,14 +101,7 @@ TEST(ChildProcess, AnswersRequestsThatWereBegunTogetherInTheirOrder) {
 }
 
 TEST(ChildProcess, CountsTheTimeOfRequestsThatShareItTogether) {
-  ChildProcess child(
-      [](std::string_view, int) {
-        const std::clock_t begin = std::clock();
-        while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
-        }
-        return std::string();
-      },
-      "a.xyz");
+  ChildProcess child(compute_for_a_tenth_of_a_second, "a.xyz");
   child.begin("", {0.25, 0});
   for (int k = 0; k < 5; ++k) child.begin("", {0.0, 0});  // 0.6 s in all
   EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "");
