@@ -20,8 +20,8 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMany =
-    24;  // training impacts: every other one is enough for the first template and its whitener
+// of so many training impacts every other one is enough for the first template and its whitener
+constexpr std::size_t kMany = 24;
 constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
 constexpr std::size_t kResidualOrder = 32;
 constexpr std::size_t kMinSubbands = 2;  // from which their disagreement gives the jitter

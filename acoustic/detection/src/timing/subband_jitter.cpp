@@ -115,7 +115,7 @@ void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& s
                           (n_impacts + kPriorImpacts) * energy_over_information(j);
 }
 
-bool is_alike(const std::vector<double>& before, const std::vector<double>& after) {
+bool have_settled(const std::vector<double>& before, const std::vector<double>& after) {
   for (std::size_t j = 0; j < after.size(); ++j)
     if (std::abs(after[j] - before[j]) > kLittle * after[j]) return false;
   return true;
@@ -138,7 +138,7 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
     shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
     set_deviations(estimates, subbands, d);
     subbands.correlation = correlation(d, subbands);
-    if (is_alike(before, subbands.jitter2)) break;
+    if (have_settled(before, subbands.jitter2)) break;
   }
 }
 

@@ -22,7 +22,7 @@ struct Search {
 struct TimedTrack {
   Search search;
   std::vector<TimedImpact> impacts;
-  std::vector<double> own_shares;  ///< of impacts by themselves, of what their sound has that the template has not
+  std::vector<double> own_shares;  ///< what impacts that sound alone have of their own, over what the template explains
 };
 
 /// Adds an impact to the track; its ringing is subtracted from then on.
