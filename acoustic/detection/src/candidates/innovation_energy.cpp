@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -13,6 +14,8 @@ namespace bouncelab::detection {
 namespace {
 
 float square(float x) { return x * x; }
+
+bool is_in_memory(const audio::AudioSource& sound) { return !sound.resident.empty(); }
 
 BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, const double* after, double factor,
                                       double least, std::int64_t n) {
@@ -75,6 +78,12 @@ double InnovationEnergy::before_sample(std::int64_t sample) const {
   return sum;
 }
 
+void InnovationEnergy::copy_sound(std::int64_t first, std::span<float> out) const {
+  if (is_in_memory(sound_)) return audio::read_padded(sound_, first, out);
+  assert(first >= sound_first_ && first + std::ssize(out) <= sound_first_ + std::ssize(sound_held_));
+  std::copy_n(sound_held_.begin() + (first - sound_first_), out.size(), out.begin());
+}
+
 void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
   // the quiet level before the samples that the model needs to predict the first innovation, and after the last
   const std::int64_t begin = first_hop_ * hop_;
@@ -83,10 +92,30 @@ void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
   const std::int64_t n_known = std::min<std::int64_t>(std::ssize(model_.filter) - 1, sound_.n_samples);
   const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, last);
   const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, last);
-  if (hi > lo) audio::read_innovations(sound_, model_, lo, std::span(innovations_).subspan(lo - begin, hi - lo));
+  const bool is_held = !is_in_memory(sound_);
+  if (is_held) hold_sound(n_held);
+  if (hi > lo)
+    audio::read_innovations(is_held ? held_sound() : sound_, model_, lo,
+                            std::span(innovations_).subspan(lo - begin, hi - lo));
   const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
   std::fill(innovations_.begin() + n_held, innovations_.begin() + (lo - begin), level);
   std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);
+}
+
+void InnovationEnergy::hold_sound(std::int64_t n_held) {
+  const std::int64_t n_predicting = std::ssize(model_.filter) - 1;
+  const std::int64_t n_kept = n_held > 0 ? n_held + n_predicting : 0;
+  std::copy(sound_held_.end() - n_kept, sound_held_.end(), sound_held_.begin());
+  sound_held_.resize(innovations_.size() + static_cast<std::size_t>(n_predicting));
+  sound_first_ = first_hop_ * hop_ - n_predicting;
+  audio::read_padded(sound_, sound_first_ + n_kept, std::span(sound_held_).subspan(static_cast<std::size_t>(n_kept)));
+}
+
+audio::AudioSource InnovationEnergy::held_sound() const {
+  audio::AudioSource held = sound_;
+  held.resident = sound_held_;
+  held.resident_first = sound_first_;
+  return held;
 }
 
 }  // namespace bouncelab::detection
