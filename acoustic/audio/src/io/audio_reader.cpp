@@ -21,6 +21,7 @@
 #include "io/number_text.hpp"
 #include "io/pcm_decode.hpp"
 #include "io/readable_file.hpp"
+#include "io/sample_memory.hpp"
 #include "io/sound_decoder.hpp"
 
 namespace bouncelab::audio {
@@ -50,7 +51,7 @@ struct AudioReader::State {
   AudioFormat format;
   std::unique_ptr<std::byte[]> raw;  // what was read of plain samples
   std::int64_t buffered_first = 0;   // interleaved frames kept from the last read, so that channels share them
-  std::unique_ptr<float[]> buffer;
+  SampleMemory buffer;
   std::span<float> buffered;  // in the buffer, or in the guarded decoder's
   BytesSink bytes_read;       // may be empty
   bool is_header_told = false;
@@ -134,8 +135,7 @@ struct AudioReader::State {
   }
 
   std::span<float> read_into_buffer(std::int64_t first, std::int64_t n, std::int64_t n_most) {
-    // not a vector, which would set to zero what is overwritten at once
-    if (!buffer) buffer.reset(new float[static_cast<std::size_t>(n_most * info.n_channels)]);
+    if (!buffer) buffer = sample_memory(static_cast<std::size_t>(n_most * info.n_channels));
     const std::span<float> filled{buffer.get(), static_cast<std::size_t>(n * info.n_channels)};
     if (is_plain())
       read_plain(first, filled);
