@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Inputs and outputs as files of all kinds: nothing is lost, whatever names, links, pipes and devices are given.
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -123,6 +124,36 @@ TEST_F(Files, EveryCommandReadsFromPipesAndNamesTheSumOfWhatItRead) {
   EXPECT_EQ(shell("cat s.csv | \"$B\" fit - --out f.json").exit_code, run("fit s.csv --out g.json").exit_code);
   EXPECT_EQ(content("f.json"), content("g.json"));
   EXPECT_EQ(shell("cat on.csv | \"$B\" convert - --to c.txt").exit_code, 0);
+}
+
+TEST_F(Files, TheSumOfARecordingIsThatOfItsFileWhateverWasReadOfIt) {
+  const auto sound = bouncing(12);
+  write("short.wav", float_wav(sound, 44100));
+  // more than is held whole, with something behind the samples
+  auto longer = sound;
+  const auto rest = noise((1 << 20) + 12345 - sound.size(), 1e-4);
+  longer.insert(longer.end(), rest.begin(), rest.end());
+  std::string bytes = float_wav(longer, 44100);
+  bytes += "LIST";
+  put<std::uint32_t>(bytes, 100000);
+  write("long.wav", bytes + std::string(100000, 'x'));
+  fs::copy_file(fs::path(BOUNCELAB_SAMPLES) / "clean.flac", folder_ / "coded.flac");
+  std::vector<std::string> names{"short.wav", "long.wav", "coded.flac"};
+  // sums of files that were written to a moment ago are not kept
+  for (const std::string& name : names)
+    fs::last_write_time(folder_ / name, fs::last_write_time(folder_ / name) - std::chrono::hours(1));
+  for (const char* threads : {"1", "2"}) {
+    ASSERT_EQ(
+        run(std::string("detect short.wav long.wav coded.flac --force --out o.csv --threads ") + threads).exit_code, 0);
+    const Json inputs = json("o.csv.meta.json")["inputs"];
+    ASSERT_EQ(inputs.size(), names.size());
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const std::string sum = shell("sha256sum " + names[k]).out.substr(0, 64);
+      EXPECT_EQ(inputs[k]["sha256"], sum) << names[k];
+      ASSERT_EQ(run("detect " + names[k] + " --force --out one.csv --threads " + threads).exit_code, 0);
+      EXPECT_EQ(json("one.csv.meta.json")["inputs"][0]["sha256"], sum) << names[k];
+    }
+  }
 }
 
 TEST_F(Files, AFifoIsReadOnceAndItsCommandEnds) {

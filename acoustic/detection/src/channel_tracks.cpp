@@ -72,8 +72,9 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   band.decimation = decimations_[b];
   band.sound = sound_of(b);
   band.models = audio::learn_ar_models(band.sound, kArOrder);
-  band.candidates = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
-  band.same_source = SameSource(measure_band_energies(band.sound, band.candidates));
+  CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
+  band.candidates = std::move(found.candidates);
+  band.same_source = SameSource(found.band_energies);
   return band;
 }
 

@@ -206,8 +206,8 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
 }
 
 Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
-                      const ProgressCallback& progress) {
-  audio::AudioReader reader(recording, config.rate_hz);
+                      const ProgressCallback& progress, audio::BytesSink bytes_read) {
+  audio::AudioReader reader(recording, config.rate_hz, std::move(bytes_read));
   const auto reading = std::make_shared<std::mutex>();
   Detection d = detect_in([&](int channel) { return audio::one_at_a_time(reader.source(channel), reading); },
                           reader.format().n_channels, input_name(recording), config,
@@ -238,7 +238,7 @@ std::string lossy_coding_warning(const std::string& coding) {
 
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
-  return detect_file(recording, config, 1, progress);
+  return detect_file(recording, config, 1, progress, {});
 }
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
@@ -252,8 +252,12 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
 }
 
 void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
-                 const DetectionSink& sink, const ProgressCallback& progress) {
-  if (recordings.size() == 1) return sink(0, detect_file(recordings.front(), config, n_threads, progress));
+                 const DetectionSink& sink, const ProgressCallback& progress, const RecordingBytesSink& bytes_read) {
+  const auto sink_of = [&](std::size_t k) -> audio::BytesSink {
+    if (!bytes_read) return {};
+    return [&, k](std::int64_t first, std::span<const std::byte> bytes) { bytes_read(k, first, bytes); };
+  };
+  if (recordings.size() == 1) return sink(0, detect_file(recordings.front(), config, n_threads, progress, sink_of(0)));
   std::mutex mutex;
   double n_done = 0.0;
   const std::vector<std::size_t> order = largest_first(recordings);
@@ -261,8 +265,8 @@ void detect_each(const std::vector<std::filesystem::path>& recordings, const Det
     const std::size_t k = order[i];
     Detection found;
     try {
-      found =
-          detect_file(recordings[k], config, n_threads, {});  // on the same threads, where others have nothing to do
+      // on the same threads, where others have nothing to do
+      found = detect_file(recordings[k], config, n_threads, {}, sink_of(k));
     } catch (const FileError& error) {
       found.status = DetectionStatus::unreadable;
       found.message = error.what();

@@ -127,6 +127,42 @@ TEST_F(AudioReaderTest, ReadsFloatsBitByBitWhereverTheyLie) {
   }
 }
 
+TEST_F(AudioReaderTest, TellsOfTheHeaderAndOfAllBytesOfPlainSamplesThatAreReadInOrder) {
+  constexpr std::int64_t kFrames = 40001;
+  for (const int encoding : {SF_FORMAT_PCM_16, SF_FORMAT_PCM_24, SF_FORMAT_FLOAT})
+    for (const int n_channels : {1, 2}) {
+      const auto path =
+          write("x.wav", SF_FORMAT_WAV | encoding, 48000, n_channels, ramp(static_cast<int>(kFrames) * n_channels));
+      const std::string content = read_bytes(path);
+      std::string told;
+      AudioReader reader(path, std::nullopt, [&](std::int64_t first, std::span<const std::byte> bytes) {
+        const auto at = static_cast<std::size_t>(first);
+        ASSERT_LE(at, told.size()) << "of bytes before them nothing was told";
+        told.resize(std::max(told.size(), at + bytes.size()));
+        std::transform(bytes.begin(), bytes.end(), told.begin() + first,
+                       [](std::byte b) { return static_cast<char>(b); });
+      });
+      std::vector<float> out(5000);
+      for (std::int64_t first = 0; first < kFrames; first += std::ssize(out)) {
+        const std::int64_t n = std::min(std::ssize(out), kFrames - first);
+        for (int channel = 0; channel < n_channels; ++channel)
+          reader.read(first, channel, std::span(out).first(static_cast<std::size_t>(n)));
+      }
+      // an odd number of bytes of samples is filled up
+      EXPECT_GE(told.size() + 1, content.size()) << encoding;
+      EXPECT_TRUE(content.starts_with(told)) << encoding;
+    }
+}
+
+TEST_F(AudioReaderTest, TellsOfNoBytesOfCodedSound) {
+  bool is_told = false;
+  AudioReader reader(write("x.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, 1, ramp(5000)), std::nullopt,
+                     [&](std::int64_t, std::span<const std::byte>) { is_told = true; });
+  std::vector<float> out(5000);
+  reader.read(0, 0, out);
+  EXPECT_FALSE(is_told);
+}
+
 /// The whole of one channel.
 std::vector<float> channel_of(AudioReader& reader, int channel) {
   std::vector<float> all(static_cast<std::size_t>(reader.format().n_frames));

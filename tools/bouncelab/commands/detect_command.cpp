@@ -136,12 +136,23 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
     for (std::size_t k = 0; k < recordings.size(); ++k) take(k, records->detection(recordings[k]));
     return result;
   }
-  // the checksums of the provenance while the sound is searched, as a thread has time for them
-  const int n_threads = run.common.n_threads;
-  parallel_for(2, kMayStartChildBesideThreads ? n_threads : 1, [&](std::size_t work) {
+  const ProgressCallback progress = progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings");
+  const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
+  if (n_threads == 1) {  // the checksums of the provenance of what is read of the sound anyway
+    Sha256WhileRead sums(recordings);
+    const auto take_all = [&](std::size_t k, detection::Detection&& d) {
+      sums.finish(k);
+      take(k, std::move(d));
+    };
+    detection::detect_each(
+        recordings, config, n_threads, take_all, progress,
+        [&](std::size_t k, std::int64_t first, std::span<const std::byte> bytes) { sums.take(k, first, bytes); });
+    return result;
+  }
+  // the checksums while the sound is searched, as a thread has time for them
+  parallel_for(2, n_threads, [&](std::size_t work) {
     if (work == 1) return compute_sha256_ahead(recordings, n_threads);
-    detection::detect_each(recordings, config, n_threads, take,
-                           progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings"));
+    detection::detect_each(recordings, config, n_threads, take, progress);
   });
   return result;
 }

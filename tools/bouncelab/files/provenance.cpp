@@ -58,11 +58,11 @@ std::string sha256_of(const std::string& text) {
   return sum.in_hexadecimal();
 }
 
-std::string computed_sha256(const fs::path& path) {
+/// @param sum   of the bytes before `done`
+std::string computed_sha256(const fs::path& path, Sha256 sum = {}, std::int64_t done = 0) {
   FileBytes file(path);
-  Sha256 sum;
   constexpr std::int64_t kAtOnce = 1 << 18;
-  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
+  for (; done < file.size(); done += kAtOnce) {
     throw_if_stop_requested();
     const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
     sum.add(bytes.data(), bytes.size());
@@ -93,19 +93,27 @@ std::optional<Content> content_of(const fs::path& path) {
   return Content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
 }
 
+std::optional<std::string> known_sum(const Content& content) {
+  KnownSums& known = known_sums();
+  const std::lock_guard lock(known.mutex);
+  const auto found = known.sums.find(content);
+  return found == known.sums.end() ? std::nullopt : std::optional(found->second);
+}
+
+void keep(const Content& content, const std::string& sum) {
+  const std::lock_guard lock(known_sums().mutex);
+  known_sums().sums[content] = sum;
+}
+
 }  // namespace
 
 std::string sha256_of_file(const fs::path& path) {
   const std::optional<Content> content = content_of(path);
   if (!content) return computed_sha256(path);
-  KnownSums& known = known_sums();
-  {
-    const std::lock_guard lock(known.mutex);
-    if (const auto found = known.sums.find(*content); found != known.sums.end()) return found->second;
-  }
+  if (std::optional<std::string> known = known_sum(*content)) return *std::move(known);
   std::string sum = computed_sha256(path);
-  const std::lock_guard lock(known.mutex);
-  return known.sums[*content] = std::move(sum);
+  keep(*content, sum);
+  return sum;
 }
 
 void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
@@ -118,10 +126,43 @@ void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
 }
 
 void know_sha256(const fs::path& path, const std::string& sha256) {
-  const std::optional<Content> content = content_of(path);
-  if (!content) return;
-  const std::lock_guard lock(known_sums().mutex);
-  known_sums().sums[*content] = sha256;
+  if (const std::optional<Content> content = content_of(path)) keep(*content, sha256);
+}
+
+struct Sha256WhileRead::Sum {
+  Content content;  // before anything was read
+  Sha256 sum;       // of the bytes before `end`
+  std::int64_t end = 0;
+};
+
+Sha256WhileRead::Sha256WhileRead(std::vector<fs::path> files) : files_(std::move(files)), sums_(files_.size()) {
+  for (std::size_t k = 0; k < files_.size(); ++k) {
+    try {
+      const std::optional<Content> content = content_of(files_[k]);
+      if (content && !known_sum(*content)) sums_[k] = std::make_unique<Sum>(Sum{*content, {}, 0});
+    } catch (const FileError&) {  // said by whoever reads the file
+    }
+  }
+}
+Sha256WhileRead::~Sha256WhileRead() = default;
+
+void Sha256WhileRead::take(std::size_t k, std::int64_t first, std::span<const std::byte> bytes) {
+  if (!sums_[k]) return;
+  Sum& s = *sums_[k];
+  const std::int64_t n_known = s.end - first;
+  if (n_known < 0 || n_known >= std::ssize(bytes)) return;
+  s.sum.add(bytes.data() + n_known, bytes.size() - static_cast<std::size_t>(n_known));
+  s.end = first + std::ssize(bytes);
+}
+
+void Sha256WhileRead::finish(std::size_t k) {
+  const std::unique_ptr<Sum> s = std::move(sums_[k]);
+  if (!s) return;
+  try {
+    const std::string sum = computed_sha256(files_[k], s->sum, s->end);
+    if (content_of(files_[k]) == s->content) keep(s->content, sum);  // else of two contents
+  } catch (const FileError&) {
+  }
 }
 
 fs::path provenance_path(const fs::path& output) {

@@ -21,6 +21,7 @@
 #include "io/number_text.hpp"
 #include "io/pcm_decode.hpp"
 #include "io/readable_file.hpp"
+#include "io/sample_memory.hpp"
 #include "io/sound_decoder.hpp"
 
 namespace bouncelab::audio {
@@ -33,6 +34,7 @@ constexpr std::uint32_t kExponent = 0x7f800000;       // of a float
 // samples up to which a recording is held whole: 64 MB where decoding costs more than memory, 4 MB where it does not
 constexpr std::int64_t kMostHeldWhole = GuardedDecoder::kMostSamples;
 constexpr std::int64_t kMostPlainHeldWhole = 1 << 20;
+constexpr std::int64_t kLongestHeader = 1 << 16;  // bytes, of which a sink is told
 
 }  // namespace
 
@@ -49,11 +51,16 @@ struct AudioReader::State {
   AudioFormat format;
   std::unique_ptr<std::byte[]> raw;  // what was read of plain samples
   std::int64_t buffered_first = 0;   // interleaved frames kept from the last read, so that channels share them
-  std::unique_ptr<float[]> buffer;
+  SampleMemory buffer;
   std::span<float> buffered;  // in the buffer, or in the guarded decoder's
+  BytesSink bytes_read;       // may be empty
+  bool is_header_told = false;
 
-  State(const std::filesystem::path& path, std::optional<double> rate_hz)
-      : file(std::make_unique<ReadableFile>(path)), name(file->name()), bytes(file->descriptor()) {
+  State(const std::filesystem::path& path, std::optional<double> rate_hz, BytesSink bytes_read_)
+      : file(std::make_unique<ReadableFile>(path)),
+        name(file->name()),
+        bytes(file->descriptor()),
+        bytes_read(std::move(bytes_read_)) {
     if (rate_hz && !(*rate_hz >= kLowestRate_hz && *rate_hz <= kHighestRate_hz))
       throw InvalidArgument("--rate: must be 4 kHz to 4 MHz");
     if (is_npy(bytes)) {
@@ -128,8 +135,7 @@ struct AudioReader::State {
   }
 
   std::span<float> read_into_buffer(std::int64_t first, std::int64_t n, std::int64_t n_most) {
-    // not a vector, which would set to zero what is overwritten at once
-    if (!buffer) buffer.reset(new float[static_cast<std::size_t>(n_most * info.n_channels)]);
+    if (!buffer) buffer = sample_memory(static_cast<std::size_t>(n_most * info.n_channels));
     const std::span<float> filled{buffer.get(), static_cast<std::size_t>(n * info.n_channels)};
     if (is_plain())
       read_plain(first, filled);
@@ -145,10 +151,14 @@ struct AudioReader::State {
     const std::int64_t n = std::ssize(out) / info.n_channels;
     if (!raw)
       raw.reset(new std::byte[static_cast<std::size_t>(std::min(kFramesPerPiece, info.n_frames) * frame_bytes)]);
+    if (bytes_read && !is_header_told) tell_header();
     for (std::int64_t done = 0; done < n;) {
       const std::int64_t n_here = std::min(kFramesPerPiece, n - done);
       const std::span<std::byte> piece{raw.get(), static_cast<std::size_t>(n_here * frame_bytes)};
-      const std::int64_t got = bytes.read(info.first_byte + (first + done) * frame_bytes, piece) / frame_bytes;
+      const std::int64_t at = info.first_byte + (first + done) * frame_bytes;
+      const std::int64_t n_bytes = bytes.read(at, piece);
+      if (bytes_read) bytes_read(at, piece.first(static_cast<std::size_t>(n_bytes)));
+      const std::int64_t got = n_bytes / frame_bytes;
       decode_pcm(piece, info.plain,
                  out.subspan(static_cast<std::size_t>(done * info.n_channels),
                              static_cast<std::size_t>(got * info.n_channels)));
@@ -159,6 +169,14 @@ struct AudioReader::State {
                         std::string("cannot be read (") + std::strerror(bytes.error()) + "); copy it to a local disk");
       throw FileError(name, ends_early(first + done, info.n_frames));
     }
+  }
+
+  /// What lies before the samples: so that who is told of all samples in order has seen all that is before them.
+  void tell_header() {
+    is_header_told = true;
+    std::vector<std::byte> header(static_cast<std::size_t>(std::min(info.first_byte, kLongestHeader)));
+    const std::int64_t n_bytes = bytes.read(0, header);
+    bytes_read(0, std::span(header).first(static_cast<std::size_t>(n_bytes)));
   }
 
   /// @param from  sample of the buffer
@@ -178,8 +196,8 @@ struct AudioReader::State {
   }
 };
 
-AudioReader::AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz)
-    : state_(std::make_unique<State>(path, rate_hz)) {}
+AudioReader::AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz, BytesSink bytes_read)
+    : state_(std::make_unique<State>(path, rate_hz, std::move(bytes_read))) {}
 
 AudioReader::AudioReader(std::span<const std::byte> bytes, const std::string& name)
     : state_(std::make_unique<State>(bytes, name)) {}

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
-#include <cstdint>
 
-#include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
@@ -23,6 +22,10 @@ constexpr float kOtherScatter = 2.5F;
 constexpr float kMinLogOddsOfBand = -2.5F;
 constexpr float kIndependence = 0.5F;  // factor on the log odds, since octaves are correlated
 constexpr float kMaxLogOdds = 4.0F;
+
+std::size_t window_length(double rate_hz) {
+  return std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kWindow_s * rate_hz)));
+}
 
 /// The first bin of each octave, and the one behind the last.
 std::array<std::size_t, kEnergyBands + 1> octave_begins(std::size_t n_bins, double bin_hz) {
@@ -106,37 +109,36 @@ BOUNCELAB_VECTOR_CLONES void weigh_row(const BandEnergies& first, const float* _
 
 }  // namespace
 
-std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
-                                                const std::vector<Candidate>& candidates) {
-  const std::size_t n = std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kWindow_s * sound.rate_hz)));
-  audio::RealFft fourier(n);
-  const auto begin = octave_begins(n / 2, sound.rate_hz / static_cast<double>(n));
-  std::vector<float> window;
+BandEnergyMeter::BandEnergyMeter(double rate_hz)
+    : fourier_(window_length(rate_hz)),
+      begin_(octave_begins(fourier_.size() / 2, rate_hz / static_cast<double>(fourier_.size()))),
+      part_(fourier_.size()) {
+  const std::size_t n = fourier_.size();
   for (std::size_t k = 0; k < n; ++k)
-    window.push_back(static_cast<float>(0.5 + 0.5 * cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
-  std::vector<float> x(2 * n + 1);
-  std::vector<float> part(n);
-  audio::Spectrum spectrum_after, spectrum_before;
-  std::vector<BandEnergies> band_energies(candidates.size());
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    audio::read_padded(sound, std::llround(candidates[c].t_s * sound.rate_hz) - static_cast<std::int64_t>(n) - 1, x);
-    for (std::size_t k = 0; k < n; ++k) part[k] = window[k] * (x[n + k + 1] - x[n + k]);
-    fourier.forward(part, spectrum_after);
-    for (std::size_t k = 0; k < n; ++k) part[k] = window[k] * (x[n - k] - x[n - k - 1]);
-    fourier.forward(part, spectrum_before);
-    std::array<float, kEnergyBands> after{}, before{};
-    for (int b = 0; b < kEnergyBands; ++b)
-      for (std::size_t k = begin[b]; k < begin[b + 1]; ++k) {  // both at once: each addition waits for the last one
-        after[b] += power(spectrum_after, k);
-        before[b] += power(spectrum_before, k);
-      }
-    for (int b = 0; b < kEnergyBands; ++b) {
-      const float added = std::max(0.0F, after[b] - before[b]);
-      band_energies[c].log_power[b] = static_cast<float>(log(std::max(added, kDetectable * before[b]) + 1e-20F));
-      band_energies[c].added_share[b] = added / (after[b] + before[b] + 1e-20F);
+    window_.push_back(static_cast<float>(0.5 + 0.5 * cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
+}
+
+BandEnergies BandEnergyMeter::measure(std::span<const float> sound) {
+  const std::size_t n = window_.size();
+  assert(sound.size() == 2 * n + 1);
+  const float* x = sound.data();
+  for (std::size_t k = 0; k < n; ++k) part_[k] = window_[k] * (x[n + k + 1] - x[n + k]);
+  fourier_.forward(part_, after_);
+  for (std::size_t k = 0; k < n; ++k) part_[k] = window_[k] * (x[n - k] - x[n - k - 1]);
+  fourier_.forward(part_, before_);
+  std::array<float, kEnergyBands> after{}, before{};
+  for (int b = 0; b < kEnergyBands; ++b)
+    for (std::size_t k = begin_[b]; k < begin_[b + 1]; ++k) {  // both at once: each addition waits for the last one
+      after[b] += power(after_, k);
+      before[b] += power(before_, k);
     }
+  BandEnergies energies;
+  for (int b = 0; b < kEnergyBands; ++b) {
+    const float added = std::max(0.0F, after[b] - before[b]);
+    energies.log_power[b] = static_cast<float>(log(std::max(added, kDetectable * before[b]) + 1e-20F));
+    energies.added_share[b] = added / (after[b] + before[b] + 1e-20F);
   }
-  return band_energies;
+  return energies;
 }
 
 float same_source_probability(const BandEnergies& a, const BandEnergies& b) {

@@ -3,12 +3,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "candidates/candidates.hpp"
+#include "bouncelab/audio/dsp/real_fft.hpp"
 
 namespace bouncelab::detection {
 
@@ -20,9 +20,23 @@ struct BandEnergies {
   std::array<float, kEnergyBands> added_share{};  ///< of the power added in the power before and after, 0 ... 1
 };
 
-/// Of the 12 ms after each candidate against the 12 ms before it, differenced, under half a Hann window.
-std::vector<BandEnergies> measure_band_energies(const audio::AudioSource& sound,
-                                                const std::vector<Candidate>& candidates);
+/// Measures them: of 12 to 23 ms after a candidate against as much before it, differenced, under half a Hann window.
+class BandEnergyMeter {
+ public:
+  explicit BandEnergyMeter(double rate_hz);
+
+  /// The sound around a sample that is needed: from reach() + 1 samples before it to reach() - 1 after it.
+  std::int64_t reach() const { return static_cast<std::int64_t>(window_.size()); }
+  /// @param sound  those 2 reach() + 1 samples
+  BandEnergies measure(std::span<const float> sound);
+
+ private:
+  audio::RealFft fourier_;
+  std::array<std::size_t, kEnergyBands + 1> begin_;  ///< first bin of each octave
+  std::vector<float> window_;
+  std::vector<float> part_;  // memory of measure()
+  audio::Spectrum after_, before_;
+};
 
 /// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
 /// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source, of

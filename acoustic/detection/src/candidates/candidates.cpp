@@ -141,16 +141,16 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
   return found;
 }
 
-/// Candidates of one energy. A longer window gives one only where no shorter one has within its reach: it is for rises
-/// too weak for the shorter ones, and its times are less accurate.
+/// Candidates of a block, in time order. A longer window gives one only where no shorter one has within its reach: it
+/// is for rises too weak for the shorter ones, and its times are less accurate.
 /// @param least_rises  threshold_rise() of each window
-void find_in_block(const InnovationEnergy& energy, std::int64_t first, std::int64_t n_hops,
-                   const std::array<double, kAfterHops.size()>& least_rises, std::vector<Candidate>& candidates) {
+std::vector<Candidate> find_in_block(const InnovationEnergy& energy, std::int64_t first, std::int64_t n_hops,
+                                     const std::array<double, kAfterHops.size()>& least_rises) {
   const double rate_hz = energy.rate_hz();
   const double quiet_variance = energy.quiet_variance();
   const std::int64_t hop = energy.hop();
   std::vector<double> found_s;
-  const std::size_t n_before = candidates.size();
+  std::vector<Candidate> candidates;
   for (std::size_t window = 0; window < kAfterHops.size(); ++window) {
     const std::int64_t after_hops = kAfterHops[window];
     const double reach_s = static_cast<double>(after_hops * hop) / rate_hz;
@@ -176,11 +176,13 @@ void find_in_block(const InnovationEnergy& energy, std::int64_t first, std::int6
     found_s.insert(found_s.end(), new_s.begin(), new_s.end());
     std::sort(found_s.begin(), found_s.end());
   }
-  for (std::size_t k = n_before; k < candidates.size(); ++k) {
-    const auto next = std::upper_bound(found_s.begin(), found_s.end(), candidates[k].t_s);
+  for (Candidate& candidate : candidates) {
+    const auto next = std::upper_bound(found_s.begin(), found_s.end(), candidate.t_s);
     if (next != found_s.end())
-      candidates[k].amplitude = amplitude_before_next(energy, candidates[k], *next, rate_hz, hop, quiet_variance);
+      candidate.amplitude = amplitude_before_next(energy, candidate, *next, rate_hz, hop, quiet_variance);
   }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.t_s < b.t_s; });
+  return candidates;
 }
 
 /// What all segments of a recording have in common.
@@ -201,17 +203,23 @@ Search search_in(const audio::AudioSource& sound, const audio::ArModel& model) {
 }
 
 /// @param block_done  called with the number of hops of each block that is done
-std::vector<Candidate> find_in_segment(const Search& search, std::int64_t begin, std::int64_t end,
-                                       const std::function<void(std::int64_t)>& block_done) {
-  std::vector<Candidate> candidates;
+CandidatesOfSound find_in_segment(const Search& search, std::int64_t begin, std::int64_t end,
+                                  const std::function<void(std::int64_t)>& block_done) {
+  CandidatesOfSound found;
   InnovationEnergy energy(search.sound, search.model, search.hop, kMarginHops);
+  BandEnergyMeter meter(search.sound.rate_hz);
+  std::vector<float> around(static_cast<std::size_t>(2 * meter.reach() + 1));
   for (std::int64_t first = begin; first < end; first += kBlockHops) {
     const std::int64_t n_here = std::min(kBlockHops, end - first);
     energy.load(first, n_here);
-    find_in_block(energy, first, n_here, search.least_rises, candidates);
+    for (const Candidate& candidate : find_in_block(energy, first, n_here, search.least_rises)) {
+      energy.copy_sound(std::llround(candidate.t_s * search.sound.rate_hz) - meter.reach() - 1, around);
+      found.candidates.push_back(candidate);
+      found.band_energies.push_back(meter.measure(around));
+    }
     block_done(n_here);
   }
-  return candidates;
+  return found;
 }
 
 /// Whatever they are, candidates are the same: blocks begin where they did.
@@ -224,8 +232,8 @@ std::int64_t hops_of_segment(std::int64_t n_hops, int n_threads) {
 
 }  // namespace
 
-std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
-                                       const ProgressCallback& progress) {
+CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
+                                  const ProgressCallback& progress) {
   if (model.quiet_variance <= 0.0) return {};
   const Search search = search_in(sound, model);
   std::mutex reporting;
@@ -239,15 +247,17 @@ std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const au
   };
   const std::int64_t n_of_segment = hops_of_segment(search.n_hops, n_threads);
   const std::int64_t n_segments = (search.n_hops + n_of_segment - 1) / n_of_segment;
-  std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(n_segments));
+  std::vector<CandidatesOfSound> found(static_cast<std::size_t>(n_segments));
   parallel_for(found.size(), n_threads, [&](std::size_t k) {
     const std::int64_t begin = static_cast<std::int64_t>(k) * n_of_segment;
     found[k] = find_in_segment(search, begin, std::min(begin + n_of_segment, search.n_hops), block_done);
   });
-  std::vector<Candidate> candidates;
-  for (const std::vector<Candidate>& here : found) candidates.insert(candidates.end(), here.begin(), here.end());
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.t_s < b.t_s; });
-  return candidates;
+  CandidatesOfSound all;  // segments are in order, and the blocks in each
+  for (const CandidatesOfSound& here : found) {
+    all.candidates.insert(all.candidates.end(), here.candidates.begin(), here.candidates.end());
+    all.band_energies.insert(all.band_energies.end(), here.band_energies.begin(), here.band_energies.end());
+  }
+  return all;
 }
 
 }  // namespace bouncelab::detection

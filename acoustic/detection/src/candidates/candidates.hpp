@@ -6,6 +6,7 @@
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/progress.hpp"
+#include "candidates/band_energies.hpp"
 
 namespace bouncelab::detection {
 
@@ -21,7 +22,14 @@ struct Candidate {
 /// in 3 s.
 constexpr double kCandidateThreshold = 8.0;
 
-/// Candidates in time order.
+/// The candidates of a recording in time order, and the energies of the sound around each: both from the one time that
+/// the recording is read.
+struct CandidatesOfSound {
+  std::vector<Candidate> candidates;
+  std::vector<BandEnergies> band_energies;  ///< of each candidate
+};
+
+/// Finds them.
 ///
 /// Statistic: the generalised likelihood ratio of "variance s2 from sample n on, s1 before" against one variance, for
 /// Gaussian innovations,
@@ -38,7 +46,7 @@ constexpr double kCandidateThreshold = 8.0;
 /// @param model      of the sound, from audio::learn_ar_models; no candidates where its quiet variance is 0
 /// @param n_threads  they take segments of some seconds; the candidates do not depend on it
 /// Source: Sleeman & van Eck, Phys. Earth Planet. Inter. 113, 265 (1999), doi:10.1016/S0031-9201(99)00007-2
-std::vector<Candidate> find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
-                                       const ProgressCallback& progress);
+CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
+                                  const ProgressCallback& progress);
 
 }  // namespace bouncelab::detection

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <span>
 
@@ -14,11 +16,58 @@ namespace {
 
 float square(float x) { return x * x; }
 
+bool is_in_memory(const audio::AudioSource& sound) { return !sound.resident.empty(); }
+
 BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, const double* after, double factor,
                                       double least, std::int64_t n) {
   std::int64_t n_over = 0;
   for (std::int64_t k = 0; k < n; ++k) n_over += factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0;
   return n_over > 0;
+}
+
+using Four = float __attribute__((vector_size(16)));
+using Eight = float __attribute__((vector_size(32)));
+
+/// Four samples of a hop, and four of the fourth hop behind it.
+[[gnu::always_inline]] inline Eight samples_of_two(const float* x, std::int64_t hop) {
+  Four low, high;
+  std::memcpy(&low, x, sizeof low);
+  std::memcpy(&high, x + 4 * hop, sizeof high);
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// The running sum of eight hops at once, each of them in the order of its samples, as long as four samples can be read
+/// wherever a hop's go on: one hop by itself would wait for each addition.
+/// @param running  n_hops + 1, of which the first is set
+/// @return how many hops were added
+BOUNCELAB_VECTOR_CLONES std::int64_t sum_by_eight(const float* x, std::int64_t hop, std::int64_t n_hops, double floor,
+                                                  double* running) {
+  std::int64_t k = 0;
+  for (; (k + 8) * hop + 3 <= n_hops * hop; k += 8, x += 8 * hop) {
+    Eight sum{};
+    for (std::int64_t i = 0; i < hop; i += 4) {
+      // the i-th sample of each of the eight hops, and the three behind it, by transposition
+      const Eight a = samples_of_two(x + i, hop), b = samples_of_two(x + hop + i, hop);
+      const Eight c = samples_of_two(x + 2 * hop + i, hop), d = samples_of_two(x + 3 * hop + i, hop);
+      const Eight ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+      const Eight cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+      const Eight first = __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13);
+      sum += first * first;
+      if (i + 1 == hop) break;
+      const Eight second = __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15);
+      sum += second * second;
+      if (i + 2 == hop) break;
+      const Eight ab_high = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+      const Eight cd_high = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+      const Eight third = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
+      sum += third * third;
+      if (i + 3 == hop) break;
+      const Eight fourth = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
+      sum += fourth * fourth;
+    }
+    for (std::int64_t j = 0; j < 8; ++j) running[k + j + 1] = running[k + j] + (static_cast<double>(sum[j]) + floor);
+  }
+  return k;
 }
 
 }  // namespace
@@ -51,19 +100,13 @@ std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t l
 }
 
 void InnovationEnergy::sum_hops(const float* x, double floor) {
-  constexpr std::size_t kSideBySide = 4;  // independent sums: with one, each addition waits for the one before
-  double running = running_[0] = 0.0;
-  std::size_t k = 1;
-  for (; k + kSideBySide <= running_.size(); k += kSideBySide, x += kSideBySide * hop_) {
-    std::array<float, kSideBySide> sum{};
-    for (std::int64_t i = 0; i < hop_; ++i)
-      for (std::size_t j = 0; j < kSideBySide; ++j) sum[j] += square(x[i + static_cast<std::int64_t>(j) * hop_]);
-    for (std::size_t j = 0; j < kSideBySide; ++j) running_[k + j] = running += static_cast<double>(sum[j]) + floor;
-  }
-  for (; k < running_.size(); ++k, x += hop_)
-    running_[k] = running +=
-        static_cast<double>(std::accumulate(x, x + hop_, 0.0F, [](float sum, float y) { return sum + square(y); })) +
-        floor;
+  running_[0] = 0.0;
+  const std::int64_t n_hops = std::ssize(running_) - 1;
+  for (std::int64_t k = sum_by_eight(x, hop_, n_hops, floor, running_.data()); k < n_hops; ++k)
+    running_[k + 1] =
+        running_[k] + (static_cast<double>(std::accumulate(x + k * hop_, x + (k + 1) * hop_, 0.0F,
+                                                           [](float sum, float y) { return sum + square(y); })) +
+                       floor);
 }
 
 double InnovationEnergy::before_sample(std::int64_t sample) const {
@@ -75,6 +118,12 @@ double InnovationEnergy::before_sample(std::int64_t sample) const {
   return sum;
 }
 
+void InnovationEnergy::copy_sound(std::int64_t first, std::span<float> out) const {
+  if (is_in_memory(sound_)) return audio::read_padded(sound_, first, out);
+  assert(first >= sound_first_ && first + std::ssize(out) <= sound_first_ + std::ssize(sound_held_));
+  std::copy_n(sound_held_.begin() + (first - sound_first_), out.size(), out.begin());
+}
+
 void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
   // the quiet level before the samples that the model needs to predict the first innovation, and after the last
   const std::int64_t begin = first_hop_ * hop_;
@@ -83,10 +132,30 @@ void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
   const std::int64_t n_known = std::min<std::int64_t>(std::ssize(model_.filter) - 1, sound_.n_samples);
   const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, last);
   const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, last);
-  if (hi > lo) audio::read_innovations(sound_, model_, lo, std::span(innovations_).subspan(lo - begin, hi - lo));
+  const bool is_held = !is_in_memory(sound_);
+  if (is_held) hold_sound(n_held);
+  if (hi > lo)
+    audio::read_innovations(is_held ? held_sound() : sound_, model_, lo,
+                            std::span(innovations_).subspan(lo - begin, hi - lo));
   const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
   std::fill(innovations_.begin() + n_held, innovations_.begin() + (lo - begin), level);
   std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);
+}
+
+void InnovationEnergy::hold_sound(std::int64_t n_held) {
+  const std::int64_t n_predicting = std::ssize(model_.filter) - 1;
+  const std::int64_t n_kept = n_held > 0 ? n_held + n_predicting : 0;
+  std::copy(sound_held_.end() - n_kept, sound_held_.end(), sound_held_.begin());
+  sound_held_.resize(innovations_.size() + static_cast<std::size_t>(n_predicting));
+  sound_first_ = first_hop_ * hop_ - n_predicting;
+  audio::read_padded(sound_, sound_first_ + n_kept, std::span(sound_held_).subspan(static_cast<std::size_t>(n_kept)));
+}
+
+audio::AudioSource InnovationEnergy::held_sound() const {
+  audio::AudioSource held = sound_;
+  held.resident = sound_held_;
+  held.resident_first = sound_first_;
+  return held;
 }
 
 }  // namespace bouncelab::detection

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
@@ -10,8 +11,8 @@
 
 namespace bouncelab::detection {
 
-/// Innovations of one block of a recording with margins on both sides, and their running energy from hop to hop. Each
-/// sample's energy is raised by a hundredth of the quiet variance: digital silence is no background.
+/// One block of a recording with margins on both sides: its sound, the innovations, and their running energy from hop
+/// to hop. Each sample's energy is raised by a hundredth of the quiet variance: digital silence is no background.
 class InnovationEnergy {
  public:
   /// @param sound, model  kept by reference
@@ -35,6 +36,8 @@ class InnovationEnergy {
   bool any_rise(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor, double least) const;
   /// Of samples first ... last - 1; whole hops by their running sum.
   double of_samples(std::int64_t first, std::int64_t last) const { return before_sample(last) - before_sample(first); }
+  /// Samples first ... first + out.size() - 1 of the recording, within the block and its margins; 0 outside of it.
+  void copy_sound(std::int64_t first, std::span<float> out) const;
   /// From sample to sample: out[k] = energy of samples first ... first + k - 1.
   std::vector<double> running(std::int64_t first, std::int64_t last) const;
 
@@ -42,8 +45,10 @@ class InnovationEnergy {
   void sum_hops(const float* x, double floor);
   /// Of the samples from the first of the margin to this one.
   double before_sample(std::int64_t sample) const;
-  /// @param n_held  samples that are there already
+  /// @param n_held  samples of the block that are there already
   void read_innovations_padded(std::int64_t n_held);
+  void hold_sound(std::int64_t n_held);
+  audio::AudioSource held_sound() const;
 
   const audio::AudioSource& sound_;
   const audio::ArModel& model_;
@@ -51,6 +56,9 @@ class InnovationEnergy {
   std::int64_t margin_hops_;
   double floor_;
   std::int64_t first_hop_ = 0;  // of the margin
+  // the sound from the samples on that the first innovation is predicted from, unless it is in memory anyway
+  std::vector<float> sound_held_;
+  std::int64_t sound_first_ = 0;
   std::vector<float> innovations_;
   std::vector<double> running_;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,6 +25,9 @@ struct AudioFormat {
   std::string warning;        ///< one line where the header and what the file holds differ; empty where they agree
 };
 
+/// Takes bytes of a file as they are read, and their place in it.
+using BytesSink = std::function<void(std::int64_t first, std::span<const std::byte> bytes)>;
+
 /// Reads recordings with random access, never resampled:
 ///   - what libsndfile knows (WAV, RF64, W64, FLAC, OGG, MP3, AIFF, CAF ...); where the header of such a file gives
 ///     another length than it has, or none, what is there is read, and format().warning says so
@@ -33,10 +37,13 @@ struct AudioFormat {
 class AudioReader {
  public:
   /// @param rate_hz  sampling rate of numbers that come without one
+  /// @param bytes_read  told of whatever is read of plain samples (WAV, AIFF ... without a codec), each time it is, and
+  ///                    before the first of them of the header; of nothing else. Never by two threads at once.
   /// @throws FileError naming the remedy: missing, empty, no sound in it, ffmpeg needed and not installed, numbers
   ///         without a rate or with times that are not uniform, a sampling rate outside 4 kHz ... 4 MHz;
   ///         InvalidArgument where rate_hz is given for a file with a rate of its own, or is out of range
-  explicit AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz = std::nullopt);
+  explicit AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz = std::nullopt,
+                       BytesSink bytes_read = {});
   /// The same for the bytes of a file in memory, which must outlive the reader; by libsndfile alone.
   /// @param name  for messages. @throws FileError
   AudioReader(std::span<const std::byte> bytes, const std::string& name);
