@@ -22,6 +22,7 @@ struct TemplateWindow {
   double rate_hz = 0.0;
   std::size_t n_window = 0;
   std::size_t n_template = 0;
+  std::vector<double> taper;  ///< factors of the template's samples: both ends fall to 0
   std::int64_t samples(double duration_s) const;
 };
 
