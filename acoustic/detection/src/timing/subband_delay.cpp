@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 #include "timing/product_moments.hpp"
@@ -27,15 +29,19 @@ constexpr double kMaxStep = 1.0;          // samples; half a cycle at the highes
 /// sum of |x|^2 times weights; eight partial sums side by side, in an order that is the same on every processor.
 /// @param running  sums of the weights, n + 1
 BOUNCELAB_VECTOR_CLONES double weighted_power(const double* running, const float* re, const float* im, std::size_t n) {
-  constexpr std::size_t kSums = 8;
-  std::array<double, kSums> sums{};
-  const auto of = [&](std::size_t k) {
-    return (running[k + 1] - running[k]) * static_cast<double>(re[k] * re[k] + im[k] * im[k]);
-  };
+  using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
+  Doubles sums{};
   std::size_t k = 0;
-  for (; k + kSums <= n; k += kSums)
-    for (std::size_t lane = 0; lane < kSums; ++lane) sums[lane] += of(k + lane);
-  for (; k < n; ++k) sums[0] += of(k);
+  for (; k + kLanes <= n; k += kLanes) {
+    Lanes x, y;
+    Doubles before, after;
+    load(re + k, x);
+    load(im + k, y);
+    std::memcpy(&before, running + k, sizeof before);
+    std::memcpy(&after, running + k + 1, sizeof after);
+    sums += (after - before) * __builtin_convertvector(x * x + y * y, Doubles);
+  }
+  for (; k < n; ++k) sums[0] += (running[k + 1] - running[k]) * static_cast<double>(re[k] * re[k] + im[k] * im[k]);
   return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
 }
 
