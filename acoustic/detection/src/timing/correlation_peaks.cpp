@@ -94,9 +94,11 @@ CorrelationPeak Correlation::peak_at(std::size_t k) const {
   return {0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * height * height};
 }
 
-std::vector<CorrelationPeak> Correlation::peaks() const {
-  std::vector<std::size_t> others;  // the highest, by falling height
-  float least = 0.0F;               // that is of interest
+std::vector<CorrelationPeak> Correlation::peaks(double least_log_likelihood_ratio) const {
+  constexpr double kRounding = 1e-5;  // relative: heights are single precision
+  std::vector<std::size_t> others;    // the highest, by falling height
+  // that is of interest
+  auto least = static_cast<float>((1.0 - kRounding) * std::sqrt(std::max(0.0, least_log_likelihood_ratio) / scale_));
   const auto take = [&](std::size_t k) {
     if (!(values_[k] > least) || (k > top_ ? k - top_ : top_ - k) <= 2) return;
     others.insert(std::upper_bound(others.begin(), others.end(), k,

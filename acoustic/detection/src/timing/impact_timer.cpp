@@ -261,8 +261,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   const auto time_of = [&](double shift) {
     return (static_cast<double>(window.first) + shift + learned_.contact_index) / sound_.rate_hz;
   };
-  const std::vector<CorrelationPeak> peaks = products.peaks();
-  const DelayEstimate r = estimate_in(window, peaks.front().shift);
+  const DelayEstimate r = estimate_in(window, products.highest().shift);
   ImpactFit fit;
   fit.t_s = time_of(r.shift);
   fit.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
@@ -277,6 +276,8 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
   fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
   fit.correlation = correlation(r, window.total);
+  const std::vector<CorrelationPeak> peaks =
+      products.peaks(products.highest().log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance);
   for (std::size_t k = 1; k < peaks.size(); ++k) {
     const double margin =
         log_odds_margin(peaks[0].log_likelihood_ratio, peaks[k].log_likelihood_ratio, fit.disturbance);

@@ -31,6 +31,7 @@ struct TrainingImpact {
   audio::WhiteWindow window;
   audio::Spectrum spectrum;
   double total = 0.0;     ///< sum of squares
+  double power = 0.0;     ///< of the spectrum, which leaves out bin 0 and the last
   double position = 0.0;  ///< of the template within the window [samples]
   DelayEstimate estimate;
   double correlation = 1.0;
