@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 // What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the
@@ -16,8 +17,6 @@
 namespace bouncelab::audio {
 namespace {
 
-using Lanes = float __attribute__((vector_size(32)));  // one wide register, or two narrow ones
-constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
 constexpr std::size_t kDotBlock = kLanes * kChains;
 

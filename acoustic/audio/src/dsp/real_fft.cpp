@@ -15,7 +15,7 @@
 #include <type_traits>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
+#include "dsp/even_and_odd.hpp"
 
 namespace bouncelab::audio {
 
@@ -29,7 +29,7 @@ using FftwPlan = std::unique_ptr<std::remove_pointer_t<fftwf_plan>, DestroyPlan>
 /// as FFTW's own real transform planned by estimate (n = 1024 to 4096, tests/bench/kernels_bench.cpp).
 struct RealFft::Plan {
   FftwPlan forward, inverse;
-  std::vector<float> cosine, sine;  // of 2 pi k / n, k = 0 ... n/2 - 1
+  std::vector<float> cosine, sine;  // of 2 pi k / n, k = 0 ... n/4
 };
 
 namespace {
@@ -78,48 +78,13 @@ const RealFft::Plan& plan_for(std::size_t n) {
     plan.forward.reset(fftwf_plan_dft_1d(size, as_complex(work.in), as_complex(work.out), FFTW_FORWARD, FFTW_ESTIMATE));
     plan.inverse.reset(
         fftwf_plan_dft_1d(size, as_complex(work.in), as_complex(work.out), FFTW_BACKWARD, FFTW_ESTIMATE));
-    for (int k = 0; k < size; ++k) {
+    for (int k = 0; k <= size / 2; ++k) {
       const double phase = 2.0 * std::numbers::pi * k / static_cast<double>(n);
       plan.cosine.push_back(static_cast<float>(cos(phase)));
       plan.sine.push_back(static_cast<float>(sin(phase)));
     }
   }
   return plan;
-}
-
-BOUNCELAB_VECTOR_CLONES void deinterleave(const float* z, float* re, float* im, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) {
-    re[k] = z[2 * k];
-    im[k] = z[2 * k + 1];
-  }
-}
-
-/// X[k] = E[k] + exp(-2 pi i k / n) O[k], E and O the transforms of the even and odd samples, which Z = E + i O holds.
-/// @param h  n / 2; z_re and z_im hold h + 1, the last as the first
-BOUNCELAB_VECTOR_CLONES void unpack(const float* z_re, const float* z_im, const float* cosine, const float* sine,
-                                    float scale, float* __restrict re, float* __restrict im, std::size_t h) {
-  for (std::size_t k = 0; k < h; ++k) {
-    const float even_re = z_re[k] + z_re[h - k];
-    const float even_im = z_im[k] - z_im[h - k];
-    const float odd_re = z_im[k] + z_im[h - k];
-    const float odd_im = z_re[h - k] - z_re[k];
-    re[k] = scale * (even_re + (cosine[k] * odd_re + sine[k] * odd_im));
-    im[k] = scale * (even_im + (cosine[k] * odd_im - sine[k] * odd_re));
-  }
-}
-
-/// The inverse of unpack: Z = E + i O, but for its first value.
-/// @param re, im  h bins, of which the first is not read
-BOUNCELAB_VECTOR_CLONES void pack(const float* re, const float* im, const float* cosine, const float* sine, float scale,
-                                  float* z, std::size_t h) {
-  for (std::size_t k = 1; k < h; ++k) {
-    const float even_re = re[k] + re[h - k];
-    const float even_im = im[k] - im[h - k];
-    const float odd_re = re[k] - re[h - k];
-    const float odd_im = im[k] + im[h - k];
-    z[2 * k] = scale * (even_re - (sine[k] * odd_re + cosine[k] * odd_im));
-    z[2 * k + 1] = scale * (even_im + (cosine[k] * odd_re - sine[k] * odd_im));
-  }
 }
 
 }  // namespace
@@ -139,13 +104,11 @@ void RealFft::forward(std::span<const float> x, Spectrum& spectrum) {
   Workspace& work = workspace_for(n_);
   std::fill(std::copy(x.begin(), x.end(), work.in), work.in + n_, 0.0F);
   fftwf_execute_dft(plan.forward.get(), as_complex(work.in), as_complex(work.out));
-  deinterleave(work.out, work.re, work.im, h);
-  work.re[h] = work.re[0];
-  work.im[h] = work.im[0];
   spectrum.re.resize(h + 1);
   spectrum.im.resize(h + 1);
-  unpack(work.re, work.im, plan.cosine.data(), plan.sine.data(),
-         static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), spectrum.re.data(), spectrum.im.data(), h);
+  unpack_even_and_odd(work.out, plan.cosine.data(), plan.sine.data(),
+                      static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), spectrum.re.data(),
+                      spectrum.im.data(), h);
   spectrum.re[0] = spectrum.im[0] = spectrum.re[h] = spectrum.im[h] = 0.0F;
 }
 
@@ -184,8 +147,8 @@ std::span<const float> RealFft::inverse_of(const float* re, const float* im) con
   const Plan& plan = *plan_;
   Workspace& work = workspace_for(n_);
   work.in[0] = work.in[1] = 0.0F;
-  pack(re, im, plan.cosine.data(), plan.sine.data(), static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))),
-       work.in, h);
+  pack_even_and_odd(re, im, plan.cosine.data(), plan.sine.data(),
+                    static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_))), work.in, h);
   fftwf_execute_dft(plan.inverse.get(), as_complex(work.in), as_complex(work.out));
   return {work.out, n_};
 }

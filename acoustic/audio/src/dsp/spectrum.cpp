@@ -45,9 +45,11 @@ struct PhaseSteps {
   }
 };
 
-/// a[k] exp(i k angle), block by block.
-BOUNCELAB_VECTOR_CLONES void phase_shift(const float* a_re, const float* a_im, const PhaseSteps& steps,
-                                         float* __restrict re, float* __restrict im, std::size_t n) {
+/// x(k) exp(i k angle), block by block.
+/// @param value  of bin k, into a real and an imaginary part
+template <class Value>
+[[gnu::always_inline]] inline void times_phasors(const Value& value, const PhaseSteps& steps, float* __restrict re,
+                                                 float* __restrict im, std::size_t n) {
   double block_c = 1.0;  // n / 32 roundings of doubles: nothing to a float
   double block_s = 0.0;
   for (std::size_t k = 0; k < n; k += PhaseSteps::kBlock) {
@@ -57,13 +59,36 @@ BOUNCELAB_VECTOR_CLONES void phase_shift(const float* a_re, const float* a_im, c
     for (std::size_t j = 0; j < n_here; ++j) {
       const float here_c = c * steps.c[j] - s * steps.s[j];
       const float here_s = c * steps.s[j] + s * steps.c[j];
-      re[k + j] = a_re[k + j] * here_c - a_im[k + j] * here_s;
-      im[k + j] = a_re[k + j] * here_s + a_im[k + j] * here_c;
+      float x, y;
+      value(k + j, x, y);
+      re[k + j] = x * here_c - y * here_s;
+      im[k + j] = x * here_s + y * here_c;
     }
     const double next_c = block_c * steps.block.c - block_s * steps.block.s;
     block_s = block_c * steps.block.s + block_s * steps.block.c;
     block_c = next_c;
   }
+}
+
+BOUNCELAB_VECTOR_CLONES void phase_shift(const float* a_re, const float* a_im, const PhaseSteps& steps,
+                                         float* __restrict re, float* __restrict im, std::size_t n) {
+  times_phasors(
+      [&](std::size_t k, float& x, float& y) {
+        x = a_re[k];
+        y = a_im[k];
+      },
+      steps, re, im, n);
+}
+
+BOUNCELAB_VECTOR_CLONES void multiply_conj(const float* ar, const float* ai, const float* br, const float* bi,
+                                           const PhaseSteps& steps, float* __restrict re, float* __restrict im,
+                                           std::size_t n) {
+  times_phasors(
+      [&](std::size_t k, float& x, float& y) {
+        x = ar[k] * br[k] + ai[k] * bi[k];
+        y = ar[k] * bi[k] - ai[k] * br[k];
+      },
+      steps, re, im, n);
 }
 
 Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
@@ -95,6 +120,9 @@ Spectrum phase_ramp(std::size_t n, double angle) {
 
 void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, float* re, float* im) {
   multiply(a.re.data(), a.im.data(), -1.0F, b.re.data(), b.im.data(), re, im, n);
+}
+void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle, float* re, float* im) {
+  multiply_conj(a.re.data(), a.im.data(), b.re.data(), b.im.data(), PhaseSteps(angle), re, im, n);
 }
 Spectrum product_conj(const Spectrum& a, const Spectrum& b) { return multiplied(a, -1.0F, b); }
 Spectrum product(const Spectrum& a, const Spectrum& b) { return multiplied(a, 1.0F, b); }

@@ -4,14 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace bouncelab::detection {
 
 float clip_level(const audio::AudioSource& sound, double t_s) {
   constexpr double kAround_s = 5e-3;
-  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
-  audio::read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
+  const auto n = static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3;
+  const std::int64_t first = std::llround(t_s * sound.rate_hz) - 1;
+  std::vector<float> copy;
+  std::span<const float> x = audio::resident_span(sound, first, n);  // of most, without a copy
+  if (x.empty()) {
+    copy.resize(n);
+    audio::read_padded(sound, first, copy);
+    x = copy;
+  }
   int n_flat = 0;  // 0 for most impacts, and this loop is vectorised
   for (std::size_t k = 2; k < x.size(); ++k)
     n_flat += static_cast<int>(x[k] == x[k - 1]) & static_cast<int>(x[k] == x[k - 2]) & static_cast<int>(x[k] != 0.0F);

@@ -10,6 +10,7 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/vector_clones.hpp"
+#include "timing/near_lags.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -65,19 +66,25 @@ Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sou
     // the inverse holds sums of products over sqrt(n_window)
     : scale_(0.5 * static_cast<double>(filter.n_window()) / filter.energy()) {
   // steps of half a sample: with whole samples a peak near the Nyquist frequency could fall between two steps
-  audio::RealFft twice(2 * filter.n_window());
-  const std::span<const float> products = twice.inverse_of_product_conj(filter.spectrum(), sound);
-  const auto n = static_cast<std::int64_t>(products.size());
+  const std::size_t n_lags = 2 * filter.n_window();
+  const auto n = static_cast<std::int64_t>(n_lags);
   lowest_ = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
   const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest_, n / 2 - 2);
   values_.reserve(static_cast<std::size_t>(highest - lowest_ + 3));
   values_.push_back(-INFINITY);
-  // negative shifts are at the end
-  if (lowest_ < 0)
-    values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));
-  if (highest >= 0)
-    values_.insert(values_.end(), products.begin() + std::max<std::int64_t>(0, lowest_),
-                   products.begin() + highest + 1);
+  if (n_lags >= NearLags::kShortest && std::max(-lowest_, highest) <= NearLags::reach(n_lags)) {
+    NearLags::of_length(n_lags).append_inverse_of_product_conj(
+        filter.spectrum(), sound, std::min(filter.n_filled(), sound.size()), lowest_, highest, values_);
+  } else {
+    audio::RealFft twice(n_lags);
+    const std::span<const float> products = twice.inverse_of_product_conj(filter.spectrum(), sound);
+    // negative shifts are at the end
+    if (lowest_ < 0)
+      values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));
+    if (highest >= 0)
+      values_.insert(values_.end(), products.begin() + std::max<std::int64_t>(0, lowest_),
+                     products.begin() + highest + 1);
+  }
   values_.push_back(-INFINITY);
   top_ = place_of_largest(values_);
 }
@@ -87,9 +94,11 @@ CorrelationPeak Correlation::peak_at(std::size_t k) const {
   return {0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * height * height};
 }
 
-std::vector<CorrelationPeak> Correlation::peaks() const {
-  std::vector<std::size_t> others;  // the highest, by falling height
-  float least = 0.0F;               // that is of interest
+std::vector<CorrelationPeak> Correlation::peaks(double least_log_likelihood_ratio) const {
+  constexpr double kRounding = 1e-5;  // relative: heights are single precision
+  std::vector<std::size_t> others;    // the highest, by falling height
+  // that is of interest
+  auto least = static_cast<float>((1.0 - kRounding) * std::sqrt(std::max(0.0, least_log_likelihood_ratio) / scale_));
   const auto take = [&](std::size_t k) {
     if (!(values_[k] > least) || (k > top_ ? k - top_ : top_ - k) <= 2) return;
     others.insert(std::upper_bound(others.begin(), others.end(), k,

@@ -9,6 +9,7 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 #include "timing/impact_whitener.hpp"
 #include "timing/subband_jitter.hpp"
 #include "timing/subband_noise.hpp"
@@ -103,24 +104,32 @@ void describe_training(TemplateEstimation& e) {
   }
 }
 
+BOUNCELAB_VECTOR_CLONES void add_with_squares(const float* x, double factor, double* __restrict sum,
+                                              double* __restrict squares, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double value = factor * static_cast<double>(x[k]);
+    sum[k] += value;
+    squares[k] += value * value;
+  }
+}
+
 /// Mean of the training impacts as recorded, and its spread.
 void describe_waveform(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
-  const std::size_t n_window = e.window.n_window;
-  std::vector<double> sum(n_window, 0.0);
-  std::vector<double> squares(n_window, 0.0);
-  std::vector<float> x(n_window);
+  std::vector<double> sum(learned.n_template, 0.0);
+  std::vector<double> squares(learned.n_template, 0.0);
+  std::vector<float> x(e.window.n_window);
+  audio::Spectrum spectrum, moved = learned.filter.spectrum();  // for its size
   double n = 0.0;
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged() || n >= kMaxShown) continue;
     audio::read_padded(e.white.source(), impact.window.first, x);
-    const audio::Spectrum moved = audio::phase_shifted(e.fourier.forward(x), learned.filter.omega() * impact.position);
-    const std::vector<float> y = e.fourier.inverse(moved);
-    for (std::size_t k = 0; k < n_window; ++k) {
-      const double value = y[k] / impact.estimate.amplitude;
-      sum[k] += value;
-      squares[k] += value * value;
-    }
+    e.fourier.forward(x, spectrum);
+    audio::phase_shift(spectrum, learned.filter.omega() * impact.position, moved);
+    const std::size_t n_bins = e.window.n_window / 2;
+    const std::span<const float> y =
+        e.fourier.inverse(std::span(moved.re).first(n_bins), std::span(moved.im).first(n_bins));
+    add_with_squares(y.data(), 1.0 / impact.estimate.amplitude, sum.data(), squares.data(), sum.size());
     n += 1.0;
   }
   learned.waveform.resize(learned.n_template);

@@ -2,7 +2,6 @@
 #include "timing/impact_timer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <span>
@@ -48,15 +47,13 @@ std::vector<float> taper_of(std::size_t n) {
   return taper;
 }
 
-/// |sound - amplitude placed|^2
-BOUNCELAB_VECTOR_CLONES void rest_power(const float* sound_re, const float* sound_im, float amplitude,
-                                        const float* placed_re, const float* placed_im, double* __restrict power,
-                                        std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) {
-    const auto re = static_cast<double>(sound_re[k] - amplitude * placed_re[k]);
-    const auto im = static_cast<double>(sound_im[k] - amplitude * placed_im[k]);
-    power[k] = re * re + im * im;
-  }
+/// x = sound - amplitude x
+BOUNCELAB_VECTOR_CLONES void leave_rest(const float* sound, float amplitude, float* x, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) x[k] = sound[k] - amplitude * x[k];
+}
+
+void leave_rest(const std::vector<float>& sound, float amplitude, std::vector<float>& x) {
+  leave_rest(sound.data(), amplitude, x.data(), x.size());
 }
 
 void multiply(std::vector<float>& x, const std::vector<float>& mask) {
@@ -179,16 +176,9 @@ double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEsti
     fourier_.forward(wave, placed);
   }
   const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
-  const audio::Spectrum& sound = window.spectrum;
-  constexpr std::size_t kPowersAtOnce = 64;  // powers side by side; their sum waits for each addition
-  std::array<double, kPowersAtOnce> power;
-  double sum = 0.0;
-  for (std::size_t from = 0; from < filter.n_filled(); from += kPowersAtOnce) {
-    const std::size_t n = std::min(kPowersAtOnce, filter.n_filled() - from);
-    rest_power(sound.re.data() + from, sound.im.data() + from, amplitude, placed.re.data() + from,
-               placed.im.data() + from, power.data(), n);
-    for (std::size_t k = 0; k < n; ++k) sum += filter.energy(from + k, from + k + 1) * power[k];
-  }
+  leave_rest(window.spectrum.re, amplitude, placed.re);
+  leave_rest(window.spectrum.im, amplitude, placed.im);
+  const double sum = filter.energy_times_power_of(placed);
   return 0.5 * sum / (filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }
 
@@ -271,8 +261,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   const auto time_of = [&](double shift) {
     return (static_cast<double>(window.first) + shift + learned_.contact_index) / sound_.rate_hz;
   };
-  const std::vector<CorrelationPeak> peaks = products.peaks();
-  const DelayEstimate r = estimate_in(window, peaks.front().shift);
+  const DelayEstimate r = estimate_in(window, products.highest().shift);
   ImpactFit fit;
   fit.t_s = time_of(r.shift);
   fit.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
@@ -287,6 +276,8 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
   fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
   fit.correlation = correlation(r, window.total);
+  const std::vector<CorrelationPeak> peaks =
+      products.peaks(products.highest().log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance);
   for (std::size_t k = 1; k < peaks.size(); ++k) {
     const double margin =
         log_odds_margin(peaks[0].log_likelihood_ratio, peaks[k].log_likelihood_ratio, fit.disturbance);

@@ -77,7 +77,7 @@ std::vector<PossiblePlace> PlaceSearch::find(Ringing& known, double rate_hz, std
     if (0.5 * audio::dot(x, x) <= least) continue;
     fourier_.forward(x, spectrum);
     const Correlation products(filter_, spectrum, static_cast<double>(-begin_), static_cast<double>(n - 1 - begin_));
-    for (const CorrelationPeak& peak : products.peaks()) {
+    for (const CorrelationPeak& peak : products.peaks(least / between_steps_)) {
       const double most = between_steps_ * peak.log_likelihood_ratio;
       const double begin = static_cast<double>(first + at + begin_) + peak.shift;
       if (most > least) places.push_back({(begin + learned_.contact_index) / rate_hz, most});

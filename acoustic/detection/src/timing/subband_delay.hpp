@@ -53,6 +53,9 @@ class MatchedFilter {
   double information(std::size_t from, std::size_t to) const {
     return running_information_[to] - running_information_[from];
   }
+  /// sum |W|^2 |X|^2 over the bins that are not 0, and sum omega^2 |W|^2 |X|^2 over bins from ... to - 1
+  double energy_times_power_of(const audio::Spectrum& x) const;
+  double information_times_power_of(const audio::Spectrum& x, std::size_t from, std::size_t to) const;
 
  private:
   audio::Spectrum spectrum_;

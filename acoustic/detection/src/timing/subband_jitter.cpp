@@ -2,10 +2,12 @@
 #include "timing/subband_jitter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
@@ -18,37 +20,65 @@ constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band ove
 constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
 constexpr double kMaxCorrelation = 0.95;
 
-/// Each squared deviation over its expected value, less the 1 that it is on average.
-BOUNCELAB_VECTOR_CLONES void excesses(const double* squares, const double* noise, const double* share, double jitter2,
-                                      double* __restrict excess, std::size_t n) {
+/// Sum of the squared deviations, each over its expected value, and its derivative by the jitter.
+struct Ratios {
+  double sum = 0.0;
+  double slope = 0.0;
+};
+
+/// @param squares  over the share of its variance that a deviation keeps
+BOUNCELAB_VECTOR_CLONES void add_ratios(const double* squares, const double* noise, double jitter2, std::size_t n,
+                                        Ratios& ratios) {
   constexpr double kMost = 9.0;  // robust against single disturbed impacts
-  for (std::size_t k = 0; k < n; ++k) {
-    const double ratio = squares[k] / (share[k] * (noise[k] + jitter2));
-    excess[k] = (ratio < kMost ? ratio : kMost) - 1.0;
+  constexpr std::size_t kSums = 8;
+  std::array<double, kSums> sum{}, slope{};
+  const auto add = [&](std::size_t k, std::size_t lane) {
+    const double per_variance = 1.0 / (noise[k] + jitter2);
+    const double ratio = squares[k] * per_variance;
+    sum[lane] += ratio < kMost ? ratio : kMost;
+    slope[lane] -= ratio < kMost ? ratio * per_variance : 0.0;
+  };
+  std::size_t k = 0;
+  for (; k + kSums <= n; k += kSums)
+    for (std::size_t lane = 0; lane < kSums; ++lane) add(k + lane, lane);
+  for (; k < n; ++k) add(k, 0);
+  for (std::size_t lane = 0; lane < kSums; ++lane) {
+    ratios.sum += sum[lane];
+    ratios.slope += slope[lane];
   }
 }
 
-/// Jitter at which the squared deviations of one sub-band, each over its expected value, average 1; by bisection.
-double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise,
-                 const std::vector<double>& share) {
-  std::vector<double> of_each(squares.size());
-  const auto excess = [&](double jitter2) {
-    excesses(squares.data(), noise.data(), share.data(), jitter2, of_each.data(), of_each.size());
-    return std::accumulate(of_each.begin(), of_each.end(), 0.0);
-  };
-  if (excess(0.0) <= 0.0) return 0.0;
+Ratios ratios_at(double jitter2, const std::vector<double>& squares, const std::vector<double>& noise) {
+  Ratios ratios;
+  add_ratios(squares.data(), noise.data(), jitter2, squares.size(), ratios);
+  return ratios;
+}
+
+/// Jitter at which the squared deviations of one sub-band, each over its expected value, average 1: by Newton's steps
+/// for 1 - n / sum = 0, which is linear in the jitter where that is all there is; halved where they leave the bracket.
+/// @param squares  over the share of its variance that a deviation keeps
+double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise) {
+  constexpr double kTolerance = 1e-6;  // relative
+  constexpr int kMostSteps = 60;
+  const auto n = static_cast<double>(squares.size());
+  if (ratios_at(0.0, squares, noise).sum <= n) return 0.0;
   double lo = 0.0;
-  double hi = *std::max_element(squares.begin(), squares.end()) * 10.0;
-  for (int step = 0; step < 60 && hi - lo > 1e-6 * hi; ++step) {
-    const double middle = 0.5 * (lo + hi);
-    (excess(middle) > 0.0 ? lo : hi) = middle;
+  double hi = *std::max_element(squares.begin(), squares.end());  // at which no ratio is above 1
+  double jitter2 = std::accumulate(squares.begin(), squares.end(), 0.0) / n;
+  for (int step = 0; step < kMostSteps && hi - lo > kTolerance * hi; ++step) {
+    const Ratios here = ratios_at(jitter2, squares, noise);
+    (here.sum > n ? lo : hi) = jitter2;
+    const double next = jitter2 + here.sum * (here.sum - n) / (n * -here.slope);
+    const double last = jitter2;
+    jitter2 = next > lo && next < hi ? next : 0.5 * (lo + hi);
+    if (std::abs(jitter2 - last) <= kTolerance * jitter2) break;
   }
-  return 0.5 * (lo + hi);
+  return jitter2;
 }
 
 /// Deviations of each sub-band from the mean of all, by sub-band and impact.
 struct Deviations {
-  std::vector<std::vector<double>> deviation, squares, noise;
+  std::vector<std::vector<double>> deviation, noise;
   std::vector<SubbandMean> mean;
 };
 
@@ -62,38 +92,41 @@ void set_deviations(const std::vector<DelayEstimate>& estimates, const Subbands&
     for (std::size_t j = 0; j < n; ++j) mean += d.mean[k].weight[j] * r.deviation[j];
     for (std::size_t j = 0; j < n; ++j) {
       d.deviation[j][k] = r.deviation[j] - mean;
-      d.squares[j][k] = (r.deviation[j] - mean) * (r.deviation[j] - mean);
       d.noise[j][k] = r.noise_variance[j];
     }
   }
 }
 
-/// Var(d_j - mean) / Var(d_j) for each impact: the mean follows each sub-band and, by their correlation, its
+/// Squared deviations over Var(d_j - mean) / Var(d_j): the mean follows each sub-band and, by their correlation, its
 /// neighbours.
-std::vector<double> residual_shares(const Deviations& d, std::size_t subband) {
-  std::vector<double> shares;
-  for (const SubbandMean& m : d.mean)
-    shares.push_back(std::max(kMinResidualShare,
-                              1.0 - (2.0 * m.relative_covariance[subband] - m.design_effect) * m.weight[subband]));
-  return shares;
+std::vector<double> squares_over_share(const Deviations& d, std::size_t subband) {
+  std::vector<double> squares(d.mean.size());
+  for (std::size_t k = 0; k < squares.size(); ++k) {
+    const SubbandMean& m = d.mean[k];
+    squares[k] =
+        square(d.deviation[subband][k]) /
+        std::max(kMinResidualShare, 1.0 - (2.0 * m.relative_covariance[subband] - m.design_effect) * m.weight[subband]);
+  }
+  return squares;
 }
 
 /// Correlation rho of the jitter of neighbours. Subtracting the mean lowers the expected product of two deviations by
 /// (r_j + r_k - design effect) sqrt(w_j w_k), r the relative covariances. The estimate is shrunk by rho^2 / (rho^2 +
 /// its variance), so that chance alone hardly raises it.
 double correlation(const Deviations& d, const Subbands& subbands) {
+  std::vector<std::vector<double>> z = d.deviation;  // in standard deviations
+  for (std::size_t j = 0; j < subbands.n(); ++j)
+    for (std::size_t k = 0; k < d.mean.size(); ++k)
+      z[j][k] = std::clamp(z[j][k] / std::sqrt(d.noise[j][k] + subbands.jitter2[j]), -3.0, 3.0);
   double products = 0.0;
   double pairs = 0.0;
   for (std::size_t j = 0; j + 1 < subbands.n(); ++j)
     for (std::size_t k = 0; k < d.mean.size(); ++k) {
       const SubbandMean& m = d.mean[k];
-      const auto z = [&](std::size_t c) {
-        return std::clamp(d.deviation[c][k] / std::sqrt(d.noise[c][k] + subbands.jitter2[c]), -3.0, 3.0);
-      };
       const double taken_off = (m.relative_covariance[j] + m.relative_covariance[j + 1] - m.design_effect) *
                                std::sqrt(m.weight[j] * m.weight[j + 1]);
       const double jitter2 = m.jitter[j] * m.jitter[j + 1];
-      products += std::sqrt(jitter2) * (z(j) * z(j + 1) + taken_off);
+      products += std::sqrt(jitter2) * (z[j][k] * z[j + 1][k] + taken_off);
       pairs += jitter2;
     }
   const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMaxCorrelation);
@@ -129,12 +162,11 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   subbands.correlation = 0.0;
   subbands.n_training = estimates.size();
   const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
-  Deviations d{zeros, zeros, zeros, std::vector<SubbandMean>(estimates.size())};
+  Deviations d{zeros, zeros, std::vector<SubbandMean>(estimates.size())};
   for (int round = 0; round < kJitterRounds; ++round) {
     set_deviations(estimates, subbands, d);
     const std::vector<double> before = subbands.jitter2;
-    for (std::size_t j = 0; j < n; ++j)
-      subbands.jitter2[j] = jitter_of(d.squares[j], d.noise[j], residual_shares(d, j));
+    for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares_over_share(d, j), d.noise[j]);
     shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
     set_deviations(estimates, subbands, d);
     subbands.correlation = correlation(d, subbands);

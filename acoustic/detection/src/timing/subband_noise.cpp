@@ -22,10 +22,7 @@ struct QuietWindow {
 QuietWindow measure_power(const audio::Spectrum& sound, const MatchedFilter& filter, const Subbands& subbands) {
   QuietWindow quiet;
   for (std::size_t j = 0; j < subbands.n(); ++j) {
-    double sum = 0.0;
-    for (std::size_t k = subbands.edge[j]; k < subbands.edge[j + 1]; ++k)
-      sum += filter.information(k, k + 1) *
-             (static_cast<double>(sound.re[k]) * sound.re[k] + static_cast<double>(sound.im[k]) * sound.im[k]);
+    const double sum = filter.information_times_power_of(sound, subbands.edge[j], subbands.edge[j + 1]);
     quiet.power.push_back(0.5 * sum / (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
     quiet.weighted_power += sum;
   }
@@ -38,11 +35,14 @@ double estimate_noise(audio::WhiteSound& sound, const std::vector<float>& whiten
                       const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands) {
   audio::RealFft fourier(filter.n_window());
   std::vector<QuietWindow> windows;
+  windows.reserve(begins.size());
   std::vector<float> white(filter.n_window());
+  audio::Spectrum spectrum;
   for (const std::int64_t begin : begins) {
     const std::int64_t first = begin - static_cast<std::int64_t>(filter.n_window());
     sound.read(whitener, first, white);
-    windows.push_back(measure_power(fourier.forward(white), filter, subbands));
+    fourier.forward(white, spectrum);
+    windows.push_back(measure_power(spectrum, filter, subbands));
     windows.back().energy = audio::dot(white, white);
   }
   const std::size_t n_quiet = (windows.size() + 1) / 2;

@@ -47,6 +47,7 @@ double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
 
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
   cut_window(e.white, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
+  impact.power = power_of(impact.spectrum, impact.spectrum.size());
 }
 
 void set_template(TemplateEstimation& e, TemplateAverage average) {
@@ -74,7 +75,8 @@ void align(TemplateEstimation& e, bool search) {
     impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
     impact.position = impact.estimate.shift;
     impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
-    impact.correlation = correlation(impact.estimate, power_of(impact.spectrum, e.n_bins));
+    const bool is_whole = e.n_bins == impact.spectrum.size();
+    impact.correlation = correlation(impact.estimate, is_whole ? impact.power : power_of(impact.spectrum, e.n_bins));
   }
 }
 

@@ -34,22 +34,27 @@ double template_length_s(const std::vector<Candidate>& impacts) {
   return n_close >= kManyClose && n_far >= kManyIsolated ? kLongTemplate_s : kShortTemplate_s;
 }
 
+std::vector<double> taper_of(const TemplateWindow& window) {
+  const auto fall = static_cast<std::size_t>(window.samples(kTaper_s));
+  const auto rise = static_cast<std::size_t>(window.samples(0.25 * kTemplateLead_s)) + 1;
+  const auto part_of_sine = [](std::size_t n, std::size_t of) {
+    return square(sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(of)));
+  };
+  std::vector<double> taper(window.n_template, 1.0);
+  for (std::size_t n = 0; n < std::min(rise, taper.size()); ++n) taper[n] *= part_of_sine(n, rise);
+  for (std::size_t left = 1; left < fall && left <= taper.size(); ++left)
+    taper[taper.size() - left] *= part_of_sine(left, fall);
+  return taper;
+}
+
 /// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
 /// @param mean  receives it as a function of time
 audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
                         audio::RealFft& fourier, std::vector<float>& mean) {
   mean = fourier.inverse(sum);
   const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
-  const auto fall = static_cast<std::size_t>(window.samples(kTaper_s));
-  const auto rise = static_cast<std::size_t>(window.samples(0.25 * kTemplateLead_s)) + 1;
-  const std::size_t n_template = window.n_template;
-  for (std::size_t n = 0; n < window.n_window; ++n) {
-    double w = n < n_template ? scale : 0.0;
-    if (n < rise) w *= square(sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(rise)));
-    if (n < n_template && n + fall > n_template)
-      w *= square(sin(0.5 * kPi * static_cast<double>(n_template - n) / static_cast<double>(fall)));
-    mean[n] *= static_cast<float>(w);
-  }
+  for (std::size_t n = 0; n < window.n_template; ++n) mean[n] *= static_cast<float>(scale * window.taper[n]);
+  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(window.n_template), mean.end(), 0.0F);
   return fourier.forward(mean);
 }
 
@@ -93,9 +98,10 @@ std::int64_t TemplateWindow::samples(double duration_s) const { return std::llro
 
 TemplateWindow template_window(const audio::AudioSource& sound, const std::vector<Candidate>& impacts) {
   const double length_s = template_length_s(impacts);
-  TemplateWindow w{sound.rate_hz, 0, 0};
+  TemplateWindow w{sound.rate_hz, 0, 0, {}};
   w.n_window = std::bit_ceil(static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s + 2.0 * kRoughTimeError_s)));
   w.n_template = std::min(w.n_window, static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s)));
+  w.taper = taper_of(w);
   return w;
 }
 

@@ -22,6 +22,7 @@ struct TemplateWindow {
   double rate_hz = 0.0;
   std::size_t n_window = 0;
   std::size_t n_template = 0;
+  std::vector<double> taper;  ///< factors of the template's samples: both ends fall to 0
   std::int64_t samples(double duration_s) const;
 };
 
@@ -30,6 +31,7 @@ struct TrainingImpact {
   audio::WhiteWindow window;
   audio::Spectrum spectrum;
   double total = 0.0;     ///< sum of squares
+  double power = 0.0;     ///< of the spectrum, which leaves out bin 0 and the last
   double position = 0.0;  ///< of the template within the window [samples]
   DelayEstimate estimate;
   double correlation = 1.0;

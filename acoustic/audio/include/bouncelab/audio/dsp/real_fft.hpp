@@ -58,6 +58,8 @@ Spectrum phase_ramp(std::size_t n, double angle);
 
 /// conj(a) b, of bins 0 ... n - 1, both of which have so many
 void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, float* re, float* im);
+/// conj(a[k]) b[k] exp(i k angle), the phasor to 1e-6
+void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle, float* re, float* im);
 Spectrum product_conj(const Spectrum& a, const Spectrum& b);
 /// a b
 Spectrum product(const Spectrum& a, const Spectrum& b);
