@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/ball_hypothesis.hpp"
@@ -117,7 +116,7 @@ class Alternatives {
   double taken(BallHypothesis h, const std::optional<Step>& step, std::size_t n, std::size_t n_more) const {
     if (!step) return -INFINITY;
     h.take(*step, own_.seen[n], o_.model());
-    return followed(std::move(h), n, n_more);
+    return followed(h, n, n_more);
   }
 
   /// Log weight with candidate k in the place of n.
@@ -141,7 +140,7 @@ class Alternatives {
     if (n + 1 == size()) return h.log_odds - log_odds(n);
     const std::optional<Step> step =
         h.step_to(own_.seen[n + 1], n_missing(n, n + 1), source(n + 1), false, -INFINITY, model);
-    return taken(std::move(h), step, n + 1, kFollowed - 1);
+    return taken(h, step, n + 1, kFollowed - 1);
   }
 
   const Observations& o_;

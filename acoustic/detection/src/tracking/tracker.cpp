@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
+#include "tracking/impact_odds.hpp"
 #include "tracking/log_sum.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
