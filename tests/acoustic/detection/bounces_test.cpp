@@ -62,7 +62,7 @@ TEST(Bounces, NoDensityIsAboveTheLargest) {
     for (const double jitter2 : {0.0, 1e-4})
       for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
         const Bounces ball = after(past);
-        const double of_flight = ball.largest_share_of_flight(n_missing, kModel);
+        const double of_flight = ball.largest_share_of_flight(kModel) * largest_factor_of_missing(n_missing, kModel);
         for (double interval_s = 0.3 * kFlight_s; interval_s < 5.0 * kFlight_s; interval_s *= 1.003) {
           const std::optional<Flight> flight = flight_of(interval_s, kFlight_s, n_missing);
           if (!flight) continue;

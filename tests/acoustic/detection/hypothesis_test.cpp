@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
@@ -153,6 +154,45 @@ TEST(Hypothesis, BelowTheLeastLogOddsIsNoHypothesis) {
   const double odds = h.extended(o[2], 0, 1.0, true, -INFINITY, kModel)->log_odds;
   EXPECT_TRUE(h.extended(o[2], 0, 1.0, true, odds - 1e-9, kModel));
   EXPECT_FALSE(h.extended(o[2], 0, 1.0, true, odds + 1e-9, kModel));
+}
+
+TEST(Hypothesis, NoImpactAddsMoreThanTheLargestGain) {
+  const std::vector<Candidate> ball = test::candidates_of({});
+  const Observations o(ball, test::kTiming_s, kNone, kModel);
+  Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
+  for (std::size_t k = 2; k < 6; ++k) {
+    for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
+      const double most =
+          h.log_odds + h.largest_gain(kModel) + BallHypothesis::log_factor_of_missing(n_missing, kModel);
+      for (double gap = 0.4; gap < 4.4; gap *= 1.003) {
+        Observation next = o[k];
+        next.t_s = o[k - 1].t_s + gap * h.flight_s;
+        for (const bool is_counted : {false, true}) {
+          const auto step = h.step_to(next, n_missing, 1.0, is_counted, -INFINITY, kModel);
+          if (!step) continue;
+          EXPECT_LE(step->log_odds - next.log_rise_odds, most) << k << ' ' << n_missing << ' ' << gap;
+        }
+      }
+    }
+    h = h.extended(o[k], 0, 1.0, true, -INFINITY, kModel).value();
+  }
+}
+
+TEST(Hypothesis, AStepHasTheLogOddsOfTheHypothesisThatTakesIt) {
+  const std::vector<Candidate> ball = test::candidates_of({});
+  const Observations o(ball, test::kTiming_s, kNone, kModel);
+  const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
+  const auto step = h.step_to(o[2], 0, 1.0, true, -INFINITY, kModel);
+  ASSERT_TRUE(step);
+  const Hypothesis longer = h.extended(o[2], 0, 1.0, true, -INFINITY, kModel).value();
+  BallHypothesis as_ball = h;
+  as_ball.take(*step, o[2], kModel);
+  for (const BallHypothesis* one : {static_cast<const BallHypothesis*>(&longer), &std::as_const(as_ball)}) {
+    EXPECT_EQ(one->log_odds, step->log_odds);
+    EXPECT_EQ(one->flight_s, step->flight_s);
+    EXPECT_EQ(one->impact, 2);
+    EXPECT_EQ(one->n_impacts, 3);
+  }
 }
 
 TEST(Hypothesis, ASoundOfAnotherSourceIsAWorseImpact) {

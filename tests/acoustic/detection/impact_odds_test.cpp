@@ -135,11 +135,7 @@ std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, T
   const TrackingModel model;
   const SameSource none;
   const Observations o(candidates, 5e-5, none, model);
-  std::vector<std::size_t> own;
-  for (const TrackImpact& impact : track.impacts) own.push_back(impact.candidate);
-  std::vector<Observation> seen;
-  for (const std::size_t k : own) seen.push_back(o.without(k, own));
-  set_impact_probabilities(o, seen, own, track);
+  set_impact_probabilities(o, own_sounds(o, track), track);
   std::vector<double> p;
   for (const TrackImpact& impact : track.impacts) p.push_back(impact.probability);
   return p;

@@ -23,7 +23,7 @@ Track track_of(const std::vector<std::size_t>& candidates) {
 
 std::vector<Track> rescored_of(const std::vector<Candidate>& candidates, const std::vector<Track>& tracks,
                                const TrackingModel& model = kModel) {
-  return rescored(Observations(candidates, test::kTiming_s, kNone, model), tracks);
+  return rescored(Observations(candidates, test::kTiming_s, kNone, model), tracks).tracks;
 }
 
 std::vector<std::size_t> candidates_of(const Track& track) {
@@ -123,7 +123,7 @@ TEST(Rescoring, UnexplainedSoundsLikeItsOwnMakeATrackLessProbable) {
   TrackingModel lenient;
   lenient.unexplained = 0.0;
   const auto odds = [&](const SameSource& e, const TrackingModel& model) {
-    const std::vector<Track> tracks = rescored(Observations(both, test::kTiming_s, e, model), {track});
+    const std::vector<Track> tracks = rescored(Observations(both, test::kTiming_s, e, model), {track}).tracks;
     return tracks.empty() ? -INFINITY : tracks[0].log_odds;
   };
   EXPECT_NEAR(odds(same, lenient) - odds(same, kModel), kModel.unexplained, 0.15);  // one, probably of the same source

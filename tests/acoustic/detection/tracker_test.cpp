@@ -246,7 +246,7 @@ TEST(Tracker, SearchFindsWhatAnExhaustiveSearchOverAllSequencesFinds) {
     if (best.size() > 1 && best[0].score < best[1].score + kClear) continue;
     n_clear += 1;
     n_with_ball += best[0].tracks.empty() ? 0 : 1;
-    std::vector<Track> expected = rescored(o, best[0].tracks);
+    std::vector<Track> expected = rescored(o, best[0].tracks).tracks;
     weigh_by_drop_rate(candidates, expected, model);
     std::erase_if(expected, [](const Track& track) { return track.log_odds < 0.0; });
     EXPECT_EQ(places_of(find_tracks(candidates, test::kTiming_s)), places_of(expected)) << seed;

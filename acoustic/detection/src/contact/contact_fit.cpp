@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 #include "contact/contact_time.hpp"
 #include "contact/level_model.hpp"
 
@@ -34,22 +35,40 @@ struct BandEstimates {
   std::vector<double> variance;
 };
 
+/// xy += w x y, xx += w x x.
+BOUNCELAB_VECTOR_CLONES void add_products(const double* w, const double* x, const double* y, double* __restrict xy,
+                                          double* __restrict xx, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) {
+    xy[m] += w[m] * x[m] * y[m];
+    xx[m] += w[m] * x[m] * x[m];
+  }
+}
+
+/// Subtracts half of the logarithm of the variance and of the square of the residual, which is limited.
+BOUNCELAB_VECTOR_CLONES void subtract_half_of(const double* log_variance, const double* residual,
+                                              const double* variance, double* __restrict sum, std::size_t n) {
+  constexpr double kLargest = 9.0;
+  for (std::size_t m = 0; m < n; ++m) {
+    const double square = residual[m] * residual[m] / variance[m];
+    sum[m] -= 0.5 * (log_variance[m] + (kLargest < square ? kLargest : square));
+  }
+}
+
 /// Regression of each band's residuals on d ln P / d tau_1^2, amplitudes and responses taken out of both.
 BandEstimates estimates_by_band(const LevelModel& model) {
   BandTable regressor = model.dlogp_dtau2;
   BandTable rest = model.residual;
   demean_two_way(regressor, model.weight);
   demean_two_way(rest, model.weight);
+  const std::size_t n = model.n_bands();
+  std::vector<double> xy(n, 0.0), xx(n, 0.0);
+  for (std::size_t k = 0; k < model.n_impacts(); ++k)
+    add_products(model.weight[k], regressor[k], rest[k], xy.data(), xx.data(), n);
   BandEstimates estimates;
-  for (std::size_t m = 0; m < model.n_bands(); ++m) {
-    double xy = 0.0, xx = 0.0;
-    for (std::size_t k = 0; k < model.n_impacts(); ++k) {
-      xy += model.weight[k][m] * regressor[k][m] * rest[k][m];
-      xx += model.weight[k][m] * regressor[k][m] * regressor[k][m];
-    }
-    if (!model.is_active[m] || !(xx > 0.0)) continue;
-    estimates.step.push_back(xy / xx);
-    estimates.variance.push_back(1.0 / xx);
+  for (std::size_t m = 0; m < n; ++m) {
+    if (!model.is_active[m] || !(xx[m] > 0.0)) continue;
+    estimates.step.push_back(xy[m] / xx[m]);
+    estimates.variance.push_back(1.0 / xx[m]);
   }
   return estimates;
 }
@@ -81,16 +100,17 @@ PooledEstimate pool_bands(const BandEstimates& bands) {
 
 /// Of normal levels, by band.
 std::vector<double> log_likelihood(const LevelModel& model) {
-  std::vector<double> by_band, log_variance(model.n_impacts());
-  for (std::size_t m = 0; m < model.n_bands(); ++m) {
-    if (!model.is_active[m]) continue;
-    for (std::size_t k = 0; k < model.n_impacts(); ++k) log_variance[k] = model.variance(k, m);
+  const std::size_t n = model.n_bands();
+  std::vector<double> sums(n, 0.0), variance(n), log_variance(n);
+  for (std::size_t k = 0; k < model.n_impacts(); ++k) {
+    for (std::size_t m = 0; m < n; ++m) variance[m] = model.variance(k, m);
+    log_variance = variance;
     log_each(log_variance);
-    double sum = 0.0;
-    for (std::size_t k = 0; k < model.n_impacts(); ++k)
-      sum -= 0.5 * (log_variance[k] + std::min(square(model.residual[k][m]) / model.variance(k, m), 9.0));
-    by_band.push_back(sum);
+    subtract_half_of(log_variance.data(), model.residual[k], variance.data(), sums.data(), n);
   }
+  std::vector<double> by_band;
+  for (std::size_t m = 0; m < n; ++m)
+    if (model.is_active[m]) by_band.push_back(sums[m]);
   return by_band;
 }
 

@@ -72,10 +72,22 @@ BOUNCELAB_VECTOR_CLONES void limited_squares(const double* residual, const doubl
 BOUNCELAB_VECTOR_CLONES void huber_weights(const double* residual, const double* noise2, const double* scatter2,
                                            const double* active, double row_inflation, double* __restrict weight,
                                            std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) {
-    const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
-    const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
-    weight[m] = active[m] * (near < 1.0 ? near : 1.0) / size2;
+  constexpr std::size_t kBlock = 16;
+  constexpr double kSurelyNear = 0.999 * kHuber * kHuber;  // squares of residuals over their variances
+  for (std::size_t begin = 0; begin < n; begin += kBlock) {
+    const std::size_t end = begin + kBlock < n ? begin + kBlock : n;
+    int n_far = 0;
+    for (std::size_t m = begin; m < end; ++m) {
+      const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
+      n_far += residual[m] * residual[m] > kSurelyNear * size2 ? 1 : 0;
+      weight[m] = active[m] / size2;
+    }
+    if (n_far == 0) continue;
+    for (std::size_t m = begin; m < end; ++m) {
+      const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
+      const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
+      weight[m] = active[m] * (near < 1.0 ? near : 1.0) / size2;
+    }
   }
 }
 

@@ -54,6 +54,12 @@ double probability_of_missing(int n_missing, const TrackingModel& model) {
   return model.detection_probability * power(1.0 - model.detection_probability, n_missing);
 }
 
+double largest_factor_of_missing(int n_missing, const TrackingModel& model) {
+  double slope = 0.0;  // of the gap in flights
+  for (int m = n_missing; m >= 0; --m) slope = (m + 1) + slope * kLargestEps;
+  return power(1.0 - model.detection_probability, n_missing) * power(kLargestEps, n_missing) / slope;
+}
+
 Bounces::Bounces(double log_flight, double log_amplitude)
     : first_log_flight_(log_flight),
       // the flight before the first impact is not known; it is taken for as long as that after it
@@ -104,16 +110,13 @@ double Bounces::largest_density(const Flight& flight, int n_missing, double jitt
   return probability_of_missing(n_missing, model) * of_eps / flight.slope_s * loudness_.largest_density(model);
 }
 
-double Bounces::largest_share_of_flight(int n_missing, const TrackingModel& model) const {
+double Bounces::largest_share_of_flight(const TrackingModel& model) const {
   double of_log_eps = kLargestEps * prior_of_eps(kLeastEps, model);
   if (n_eps_ > 0) {
-    of_log_eps = student3(0.0, std::sqrt(variance_of_next(n_missing, model))) + model.outliers * of_log_eps;
+    of_log_eps = student3(0.0, std::sqrt(variance_of_next(0, model))) + model.outliers * of_log_eps;
     if (changed_log_eps_) of_log_eps += model.outliers * student3(0.0, model.scatter);
   }
-  double slope = 0.0;  // of the gap in flights
-  for (int m = n_missing; m >= 0; --m) slope = (m + 1) + slope * kLargestEps;
-  return probability_of_missing(n_missing, model) * of_log_eps * power(kLargestEps, n_missing) / slope *
-         loudness_.largest_density(model);
+  return probability_of_missing(0, model) * of_log_eps * loudness_.largest_density(model);
 }
 
 void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,

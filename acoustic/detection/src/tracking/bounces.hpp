@@ -56,9 +56,9 @@ class Bounces {
                  double jitter2, const TrackingModel& model) const;
   /// No less than that, whatever the loudness; without a logarithm.
   double largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const;
-  /// No more than density() times the duration of the flight that ends with the next impact, whatever its time and
-  /// loudness.
-  double largest_share_of_flight(int n_missing, const TrackingModel& model) const;
+  /// No less than density() times the duration of the flight that ends with the next impact, whatever its time and
+  /// loudness, over largest_factor_of_missing().
+  double largest_share_of_flight(const TrackingModel& model) const;
   void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
              const TrackingModel& model);
 
@@ -95,5 +95,8 @@ double prior_of_eps(double eps, const TrackingModel& model);
 
 /// Probability that n_missing impacts are not detected, and the next one is.
 double probability_of_missing(int n_missing, const TrackingModel& model);
+
+/// Factor of n_missing on the largest density of what comes after them; 1 of none.
+double largest_factor_of_missing(int n_missing, const TrackingModel& model);
 
 }  // namespace bouncelab::detection

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "tracking/observations.hpp"
+#include "tracking/own_sounds.hpp"
 #include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {
@@ -20,10 +20,8 @@ namespace bouncelab::detection {
 ///
 ///   p = sum of the weights of those with the impact / sum of all weights
 ///
-/// @param seen       the track's impacts, without the explained among their neighbours
-/// @param explained  the track's own sounds and their echoes, rising: they are not counted as clutter
-void set_impact_probabilities(const Observations& observations, const std::vector<Observation>& seen,
-                              const std::vector<std::size_t>& explained, Track& track);
+/// @param own  of the track
+void set_impact_probabilities(const Observations& observations, const OwnSounds& own, Track& track);
 
 /// Probability of an impact found where its track predicts one, from its significance. There either is an impact, whose
 /// log likelihood ratio may be any, or the largest of n_places squared normals is taken for one, odds of exp(LLR) /

@@ -41,6 +41,12 @@ BOUNCELAB_VECTOR_CLONES void density_row(const double* log_amplitude, double her
   for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - here, width));
 }
 
+/// As many as fill registers of 512 bits: what is left over of a row takes as long as several of them.
+constexpr std::size_t whole_registers(std::size_t n) {
+  constexpr std::size_t kFloats = 16;
+  return (n + kFloats - 1) / kFloats * kFloats;
+}
+
 void accumulate(Neighbours& n) {
   for (int octave = 1; octave < kWindowOctaves; ++octave) n.density[octave] += n.density[octave - 1];
 }
@@ -56,9 +62,10 @@ std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, std::s
     last = std::max(last, k + 1);
     count(static_cast<float>(amplitude_kernel(0.0, model)), true, 0, 1.0F, neighbours[k]);
     while (last < c.size() && c[last].t_s - c[k].t_s <= kLargestReach_s) ++last;
-    shares.resize(last - k - 1);
+    const std::size_t n = std::min(whole_registers(last - k - 1), c.size() - k - 1);
+    shares.resize(n);
     same_source.weigh(k, k + 1, shares);
-    densities.resize(shares.size());
+    densities.resize(n);
     density_row(log_amplitude.data() + k + 1, log_amplitude[k], model.kernel_width, densities.data(), densities.size());
     int octave = 0;
     for (std::size_t j = k + 1; j < last; ++j) {
@@ -77,24 +84,37 @@ std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, std::s
 Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, std::span<const double> log_amplitude,
                                const SameSource& same_source, const std::vector<std::size_t>& not_counted,
                                const TrackingModel& model) {
-  std::size_t first = k, last = k;
+  std::size_t first = k, end = k + 1;
   while (first > 0 && c[k].t_s - c[first - 1].t_s <= kLargestReach_s) --first;
-  while (last + 1 < c.size() && c[last + 1].t_s - c[k].t_s <= kLargestReach_s) ++last;
-  std::vector<float> shares(last - first + 1), densities(last - first + 1);
+  while (end < c.size() && c[end].t_s - c[k].t_s <= kLargestReach_s) ++end;
+  const std::size_t n = std::min(whole_registers(end - first), c.size() - first);
+  std::vector<float> both(2 * n);
+  const std::span<float> shares(both.data(), n), densities(both.data() + n, n);
   same_source.weigh(k, first, shares);
-  for (auto j = std::lower_bound(not_counted.begin(), not_counted.end(), first); j != not_counted.end() && *j <= last;
+  for (auto j = std::lower_bound(not_counted.begin(), not_counted.end(), first); j != not_counted.end() && *j < end;
        ++j)
     shares[*j - first] = 0.0F;
   shares[k - first] = 1.0F;
-  density_row(log_amplitude.data() + first, log_amplitude[k], model.kernel_width, densities.data(), densities.size());
+  density_row(log_amplitude.data() + first, log_amplitude[k], model.kernel_width, densities.data(), n);
   Neighbours neighbours;
-  int octave = kWindowOctaves - 1;
-  for (std::size_t j = first; j <= last; ++j) {
-    const double distance_s = std::abs(c[j].t_s - c[k].t_s);
-    while (octave > 0 && distance_s <= reach_s(octave - 1)) --octave;
-    while (distance_s > reach_s(octave)) ++octave;
-    count(densities[j - first], log_amplitude[j] >= log_amplitude[k], octave, shares[j - first], neighbours);
-  }
+  // one octave after the other, whose sums stay in registers: from the furthest before to the furthest after
+  std::size_t j = first;
+  const auto count_while = [&](int octave, auto is_in_octave) {
+    float density = neighbours.density[octave], all = neighbours.all, stronger = neighbours.stronger;
+    for (; j < end && is_in_octave(j); ++j) {
+      const float share = shares[j - first];
+      density += share * densities[j - first];
+      all += share;
+      stronger += log_amplitude[j] >= log_amplitude[k] ? share : 0.0F;  // a branch would be mispredicted
+    }
+    neighbours.density[octave] = density;
+    neighbours.all = all;
+    neighbours.stronger = stronger;
+  };
+  for (int inner = kWindowOctaves - 2; inner >= 0; --inner)
+    count_while(inner + 1, [&](std::size_t i) { return i < k && c[k].t_s - c[i].t_s > reach_s(inner); });
+  for (int octave = 0; octave < kWindowOctaves; ++octave)
+    count_while(octave, [&](std::size_t i) { return i <= k || c[i].t_s - c[k].t_s <= reach_s(octave); });
   accumulate(neighbours);
   return neighbours;
 }

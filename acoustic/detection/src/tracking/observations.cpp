@@ -39,6 +39,10 @@ Observation Observations::without(std::size_t k, const std::vector<std::size_t>&
 
 double Observations::same_source(std::size_t j, std::size_t k) const { return same_source_.weight(j, k); }
 
+void Observations::same_source(std::size_t k, std::size_t first, std::span<float> weights) const {
+  same_source_.weigh(k, first, weights);
+}
+
 std::optional<double> Observations::same_source_probability_of(std::size_t j, std::size_t k) const {
   return same_source_.probability(j, k);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "candidates/band_energies.hpp"
@@ -35,6 +36,8 @@ class Observations {
   Observation without(std::size_t k, const std::vector<std::size_t>& explained) const;
   /// Weight of one as clutter for the other, or as an impact of the same ball: 1 where they cannot be told apart.
   double same_source(std::size_t j, std::size_t k) const;
+  /// Those of k for first, first + 1, ...
+  void same_source(std::size_t k, std::size_t first, std::span<float> weights) const;
   /// Probability that they have the same source; absent where there are no band energies.
   std::optional<double> same_source_probability_of(std::size_t j, std::size_t k) const;
 

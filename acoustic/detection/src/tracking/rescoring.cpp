@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/hypothesis.hpp"
-#include "tracking/impact_odds.hpp"
+#include "tracking/own_sounds.hpp"
 #include "tracking/student.hpp"
 
 namespace bouncelab::detection {
@@ -45,23 +46,7 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
-constexpr double kSure = 3.0;           // log odds of a track that may speak for others
-constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
-
-/// The track's own sounds and their echoes: chance need not offer them.
-std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
-  const std::vector<Candidate>& c = o.candidates();
-  std::vector<std::size_t> explained;
-  for (std::size_t n = 0; n < own.size(); ++n) {
-    const bool is_last = n + 1 == own.size();
-    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
-    const double echo_s = std::min(kEcho_s, kEchoOfFlight * flight_s);
-    explained.push_back(own[n]);
-    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
-      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
-  }
-  return explained;
-}
+constexpr double kSure = 3.0;  // log odds of a track that may speak for others
 
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
@@ -123,51 +108,45 @@ double n_unexplained(const Observations& o, const std::vector<std::size_t>& own)
   return n;
 }
 
-/// A track's own sounds, with what it explains not counted among their neighbours.
-struct OwnSounds {
-  std::vector<std::size_t> candidates;
-  std::vector<std::size_t> explained;
-  std::vector<Observation> seen;
+/// A track with its own sounds.
+struct Judged {
+  Track track;
+  OwnSounds own;
 };
 
-OwnSounds own_sounds(const Observations& o, const Track& track) {
-  OwnSounds own;
-  for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
-  own.explained = explained_by(o, own.candidates);
-  for (const std::size_t k : own.candidates) own.seen.push_back(o.without(k, own.explained));
-  return own;
+/// Log odds of a track where what it explains does not compete with its sounds.
+double log_odds_of(const Observations& o, const OwnSounds& own, const Track& track) {
+  const TrackingModel& model = o.model();
+  Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false, model);
+  for (std::size_t n = 2; n < own.seen.size(); ++n) {
+    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
+    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false, -INFINITY, model);
+    if (!step) return -INFINITY;
+    h.take(*step, own.seen[n], model);
+  }
+  return h.log_odds_of_ball(model) - model.unexplained * n_unexplained(o, own.candidates);
 }
 
-/// Log odds of a track where what it explains does not compete with its sounds.
-double judged(const Observations& o, const Track& track) {
-  const OwnSounds own = own_sounds(o, track);
-  const std::vector<std::size_t>& c = own.candidates;
-  std::optional<Hypothesis> h =
-      Hypothesis::begin(own.seen[0], own.seen[1], o.same_source(c[0], c[1]), false, o.model());
-  for (std::size_t n = 2; n < c.size() && h; ++n) {
-    const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    h = h->extended(own.seen[n], n_missing, o.same_source(c[n - 1], c[n]), false, -INFINITY, o.model());
-  }
-  return h ? h->log_odds_of_ball(o.model()) - o.model().unexplained * n_unexplained(o, c) : -INFINITY;
+Judged judged(const Observations& o, Track track) {
+  OwnSounds own = own_sounds(o, track);
+  track.log_odds = log_odds_of(o, own, track);
+  return {std::move(track), std::move(own)};
 }
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
 /// about as well, the track begins there.
-/// @param log_odds  judged() of the track
-/// @return the same of the track that it is then
-double begin_at_source(const Observations& o, std::size_t first_free, double log_odds, Track& track) {
+void begin_at_source(const Observations& o, std::size_t first_free, Judged& best) {
   constexpr double kAsWell = 2.0;  // log odds of the echo against its source, by which intervals may prefer it
   const std::vector<Candidate>& c = o.candidates();
-  const std::size_t first = track.impacts[0].candidate;
-  double best = log_odds - kAsWell;
-  Track other = track;
+  const std::size_t first = best.track.impacts[0].candidate;
+  double least = best.track.log_odds - kAsWell;
   for (std::size_t k = first; k-- > first_free && c[first].t_s - c[k].t_s < kEcho_s;) {
     if (c[k].amplitude < c[first].amplitude) continue;
+    Track other = best.track;
     other.impacts[0].candidate = k;
-    const double odds = judged(o, other);
-    if (odds > best) log_odds = best = odds, track.impacts[0].candidate = k;
+    Judged here = judged(o, std::move(other));
+    if (here.track.log_odds > least) least = here.track.log_odds, best = std::move(here);
   }
-  return log_odds;
 }
 
 /// One recording, one ball: log odds that a track's eps, which was open, is that of the surest other track.
@@ -188,44 +167,48 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
 
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
 
+bool are_same(const std::vector<TrackImpact>& a, const std::vector<TrackImpact>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const TrackImpact& x, const TrackImpact& y) {
+    return x.candidate == y.candidate && x.impact == y.impact;
+  });
+}
+
 }  // namespace
 
-std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
-  for (Track& track : tracks) track.log_odds = judged(o, track);
+Rescored rescored(const Observations& o, std::vector<Track> tracks) {
+  std::vector<Judged> all;
+  for (Track& track : tracks) all.push_back(judged(o, std::move(track)));
   // the surest first: what its earlier impacts are, no other track may claim
-  std::stable_sort(tracks.begin(), tracks.end(),
-                   [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
-  std::vector<Track> kept;
-  for (Track& track : tracks) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Judged& a, const Judged& b) { return a.track.log_odds > b.track.log_odds; });
+  std::vector<Judged> kept;
+  for (Judged& here : all) {
     std::size_t first_free = 0;
     bool is_free = true;
-    for (const Track& surer : kept) {
-      if (ends_before(surer, track))
-        first_free = std::max(first_free, surer.impacts.back().candidate + 1);
-      else if (!ends_before(track, surer))
+    for (const Judged& surer : kept) {
+      if (ends_before(surer.track, here.track))
+        first_free = std::max(first_free, surer.track.impacts.back().candidate + 1);
+      else if (!ends_before(here.track, surer.track))
         is_free = false;
     }
     if (!is_free) continue;
-    const std::vector<TrackImpact> as_judged = track.impacts;
-    begin_again(o, first_free, track);
-    const bool is_judged = std::equal(
-        track.impacts.begin(), track.impacts.end(), as_judged.begin(), as_judged.end(),
-        [](const TrackImpact& a, const TrackImpact& b) { return a.candidate == b.candidate && a.impact == b.impact; });
-    track.log_odds = begin_at_source(o, first_free, is_judged ? track.log_odds : judged(o, track), track);
-    kept.push_back(std::move(track));
+    const std::vector<TrackImpact> as_judged = here.track.impacts;
+    begin_again(o, first_free, here.track);
+    if (!are_same(here.track.impacts, as_judged)) here = judged(o, std::move(here.track));
+    begin_at_source(o, first_free, here);
+    kept.push_back(std::move(here));
   }
-  const std::vector<Track> all = kept;
-  for (std::size_t k = 0; k < all.size(); ++k)
-    kept[k].log_odds += odds_of_same_ball(o.candidates(), all, all[k], o.model());
-  std::sort(kept.begin(), kept.end(), ends_before);
-  return kept;
-}
-
-void set_impact_probabilities(const Observations& o, std::vector<Track>& tracks) {
-  for (Track& track : tracks) {
-    const OwnSounds own = own_sounds(o, track);
-    set_impact_probabilities(o, own.seen, own.explained, track);
+  tracks.clear();
+  for (const Judged& one : kept) tracks.push_back(one.track);
+  for (std::size_t k = 0; k < tracks.size(); ++k)
+    kept[k].track.log_odds += odds_of_same_ball(o.candidates(), tracks, tracks[k], o.model());
+  std::sort(kept.begin(), kept.end(), [](const Judged& a, const Judged& b) { return ends_before(a.track, b.track); });
+  Rescored rescored;
+  for (Judged& one : kept) {
+    rescored.tracks.push_back(std::move(one.track));
+    rescored.own.push_back(std::move(one.own));
   }
+  return rescored;
 }
 
 }  // namespace bouncelab::detection

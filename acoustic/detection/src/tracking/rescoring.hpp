@@ -4,16 +4,20 @@
 #include <vector>
 
 #include "tracking/observations.hpp"
+#include "tracking/own_sounds.hpp"
 #include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {
 
+/// Tracks, one after the other in time, and the own sounds of each.
+struct Rescored {
+  std::vector<Track> tracks;
+  std::vector<OwnSounds> own;
+};
+
 /// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
 /// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
-/// @param tracks  one after the other in time, and so are those returned
-std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
-
-/// Of each impact, given that its track is a ball's (impact_odds.hpp).
-void set_impact_probabilities(const Observations& observations, std::vector<Track>& tracks);
+/// @param tracks  one after the other in time
+Rescored rescored(const Observations& observations, std::vector<Track> tracks);
 
 }  // namespace bouncelab::detection

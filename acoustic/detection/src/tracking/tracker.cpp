@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
+#include "tracking/impact_odds.hpp"
 #include "tracking/log_sum.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
@@ -33,72 +35,102 @@ struct State {
   std::int64_t previous = -1;  // state; -1 at the second impact of a track
   std::size_t candidate = 0;   // the last
   std::size_t first_candidate = 0;
-  std::array<double, kMostMissing + 1> largest_gain{};  // by impacts missing before the next
+  double largest_gain = 0.0;  // that an impact may add, but for its rise
+};
 
-  double total() const { return start_score + track.log_odds; }
+/// A state before its hypothesis is made, which takes longer than to see what it would be worth.
+struct Proposal {
+  BallHypothesis::Step step;
+  double start_score = 0.0;
+  std::int64_t previous = -1;
+  std::size_t first_candidate = 0;
+
+  double total() const { return start_score + step.log_odds; }
 };
 
 /// The most probable of the states that end at one candidate.
 class Beam {
  public:
   /// @param total  of the recording without a track that ends here
-  explicit Beam(double total) : least_total_(total - kBeamDepth) {}
+  void begin(double total) {
+    least_total_ = total - kBeamDepth;
+    proposals_.clear();
+  }
 
   /// What is not more probable would not be kept.
   double least_total() const { return least_total_; }
 
-  void keep(const State& s) {
-    if (s.track.log_odds < kHopeless || s.total() < least_total_) return;
-    least_total_ = std::max(least_total_, s.total() - kBeamDepth);
-    states_.push_back(s);
-    if (states_.size() >= 2 * kBeam) narrow();
+  void keep(const Proposal& p) {
+    if (p.step.log_odds < kHopeless || p.total() < least_total_) return;
+    least_total_ = std::max(least_total_, p.total() - kBeamDepth);
+    proposals_.push_back(p);
+    if (proposals_.size() >= 2 * kBeam) narrow();
   }
 
   /// By falling flight.
-  const std::vector<State>& finish() {
-    if (states_.size() > kBeam) narrow();
-    std::erase_if(states_, [&](const State& s) { return s.total() < least_total_; });
-    std::sort(states_.begin(), states_.end(),
-              [](const State& a, const State& b) { return a.track.flight_s > b.track.flight_s; });
-    return states_;
+  const std::vector<Proposal>& finish() {
+    if (proposals_.size() > kBeam) narrow();
+    std::erase_if(proposals_, [&](const Proposal& p) { return p.total() < least_total_; });
+    std::sort(proposals_.begin(), proposals_.end(),
+              [](const Proposal& a, const Proposal& b) { return a.step.flight_s > b.step.flight_s; });
+    return proposals_;
   }
 
  private:
   void narrow() {
-    const auto last = states_.begin() + (kBeam - 1);
-    std::nth_element(states_.begin(), last, states_.end(),
-                     [](const State& a, const State& b) { return a.total() > b.total(); });
+    const auto last = proposals_.begin() + (kBeam - 1);
+    std::nth_element(proposals_.begin(), last, proposals_.end(),
+                     [](const Proposal& a, const Proposal& b) { return a.total() > b.total(); });
     least_total_ = std::max(least_total_, last->total());
-    states_.erase(last + 1, states_.end());
+    proposals_.erase(last + 1, proposals_.end());
   }
 
-  double least_total_;
-  std::vector<State> states_;
+  double least_total_ = 0.0;
+  std::vector<Proposal> proposals_;
 };
 
-/// That two candidates have one source; taken when it is first asked for, since most pairs need none.
-class Weight {
+/// Weights of one source of a candidate and those before it, taken at once when the first is asked for: many candidates
+/// need none.
+class Weights {
  public:
-  Weight(const Observations& observations, std::size_t j, std::size_t k) : o_(observations), j_(j), k_(k) {}
-  double value() {
-    if (!value_) value_ = o_.same_source(j_, k_);
-    return *value_;
+  explicit Weights(const Observations& observations) : o_(observations) {}
+
+  /// @param first  candidate; those before are few and taken one by one
+  void begin(std::size_t k, std::size_t first) {
+    constexpr std::size_t kFloats = 16;  // of a register: a row that fills them is the fastest
+    k_ = k;
+    first_ = first - std::min(first, (kFloats - (k - first) % kFloats) % kFloats);
+    row_.clear();
+  }
+  double of(std::size_t j) {
+    if (j < first_) return o_.same_source(j, k_);
+    if (row_.empty()) {
+      row_.resize(k_ - first_);
+      o_.same_source(k_, first_, row_);
+    }
+    return row_[j - first_];
   }
 
  private:
   const Observations& o_;
-  std::size_t j_, k_;
-  std::optional<double> value_;
+  std::size_t k_ = 0, first_ = 0;
+  std::vector<float> row_;
 };
 
 class Search {
  public:
   explicit Search(const Observations& observations)
-      : o_(observations), reached_s_(o_.size(), -INFINITY), begin_(o_.size() + 1, 0), best_(o_.size() + 1) {
+      : o_(observations),
+        weights_(o_),
+        reached_s_(o_.size(), -INFINITY),
+        begin_(o_.size() + 1, 0),
+        best_(o_.size() + 1) {
     for (std::size_t k = 0; k < o_.size(); ++k) {
       t_s_.push_back(o_[k].t_s);
       log_odds_of_first_.push_back(log_odds_of_first(o_[k], o_.model()));
     }
+    for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing)
+      gain_of_missing_[n_missing] = BallHypothesis::log_factor_of_missing(n_missing, o_.model());
   }
 
   std::vector<Track> run() {
@@ -113,51 +145,44 @@ class Search {
     std::int64_t n_of_ball = 0;
   };
 
-  bool may_begin(std::size_t j, std::size_t k) const {
-    const double gap_s = t_s_[k] - t_s_[j];
-    return gap_s >= kShortestFirstFlight_s && log_odds_of_first_[j] + o_[k].log_rise_odds + kMostOfSecond > kHopeless;
-  }
-
   void visit(std::size_t k) {
-    Beam here(best_[k].score);
-    for (std::size_t j = k; j-- > 0 && t_s_[k] - t_s_[j] <= kLongestFlight_s;) {
-      Weight same_source(o_, j, k);
-      if (t_s_[k] <= reached_s_[j]) extend_all(j, k, same_source, here);
-      if (may_begin(j, k)) start(j, k, same_source, here);
+    beam_.begin(best_[k].score);
+    while (t_s_[k] - t_s_[first_near_] > kLongestFlight_s) ++first_near_;
+    weights_.begin(k, first_near_);
+    for (std::size_t j = k; j-- > first_near_;) {
+      if (t_s_[k] <= reached_s_[j]) extend_all(j, k);
+      if (t_s_[k] - t_s_[j] >= kShortestFirstFlight_s) start(j, k);
     }
     std::erase_if(far_reaching_, [&](std::size_t j) { return reached_s_[j] < t_s_[k]; });
     for (auto j = far_reaching_.rbegin(); j != far_reaching_.rend(); ++j)
-      if (t_s_[k] - t_s_[*j] > kLongestFlight_s) {
-        Weight same_source(o_, *j, k);
-        extend_all(*j, k, same_source, here);
-      }
-    finish(k, here);
+      if (*j < first_near_) extend_all(*j, k);
+    finish(k);
   }
 
-  void extend_all(std::size_t j, std::size_t k, Weight& same_source, Beam& here) const {
+  void extend_all(std::size_t j, std::size_t k) {
     const double gap_s = t_s_[k] - t_s_[j];
     // states are ordered by falling flight: those that reach from j to k lie side by side
     const auto begin = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j]);
     const auto end = states_.begin() + static_cast<std::ptrdiff_t>(begin_[j + 1]);
     const auto first =
         std::partition_point(begin, end, [&](const State& s) { return s.track.flight_s * kLeastEps > gap_s; });
-    for (auto s = first; s != end && s->track.flight_s * kMostGap >= gap_s; ++s)
-      extend(s - states_.begin(), k, same_source, here);
+    for (auto s = first; s != end && s->track.flight_s * kMostGap >= gap_s; ++s) extend(s - states_.begin(), k);
   }
 
-  void finish(std::size_t k, Beam& here) {
+  void finish(std::size_t k) {
     best_[k + 1] = best_[k];
-    for (const State& s : here.finish()) {
-      if (s.track.n_impacts >= kFewestImpacts) {
-        const Hypothesis::Verdict most = s.track.most_probable(o_.model());
-        // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
-        const double score = s.start_score + log_of_sum(0.0, most.log_odds);
-        if (most.log_odds + kOwnClutter > 0.0 && score > best_[k + 1].score)
-          best_[k + 1] = {score, static_cast<std::int64_t>(states_.size()), most.n_of_ball};
-      }
-      states_.push_back(s);
-      for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing)
-        states_.back().largest_gain[n_missing] = s.track.largest_gain(n_missing, o_.model());
+    for (const Proposal& p : beam_.finish()) {
+      states_.push_back(state_of(p, k));
+      const State& s = states_.back();
+      if (s.track.n_impacts < kFewestImpacts) continue;
+      const Hypothesis::Verdict most = s.track.most_probable(o_.model());
+      // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
+      if (most.log_odds + kOwnClutter <= 0.0) continue;
+      constexpr double kMostOfSum = 0.7;  // of a sum over the larger one, log 2
+      if (s.start_score + std::max(0.0, most.log_odds) + kMostOfSum < best_[k + 1].score) continue;
+      const double score = s.start_score + log_of_sum(0.0, most.log_odds);
+      if (score > best_[k + 1].score)
+        best_[k + 1] = {score, static_cast<std::int64_t>(states_.size() - 1), most.n_of_ball};
     }
     begin_[k + 1] = states_.size();
     if (begin_[k] < begin_[k + 1]) {
@@ -166,6 +191,18 @@ class Search {
       if (reach_s > kLongestFlight_s) far_reaching_.push_back(k);
     }
     if (states_.size() > most_states_) forget(k + 1);
+  }
+
+  State state_of(const Proposal& p, std::size_t k) const {
+    State state{{}, p.start_score, p.previous, k, p.first_candidate, 0.0};
+    if (p.previous < 0) {
+      state.track = Hypothesis(o_[p.first_candidate], o_[k], p.step);
+    } else {
+      state.track = states_[static_cast<std::size_t>(p.previous)].track;
+      state.track.take(p.step, o_[k], o_.model());
+    }
+    state.largest_gain = state.track.largest_gain(o_.model());
+    return state;
   }
 
   /// Keeps the states from which tracks may yet be followed, and those on the way to them.
@@ -199,28 +236,31 @@ class Search {
     most_states_ = 2 * n_kept + kStatesAtOnce;
   }
 
-  void start(std::size_t j, std::size_t k, Weight& same_source, Beam& here) const {
-    const double least_log_odds = std::max(kHopeless, here.least_total() - best_[j].score);
+  void start(std::size_t j, std::size_t k) {
+    const double most = log_odds_of_first_[j] + o_[k].log_rise_odds + kMostOfSecond;
+    const double least_log_odds = std::max(kHopeless, beam_.least_total() - best_[j].score);
+    if (most < least_log_odds || most <= kHopeless) return;
     const auto begun = [&](double weight) {
-      return Hypothesis::begin_above(least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], weight,
-                                     true, o_.model());
+      return BallHypothesis::first_step(least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], weight,
+                                        true, o_.model());
     };
     if (!begun(1.0)) return;  // most are improbable whatever their source
-    const std::optional<Hypothesis> track = begun(same_source.value());
-    if (track) here.keep({*track, best_[j].score, -1, k, j, {}});
+    if (const std::optional<BallHypothesis::Step> step = begun(weights_.of(j)))
+      beam_.keep({*step, best_[j].score, -1, j});
   }
 
-  void extend(std::int64_t from_index, std::size_t k, Weight& same_source, Beam& here) const {
+  void extend(std::int64_t from_index, std::size_t k) {
     const State& from = states_[static_cast<std::size_t>(from_index)];
     const int most_missing = from.track.n_eps() == 0 ? 0 : kMostMissing;  // two sounds alone predict nothing
     const double gap = (t_s_[k] - t_s_[from.candidate]) / from.track.flight_s;
     for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
       if (!may_be_gap(gap, n_missing)) continue;
-      const double least_log_odds = std::max(kHopeless, here.least_total() - from.start_score);
-      if (from.track.log_odds + o_[k].log_rise_odds + from.largest_gain[n_missing] < least_log_odds) continue;
-      const std::optional<Hypothesis> longer =
-          from.track.extended(o_[k], n_missing, same_source.value(), true, least_log_odds, o_.model());
-      if (longer) here.keep({*longer, from.start_score, from_index, k, from.first_candidate, {}});
+      const double least_log_odds = std::max(kHopeless, beam_.least_total() - from.start_score);
+      const double most = from.track.log_odds + o_[k].log_rise_odds + from.largest_gain + gain_of_missing_[n_missing];
+      if (most < least_log_odds) continue;
+      if (const std::optional<BallHypothesis::Step> step =
+              from.track.step_to(o_[k], n_missing, weights_.of(from.candidate), true, least_log_odds, o_.model()))
+        beam_.keep({*step, from.start_score, from_index, from.first_candidate});
     }
   }
 
@@ -244,9 +284,13 @@ class Search {
   }
 
   const Observations& o_;
+  Weights weights_;
+  Beam beam_;
   double log_usual_eps_ = log(o_.model().usual_eps);
-  std::vector<double> t_s_;                // of the candidates
-  std::vector<double> reached_s_;          // until when a state of each may go on
+  std::array<double, kMostMissing + 1> gain_of_missing_{};  // at most
+  std::size_t first_near_ = 0;                              // candidate within the longest flight
+  std::vector<double> t_s_;                                 // of the candidates
+  std::vector<double> reached_s_;                           // until when a state of each may go on
   std::vector<std::size_t> far_reaching_;  // candidates of which one may for longer than the longest flight
   std::vector<double> log_odds_of_first_;  // of a track that begins with each candidate
   std::vector<State> states_;
@@ -267,14 +311,18 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
                                const TrackingModel& model, const std::function<double(const Track&)>& other_evidence) {
   const Observations observations(candidates, timing_s, same_source, model);
-  std::vector<Track> tracks = rescored(observations, Search(observations).run());
+  auto [tracks, own] = rescored(observations, Search(observations).run());
   if (other_evidence)
     for (Track& track : tracks)
       if (std::abs(track.log_odds) < kOpen) track.log_odds += other_evidence(track);
   weigh_by_drop_rate(candidates, tracks, model);
-  std::erase_if(tracks, [](const Track& track) { return track.log_odds < kAcceptance; });
-  set_impact_probabilities(observations, tracks);
-  return tracks;
+  std::vector<Track> accepted;
+  for (std::size_t k = 0; k < tracks.size(); ++k) {
+    if (tracks[k].log_odds < kAcceptance) continue;
+    set_impact_probabilities(observations, own[k], tracks[k]);
+    accepted.push_back(std::move(tracks[k]));
+  }
+  return accepted;
 }
 
 }  // namespace bouncelab::detection

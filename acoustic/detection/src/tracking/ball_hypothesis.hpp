@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "tracking/bounces.hpp"
+#include "tracking/observations.hpp"
+
+namespace bouncelab::detection {
+
+/// A sequence of observations as the impacts of one ball, whatever else they may be (hypothesis.hpp). All odds are
+/// natural logarithms against clutter, so that sequences of any length compare:
+///
+///   sum over impacts of log{ p(t, a | state) w / [ lambda(t, a) ] } + log p(LLR | event)/p(LLR) + prior of the birth
+///
+/// with the density of time and log amplitude under the ball, the weight w of one source, and the intensity of the
+/// clutter (neighbours.hpp).
+///
+/// What an impact would add is a Step, which costs less than to take it: most steps are never taken.
+class BallHypothesis {
+ public:
+  /// One more impact, or the second.
+  struct Step {
+    double log_odds = 0.0;    ///< of the ball with it
+    double flight_s = 0.0;    ///< last interval then, or what it would have been
+    double log_flight = 0.0;  ///< [ln s]
+    double log_eps = 0.0;
+    double jitter2 = 0.0;     ///< variance that errors of the times add to log eps
+    double of_clutter = 0.0;  ///< intensity of the clutter over the weight of one source
+    int n_missing = 0;        ///< impacts before it that were not detected
+  };
+
+  /// What many tracks that begin have in common.
+  struct Birth {
+    double log_odds_of_first = 0.0;  ///< log_odds_of_first() of the first impact
+    double log_usual_eps = 0.0;
+  };
+  /// The first two impacts, where their log odds are no less than those that are of interest.
+  /// @param same_source  weight of one source, 0 ... 1
+  /// @param is_counted   whether the track's own sounds are among its observations' neighbours
+  static std::optional<Step> first_step(double least_log_odds, const Birth& birth, const Observation& first,
+                                        const Observation& second, double same_source, bool is_counted,
+                                        const TrackingModel& model);
+  BallHypothesis(const Observation& first, const Observation& second, const Step& step);
+  BallHypothesis() = default;
+
+  /// One more impact after n_missing that were not detected; absent where no ball does that, or below the least log
+  /// odds that are of interest.
+  std::optional<Step> step_to(const Observation& next, int n_missing, double same_source, bool is_counted,
+                              double least_log_odds, const TrackingModel& model) const;
+  /// @param step  to `next`
+  void take(const Step& step, const Observation& next, const TrackingModel& model);
+
+  /// Log odds that an impact after n_missing may add at most, but for its rise: the part of this hypothesis, and that
+  /// of n_missing.
+  double largest_gain(const TrackingModel& model) const;
+  static double log_factor_of_missing(int n_missing, const TrackingModel& model);
+
+  double log_odds = 0.0;
+  double flight_s = 0.0;       ///< last interval, or what it would have been
+  std::int64_t impact = 1;     ///< number of the last
+  std::int64_t n_impacts = 2;  ///< detected
+  int n_eps() const { return bounces_.n_eps(); }
+
+ protected:
+  struct Impact {
+    double t_s = -1e9;  ///< long ago: there was none
+    double log_amplitude = 0.0;
+    double sigma_s = 0.0;
+  };
+  const Impact& last() const { return last_[0]; }
+  /// log of the probability that it loses energy, as no rhythm does.
+  double log_probability_of_loss(const TrackingModel& model) const {
+    return bounces_.log_probability_of_loss(log_flight_, model);
+  }
+
+ private:
+  double own_density(const Observation& next, const Flight& flight, double log_eps, double same_source,
+                     const TrackingModel& model) const;
+  double jitter2(const Observation& next) const;
+
+  std::array<Impact, 3> last_{};  ///< the last first
+  double log_flight_ = 0.0;
+  Bounces bounces_;
+};
+
+/// Log odds of a track that begins with an observation, before its second impact.
+double log_odds_of_first(const Observation& first, const TrackingModel& model);
+
+/// Log odds that `before` is the impact before a track's first one.
+/// @param flight_s      the track's first interval
+/// @param mean_log_eps  of the track's first impacts, and how much they scatter
+double log_odds_before(const Observation& before, const Observation& first, double same_source, double flight_s,
+                       double mean_log_eps, double scatter, const TrackingModel& model);
+
+}  // namespace bouncelab::detection
