@@ -54,12 +54,11 @@ struct Others {
   Eigen::LLT<Eigen::MatrixXd> curvature;
 };
 
-/// Whether the curvature is that of the information by which the coordinates are whitened, to a factor of 10 in every
-/// direction, as that of a law which does not fit may be. Beyond, as of scatter far narrower than the timing errors, it
-/// says nothing of a standard error away.
+/// Whether the curvature is that of the information by which the coordinates are whitened, to a factor of 2 in every
+/// direction. Elsewhere, as of scatter far narrower than the timing errors, it says nothing of a standard error away.
 bool is_near_unit(const Eigen::MatrixXd& curvature) {
   const Eigen::VectorXd of = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(curvature).eigenvalues();
-  return of.minCoeff() > 0.1 && of.maxCoeff() < 10.0;
+  return of.minCoeff() > 0.5 && of.maxCoeff() < 2.0;
 }
 
 /// @param rotation  of the coordinates of `curvature` to those along and across
