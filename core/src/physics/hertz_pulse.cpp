@@ -59,8 +59,10 @@ double hertz_force(double s) {
   return 1.25 * x * std::sqrt(x) * kHalfDuration;
 }
 
-PointImpulses hertz_impulses(double duration_samples) {
-  const int n = static_cast<int>(std::ceil(12.0 + 0.95 * duration_samples));
+namespace {
+
+/// n - 1 nodes.
+PointImpulses impulses_of_order(int n) {
   PointImpulses points;
   double total = 0.0;
   for (int k = 1; k < n; ++k) {
@@ -71,6 +73,21 @@ PointImpulses hertz_impulses(double duration_samples) {
   }
   for (double& weight : points.weights) weight /= total;
   return points;
+}
+
+constexpr int kFewest = 12;  // 12 + 0.95 d of a contact of d samples
+
+}  // namespace
+
+PointImpulses hertz_impulses(double duration_samples) {
+  constexpr int kMostKept = 48;  // a recording has thousands of contacts, of few orders: those of up to 37 samples
+  static const std::array<PointImpulses, kMostKept - kFewest + 1> kept = [] {
+    std::array<PointImpulses, kMostKept - kFewest + 1> all;
+    for (int n = kFewest; n <= kMostKept; ++n) all[static_cast<std::size_t>(n - kFewest)] = impulses_of_order(n);
+    return all;
+  }();
+  const int n = static_cast<int>(std::ceil(kFewest + 0.95 * duration_samples));
+  return n >= kFewest && n <= kMostKept ? kept[static_cast<std::size_t>(n - kFewest)] : impulses_of_order(n);
 }
 
 }  // namespace bouncelab

@@ -45,6 +45,13 @@ Maximum maximise_twice(const LawLikelihood& likelihood, const Eigen::VectorXd& s
   return maximum.converged ? maximum : maximise(function, maximum.x, likelihood.information(maximum.x));
 }
 
+/// From a point that is not far from the maximum of very many samples.
+Maximum maximise_from_near(const LawLikelihood& likelihood, const Eigen::VectorXd& near) {
+  const LogLikelihood function = [&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); };
+  const Maximum maximum = maximise_nearby(function, near, likelihood.information(near));
+  return maximum.converged ? maximum : maximise_twice(likelihood, maximum.x);
+}
+
 /// Every n-th sample of so many that a search among these first saves passes over all; absent of fewer.
 std::optional<LawData> some_of(const LawData& data) {
   constexpr std::size_t kSome = 10000;
@@ -63,7 +70,7 @@ Maximum maximise_from_some(const LawLikelihood& likelihood, const Eigen::VectorX
   const std::optional<LawData> some = some_of(likelihood.data());
   if (!some) return maximise_twice(likelihood, start);
   const Maximum near = maximise_twice(LawLikelihood(*some, likelihood.model(), likelihood.scatter()), start);
-  return maximise_twice(likelihood, near.converged ? near.x : start);
+  return near.converged ? maximise_from_near(likelihood, near.x) : maximise_twice(likelihood, start);
 }
 
 namespace {
@@ -88,7 +95,7 @@ Candidate fit_family(const LawData& data, const LawModel& model, const ScatterFa
     widen(candidate.data, scatter_model_of(start, model.n_parameters(), family),
           std::sqrt(static_cast<double>(model.n_parameters()) / n));
   const LawLikelihood likelihood(candidate.data, model, candidate.family);
-  candidate.maximum = near ? maximise_twice(likelihood, *near) : maximise_from_some(likelihood, start);
+  candidate.maximum = near ? maximise_from_near(likelihood, *near) : maximise_from_some(likelihood, start);
   candidate.bic = static_cast<double>(likelihood.n_parameters()) * log(n) - 2.0 * candidate.maximum.loglik;
   return candidate;
 }

@@ -8,6 +8,7 @@
 #include <glog/logging.h>
 #endif
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <mutex>
@@ -136,6 +137,56 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   result.gain_left = 0.5 * last.gradient_by_y.squaredNorm();
   result.converged = summary.IsSolutionUsable() && result.gain_left < 1e-4;
   return result;
+}
+
+namespace {
+
+/// The inverse of the curvature after a step that changed the gradient so. Source: Nocedal & Wright, Numerical
+/// Optimization (2006), eq. 6.17.
+void update(Eigen::MatrixXd& inverse, const Eigen::VectorXd& step, const Eigen::VectorXd& fall_of_gradient) {
+  const double along = step.dot(fall_of_gradient);
+  if (!(along > 0.0)) return;
+  const Eigen::VectorXd moved = inverse * fall_of_gradient;
+  inverse += ((1.0 + fall_of_gradient.dot(moved) / along) / along) * (step * step.transpose()) -
+             (moved * step.transpose() + step * moved.transpose()) / along;
+}
+
+}  // namespace
+
+Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information) {
+  constexpr double kLeft = 1e-6;
+  constexpr int kMostSteps = 12;
+  Maximum best;
+  best.x = start;
+  best.loglik = -HUGE_VAL;
+  best.gain_left = HUGE_VAL;
+  const Eigen::LLT<Eigen::MatrixXd> llt(information);
+  if (llt.info() != Eigen::Success) return best;
+  Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(start.size(), start.size()));
+  Eigen::VectorXd gradient, step = Eigen::VectorXd::Zero(start.size());
+  double last_gain = 0.0;
+  for (int k = 0; k < kMostSteps; ++k) {
+    const Eigen::VectorXd x = best.x + step;
+    Eigen::VectorXd gradient_here;
+    const double value = loglik(x, &gradient_here);
+    ++best.n_evaluations;
+    if (!(value >= best.loglik) || !gradient_here.allFinite()) return best;
+    if (k > 0) update(inverse, step, gradient - gradient_here);
+    gradient = gradient_here;
+    step = inverse * gradient;
+    const double gain = 0.5 * gradient.dot(step);
+    best.x = x;
+    best.loglik = value;
+    // a step leaves as much of its gain as the one before
+    best.gain_left = k > 0 ? gain * std::min(1.0, gain / last_gain) : gain;
+    last_gain = gain;
+    if (best.gain_left > kLeft) continue;
+    best.x += step;
+    best.loglik += gain;
+    best.converged = true;
+    return best;
+  }
+  return best;
 }
 
 }  // namespace bouncelab::fit

@@ -133,7 +133,7 @@ class Side {
   /// Newton's method by the curvature at the maximum: the gain that it says is left is counted in, where that is so
   /// little that its own error no longer counts. @param z  the others, from where they are sought to where they are
   std::optional<double> by_curvature(const LogLikelihood& others, Eigen::VectorXd& z) const {
-    constexpr double kLittle = 1e-3;  // of the log-likelihood; a tenth of it is 1e-4 of a standard error at 95 %
+    constexpr double kLittle = 5e-3;  // of the log-likelihood; a tenth of it is 3e-4 of a standard error at 95 %
     constexpr int kMostNewtonSteps = 6;
     if (!others_) return std::nullopt;
     Eigen::VectorXd at = z, gradient;

@@ -95,7 +95,11 @@ BallResult simulated(const std::string& name, const sim::SimulationConfig& confi
 void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgress& progress) {
   sim::SimulationConfig simulation = loop.simulation;
   simulation.with_state = true;
-  loop.rough = simulated("rough", simulation, surface_of(config, progress), loop, progress);
+  {
+    const sim::Surface surface = surface_of(config, progress);
+    loop.section = sim::section_of(simulation.ball, surface);
+    loop.rough = simulated("rough", simulation, surface, loop, progress);
+  }
   if (!config.with_smooth_ball) return;
   simulation.with_state = false;
   simulation.n_drops = n_smooth_drops(simulation.n_drops);

@@ -19,9 +19,9 @@ BallSection section_of(const Ball& ball, const Surface& surface) {
   section.half_angle_rad = std::min(kPi / 4, kPi * kCut * ball.radius_m / sum_m);
   for (const Asperity& a : surface.asperities) {
     const double square_m2 = square(a.radius_m) - square(a.direction.y * ball.radius_m);
+    if (!(square_m2 > 0.0)) continue;  // nearly all
     const double angle_rad = atan2(a.direction.x, a.direction.z);
-    if (square_m2 > 0.0 && std::abs(angle_rad) <= section.half_angle_rad)
-      section.circles.push_back({angle_rad, std::sqrt(square_m2)});
+    if (std::abs(angle_rad) <= section.half_angle_rad) section.circles.push_back({angle_rad, std::sqrt(square_m2)});
   }
   std::sort(section.circles.begin(), section.circles.end(),
             [](const SectionCircle& a, const SectionCircle& b) { return a.angle_rad < b.angle_rad; });

@@ -112,7 +112,7 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   const loop::LoopScore score = loop::score_loop(result.rough.drops.size(), result.rough.score, result.simulation.law,
                                                  result.true_times, result.sound);
   const loop::PaperResult paper = loop::paper_result(result);
-  const sim::BallSection ball = section_of(result.simulation.ball, surface_of(options.simulate, result.simulation));
+  const sim::BallSection& ball = result.section;
   const auto write_summary = [&](const std::string& text) {
     write_text(own, folder / "summary.json", text + "\n", {folder / "onsets.csv", folder / "fit.json"});
   };

@@ -20,6 +20,7 @@
 #include "bouncelab/loop/scatter_theory.hpp"
 #include "bouncelab/sim/energy_shares.hpp"
 #include "bouncelab/sim/experiment.hpp"
+#include "bouncelab/sim/section.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
 namespace bouncelab::loop {
@@ -54,6 +55,7 @@ struct BallResult {
 struct LoopResult {
   sim::SimulationConfig simulation;
   BallResult rough;
+  sim::BallSection section;                ///< of the rough ball
   std::vector<sim::EnergyShares> shares;   ///< of the rough ball
   sim::EnergyLedger energy;                ///< of the rough ball
   std::vector<sim::Reservoir> reservoirs;  ///< of the rough ball, after each impact
