@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -57,22 +58,30 @@ std::int64_t refine(const InnovationEnergy& energy, std::int64_t hop, std::int64
   const std::int64_t begin = first - 2 * after_hops * hop;
   const std::int64_t end = last + after_hops * hop;
   const std::vector<double> sums = energy.running(begin, end);
-  std::int64_t best_sample = hop_index * hop;
-  double best = INFINITY;
+  std::vector<std::int64_t> places;
+  std::vector<double> logs;  // of the variances before and after each place
   for (std::int64_t n = first; n <= last; ++n) {
     const double* sum = sums.data() + (n - begin);
-    const auto n_before = static_cast<double>(n - begin);
-    const auto n_after = static_cast<double>(end - n);
-    const double before = sum[0] / n_before;
-    const double after = (sums.back() - sum[0]) / n_after;
+    const double before = sum[0] / static_cast<double>(n - begin);
+    const double after = (sums.back() - sum[0]) / static_cast<double>(end - n);
     if (after <= before) continue;
     // a sample no stronger than what is before belongs there, one no weaker than what is after there, since the
     // logarithm is concave: two in three places need none
     if ((n < last && sum[1] - sum[0] <= before) || (n > first && sum[0] - sum[-1] >= after)) continue;
-    const double cost = n_before * log(before) + n_after * log(after);  // -2 LLR but for a constant
+    places.push_back(n);
+    logs.push_back(before);
+    logs.push_back(after);
+  }
+  log_each(logs);
+  std::int64_t best_sample = hop_index * hop;
+  double best = INFINITY;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto n_before = static_cast<double>(places[k] - begin);
+    const auto n_after = static_cast<double>(end - places[k]);
+    const double cost = n_before * logs[2 * k] + n_after * logs[2 * k + 1];  // -2 LLR but for a constant
     if (cost < best) {
       best = cost;
-      best_sample = n;
+      best_sample = places[k];
     }
   }
   return best_sample;
@@ -123,7 +132,6 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
   const auto before = [&](std::int64_t k) { return energy.of_hops(k - kBeforeFactor * after_hops, k); };
   std::vector<Rise> found;
   const auto add_if_highest = [&](std::int64_t k) {
-    if (after(k) < least * before(k)) return;
     const double here = after(k) / before(k);
     const auto is_higher = [&](std::int64_t j) {
       return !(after(j) / before(j) <= here);
@@ -135,8 +143,8 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
   constexpr std::int64_t kAtOnce = 64;  // hops tested at once: most hold no rise
   for (std::int64_t at = first; at < first + n_hops; at += kAtOnce) {
     const std::int64_t n = std::min(kAtOnce, first + n_hops - at);
-    if (!energy.any_rise(at, n, after_hops, kBeforeFactor, least)) continue;
-    for (std::int64_t k = at; k < at + n; ++k) add_if_highest(k);
+    for (std::uint64_t rises = energy.rises(at, n, after_hops, kBeforeFactor, least); rises != 0; rises &= rises - 1)
+      add_if_highest(at + std::countr_zero(rises));
   }
   return found;
 }

@@ -18,22 +18,23 @@ float square(float x) { return x * x; }
 
 bool is_in_memory(const audio::AudioSource& sound) { return !sound.resident.empty(); }
 
-BOUNCELAB_VECTOR_CLONES bool any_over(const double* before, const double* here, const double* after, double factor,
-                                      double least, std::int64_t n) {
-  std::int64_t n_over = 0;
-  for (std::int64_t k = 0; k < n; ++k) n_over += factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0;
-  return n_over > 0;
+BOUNCELAB_VECTOR_CLONES std::uint64_t bits_over(const double* before, const double* here, const double* after,
+                                                double factor, double least, std::int64_t n) {
+  std::uint64_t bits = 0;
+  for (std::int64_t k = 0; k < n; ++k)
+    bits |= static_cast<std::uint64_t>(factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0) << k;
+  return bits;
 }
 
 using Four = float __attribute__((vector_size(16)));
 using Eight = float __attribute__((vector_size(32)));
 
 /// Four samples of a hop, and four of the fourth hop behind it.
-[[gnu::always_inline]] inline Eight samples_of_two(const float* x, std::int64_t hop) {
+[[gnu::always_inline]] inline void read_of_two(const float* x, std::int64_t hop, Eight& samples) {
   Four low, high;
   std::memcpy(&low, x, sizeof low);
   std::memcpy(&high, x + 4 * hop, sizeof high);
-  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+  samples = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
 /// The running sum of eight hops at once, each of them in the order of its samples, as long as four samples can be read
@@ -47,8 +48,11 @@ BOUNCELAB_VECTOR_CLONES std::int64_t sum_by_eight(const float* x, std::int64_t h
     Eight sum{};
     for (std::int64_t i = 0; i < hop; i += 4) {
       // the i-th sample of each of the eight hops, and the three behind it, by transposition
-      const Eight a = samples_of_two(x + i, hop), b = samples_of_two(x + hop + i, hop);
-      const Eight c = samples_of_two(x + 2 * hop + i, hop), d = samples_of_two(x + 3 * hop + i, hop);
+      Eight a, b, c, d;
+      read_of_two(x + i, hop, a);
+      read_of_two(x + hop + i, hop, b);
+      read_of_two(x + 2 * hop + i, hop, c);
+      read_of_two(x + 3 * hop + i, hop, d);
       const Eight ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
       const Eight cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
       const Eight first = __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13);
@@ -85,10 +89,10 @@ void InnovationEnergy::load(std::int64_t first_hop, std::int64_t n_hops) {
   sum_hops(innovations_.data(), floor_ * static_cast<double>(hop_));
 }
 
-bool InnovationEnergy::any_rise(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor,
-                                double least) const {
+std::uint64_t InnovationEnergy::rises(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor,
+                                      double least) const {
   const double* here = running_.data() + (first - first_hop_);
-  return any_over(here - factor * after_hops, here, here + after_hops, static_cast<double>(factor), least, n);
+  return bits_over(here - factor * after_hops, here, here + after_hops, static_cast<double>(factor), least, n);
 }
 
 std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t last) const {

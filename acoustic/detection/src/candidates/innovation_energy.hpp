@@ -32,8 +32,10 @@ class InnovationEnergy {
   double of_hops(std::int64_t from, std::int64_t to) const {
     return running_[static_cast<std::size_t>(to - first_hop_)] - running_[static_cast<std::size_t>(from - first_hop_)];
   }
-  /// Whether at any of n hops factor (energy of after_hops after it) >= least (energy of factor after_hops before it).
-  bool any_rise(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor, double least) const;
+  /// At which of n hops, up to 64, a bit each: factor (energy of after_hops after it) >= least (energy of factor
+  /// after_hops before it).
+  std::uint64_t rises(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor,
+                      double least) const;
   /// Of samples first ... last - 1; whole hops by their running sum.
   double of_samples(std::int64_t first, std::int64_t last) const { return before_sample(last) - before_sample(first); }
   /// Samples first ... first + out.size() - 1 of the recording, within the block and its margins; 0 outside of it.
