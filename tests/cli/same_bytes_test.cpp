@@ -33,12 +33,12 @@ const std::array<Stage, 11> kStages{{
     {"synthesize other.csv --rate 96000 --out fine.wav", "fine.wav",
      "125b115e345829b5f0d5b3db3bfe672ead12e36241faf96a1f4973926098c385"},
     {"detect sound.wav --out onsets.csv", "onsets.csv",
-     "7a89d1310ba8bd8157d6dffdb9d6772404511e30cb3ca887897748fd76220d96"},
+     "43f99382c02c3e436b5b4cb7e3b799f1ce590c5052741fc41a1f363751ebe5e5"},
     {"restitution onsets.csv --correct-drag --ball steel:6mm --plate glass --out samples.csv", "samples.csv",
-     "45db67ee60399a07a5c54000be10d69ac50c5923c5bb6160437d27b5bdeeba24"},
+     "eadf3182fb0223925818b1c5de4529526b2e937575bbcd84e5c4b36c1f2c38e8"},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json",
-     "03e11bba08e57821df5edc0fc882ad84ec7cf77845a4a54a8a43c5d224899e5b"},
-    {"", "law.csv", "5673878449d831d5db1321ae2668fd98336e47b5ba00e797dc0fbc44ffeaa1cf"},
+     "b17140ad1b85f383a1c245501ce9de353ba221ce7670dffd3384038d39daaa49"},
+    {"", "law.csv", "67b2b721a8f9c7344199f9daeae303eea14e8387131d303352caa5d4a3f39f84"},
 }};
 
 class SameBytesTest : public ProgramTest {
