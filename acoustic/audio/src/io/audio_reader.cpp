@@ -2,7 +2,6 @@
 #include "bouncelab/audio/audio_reader.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include "bouncelab/core/line_reader.hpp"
 #include "io/ffmpeg_decoder.hpp"
 #include "io/guarded_decoder.hpp"
+#include "io/not_finite.hpp"
 #include "io/npy.hpp"
 #include "io/number_text.hpp"
 #include "io/pcm_decode.hpp"
@@ -30,7 +30,6 @@ namespace {
 constexpr std::int64_t kFramesPerPiece = 1 << 14;  // 64 kB of one channel: stays in the cache
 constexpr std::int64_t kFramesOfJump = 1 << 10;
 constexpr std::int64_t kFramesWithoutCopy = 1 << 12;  // from here on a copy takes longer than what lies between pieces
-constexpr std::uint32_t kExponent = 0x7f800000;       // of a float
 // samples up to which a recording is held whole: 64 MB where decoding costs more than memory, 4 MB where it does not
 constexpr std::int64_t kMostHeldWhole = GuardedDecoder::kMostSamples;
 constexpr std::int64_t kMostPlainHeldWhole = 1 << 20;
@@ -181,13 +180,9 @@ struct AudioReader::State {
 
   /// @param from  sample of the buffer
   void check_finite(std::size_t from) const {
-    // all exponent bits set is how infinity and NaN are written: one pass of integers
-    std::uint32_t n_bad = 0;
-    for (const float x : buffered.subspan(from))
-      n_bad += (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 1 : 0;
-    if (n_bad == 0) return;
-    const auto bad = std::find_if(buffered.begin(), buffered.end(), [](float x) { return !std::isfinite(x); });
-    const std::int64_t index = bad - buffered.begin();
+    const std::size_t bad = from + first_not_finite(buffered.subspan(from));
+    if (bad == buffered.size()) return;
+    const auto index = static_cast<std::int64_t>(bad);
     const std::int64_t frame = buffered_first + index / format.n_channels;
     throw FileError(name, "sample " + std::to_string(frame) + " (" +
                               std::to_string(static_cast<double>(frame) / format.rate_hz) + " s) of channel " +

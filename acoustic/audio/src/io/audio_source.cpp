@@ -2,39 +2,15 @@
 #include "bouncelab/audio/audio_source.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/vector_clones.hpp"
+#include "io/not_finite.hpp"
 
 namespace bouncelab::audio {
-namespace {
-
-/// By the bits: the exponent of what is not finite is all ones.
-BOUNCELAB_VECTOR_CLONES bool all_finite(const float* samples, std::size_t n) {
-  constexpr std::uint32_t kExponent = 0x7f800000U;
-  std::uint32_t n_bad = 0;
-  for (std::size_t k = 0; k < n; ++k) n_bad += (std::bit_cast<std::uint32_t>(samples[k]) & kExponent) == kExponent;
-  return n_bad == 0;
-}
-
-/// Of the first sample that is not finite, or their number. Over blocks, a loop without a branch each.
-std::size_t first_not_finite(std::span<const float> samples) {
-  constexpr std::size_t kBlock = 4096;
-  for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
-    const std::span<const float> block = samples.subspan(begin, std::min(kBlock, samples.size() - begin));
-    if (all_finite(block.data(), block.size())) continue;
-    const auto bad = std::find_if(block.begin(), block.end(), [](float x) { return !std::isfinite(x); });
-    return begin + static_cast<std::size_t>(bad - block.begin());
-  }
-  return samples.size();
-}
-
-}  // namespace
 
 AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
   if (!(rate_hz > 0.0) || !std::isfinite(rate_hz))
