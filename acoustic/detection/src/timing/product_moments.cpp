@@ -29,7 +29,7 @@ template <std::size_t n_moments>
                                                Lanes* sums) {
   Lanes of_re[n_moments] = {}, of_im[n_moments] = {};
   Lanes number = Lanes{0, 1, 2, 3, 4, 5, 6, 7} - 0.5F * static_cast<float>(n - 1);
-  const auto add = [&](Lanes x, Lanes y) {
+  const auto add = [&](Lanes& x, Lanes& y) {  // which it multiplies
     const Lanes u = per_bin * number;
 #pragma GCC unroll 8
     for (std::size_t m = 0; m < n_moments; ++m) {
