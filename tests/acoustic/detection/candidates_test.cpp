@@ -31,6 +31,12 @@ std::vector<float> struck(double rate_hz) {
   return x;
 }
 
+/// The same sound as if it were not in memory.
+audio::AudioSource to_read(audio::AudioSource sound) {
+  sound.resident = {};
+  return sound;
+}
+
 CandidatesOfSound found_in(const audio::AudioSource& sound, int n_threads) {
   return find_candidates(sound, audio::learn_ar_models(sound, 48).signal, n_threads, {});
 }
@@ -55,11 +61,9 @@ TEST(Candidates, AreTheSameOfSoundInMemoryAndOfSoundThatIsReadOnAnyNumberOfThrea
     SCOPED_TRACE(rate_hz);
     const std::vector<float> x = struck(rate_hz);
     const audio::AudioSource in_memory = audio::source_in_memory(x, rate_hz);
-    audio::AudioSource to_read = in_memory;
-    to_read.resident = {};
     const CandidatesOfSound found = found_in(in_memory, 1);
     EXPECT_GE(found.candidates.size(), 27U);  // that many sounds
-    for (const int n_threads : {1, 3}) expect_equal(found_in(to_read, n_threads), found);
+    for (const int n_threads : {1, 3}) expect_equal(found_in(to_read(in_memory), n_threads), found);
   }
 }
 
@@ -68,9 +72,7 @@ TEST(Candidates, HaveTheEnergiesOfTheSoundAroundThem) {
     SCOPED_TRACE(rate_hz);
     const std::vector<float> x = struck(rate_hz);
     const audio::AudioSource sound = audio::source_in_memory(x, rate_hz);
-    audio::AudioSource to_read = sound;
-    to_read.resident = {};
-    const CandidatesOfSound found = found_in(to_read, 1);
+    const CandidatesOfSound found = found_in(to_read(sound), 1);
     ASSERT_EQ(found.band_energies.size(), found.candidates.size());
     BandEnergyMeter meter(rate_hz);
     std::vector<float> around(static_cast<std::size_t>(2 * meter.reach() + 1));

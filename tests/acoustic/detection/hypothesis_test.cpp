@@ -10,6 +10,7 @@
 
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
+#include "extended.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -25,7 +26,7 @@ Hypothesis all_of(const std::vector<Candidate>& candidates) {
   for (std::size_t k = 0; k < candidates.size(); ++k) own.push_back(k);
   Hypothesis h = Hypothesis::begin(o.without(0, own), o.without(1, own), 1.0, false, kModel);
   for (std::size_t k = 2; k < candidates.size(); ++k) {
-    const std::optional<Hypothesis> longer = h.extended(o.without(k, own), 0, 1.0, false, -INFINITY, kModel);
+    const std::optional<Hypothesis> longer = test::extended(h, o.without(k, own), 0, 1.0, false, kModel);
     EXPECT_TRUE(longer) << "impact " << k;
     if (!longer) return h;
     h = *longer;
@@ -138,22 +139,22 @@ TEST(Hypothesis, AMissedImpactCostsItsProbability) {
   with_gap.erase(with_gap.begin() + 5);
   const Observations o(with_gap, test::kTiming_s, kNone, kModel);
   Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
-  for (std::size_t k = 2; k < 5; ++k) h = h.extended(o[k], 0, 1.0, true, -INFINITY, kModel).value();
-  const Hypothesis next = h.extended(o[5], 1, 1.0, true, -INFINITY, kModel).value();
+  for (std::size_t k = 2; k < 5; ++k) h = test::extended(h, o[k], 0, 1.0, true, kModel).value();
+  const Hypothesis next = test::extended(h, o[5], 1, 1.0, true, kModel).value();
   EXPECT_EQ(next.impact, 6);
   EXPECT_EQ(next.n_impacts, 6);
   EXPECT_GT(next.log_odds, h.log_odds);
   // and what follows directly would be a gain of eps above its limit
-  EXPECT_FALSE(h.extended(o[5], 0, 1.0, true, -INFINITY, kModel));
+  EXPECT_FALSE(test::extended(h, o[5], 0, 1.0, true, kModel));
 }
 
 TEST(Hypothesis, BelowTheLeastLogOddsIsNoHypothesis) {
   const std::vector<Candidate> ball = test::candidates_of({});
   const Observations o(ball, test::kTiming_s, kNone, kModel);
   const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
-  const double odds = h.extended(o[2], 0, 1.0, true, -INFINITY, kModel)->log_odds;
-  EXPECT_TRUE(h.extended(o[2], 0, 1.0, true, odds - 1e-9, kModel));
-  EXPECT_FALSE(h.extended(o[2], 0, 1.0, true, odds + 1e-9, kModel));
+  const double odds = test::extended(h, o[2], 0, 1.0, true, kModel)->log_odds;
+  EXPECT_TRUE(test::extended(h, o[2], 0, 1.0, true, kModel, odds - 1e-9));
+  EXPECT_FALSE(test::extended(h, o[2], 0, 1.0, true, kModel, odds + 1e-9));
 }
 
 TEST(Hypothesis, NoImpactAddsMoreThanTheLargestGain) {
@@ -174,7 +175,7 @@ TEST(Hypothesis, NoImpactAddsMoreThanTheLargestGain) {
         }
       }
     }
-    h = h.extended(o[k], 0, 1.0, true, -INFINITY, kModel).value();
+    h = test::extended(h, o[k], 0, 1.0, true, kModel).value();
   }
 }
 
@@ -184,7 +185,7 @@ TEST(Hypothesis, AStepHasTheLogOddsOfTheHypothesisThatTakesIt) {
   const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
   const auto step = h.step_to(o[2], 0, 1.0, true, -INFINITY, kModel);
   ASSERT_TRUE(step);
-  const Hypothesis longer = h.extended(o[2], 0, 1.0, true, -INFINITY, kModel).value();
+  const Hypothesis longer = test::extended(h, o[2], 0, 1.0, true, kModel).value();
   BallHypothesis as_ball = h;
   as_ball.take(*step, o[2], kModel);
   for (const BallHypothesis* one : {static_cast<const BallHypothesis*>(&longer), &std::as_const(as_ball)}) {

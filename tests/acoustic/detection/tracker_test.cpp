@@ -9,6 +9,7 @@
 
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
+#include "extended.hpp"
 #include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/rescoring.hpp"
@@ -155,7 +156,7 @@ class ExhaustiveSearch {
     const int most_missing = h.n_eps() == 0 ? 0 : kMostMissing;
     for (std::size_t k = last + 1; k <= here_; ++k)
       for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
-        const auto longer = h.extended(o_[k], n_missing, o_.same_source(last, k), true, -INFINITY, o_.model());
+        const auto longer = test::extended(h, o_[k], n_missing, o_.same_source(last, k), true, o_.model());
         if (!longer) continue;
         Track more = track;
         more.impacts.push_back({k, longer->impact});

@@ -11,7 +11,7 @@
 #include "bouncelab/core/vector_clones.hpp"
 
 // What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the
-// loop one would write, compiled alike: dot 12 (floats) and 4 (doubles), sum and moment 7, largest 7, add_scaled 3,
+// loop one would write, compiled alike: dot 12 (floats) and 4 (doubles), largest 7, add_scaled 3,
 // multiply 2. correlate() is in correlate.cpp.
 
 namespace bouncelab::audio {
@@ -30,29 +30,6 @@ BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size
       sum[c] += x * y;
     }
   std::memcpy(lanes, sum.data(), sizeof sum);
-}
-
-/// @param n  a multiple of kLanes
-BOUNCELAB_VECTOR_CLONES void moment_lanes(const float* x, float first, std::size_t n, float* lanes) {
-  Lanes sum{};
-  Lanes number = Lanes{0, 1, 2, 3, 4, 5, 6, 7} + first;
-  for (std::size_t k = 0; k < n; k += kLanes) {
-    Lanes here;
-    std::memcpy(&here, x + k, sizeof here);
-    sum += number * here;
-    number += static_cast<float>(kLanes);
-  }
-  std::memcpy(lanes, &sum, sizeof sum);
-}
-
-BOUNCELAB_VECTOR_CLONES void sum_lanes(const float* x, std::size_t n, float* lanes) {
-  Lanes sum{};
-  for (std::size_t k = 0; k < n; k += kLanes) {
-    Lanes here;
-    std::memcpy(&here, x + k, sizeof here);
-    sum += here;
-  }
-  std::memcpy(lanes, &sum, sizeof sum);
 }
 
 /// Side by side, or each comparison waits for the one before.
@@ -131,26 +108,6 @@ BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t
     for (std::size_t lane = 0; lane < kSums; ++lane) sums[lane] += a[k + lane] * b[k + lane];
   for (; k < n; ++k) sums[0] += a[k] * b[k];
   return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-}
-
-double sum(std::span<const float> x) {
-  const std::size_t n_whole = x.size() - x.size() % kLanes;
-  std::array<float, kLanes> lanes;
-  sum_lanes(x.data(), n_whole, lanes.data());
-  double total = 0.0;
-  for (const float lane : lanes) total += lane;
-  for (std::size_t k = n_whole; k < x.size(); ++k) total += x[k];
-  return total;
-}
-
-double moment(std::span<const float> x, std::size_t first) {
-  const std::size_t n_whole = x.size() - x.size() % kLanes;
-  std::array<float, kLanes> lanes;
-  moment_lanes(x.data(), static_cast<float>(first), n_whole, lanes.data());
-  double total = 0.0;
-  for (const float lane : lanes) total += lane;
-  for (std::size_t k = n_whole; k < x.size(); ++k) total += static_cast<double>(first + k) * x[k];
-  return total;
 }
 
 float largest(std::span<const float> x) { return largest_of(x.data(), x.size()); }

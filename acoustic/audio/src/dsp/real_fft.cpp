@@ -38,7 +38,7 @@ namespace {
 struct Workspace {
   float* in = nullptr;  // n
   float* out = nullptr;
-  float* re = nullptr;  // n / 2 + 1
+  float* re = nullptr;  // n / 2
   float* im = nullptr;
 };
 
@@ -51,7 +51,7 @@ Workspace& workspace_for(std::size_t n) {
   thread_local Workspace work;
   if (n > n_held) {
     constexpr std::size_t kAligned = 32;  // floats
-    const std::size_t n_part = (n / 2 + 1 + kAligned) / kAligned * kAligned;
+    const std::size_t n_part = (n / 2 + kAligned) / kAligned * kAligned;
     const std::size_t n_whole = (n + kAligned) / kAligned * kAligned;
     held.reset(static_cast<float*>(fftwf_malloc(2 * (n_whole + n_part) * sizeof(float))));
     if (held == nullptr) throw std::bad_alloc();

@@ -70,8 +70,8 @@ template <class Value>
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void phase_shift(const float* a_re, const float* a_im, const PhaseSteps& steps,
-                                         float* __restrict re, float* __restrict im, std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re,
+                                   float* __restrict im, std::size_t n) {
   times_phasors(
       [&](std::size_t k, float& x, float& y) {
         x = a_re[k];
@@ -107,11 +107,7 @@ Spectrum phase_shifted(const Spectrum& a, double angle) {
 }
 
 void phase_shift(const Spectrum& a, double angle, Spectrum& out) {
-  phase_shift(a.re.data(), a.im.data(), angle, out.re.data(), out.im.data(), a.size());
-}
-
-void phase_shift(const float* a_re, const float* a_im, double angle, float* re, float* im, std::size_t n) {
-  phase_shift(a_re, a_im, PhaseSteps(angle), re, im, n);
+  shift(a.re.data(), a.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
 }
 
 Spectrum phase_ramp(std::size_t n, double angle) {

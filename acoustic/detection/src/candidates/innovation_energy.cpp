@@ -9,6 +9,7 @@
 #include <numeric>
 #include <span>
 
+#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
@@ -27,14 +28,30 @@ BOUNCELAB_VECTOR_CLONES std::uint64_t bits_over(const double* before, const doub
 }
 
 using Four = float __attribute__((vector_size(16)));
-using Eight = float __attribute__((vector_size(32)));
 
 /// Four samples of a hop, and four of the fourth hop behind it.
-[[gnu::always_inline]] inline void read_of_two(const float* x, std::int64_t hop, Eight& samples) {
+[[gnu::always_inline]] inline void read_of_two(const float* x, std::int64_t hop, Lanes& samples) {
   Four low, high;
   std::memcpy(&low, x, sizeof low);
   std::memcpy(&high, x + 4 * hop, sizeof high);
   samples = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// The first four samples of each of eight hops, by transposition: samples[i] holds the i-th of each.
+[[gnu::always_inline]] inline void read_of_eight(const float* x, std::int64_t hop, Lanes samples[4]) {
+  Lanes a, b, c, d;
+  read_of_two(x, hop, a);
+  read_of_two(x + hop, hop, b);
+  read_of_two(x + 2 * hop, hop, c);
+  read_of_two(x + 3 * hop, hop, d);
+  const Lanes ab[2] = {__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
+                       __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)};
+  const Lanes cd[2] = {__builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13),
+                       __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    samples[2 * i] = __builtin_shufflevector(ab[i], cd[i], 0, 1, 8, 9, 4, 5, 12, 13);
+    samples[2 * i + 1] = __builtin_shufflevector(ab[i], cd[i], 2, 3, 10, 11, 6, 7, 14, 15);
+  }
 }
 
 /// The running sum of eight hops at once, each of them in the order of its samples, as long as four samples can be read
@@ -45,29 +62,13 @@ BOUNCELAB_VECTOR_CLONES std::int64_t sum_by_eight(const float* x, std::int64_t h
                                                   double* running) {
   std::int64_t k = 0;
   for (; (k + 8) * hop + 3 <= n_hops * hop; k += 8, x += 8 * hop) {
-    Eight sum{};
+    Lanes sum{};
     for (std::int64_t i = 0; i < hop; i += 4) {
-      // the i-th sample of each of the eight hops, and the three behind it, by transposition
-      Eight a, b, c, d;
-      read_of_two(x + i, hop, a);
-      read_of_two(x + hop + i, hop, b);
-      read_of_two(x + 2 * hop + i, hop, c);
-      read_of_two(x + 3 * hop + i, hop, d);
-      const Eight ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
-      const Eight cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
-      const Eight first = __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13);
-      sum += first * first;
-      if (i + 1 == hop) break;
-      const Eight second = __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15);
-      sum += second * second;
-      if (i + 2 == hop) break;
-      const Eight ab_high = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
-      const Eight cd_high = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
-      const Eight third = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
-      sum += third * third;
-      if (i + 3 == hop) break;
-      const Eight fourth = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
-      sum += fourth * fourth;
+      Lanes samples[4];
+      read_of_eight(x + i, hop, samples);
+#pragma GCC unroll 4
+      for (std::int64_t j = 0; j < 4; ++j)
+        if (i + j < hop) sum += samples[j] * samples[j];
     }
     for (std::int64_t j = 0; j < 8; ++j) running[k + j + 1] = running[k + j] + (static_cast<double>(sum[j]) + floor);
   }

@@ -22,16 +22,6 @@ Hypothesis Hypothesis::begin(const Observation& first, const Observation& second
   return {first, second, *first_step(-INFINITY, birth, first, second, same_source, is_counted, model)};
 }
 
-std::optional<Hypothesis> Hypothesis::extended(const Observation& next, int n_missing, double same_source,
-                                               bool is_counted, double least_log_odds,
-                                               const TrackingModel& model) const {
-  const std::optional<Step> step = step_to(next, n_missing, same_source, is_counted, least_log_odds, model);
-  if (!step) return {};
-  std::optional<Hypothesis> longer = *this;
-  longer->take(*step, next, model);
-  return longer;
-}
-
 void Hypothesis::take(const Step& step, const Observation& next, const TrackingModel& model) {
   follow_rhythm(next, next.log_rise_odds - log(step.of_clutter), model);
   BallHypothesis::take(step, next, model);

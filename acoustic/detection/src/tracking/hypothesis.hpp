@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 
 #include "tracking/ball_hypothesis.hpp"
 #include "tracking/observations.hpp"
@@ -23,10 +22,6 @@ class Hypothesis : public BallHypothesis {
   /// @param is_counted   whether the track's own sounds are among its observations' neighbours
   static Hypothesis begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
                           const TrackingModel& model);
-  /// With one more impact after n_missing that were not detected; absent where no ball does that, or below the least
-  /// log odds that are of interest.
-  std::optional<Hypothesis> extended(const Observation& next, int n_missing, double same_source, bool is_counted,
-                                     double least_log_odds, const TrackingModel& model) const;
   /// @param step  to `next`
   void take(const Step& step, const Observation& next, const TrackingModel& model);
 

@@ -14,12 +14,6 @@ double dot(std::span<const float> a, std::span<const float> b);
 /// Sum of products, n of each; 8 partial sums.
 double dot(const double* a, const double* b, std::size_t n);
 
-/// Sum of a few hundred values; 8 partial sums in single precision.
-double sum(std::span<const float> x);
-
-/// sum_k (first + k) x[k]; 8 partial sums in single precision.
-double moment(std::span<const float> x, std::size_t first);
-
 /// Largest of the values, none of them NaN; -infinity where there are none.
 float largest(std::span<const float> x);
 

@@ -50,8 +50,6 @@ class RealFft {
 Spectrum phase_shifted(const Spectrum& a, double angle);
 /// The same into a spectrum of the same size.
 void phase_shift(const Spectrum& a, double angle, Spectrum& out);
-/// The same of n bins.
-void phase_shift(const float* a_re, const float* a_im, double angle, float* re, float* im, std::size_t n);
 
 /// exp(i k angle) for k = 0 ... n-1, to 1e-6.
 Spectrum phase_ramp(std::size_t n, double angle);
