@@ -339,18 +339,4 @@ SharedMemory::SharedMemory(std::size_t n_bytes) {
 
 SharedMemory::~SharedMemory() { munmap(bytes_.data(), bytes_.size()); }
 
-void SharedMemory::discard() { madvise(bytes_.data(), bytes_.size(), MADV_REMOVE); }
-
-void SharedMemory::populate(std::span<const std::byte> part) {
-#ifdef MADV_POPULATE_WRITE
-  // whole pages
-  const auto n_page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  const auto first = static_cast<std::size_t>(part.data() - bytes_.data()) / n_page * n_page;
-  const std::size_t end = static_cast<std::size_t>(part.data() - bytes_.data()) + part.size();
-  madvise(bytes_.data() + first, end - first, MADV_POPULATE_WRITE);
-#else
-  static_cast<void>(part);
-#endif
-}
-
 }  // namespace bouncelab

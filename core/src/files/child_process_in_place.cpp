@@ -72,7 +72,4 @@ SharedMemory::SharedMemory(std::size_t n_bytes) {
 
 SharedMemory::~SharedMemory() { std::free(bytes_.data()); }
 
-void SharedMemory::discard() {}
-void SharedMemory::populate(std::span<const std::byte>) {}
-
 }  // namespace bouncelab

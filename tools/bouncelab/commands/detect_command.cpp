@@ -232,7 +232,7 @@ Outcome run_detect_part(const DetectOptions& options, const std::filesystem::pat
 Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
   // files are checked meanwhile; of many recordings the first one only would gain
   if (options.recordings.size() == 1 && run.parts.empty())
-    audio::prepare_to_read(resolved_threads(run.common.n_threads));
+    audio::prepare_to_read(options.recordings.front(), resolved_threads(run.common.n_threads));
   const std::vector<std::filesystem::path> given = recordings_of(options);
   if (!options.labels.empty() && given.size() > 1)
     throw InvalidArgument("--labels: a label track belongs to one recording; give one");

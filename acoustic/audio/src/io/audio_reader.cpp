@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/line_reader.hpp"
 #include "io/ffmpeg_decoder.hpp"
+#include "io/flac_decoder.hpp"
 #include "io/guarded_decoder.hpp"
 #include "io/not_finite.hpp"
 #include "io/npy.hpp"
@@ -31,7 +33,7 @@ constexpr std::int64_t kFramesPerPiece = 1 << 14;  // 64 kB of one channel: stay
 constexpr std::int64_t kFramesOfJump = 1 << 10;
 constexpr std::int64_t kFramesWithoutCopy = 1 << 12;  // from here on a copy takes longer than what lies between pieces
 // samples up to which a recording is held whole: 64 MB where decoding costs more than memory, 4 MB where it does not
-constexpr std::int64_t kMostHeldWhole = GuardedDecoder::kMostSamples;
+constexpr std::int64_t kMostHeldWhole = 1 << 24;
 constexpr std::int64_t kMostPlainHeldWhole = 1 << 20;
 constexpr std::int64_t kLongestHeader = 1 << 16;  // bytes, of which a sink is told
 
@@ -127,10 +129,15 @@ struct AudioReader::State {
   void hold_until(std::int64_t end) {
     const std::size_t n_before = buffered.size();
     if (std::ssize(buffered) >= end * info.n_channels) return;
-    const std::span<float> held = guarded->read_whole(end);
-    buffered_first = 0;
-    buffered = held;
+    const std::span<float> whole = place_of_whole();
+    buffered = whole.first(static_cast<std::size_t>(guarded->read_whole(end, whole) * info.n_channels));
     if (info.may_be_infinite) check_finite(n_before);
+  }
+
+  std::span<float> place_of_whole() {
+    const auto n = static_cast<std::size_t>(info.n_frames * info.n_channels);
+    if (!buffer) buffer = sample_memory(n);
+    return {buffer.get(), n};
   }
 
   std::span<float> read_into_buffer(std::int64_t first, std::int64_t n, std::int64_t n_most) {
@@ -235,9 +242,9 @@ AudioSource AudioReader::source(int channel) {
                      {},
                      0};
   if (s.format.n_channels == 1 && s.is_held_whole() && s.is_coded()) {
-    source.resident = s.guarded->place_of_whole();
+    source.resident = s.place_of_whole();
     if (std::ssize(s.buffered) < s.format.n_frames) {
-      s.guarded->read_whole(0);  // is being decoded from now on
+      s.guarded->read_whole(0, s.place_of_whole());  // is being decoded from now on
       source.wait_for = [&s](std::int64_t end) { s.hold_until(end); };
     }
   } else if (s.format.n_channels == 1 && s.is_held_whole()) {
@@ -247,6 +254,17 @@ AudioSource AudioReader::source(int channel) {
   return source;
 }
 
-void prepare_to_read(int n_threads) { GuardedDecoder::start_process(n_threads); }
+void prepare_to_read(const std::filesystem::path& path, int n_threads) {
+  std::error_code error;
+  bool needs_libsndfile = true;
+  if (std::filesystem::is_regular_file(path, error)) {
+    try {
+      const ReadableFile file(path);
+      needs_libsndfile = !is_flac(SoundBytes(file.descriptor()));
+    } catch (const FileError&) {  // the reader will say so
+    }
+  }
+  GuardedDecoder::start_process(n_threads, needs_libsndfile);
+}
 
 }  // namespace bouncelab::audio

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/guarded_decoder.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <cstring>
+#include <functional>
+#include <memory>
 #include <mutex>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
+#include "io/decoding_service.hpp"
 #include "io/sound_bytes.hpp"
-#include "io/two_part_decoder.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -26,156 +23,41 @@ constexpr double kBytesPerCpuSecond = 1e6;
 // Decoders hold a few MB, and tables of the file's parts in proportion to its length.
 constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
 constexpr std::int64_t kMemoryPerFileByte = 10;
-// of samples that a process keeps for the next file
-constexpr std::size_t kKept_bytes = 1 << 20;
-constexpr std::int64_t kSamplesOfPiece = 1 << 15;   // of a file that is read while it is decoded
 constexpr std::int64_t kLeastOfTwoParts = 1 << 18;  // samples: below, a thread takes longer than it saves
-constexpr std::int64_t kMostPiecesBegun = 16;       // a request and its answer are a few hundred bytes in the socket
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
 
-enum class Action : std::int32_t { open, read, read_whole, close };
-
-struct Request {
-  Action action = Action::open;
-  std::int64_t first = 0, n_frames = 0;  // of read
-  std::int64_t to = 0;                   // sample of the shared memory
-};
-
-/// SoundInfo but for its texts, which follow, each with a 0 at its end.
-struct PlainInfo {
-  double rate_hz;
-  std::int32_t n_channels;
-  std::int64_t n_frames;
-  bool may_be_infinite;
-  PlainEncoding plain;
-  std::int64_t first_byte;
-};
-
-template <class T>
-std::string bytes_of(const T& value) {
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
-
-std::string message_of(const SoundInfo& info) {
-  return bytes_of(PlainInfo{info.rate_hz, info.n_channels, info.n_frames, info.may_be_infinite, info.plain,
-                            info.first_byte}) +
-         info.description + '\0' + info.lossy_coding + '\0' + info.warning + '\0';
-}
-
-// the first byte of the answer to `open`
-constexpr char kOpened = 'o';
-constexpr char kNotForLibsndfile = 'n';  // the reason follows
-
-SoundInfo info_of(const std::string& message) {
-  PlainInfo info{};
-  std::memcpy(&info, message.data(), sizeof info);
-  std::size_t at = sizeof info;
-  const auto next_text = [&] {
-    std::string text = message.c_str() + at;
-    at += text.size() + 1;
-    return text;
-  };
-  std::string description = next_text(), lossy_coding = next_text();
-  return {info.rate_hz,    info.n_channels,        info.n_frames,           info.may_be_infinite, info.plain,
-          info.first_byte, std::move(description), std::move(lossy_coding), next_text()};
-}
-
 }  // namespace
-
-/// What the process does: one file at a time.
-class DecodingService {
- public:
-  /// @param memory  of the samples
-  DecodingService(SharedMemory& memory, std::span<float> samples, int n_threads)
-      : memory_(memory), samples_(samples), n_threads_(n_threads) {}
-
-  std::string answer(std::string_view message, int descriptor) {
-    Request request;
-    std::memcpy(&request, message.data(), sizeof request);
-    if (request.action == Action::open) return open(descriptor, std::string(message.substr(sizeof request)));
-    if (request.action == Action::close) return close();
-    if (request.action == Action::read_whole && in_two_parts())
-      return two_parts_->read_until(request.first + request.n_frames), std::string();
-    const std::int64_t n_samples = request.n_frames * decoder_.value().info().n_channels;
-    const auto n_after = static_cast<std::size_t>(request.to + n_samples);
-    const std::span<float> out = samples_.first(n_after).last(static_cast<std::size_t>(n_samples));
-    if (n_after * sizeof(float) > kKept_bytes) memory_.populate(std::as_bytes(out));
-    decoder_->read(request.first, out);
-    return {};
-  }
-
- private:
-  std::string open(int descriptor, const std::string& name) {
-    descriptor_ = descriptor;
-    name_ = name;
-    try {
-      decoder_.emplace(SoundBytes(descriptor), name);
-    } catch (const NotForLibsndfile& error) {
-      close();
-      return kNotForLibsndfile + error.reason;
-    }
-    std::string info = kOpened + message_of(decoder_->info());
-    // the bytes of plain samples are read where they are needed
-    if (decoder_->info().plain != PlainEncoding::none) close();
-    return info;
-  }
-
-  bool in_two_parts() {
-    const SoundDecoder& decoder = decoder_.value();
-    const bool is_long = decoder.info().n_frames * decoder.info().n_channels >= kLeastOfTwoParts;
-    if (!two_parts_ && n_threads_ > 1 && is_long && decoder.can_begin_anywhere())
-      two_parts_.emplace(*decoder_, descriptor_, name_, memory_);
-    return two_parts_.has_value();
-  }
-
-  std::string close() {
-    two_parts_.reset();
-    decoder_.reset();
-    ::close(descriptor_);
-    return {};
-  }
-
-  SharedMemory& memory_;
-  std::span<float> samples_;
-  std::optional<SoundDecoder> decoder_;
-  std::optional<TwoPartDecoder> two_parts_;
-  int descriptor_ = -1, n_threads_;
-  std::string name_;
-};
 
 class DecoderProcess {
  public:
-  DecoderProcess(const std::string& file, int n_threads)
+  DecoderProcess(const std::string& file, int n_threads, bool needs_libsndfile)
       : memory_(GuardedDecoder::kMostSamples * sizeof(float)),
         samples_(reinterpret_cast<float*>(memory_.bytes().data()), GuardedDecoder::kMostSamples),
-        child_([decoding = std::make_shared<DecodingService>(memory_, samples_, n_threads)](
+        child_([decoding = std::make_shared<DecodingService>(samples_)](
                    std::string_view request, int descriptor) { return decoding->answer(request, descriptor); },
-               file, load_libsndfile) {}
+               file, needs_libsndfile ? load_libsndfile : std::function<void()>()),
+        n_threads_(n_threads) {}
 
   std::span<float> samples() const { return samples_; }
   ChildProcess& child() { return child_; }
+  int n_threads() const { return n_threads_; }
   /// Closes the file there, which is not waited for.
-  /// @param n_samples  that the file had at most at once
-  void finish_file(std::int64_t n_samples, const ChildLimits& limits) {
-    holds_many_ |= n_samples > static_cast<std::int64_t>(kKept_bytes / sizeof(float));
-    child_.begin(bytes_of(Request{Action::close}), limits);
+  void finish_file(const ChildLimits& limits) {
+    child_.begin(bytes_of({DecodingRequest::Action::close}), limits);
     is_closing_ = true;
   }
-  /// Another file, which may be short. After the last one the pages go with the process, in less time.
-  /// @return whether it can be read there
+  /// Another file. @return whether it can be read there
   bool begin_file(const std::string& file) {
     if (std::exchange(is_closing_, false)) child_.finish({}, file, kRemedy);
-    if (!child_.is_usable()) return false;  // this process is a copy of its owner
-    if (std::exchange(holds_many_, false)) memory_.discard();
-    return true;
+    return child_.is_usable();  // not where this process is a copy of its owner
   }
 
  private:
   SharedMemory memory_;
   std::span<float> samples_;
   ChildProcess child_;
-  bool holds_many_ = false;
+  int n_threads_;
   bool is_closing_ = false;
 };
 
@@ -185,7 +67,7 @@ namespace {
 class Idle {
  public:
   /// One that is kept, or a new one.
-  std::unique_ptr<DecoderProcess> take(const std::string& file, int n_threads = 1) {
+  std::unique_ptr<DecoderProcess> take(const std::string& file, int n_threads = 1, bool needs_libsndfile = false) {
     {
       const std::lock_guard lock(mutex_);
       while (!processes_.empty()) {
@@ -197,7 +79,7 @@ class Idle {
         }
       }
     }
-    return std::make_unique<DecoderProcess>(file, n_threads);
+    return std::make_unique<DecoderProcess>(file, n_threads, needs_libsndfile);
   }
   void keep(std::unique_ptr<DecoderProcess> process) {
     const std::lock_guard lock(mutex_);
@@ -224,26 +106,35 @@ ChildLimits limits_for(std::int64_t n_file_bytes, std::int64_t n_sample_bytes) {
 
 GuardedDecoder::GuardedDecoder(int descriptor, std::string name)
     : name_(std::move(name)), n_bytes_(SoundBytes(descriptor).size()), process_(idle().take(name_)) {
-  const std::string answer = process_->child().ask(bytes_of(Request{Action::open}) + name_, limits_for(n_bytes_, 0),
-                                                   name_, kRemedy, descriptor);
-  const bool is_open = answer.at(0) == kOpened;
-  if (is_open) info_ = info_of(answer.substr(1));
-  if (!is_open || info_.plain != PlainEncoding::none) idle().keep(std::move(process_));
-  if (!is_open) throw NotForLibsndfile(name_, answer.substr(1));
+  const std::string answer = process_->child().ask(bytes_of({DecodingRequest::Action::open}) + name_,
+                                                   limits_for(n_bytes_, 0), name_, kRemedy, descriptor);
+  try {
+    info_ = opened_file(answer, name_);
+  } catch (const NotForLibsndfile&) {
+    idle().keep(std::move(process_));
+    throw;
+  }
+  if (info_.plain != PlainEncoding::none) {
+    idle().keep(std::move(process_));
+    return;
+  }
+  const bool in_two_parts =
+      process_->n_threads() > 1 && info_.can_begin_anywhere && info_.n_frames * info_.n_channels >= kLeastOfTwoParts;
+  pieces_ = FilePieces(info_.n_frames, info_.n_channels, in_two_parts);
 }
 
 GuardedDecoder::~GuardedDecoder() {
   if (!process_ || !process_->child().is_usable()) return;
   try {
-    process_->finish_file(std::min(info_.n_frames, kMostSamples) * info_.n_channels, limits_for(n_bytes_, 0));
+    process_->finish_file(limits_for(n_bytes_, 0));
     idle().keep(std::move(process_));
   } catch (...) {  // the samples were read; the process ends here
   }
 }
 
-void GuardedDecoder::start_process(int n_threads) {
+void GuardedDecoder::start_process(int n_threads, bool needs_libsndfile) {
   try {
-    idle().keep(idle().take("recordings", n_threads));
+    idle().keep(idle().take("recordings", n_threads, needs_libsndfile));
   } catch (const std::exception&) {  // whoever opens a recording will find out
   }
 }
@@ -251,31 +142,47 @@ void GuardedDecoder::start_process(int n_threads) {
 std::span<float> GuardedDecoder::read(std::int64_t first, std::int64_t n_frames) {
   const std::int64_t n_samples = n_frames * info_.n_channels;
   const ChildLimits limits = limits_for_samples(n_samples);
-  process_->child().ask(bytes_of(Request{Action::read, first, n_frames}), limits, name_, kRemedy);
+  process_->child().ask(bytes_of({DecodingRequest::Action::read, first, n_frames}), limits, name_, kRemedy);
   return process_->samples().first(static_cast<std::size_t>(n_samples));
 }
 
-std::span<float> GuardedDecoder::read_whole(std::int64_t n_frames) {
-  const std::int64_t n_piece = std::max<std::int64_t>(1, kSamplesOfPiece / info_.n_channels);
-  const ChildLimits of_all = limits_for_samples(info_.n_frames * info_.n_channels);
-  const auto begin_more = [&] {
-    for (; n_begun_ < info_.n_frames && n_begun_ < n_read_ + kMostPiecesBegun * n_piece; n_begun_ += n_piece) {
-      ChildLimits limits = of_all;
-      if (n_begun_ > 0) limits.cpu_s = 0.0;  // all pieces share it
-      const Request request{Action::read_whole, n_begun_, std::min(n_piece, info_.n_frames - n_begun_),
-                            n_begun_ * info_.n_channels};
-      process_->child().begin(bytes_of(request), limits);
+std::int64_t GuardedDecoder::read_whole(std::int64_t n_frames, std::span<float> whole) {
+  for (begin_pieces(); pieces_.frames_with(n_copied_) < std::min(n_frames, info_.n_frames); begin_pieces()) {
+    if (finish_piece()) {
+      copy_piece(n_copied_++, whole);
+      continue;
     }
-  };
-  for (begin_more(); n_read_ < std::min(n_frames, info_.n_frames); begin_more()) {
-    process_->child().finish(of_all, name_, kRemedy);
-    n_read_ = std::min(n_read_ + n_piece, info_.n_frames);
+    while (n_begun_ > n_copied_ + 1) {  // those that were asked for meanwhile are not there either
+      finish_piece();
+      --n_begun_;
+    }
+    n_begun_ = n_copied_ = 0;
+    pieces_ = FilePieces(info_.n_frames, info_.n_channels, false);
   }
-  return process_->samples().first(static_cast<std::size_t>(n_read_ * info_.n_channels));
+  return pieces_.frames_with(n_copied_);
 }
 
-std::span<const float> GuardedDecoder::place_of_whole() const {
-  return process_->samples().first(static_cast<std::size_t>(info_.n_frames * info_.n_channels));
+void GuardedDecoder::begin_pieces() {
+  for (; n_begun_ < std::min(pieces_.size(), n_copied_ + FilePieces::kMostBegun); ++n_begun_) {
+    ChildLimits limits = limits_for_samples(info_.n_frames * info_.n_channels);
+    if (n_begun_ > 0) limits.cpu_s = 0.0;  // all pieces share it
+    process_->child().begin(bytes_of({DecodingRequest::Action::read_piece, 0, 0, n_begun_, pieces_.in_two_parts()}),
+                            limits);
+  }
+}
+
+bool GuardedDecoder::finish_piece() {
+  const ChildLimits limits = limits_for_samples(info_.n_frames * info_.n_channels);
+  return has_read_piece(process_->child().finish(limits, name_, kRemedy));
+}
+
+void GuardedDecoder::copy_piece(std::int64_t k, std::span<float> whole) const {
+  const auto copy = [&](const FilePieces::Piece& piece) {
+    const std::span<const float> from = place_of(piece, info_.n_channels, process_->samples());
+    std::copy(from.begin(), from.end(), whole.begin() + piece.first * info_.n_channels);
+  };
+  copy(pieces_.of_first(k));
+  if (pieces_.in_two_parts()) copy(pieces_.of_second(k));
 }
 
 ChildLimits GuardedDecoder::limits_for_samples(std::int64_t n_samples) const {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bouncelab/core/child_process.hpp"
+#include "io/file_pieces.hpp"
 #include "io/sound_decoder.hpp"
 
 namespace bouncelab::audio {
@@ -36,28 +37,32 @@ class GuardedDecoder {
   /// @throws FileError
   std::span<float> read(std::int64_t first, std::int64_t n_frames);
 
-  /// Of a file that can be read at once: all frames are being decoded from the first call on, in pieces, while the
-  /// caller works on those that are there. Not together with read().
+  /// Instead of read(): all frames are being decoded from the first call on, in pieces, while the caller works on those
+  /// that are there.
   /// @param n_frames  that are needed, from the beginning on
-  /// @return n_frames or more interleaved frames, valid and shared as those of read(), of which no later call changes
-  /// any
+  /// @param whole     all frames of the file, interleaved; the same in each call
+  /// @return how many frames are there now, n_frames or more, of which no later call changes any
   /// @throws FileError
-  std::span<float> read_whole(std::int64_t n_frames);
-  /// Where those of read_whole() are or will be.
-  std::span<const float> place_of_whole() const;
+  std::int64_t read_whole(std::int64_t n_frames, std::span<float> whole);
 
   /// Starts a process for the next file, unless one is idle or none can be started.
-  /// @param n_threads  2: read_whole() there may decode on two threads
-  static void start_process(int n_threads);
+  /// @param n_threads         2: read_whole() there may decode on two threads
+  /// @param needs_libsndfile  for that file: it is loaded ahead
+  static void start_process(int n_threads, bool needs_libsndfile);
 
  private:
   ChildLimits limits_for_samples(std::int64_t n_samples) const;
+  void begin_pieces();
+  /// False where the file cannot be read in two parts.
+  bool finish_piece();
+  void copy_piece(std::int64_t k, std::span<float> whole) const;
 
   std::string name_;
   std::int64_t n_bytes_ = 0;
   std::unique_ptr<DecoderProcess> process_;
   SoundInfo info_;
-  std::int64_t n_begun_ = 0, n_read_ = 0;  // frames of read_whole()
+  FilePieces pieces_;
+  std::int64_t n_begun_ = 0, n_copied_ = 0;  // pieces
 };
 
 }  // namespace bouncelab::audio

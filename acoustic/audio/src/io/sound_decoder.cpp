@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
+#include "io/flac_decoder.hpp"
 #include "io/header_repair.hpp"
 
 namespace bouncelab::audio {
@@ -30,6 +31,9 @@ namespace {
 
 constexpr std::int64_t kFramesAtOnce = 1 << 14;  // 64 kB of one channel: stays in the cache
 constexpr std::int64_t kMp3Block_frames = 1152;
+// as libsndfile names them
+constexpr const char* kFlac16 = "FLAC (Free Lossless Audio Codec), Signed 16 bit PCM";
+constexpr const char* kFlac24 = "FLAC (Free Lossless Audio Codec), Signed 24 bit PCM";
 // FLAC packs best: a block of 65,535 equal samples into 10 bytes
 constexpr std::int64_t kMostFramesPerByte = 1 << 16;
 
@@ -138,10 +142,10 @@ struct SoundDecoder::State {
   ByteCursor cursor;
   std::string name;
   std::optional<HeaderRepair> repair;
+  std::optional<FlacDecoder> flac;  // instead of the file, until there is an error
   SNDFILE* file = nullptr;
   SoundInfo info{};
-  std::int64_t next_frame = 0;  // where libsndfile stands
-  bool can_begin_anywhere = false;
+  std::int64_t next_frame = 0;  // where libsndfile, or libFLAC, stands
 
   State(SoundBytes bytes, std::string name_) : cursor{bytes, 0, bytes.size()}, name(std::move(name_)) {
     if (const auto ogg = ogg_in_wav(cursor.bytes)) {
@@ -171,6 +175,7 @@ struct SoundDecoder::State {
 
   /// Begins again: a decoder that has seen the end may not find back.
   void reopen() {
+    flac.reset();
     close();
     open();
     next_frame = 0;
@@ -189,12 +194,44 @@ struct SoundDecoder::State {
       next_frame = frame;
       return;
     }
+    go_to_from_beginning(frame);
+  }
+
+  void go_to_from_beginning(std::int64_t frame) {
     reopen();
     std::vector<float> piece(static_cast<std::size_t>(kFramesAtOnce * info.n_channels));
     for (sf_count_t got = 1; next_frame < frame && got > 0; next_frame += got)
       got = std::max<sf_count_t>(0, sf_readf_float(file, piece.data(), std::min(kFramesAtOnce, frame - next_frame)));
     check_bytes();
     if (next_frame < frame) throw FileError(name, ends_early(next_frame, info.n_frames));
+  }
+
+  bool open_flac() {
+    flac = FlacDecoder::open(cursor.bytes);
+    if (!flac) return false;
+    const FlacDecoder::Format& format = flac->format();
+    check_rate(format.rate_hz, name);
+    info.rate_hz = format.rate_hz;
+    info.n_channels = format.n_channels;
+    info.n_frames = format.n_frames;
+    info.may_be_infinite = false;
+    info.can_begin_anywhere = true;
+    info.description = format.n_bits == 16 ? kFlac16 : kFlac24;
+    return true;
+  }
+
+  /// False where there is an error, which libsndfile is to find too: it may pass over what it is.
+  bool read_flac(std::int64_t first, std::span<float> interleaved) {
+    const bool goes_on = first == next_frame;
+    if (flac->read(first, interleaved)) {
+      next_frame = first + std::ssize(interleaved) / info.n_channels;
+      return true;
+    }
+    if (goes_on)
+      go_to_from_beginning(first);
+    else
+      reopen();
+    return false;
   }
 
   /// Whether the last frame is there that the header promises; of damaged files the decoder may fail to go there.
@@ -260,6 +297,7 @@ struct SoundDecoder::State {
 SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
     : state_(std::make_unique<State>(bytes, std::move(name))) {
   State& s = *state_;
+  if (s.open_flac()) return;
   const SF_INFO header = s.open();
   if (header.frames <= 0 || header.channels <= 0) throw FileError(s.name, "holds no samples; record again");
   check_rate(header.samplerate, s.name);
@@ -267,6 +305,7 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
             header.channels,
             header.frames,
             !is_integer(header.format & SF_FORMAT_SUBMASK),
+            false,
             plain_encoding(s.file, header.format),
             0,
             describe_format(header.format),
@@ -283,7 +322,7 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
   const bool is_right = has_number && s.can_read_last();
   s.reopen();
   if (!is_right) s.take_what_is_there();
-  s.can_begin_anywhere = is_right && !s.repair && (header.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_FLAC;
+  s.info.can_begin_anywhere = is_right && !s.repair && (header.format & SF_FORMAT_TYPEMASK) == SF_FORMAT_FLAC;
 }
 
 SoundDecoder::SoundDecoder(SoundDecoder&&) noexcept = default;
@@ -294,6 +333,7 @@ const SoundInfo& SoundDecoder::info() const { return state_->info; }
 
 void SoundDecoder::read(std::int64_t first, std::span<float> interleaved) {
   State& s = *state_;
+  if (s.flac && s.read_flac(first, interleaved)) return;
   const std::int64_t n = std::ssize(interleaved) / s.info.n_channels;
   s.go_to(first);
   std::int64_t n_done = 0;
@@ -306,10 +346,9 @@ void SoundDecoder::read(std::int64_t first, std::span<float> interleaved) {
   throw FileError(s.name, ends_early(s.next_frame, s.info.n_frames));
 }
 
-bool SoundDecoder::can_begin_anywhere() const { return state_->can_begin_anywhere; }
-
 bool SoundDecoder::read_without_error(std::int64_t first, std::span<float> interleaved) {
   State& s = *state_;
+  if (s.flac) return s.read_flac(first, interleaved);
   const std::int64_t n = std::ssize(interleaved) / s.info.n_channels;
   if (first != s.next_frame && sf_seek(s.file, first, SEEK_SET) != first) return false;
   s.next_frame = first;

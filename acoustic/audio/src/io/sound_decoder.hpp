@@ -21,6 +21,8 @@ struct SoundInfo {
   std::int32_t n_channels = 0;
   std::int64_t n_frames = 0;
   bool may_be_infinite = true;  ///< floats, and what a lossy codec makes, need not be finite
+  /// Whether frames are the same wherever reading begins: of FLAC that has what its header says.
+  bool can_begin_anywhere = false;
   PlainEncoding plain = PlainEncoding::none;
   std::int64_t first_byte = 0;  ///< of the samples, where they are plain
   std::string description;      ///< container and encoding, in words
@@ -53,8 +55,6 @@ class SoundDecoder {
   /// @throws FileError where the file ends early
   void read(std::int64_t first, std::span<float> interleaved);
 
-  /// Whether frames are the same wherever reading begins: of FLAC that has what its header says.
-  bool can_begin_anywhere() const;
   /// The same as read(). @return false where libsndfile saw any error, also one that read() passes over
   bool read_without_error(std::int64_t first, std::span<float> interleaved);
   /// To the first frame, as if nothing had been read.

@@ -95,11 +95,6 @@ class SharedMemory {
   ~SharedMemory();
 
   std::span<std::byte> bytes() const { return bytes_; }
-  /// Gives the pages back; their content becomes 0.
-  void discard();
-  /// Gives a part its pages at once, which takes less time than one by one as they are written to; nothing where the
-  /// system cannot.
-  void populate(std::span<const std::byte> part);
 
  private:
   std::span<std::byte> bytes_;

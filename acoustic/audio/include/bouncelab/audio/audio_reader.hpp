@@ -65,10 +65,10 @@ class AudioReader {
   std::unique_ptr<State> state_;
 };
 
-/// Starts the process in which recordings will be decoded, as the first AudioReader would: what its caller does
-/// meanwhile costs no time. Nothing where it cannot be started, which that reader then says.
+/// Starts the process in which a recording will be decoded, as its AudioReader would: what its caller does meanwhile
+/// costs no time. Nothing where it cannot be started, which that reader then says.
 /// @param n_threads  2 or more: may decode a recording of FLAC on two, the same samples
-void prepare_to_read(int n_threads = 1);
+void prepare_to_read(const std::filesystem::path& path, int n_threads = 1);
 
 /// The version of the ffmpeg that has decoded a recording in this process; empty where none has.
 std::string ffmpeg_version_used();
