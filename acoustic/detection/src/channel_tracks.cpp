@@ -71,6 +71,7 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   BandOfChannel& band = bands_[b].emplace();
   band.decimation = decimations_[b];
   band.sound = sound_of(b);
+  if (b == 0 && progress_) progress_(0.0, static_cast<double>(band.sound.n_samples) / band.sound.rate_hz);
   band.models = audio::learn_ar_models(band.sound, kArOrder);
   CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
   band.candidates = std::move(found.candidates);

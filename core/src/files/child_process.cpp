@@ -55,6 +55,24 @@ bool send_all(int socket, const void* data, std::size_t n) {
   return true;
 }
 
+/// At once, as the other side would wake up for each part.
+template <class Head>
+bool send_message(int socket, const Head& head, std::string_view text) {
+  std::array<iovec, 2> parts{iovec{const_cast<Head*>(&head), sizeof head},
+                             iovec{const_cast<char*>(text.data()), text.size()}};
+  msghdr message{};
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
+  ssize_t sent = -1;
+  do sent = sendmsg(socket, &message, MSG_NOSIGNAL);
+  while (sent < 0 && errno == EINTR);
+  if (sent < 0) return false;
+  const std::size_t n_of_head = std::min(static_cast<std::size_t>(sent), sizeof head);
+  const std::size_t n_of_text = static_cast<std::size_t>(sent) - n_of_head;
+  return send_all(socket, reinterpret_cast<const char*>(&head) + n_of_head, sizeof head - n_of_head) &&
+         send_all(socket, text.data() + n_of_text, text.size() - n_of_text);
+}
+
 bool receive_all(int socket, void* data, std::size_t n) {
   char* at = static_cast<char*>(data);
   while (n > 0) {
@@ -193,7 +211,7 @@ void serve(const ChildProcess::Answer& answer) {
     if (head.limits.cpu_s > 0.0) limit_cpu(head.limits.cpu_s);  // which waiting for the next request does not use
     const auto [ending, text] = answer_to(answer, request, descriptor);
     const AnswerHead answered{text.size(), ending};
-    if (!send_all(kSocket, &answered, sizeof answered) || !send_all(kSocket, text.data(), text.size())) return;
+    if (!send_message(kSocket, answered, text)) return;
   }
 }
 
@@ -299,8 +317,7 @@ void ChildProcess::begin(std::string_view request, const ChildLimits& limits, in
   if (s.has_failed || !s.is_owned()) return;  // finish() says so
   const RequestHead head{request.size(), limits, descriptor >= 0};
   // where the child has ended, its answer will be missing
-  static_cast<void>(send_all(s.socket, &head, sizeof head) && send_all(s.socket, request.data(), request.size()) &&
-                    (descriptor < 0 || send_descriptor(s.socket, descriptor)));
+  static_cast<void>(send_message(s.socket, head, request) && (descriptor < 0 || send_descriptor(s.socket, descriptor)));
 }
 
 std::string ChildProcess::finish(const ChildLimits& limits, const std::string& file, const std::string& remedy) {

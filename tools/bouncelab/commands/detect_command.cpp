@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
@@ -120,6 +122,30 @@ void keep_first(std::size_t k, detection::Detection&& found, std::map<std::size_
   if (first.size() > kMostDetections) first.erase(std::prev(first.end()));
 }
 
+/// What another thread begins with: of one recording everything waits until it is being decoded.
+class StartSignal {
+ public:
+  /// Gives it at the end of a scope, whatever has happened there.
+  class AtLast {
+   public:
+    explicit AtLast(StartSignal& signal) : signal_(signal) {}
+    AtLast(const AtLast&) = delete;
+    AtLast& operator=(const AtLast&) = delete;
+    ~AtLast() { signal_.give(); }
+
+   private:
+    StartSignal& signal_;
+  };
+
+  void give() {
+    if (!is_given_.test_and_set()) is_given_.notify_all();
+  }
+  void wait() const { is_given_.wait(false); }
+
+ private:
+  std::atomic_flag is_given_;
+};
+
 /// Files are read in parallel; their onsets go into the table, in the order of the recordings.
 /// @param records  of all recordings, in place of detection; null: none
 DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
@@ -150,9 +176,19 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
     return result;
   }
   // the checksums while the sound is searched, as a thread has time for them
+  StartSignal is_decoding;
+  if (recordings.size() > 1) is_decoding.give();
   parallel_for(2, n_threads, [&](std::size_t work) {
-    if (work == 1) return compute_sha256_ahead(recordings, n_threads);
-    detection::detect_each(recordings, config, n_threads, take, progress);
+    if (work == 1) {
+      is_decoding.wait();
+      const audio::RealFft first(1024);  // which takes half a millisecond
+      return compute_sha256_ahead(recordings, n_threads);
+    }
+    const StartSignal::AtLast at_last(is_decoding);
+    detection::detect_each(recordings, config, n_threads, take, [&](double done, double total) {
+      is_decoding.give();
+      if (progress) progress(done, total);
+    });
   });
   return result;
 }

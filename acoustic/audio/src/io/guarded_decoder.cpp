@@ -23,7 +23,7 @@ constexpr double kBytesPerCpuSecond = 1e6;
 // Decoders hold a few MB, and tables of the file's parts in proportion to its length.
 constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
 constexpr std::int64_t kMemoryPerFileByte = 10;
-constexpr std::int64_t kLeastOfTwoParts = 1 << 18;  // samples: below, a thread takes longer than it saves
+constexpr std::int64_t kLeastOfTwoParts = 1 << 20;  // samples: below, a thread takes longer than it saves
 
 const char* const kRemedy = "repair or convert it: ffmpeg -i IN OUT.wav";
 

@@ -138,7 +138,7 @@ using RecordingBytesSink = std::function<void(std::size_t k, std::int64_t first,
 /// Several recordings in parallel, each as if it were alone: the result does not depend on the number of threads. One
 /// that cannot be read has the status `unreadable` and does not affect the others; with a single recording it throws.
 /// @param n_threads  0 = all cores
-/// @param progress   counts recordings; where there is only one, seconds of its sound
+/// @param progress   counts recordings; where there is only one, seconds of its sound, 0 when it is being decoded
 void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
                  const DetectionSink& sink, const ProgressCallback& progress = {},
                  const RecordingBytesSink& bytes_read = {});
