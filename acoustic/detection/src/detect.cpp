@@ -12,8 +12,8 @@
 #include <system_error>
 #include <utility>
 
-#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/shared_recording.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -207,12 +207,11 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
 
 Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
                       const ProgressCallback& progress, audio::BytesSink bytes_read) {
-  audio::AudioReader reader(recording, config.rate_hz, std::move(bytes_read));
-  const auto reading = std::make_shared<std::mutex>();
-  Detection d = detect_in([&](int channel) { return audio::one_at_a_time(reader.source(channel), reading); },
-                          reader.format().n_channels, input_name(recording), config,
-                          kMayStartChildBesideThreads ? n_threads : 1, progress);
-  describe_format(reader.format(), config.lossy_coding, d);
+  const int n_here = kMayStartChildBesideThreads ? n_threads : 1;
+  audio::SharedRecording sound(recording, config.rate_hz, resolved_threads(n_here), std::move(bytes_read));
+  Detection d = detect_in([&](int channel) { return sound.source(channel); }, sound.format().n_channels,
+                          input_name(recording), config, n_here, progress);
+  describe_format(sound.format(), config.lossy_coding, d);
   return d;
 }
 

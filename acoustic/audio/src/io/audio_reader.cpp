@@ -234,6 +234,10 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) {
   }
 }
 
+bool AudioReader::gains_by_more_readers() const {
+  return state_->is_coded() && state_->info.can_begin_anywhere && !state_->is_held_whole();
+}
+
 AudioSource AudioReader::source(int channel) {
   State& s = *state_;
   AudioSource source{s.format.rate_hz,

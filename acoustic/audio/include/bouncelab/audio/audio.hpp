@@ -11,3 +11,4 @@
 #include "bouncelab/audio/dsp/linear_prediction.hpp"  // autoregressive models and their innovations
 #include "bouncelab/audio/dsp/real_fft.hpp"           // Fourier transform of real signals
 #include "bouncelab/audio/dsp/white_window.hpp"       // a stretch of a recording, whitened
+#include "bouncelab/audio/shared_recording.hpp"       // a recording that several threads read

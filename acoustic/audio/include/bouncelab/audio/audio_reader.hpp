@@ -57,6 +57,10 @@ class AudioReader {
   /// @throws InvalidArgument outside the file; FileError where it ends early or a sample is not finite
   void read(std::int64_t first, int channel, std::span<float> out);
 
+  /// Whether several readers of the file, one for each thread, read it in less time than one in turns, and the same
+  /// samples: a FLAC that is too long to be held in memory, so that a decoder seeks where it is not read onwards.
+  bool gains_by_more_readers() const;
+
   /// One channel as an AudioSource; it refers to this reader, which must outlive it.
   AudioSource source(int channel);
 
