@@ -13,8 +13,8 @@ namespace bouncelab::audio {
 /// another in turn would seek each time.
 class SharedRecording {
  public:
-  /// @param n_threads  that will read it
-  /// @param rate_hz, bytes_read, what is thrown  as of AudioReader
+  /// @param rate_hz, bytes_read  as of AudioReader, which says what is thrown too
+  /// @param n_threads            that will read it
   SharedRecording(const std::filesystem::path& path, std::optional<double> rate_hz, int n_threads,
                   BytesSink bytes_read = {});
   SharedRecording(const SharedRecording&) = delete;
