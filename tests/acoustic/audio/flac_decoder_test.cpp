@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -18,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
+#include "flac_file.hpp"
 #include "io/sound_bytes.hpp"
 #include "io/sound_decoder.hpp"
 #include "support/temporary_folder.hpp"
@@ -60,12 +59,7 @@ class FlacDecoderTest : public testing::Test {
  protected:
   std::filesystem::path flac(SampleEncoding encoding, int n_channels) const {
     std::filesystem::path path = folder_ / "a.flac";
-    AudioWriter writer(path, {48000, n_channels, encoding}, kFrames, true);
-    std::vector<float> x(static_cast<std::size_t>(kFrames * n_channels));
-    for (std::size_t k = 0; k < x.size(); ++k)
-      x[k] = 0.4F * static_cast<float>(std::sin(1e-3 * static_cast<double>(k * k % 100'003)));
-    writer.write(std::span<const float>(x));
-    writer.commit();
+    test::write_flac(path, encoding, n_channels, kFrames);
     return path;
   }
 

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -13,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
+#include "flac_file.hpp"
 #include "io/file_pieces.hpp"
 #include "io/guarded_decoder.hpp"
 #include "io/sound_bytes.hpp"
@@ -36,15 +35,9 @@ struct Outcome {
 
 class TwoParts : public testing::Test {
  protected:
-  /// A sound of FLAC whose blocks have about equal sizes.
   std::filesystem::path flac(int n_channels) const {
     std::filesystem::path path = folder_ / "a.flac";
-    AudioWriter writer(path, {48000, n_channels, SampleEncoding::pcm16}, kFrames, true);
-    std::vector<float> x(static_cast<std::size_t>(kFrames * n_channels));
-    for (std::size_t k = 0; k < x.size(); ++k)
-      x[k] = 0.4F * static_cast<float>(std::sin(1e-3 * static_cast<double>(k * k % 100'003)));
-    writer.write(std::span<const float>(x));
-    writer.commit();
+    test::write_flac(path, SampleEncoding::pcm16, n_channels, kFrames);
     return path;
   }
 

@@ -33,7 +33,7 @@ using BytesSink = std::function<void(std::int64_t first, std::span<const std::by
 ///     another length than it has, or none, what is there is read, and format().warning says so
 ///   - the sound of any other file by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
 ///   - numbers: .npy of samples (x channels), tables of text with or without a column of times
-/// Not for several threads at once; open the file once per thread instead.
+/// Not for several threads at once: SharedRecording is (shared_recording.hpp).
 class AudioReader {
  public:
   /// @param rate_hz  sampling rate of numbers that come without one
