@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
@@ -181,7 +180,6 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
   parallel_for(2, n_threads, [&](std::size_t work) {
     if (work == 1) {
       is_decoding.wait();
-      const audio::RealFft first(1024);  // which takes half a millisecond
       return compute_sha256_ahead(recordings, n_threads);
     }
     const StartSignal::AtLast at_last(is_decoding);
