@@ -5,7 +5,9 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <numeric>
 #include <optional>
+#include <vector>
 
 #include "../reference/brute_force.hpp"
 #include "bench_lines.hpp"
@@ -16,11 +18,11 @@ namespace {
 
 /// Seconds per impact of 200 drops.
 double cost_of_impact_s(const sim::SimulationConfig& config, const sim::Envelope& envelope) {
-  constexpr std::int64_t kDrops = 200;
+  std::vector<std::int64_t> drops(200);
+  std::iota(drops.begin(), drops.end(), 0);
   std::size_t n = 0;
   const double seconds = bench::seconds_of([&] {
-    for (std::int64_t drop = 0; drop < kDrops; ++drop)
-      n += sim::simulate_drop(config, envelope, drop).impacts.rows.size();
+    for (const sim::DropResult& drop : sim::simulate_drops(config, envelope, drops)) n += drop.impacts.rows.size();
   });
   return seconds / static_cast<double>(n);
 }

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <sstream>
+#include <vector>
 
 #include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
@@ -56,6 +58,29 @@ TEST(Simulate, GivesTheSameDropAloneAndInABatch) {
     same.states.push_back(batch.states[k]);
   }
   EXPECT_EQ(bytes(alone), bytes(same));
+}
+
+TEST(Simulate, GivesTheSameDropsAloneAndInTurnWhereSomeEndEarly) {
+  SimulationConfig config = small_config();
+  config.n_impacts_max = 1000;
+  config.min_speed_mps = 0.3;
+  const Envelope envelope(config.ball, small_surface(config));
+  const std::vector<std::int64_t> numbers{3, 14, 15, 9, 2, 6, 5, 35, 8, 97, 93};  // more than take turns
+  for (const bool with_air : {false, true}) {
+    if (with_air) config.air = Air{};
+    const std::vector<DropResult> together = simulate_drops(config, envelope, numbers);
+    ASSERT_EQ(together.size(), numbers.size());
+    std::set<std::size_t> lengths;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const DropResult alone = simulate_drop(config, envelope, numbers[k]);
+      EXPECT_EQ(bytes(together[k].impacts), bytes(alone.impacts));
+      EXPECT_EQ(together[k].end, alone.end);
+      EXPECT_EQ(together[k].energy.remaining_j, alone.energy.remaining_j);
+      EXPECT_EQ(together[k].energy.drag_j, alone.energy.drag_j);
+      lengths.insert(alone.impacts.rows.size());
+    }
+    EXPECT_GT(lengths.size(), 3U);  // they do end at different impacts
+  }
 }
 
 TEST(Simulate, SmoothBallHasTheLawsRestitutionExactly) {

@@ -40,6 +40,23 @@ int square_of(double coordinate, int n_side) {
   return std::clamp(static_cast<int>((coordinate + 1.0) * 0.5 * n_side), 0, n_side - 1);
 }
 
+struct StartSquare {
+  int ia, ib;
+  std::size_t index;
+};
+StartSquare square_around(const CubePoint& point, const StartGrid& grid) {
+  const int ia = square_of(point.a, grid.n_side), ib = square_of(point.b, grid.n_side);
+  return {ia, ib, grid.index(point.face, ia, ib)};
+}
+
+void prefetch_line(const void* place) {
+#if defined(__GNUC__)
+  __builtin_prefetch(place);
+#else
+  (void)place;
+#endif
+}
+
 /// A node on the way down to a leaf.
 struct Way {
   Envelope::Node node;
@@ -101,11 +118,21 @@ Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, cons
     max_elevation_ = std::max(max_elevation_, static_cast<double>(patch.nodes.front().max_elevation));
 }
 
+void Envelope::prefetch_leaf_at(Vector3 n) const {
+  const StartGrid grid{start_depth_, n_side_ << start_depth_};
+  prefetch_line(&starts_[square_around(cube_point(n), grid).index]);
+}
+
+void Envelope::prefetch(const Leaf& leaf) {
+  for (const std::uint16_t k : leaf.list) prefetch_line(&leaf.sites[k]);
+  for (const std::uint16_t k : leaf.list) prefetch_line(&leaf.asperities[k]);
+}
+
 Envelope::Leaf Envelope::leaf_at(Vector3 n) const {
   const CubePoint point = cube_point(n);
   const StartGrid grid{start_depth_, n_side_ << start_depth_};
-  const int ia = square_of(point.a, grid.n_side), ib = square_of(point.b, grid.n_side);
-  const Start& start = starts_[grid.index(point.face, ia, ib)];
+  const auto [ia, ib, index] = square_around(point, grid);
+  const Start& start = starts_[index];
   const Patch& patch = patches_[patch_index(point.face, ia >> start_depth_, ib >> start_depth_, n_side_)];
   const int depth = static_cast<int>(start.depth), shift = start_depth_ - depth;
   Way way{start.node, cell_of_patch(point.face, ia >> shift, ib >> shift, n_side_ << depth)};

@@ -23,6 +23,9 @@ struct Pole {
     return {along + c * cosine + s * sine, (rate_radps * c) * sine - (rate_radps * s) * cosine};
   }
 
+  /// n at t = 0.
+  Vector3 start() const { return along + cosine; }
+
   /// The same motion with its clock set back to 0 at t.
   Pole from(double t_s) const {
     const auto [c, s] = turn(rate_radps * t_s);

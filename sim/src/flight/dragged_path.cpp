@@ -71,6 +71,14 @@ DraggedPath::Node DraggedPath::at(double t_s) const {
   return between(*(after - 1), *after, t_s);
 }
 
+void DraggedPath::move(double t_s, BallState& state) const {
+  const Node node = at(t_s);
+  state.x_m = node.place_m.x;
+  state.y_m = node.place_m.y;
+  state.clearance_m = node.place_m.z;
+  state.motion.velocity_mps = node.velocity_mps;
+}
+
 double DraggedPath::descent_to(double level_m, double t_s) const {
   if (height_m(t_s) <= level_m) return t_s;
   // nodes from the end of the path up to the first that is at or above the level

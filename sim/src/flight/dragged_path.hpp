@@ -33,6 +33,9 @@ class DraggedPath {
   };
   Node at(double t_s) const;
 
+  /// Place and velocity of the centre at t.
+  void move(double t_s, BallState& state) const;
+
  private:
   std::vector<Node> nodes_;
   double bend_mps2_;

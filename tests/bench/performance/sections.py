@@ -72,7 +72,7 @@ def simulate(measured):
                      f"{bar(smooth, most=4, unit=' ×')}; {bar(get('envelope'), most=1.5, unit=' s')}" if judged else ""))
     return """## Simulation
 
-Cost of an impact of a ball with N asperities, one thread, 200 drops of 100 impacts, for the laws of their radii (in units of the ball's). Two baselines: the same flights of the *smooth ball*, which has none and takes turns with the rough one,
+Cost of an impact of a ball with N asperities, one thread, 200 drops of 100 impacts (eight drops take turns, so that none waits for memory alone), for the laws of their radii (in units of the ball's). Two baselines: the same flights of the *smooth ball*, which has none and takes turns with the rough one,
 and *brute force*, which looks at each asperity for each impact. The *envelope* is built once for a ball; *B/N* are the bytes of its index over N. Bars at N = 10⁶: 4 times the smooth ball, 1.5 s for the envelope.
 
 """ + table(("radii", "N", "envelope", "B/N", "impact", "over the smooth ball", "faster than brute force", "bars: impact; envelope"), rows)

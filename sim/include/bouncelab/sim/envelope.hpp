@@ -64,6 +64,9 @@ class Envelope {
 
   /// The leaf around n.
   Leaf leaf_at(Vector3 n) const;
+  /// Ask the processor to load early what leaf_at(n) reads first, and what a leaf lists.
+  void prefetch_leaf_at(Vector3 n) const;
+  static void prefetch(const Leaf& leaf);
   /// The largest cell around n whose region lies below `elevation`; where there is none, the leaf.
   Cell cell_below(double elevation, Vector3 n) const;
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,10 +73,19 @@ struct DropResult {
   DropEnd end = DropEnd::impacts_reached;
 };
 
-/// One drop: a pure function of its arguments, for callers that let drops stream through memory.
+/// Drops that are simulated together take turns: while the processor fetches from memory what one needs of the
+/// envelope, the others compute. More than this gains nothing.
+inline constexpr std::size_t kDropsInTurn = 8;
+
+/// Some drops, by their numbers, on one thread; for callers that let drops stream through memory. A drop does not
+/// depend on those beside it.
 /// @param config    validated
 /// @param envelope  made from config.ball and its surface
+/// @return as many as numbers, in their order
 /// @throws InvalidArgument where the ball starts inside the plate
+std::vector<DropResult> simulate_drops(const SimulationConfig& config, const Envelope& envelope,
+                                       std::span<const std::int64_t> numbers);
+/// One of them.
 DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t drop);
 
 struct SimulationResult {
