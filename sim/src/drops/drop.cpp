@@ -6,14 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
-#include <type_traits>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "contact/patch.hpp"
-#include "flight/dragged_path.hpp"
-#include "flight/parabola.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -74,18 +71,9 @@ bool is_on_plate(const SimulationConfig& config, const BallState& state) {
   return std::abs(state.x_m) <= 0.5 * config.plate_size_m[0] && std::abs(state.y_m) <= 0.5 * config.plate_size_m[1];
 }
 
-template <class Path>
-Path path_of(const SimulationConfig& config, const BallState& start, Vector3 gravity_mps2) {
-  if constexpr (std::is_same_v<Path, DraggedPath>)
-    return DraggedPath(config.ball, *config.air, start, gravity_mps2);
-  else
-    return Parabola(start, gravity_mps2);
-}
-
 }  // namespace
 
-template <class Path>
-Drop<Path>::Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t number)
+Drop::Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t number)
     : config_(&config),
       envelope_(&envelope),
       gravity_mps2_(gravity(config)),
@@ -100,14 +88,22 @@ Drop<Path>::Drop(const SimulationConfig& config, const Envelope& envelope, std::
   result_.energy.released_j = energy_j(config, state_);
 }
 
-template <class Path>
-void Drop<Path>::begin_flight() {
-  search_.emplace(config_->ball, *envelope_, state_, path_of<Path>(*config_, state_, gravity_mps2_), left_);
+void Drop::begin_flight() {
+  const Ball& ball = config_->ball;
+  if (config_->air)
+    search_.emplace(std::in_place_type<ContactSearch<DraggedPath>>, ball, *envelope_, state_,
+                    DraggedPath(ball, *config_->air, state_, gravity_mps2_), left_);
+  else
+    search_.emplace(std::in_place_type<ContactSearch<Parabola>>, ball, *envelope_, state_,
+                    Parabola(state_, gravity_mps2_), left_);
 }
 
-template <class Path>
-void Drop<Path>::end_flight() {
-  const FirstContact contact = search_->find_contact();
+void Drop::find_leaf() {
+  std::visit([](auto& search) { search.find_leaf(); }, *search_);
+}
+
+void Drop::end_flight() {
+  const FirstContact contact = std::visit([](auto& search) { return search.find_contact(); }, *search_);
   // times must increase even where two asperities touch within the resolution of t
   const double t_s = std::max(t_s_ + contact.dt_s, std::nextafter(t_s_, std::numeric_limits<double>::infinity()));
   if (const auto end = end_before(contact, t_s)) {
@@ -121,16 +117,14 @@ void Drop<Path>::end_flight() {
 }
 
 /// Why the drop ends without this contact, if it does.
-template <class Path>
-std::optional<DropEnd> Drop<Path>::end_before(const FirstContact& contact, double t_s) const {
+std::optional<DropEnd> Drop::end_before(const FirstContact& contact, double t_s) const {
   if (t_s > config_->max_time_s) return DropEnd::time_reached;
   if (!is_on_plate(*config_, contact.state)) return DropEnd::left_plate;
   if (std::abs(contact.state.motion.velocity_mps.z) < config_->min_speed_mps) return DropEnd::speed_reached;
   return std::nullopt;
 }
 
-template <class Path>
-void Drop<Path>::collide_at(const FirstContact& contact) {
+void Drop::collide_at(const FirstContact& contact) {
   const SimulationConfig& config = *config_;
   const Motion& before = contact.state.motion;
   if (config.air) result_.energy.drag_j += energy_j(config, state_) - energy_j(config, contact.state);
@@ -144,13 +138,9 @@ void Drop<Path>::collide_at(const FirstContact& contact) {
   state_.motion = collision.after;
 }
 
-template <class Path>
-DropResult Drop<Path>::result() && {
+DropResult Drop::result() && {
   result_.energy.remaining_j = energy_j(*config_, state_);
   return std::move(result_);
 }
-
-template class Drop<Parabola>;
-template class Drop<DraggedPath>;
 
 }  // namespace bouncelab::sim

@@ -3,15 +3,16 @@
 
 #include <cstdint>
 #include <optional>
+#include <variant>
 
 #include "bouncelab/sim/experiment.hpp"
 #include "flight/contact_search.hpp"
+#include "flight/dragged_path.hpp"
+#include "flight/parabola.hpp"
 
 namespace bouncelab::sim {
 
-/// One drop, an impact after the other; each in the three steps of its search, so that drops can take turns. Path is
-/// the centre's in flight: Parabola or DraggedPath.
-template <class Path>
+/// One drop, an impact after the other; each in the three steps of its search, so that drops can take turns.
 class Drop {
  public:
   /// @param config, envelope  must outlive the drop
@@ -20,13 +21,15 @@ class Drop {
 
   bool is_over() const { return is_over_; }
   void begin_flight();
-  void find_leaf() { search_->find_leaf(); }
+  void find_leaf();
   /// To the impact and through it, or to the end of the drop.
   void end_flight();
 
   DropResult result() &&;
 
  private:
+  using Search = std::variant<ContactSearch<Parabola>, ContactSearch<DraggedPath>>;
+
   std::optional<DropEnd> end_before(const FirstContact& contact, double t_s) const;
   void collide_at(const FirstContact& contact);
 
@@ -37,7 +40,7 @@ class Drop {
   double t_s_ = 0.0;
   BallState state_;
   std::optional<std::int64_t> left_;  ///< what the ball touches
-  std::optional<ContactSearch<Path>> search_;
+  std::optional<Search> search_;
   DropResult result_;
   bool is_over_ = false;
 };

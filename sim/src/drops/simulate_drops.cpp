@@ -6,28 +6,25 @@
 #include <vector>
 
 #include "drops/drop.hpp"
-#include "flight/dragged_path.hpp"
-#include "flight/parabola.hpp"
 
 namespace bouncelab::sim {
 namespace {
 
 /// Drops that take turns, until all are over.
-template <class Path>
 void simulate_in_turn(const SimulationConfig& config, const Envelope& envelope, std::span<const std::int64_t> numbers,
                       std::vector<DropResult>& results) {
-  std::vector<Drop<Path>> drops;
+  std::vector<Drop> drops;
   drops.reserve(numbers.size());
   for (const std::int64_t number : numbers) drops.emplace_back(config, envelope, number);
-  std::vector<Drop<Path>*> flying;
-  for (Drop<Path>& drop : drops) flying.push_back(&drop);
+  std::vector<Drop*> flying;
+  for (Drop& drop : drops) flying.push_back(&drop);
   while (!flying.empty()) {
-    for (Drop<Path>* drop : flying) drop->begin_flight();
-    for (Drop<Path>* drop : flying) drop->find_leaf();
-    for (Drop<Path>* drop : flying) drop->end_flight();
-    std::erase_if(flying, [](const Drop<Path>* drop) { return drop->is_over(); });
+    for (Drop* drop : flying) drop->begin_flight();
+    for (Drop* drop : flying) drop->find_leaf();
+    for (Drop* drop : flying) drop->end_flight();
+    std::erase_if(flying, [](const Drop* drop) { return drop->is_over(); });
   }
-  for (Drop<Path>& drop : drops) results.push_back(std::move(drop).result());
+  for (Drop& drop : drops) results.push_back(std::move(drop).result());
 }
 
 }  // namespace
@@ -38,10 +35,7 @@ std::vector<DropResult> simulate_drops(const SimulationConfig& config, const Env
   results.reserve(numbers.size());
   for (std::size_t first = 0; first < numbers.size(); first += kDropsInTurn) {
     const auto some = numbers.subspan(first, std::min(kDropsInTurn, numbers.size() - first));
-    if (config.air)
-      simulate_in_turn<DraggedPath>(config, envelope, some, results);
-    else
-      simulate_in_turn<Parabola>(config, envelope, some, results);
+    simulate_in_turn(config, envelope, some, results);
   }
   return results;
 }
