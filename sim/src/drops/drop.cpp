@@ -98,8 +98,8 @@ void Drop::begin_flight() {
                     Parabola(state_, gravity_mps2_), left_);
 }
 
-void Drop::find_leaf() {
-  std::visit([](auto& search) { search.find_leaf(); }, *search_);
+bool Drop::find_leaf() {
+  return std::visit([](auto& search) { return search.find_leaf(); }, *search_);
 }
 
 void Drop::end_flight() {

@@ -12,7 +12,7 @@
 
 namespace bouncelab::sim {
 
-/// One drop, an impact after the other; each in the three steps of its search, so that drops can take turns.
+/// One drop, an impact after the other; each in the steps of its search, so that drops can take turns.
 class Drop {
  public:
   /// @param config, envelope  must outlive the drop
@@ -21,7 +21,8 @@ class Drop {
 
   bool is_over() const { return is_over_; }
   void begin_flight();
-  void find_leaf();
+  /// @return whether it is found
+  bool find_leaf();
   /// To the impact and through it, or to the end of the drop.
   void end_flight();
 

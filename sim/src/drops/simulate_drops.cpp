@@ -16,11 +16,12 @@ void simulate_in_turn(const SimulationConfig& config, const Envelope& envelope, 
   std::vector<Drop> drops;
   drops.reserve(numbers.size());
   for (const std::int64_t number : numbers) drops.emplace_back(config, envelope, number);
-  std::vector<Drop*> flying;
+  std::vector<Drop*> flying, searching;
   for (Drop& drop : drops) flying.push_back(&drop);
   while (!flying.empty()) {
     for (Drop* drop : flying) drop->begin_flight();
-    for (Drop* drop : flying) drop->find_leaf();
+    searching = flying;
+    while (!searching.empty()) std::erase_if(searching, [](Drop* drop) { return drop->find_leaf(); });
     for (Drop* drop : flying) drop->end_flight();
     std::erase_if(flying, [](const Drop* drop) { return drop->is_over(); });
   }

@@ -43,6 +43,16 @@ struct CubeCell {
   double a = 0.0, b = 0.0, h = 1.0;
 };
 
+/// The squares of a face that is divided into n_side by n_side.
+inline CubeCell cell_of_square(int face, int ia, int ib, int n_side) {
+  const double h = 1.0 / n_side;
+  return {face, (2 * ia + 1) * h - 1.0, (2 * ib + 1) * h - 1.0, h};
+}
+/// Number of the square, along one edge, that a coordinate is in.
+inline int square_of(double coordinate, int n_side) {
+  return std::clamp(static_cast<int>((coordinate + 1.0) * 0.5 * n_side), 0, n_side - 1);
+}
+
 /// Child 0 ... 3 of a cell: bit 0 is the upper half in a, bit 1 in b.
 inline CubeCell child_of(const CubeCell& cell, int child) {
   const double h = 0.5 * cell.h;

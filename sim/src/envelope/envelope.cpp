@@ -10,6 +10,7 @@
 #include "envelope/cube_cell.hpp"
 #include "envelope/distribution.hpp"
 #include "envelope/floor_map.hpp"
+#include "envelope/leaf_search.hpp"
 #include "envelope/patch_builder.hpp"
 #include "envelope/start_writer.hpp"
 
@@ -29,48 +30,6 @@ void fill(Contenders& contenders, const Ball& ball, const Surface& surface, std:
     contenders.site[i] = asperities[i];
   }
 }
-
-CubeCell cell_of_patch(int face, int ia, int ib, int n_side) {
-  const double h = 1.0 / n_side;
-  return {face, (2 * ia + 1) * h - 1.0, (2 * ib + 1) * h - 1.0, h};
-}
-
-/// Square along an edge of a face that is divided into n_side.
-int square_of(double coordinate, int n_side) {
-  return std::clamp(static_cast<int>((coordinate + 1.0) * 0.5 * n_side), 0, n_side - 1);
-}
-
-struct StartSquare {
-  int ia, ib;
-  std::size_t index;
-};
-StartSquare square_around(const CubePoint& point, const StartGrid& grid) {
-  const int ia = square_of(point.a, grid.n_side), ib = square_of(point.b, grid.n_side);
-  return {ia, ib, grid.index(point.face, ia, ib)};
-}
-
-void prefetch_line(const void* place) {
-#if defined(__GNUC__)
-  __builtin_prefetch(place);
-#else
-  (void)place;
-#endif
-}
-
-/// A node on the way down to a leaf.
-struct Way {
-  Envelope::Node node;
-  CubeCell cell;
-
-  void descend(const Envelope::Patch& patch, const CubePoint& point) {
-    const int child = (point.a >= cell.a ? 1 : 0) + (point.b >= cell.b ? 2 : 0);
-    node = patch.nodes[node.first + static_cast<std::uint32_t>(child)];
-    cell = child_of(cell, child);
-  }
-  Envelope::Cell found(const CubePoint& point) const {
-    return {margin_in_region(cell, point.a, point.b), static_cast<double>(node.max_elevation)};
-  }
-};
 
 }  // namespace
 
@@ -96,7 +55,7 @@ Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, cons
       for (int ia = 0; ia < n_side_; ++ia) {
         const std::size_t place = patch_index(face, ia, ib, n_side_);
         fill(builder.contenders(), ball, surface, distribution.of(place), face);
-        patches_[place] = builder.build(cell_of_patch(face, ia, ib, n_side_), *arena_);
+        patches_[place] = builder.build(cell_of_square(face, ia, ib, n_side_), *arena_);
         lists[place] = builder.lists();
       }
       if (!progress) return;
@@ -118,36 +77,18 @@ Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, cons
     max_elevation_ = std::max(max_elevation_, static_cast<double>(patch.nodes.front().max_elevation));
 }
 
-void Envelope::prefetch_leaf_at(Vector3 n) const {
-  const StartGrid grid{start_depth_, n_side_ << start_depth_};
-  prefetch_line(&starts_[square_around(cube_point(n), grid).index]);
-}
-
-void Envelope::prefetch(const Leaf& leaf) {
-  for (const std::uint16_t k : leaf.list) prefetch_line(&leaf.sites[k]);
-  for (const std::uint16_t k : leaf.list) prefetch_line(&leaf.asperities[k]);
-}
-
 Envelope::Leaf Envelope::leaf_at(Vector3 n) const {
-  const CubePoint point = cube_point(n);
-  const StartGrid grid{start_depth_, n_side_ << start_depth_};
-  const auto [ia, ib, index] = square_around(point, grid);
-  const Start& start = starts_[index];
-  const Patch& patch = patches_[patch_index(point.face, ia >> start_depth_, ib >> start_depth_, n_side_)];
-  const int depth = static_cast<int>(start.depth), shift = start_depth_ - depth;
-  Way way{start.node, cell_of_patch(point.face, ia >> shift, ib >> shift, n_side_ << depth)};
-  const bool is_listed = start.node.n_list <= Start::kMostListed;
-  while (is_inner(way.node)) way.descend(patch, point);
-  const std::uint16_t* const list = is_listed ? start.list.data() : patch.lists.data() + way.node.first;
-  return {way.found(point), std::span(list, way.node.n_list), patch.sites.subspan(way.node.base),
-          patch.asperities.subspan(way.node.base)};
+  LeafSearch search(*this, n);
+  while (!search.advance()) {
+  }
+  return search.leaf();
 }
 
 Envelope::Cell Envelope::cell_below(double elevation, Vector3 n) const {
   const CubePoint point = cube_point(n);
   const int ia = square_of(point.a, n_side_), ib = square_of(point.b, n_side_);
   const Patch& patch = patches_[patch_index(point.face, ia, ib, n_side_)];
-  Way way{patch.nodes.front(), cell_of_patch(point.face, ia, ib, n_side_)};
+  Way way{patch.nodes.front(), cell_of_square(point.face, ia, ib, n_side_)};
   while (is_inner(way.node) && !(static_cast<double>(way.node.max_elevation) < elevation)) way.descend(patch, point);
   return way.found(point);
 }

@@ -43,9 +43,10 @@ ContactSearch<Path>::ContactSearch(const Ball& ball, const Envelope& envelope, c
 }
 
 template <class Path>
-void ContactSearch<Path>::find_leaf() {
-  leaf_ = envelope_->leaf_at(here_.start());
-  envelope_->prefetch(leaf_);
+bool ContactSearch<Path>::find_leaf() {
+  if (!leaf_search_->advance()) return false;
+  leaf_ = leaf_search_->leaf();
+  return true;
 }
 
 template <class Path>
@@ -56,7 +57,8 @@ FirstContact ContactSearch<Path>::find_contact() {
     if (const auto found = find_in_leaf(t_exit)) return contact_of(*found);
     leave_leaf(t_exit);
     go_down_to_envelope();
-    find_leaf();
+    while (!find_leaf()) {
+    }
   }
   throw Error("flight: no contact found in " + std::to_string(kMaxSteps) +
               " cells of the surface; is the spin or the speed absurd?");
@@ -80,7 +82,7 @@ template <class Path>
 void ContactSearch<Path>::go_down_to_envelope() {
   t_ = skip_above(envelope_->max_elevation(), t_);
   here_ = pole_.from(t_);
-  envelope_->prefetch_leaf_at(here_.start());
+  leaf_search_.emplace(*envelope_, here_.start());
 }
 
 /// After a leaf without a contact.

@@ -8,6 +8,7 @@
 
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/flight.hpp"
+#include "envelope/leaf_search.hpp"
 #include "envelope/pole.hpp"
 
 namespace bouncelab::sim {
@@ -15,16 +16,16 @@ namespace bouncelab::sim {
 /// The search for the first contact of one flight (the method: find_first_contact). Path is the centre's: Parabola or
 /// DraggedPath.
 ///
-/// It goes in three steps, each of which ends by asking for the memory that the next reads. Of a large envelope that
-/// takes as long as all the computing; where the searches of several balls take turns, none waits.
+/// It goes in steps, each of which ends by asking for the memory that the next reads. Of a large envelope that takes as
+/// long as all the computing; where the searches of several balls take turns, none waits.
 template <class Path>
 class ContactSearch {
  public:
   /// First step: where the pole is when the ball comes down. @param envelope  must outlive the search
   ContactSearch(const Ball& ball, const Envelope& envelope, const BallState& start, Path path,
                 std::optional<std::int64_t> left);
-  /// Second step: the leaf around the pole.
-  void find_leaf();
+  /// Second step, to be repeated until it is done: the leaf around the pole. @return whether it is found
+  bool find_leaf();
   /// Third step: the contact, most often in that leaf. @throws Error where there is none
   FirstContact find_contact();
 
@@ -68,9 +69,10 @@ class ContactSearch {
   double bend_mps2_;  ///< bound of -gap'' for asperities
   std::optional<std::int64_t> left_;
 
-  double t_ = 0.0;         ///< until here there is no contact
-  Pole here_;              ///< with its clock at t_
-  Envelope::Leaf leaf_{};  ///< around it
+  double t_ = 0.0;  ///< until here there is no contact
+  Pole here_;       ///< with its clock at t_
+  std::optional<LeafSearch> leaf_search_;
+  Envelope::Leaf leaf_{};  ///< around the pole
 };
 
 }  // namespace bouncelab::sim

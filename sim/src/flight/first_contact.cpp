@@ -15,7 +15,8 @@ template <class Path>
 FirstContact contact_on(Path path, const Ball& ball, const Envelope& envelope, const BallState& start,
                         std::optional<std::int64_t> left) {
   ContactSearch<Path> search(ball, envelope, start, std::move(path), left);
-  search.find_leaf();
+  while (!search.find_leaf()) {
+  }
   return search.find_contact();
 }
 

@@ -13,6 +13,7 @@
 namespace bouncelab::sim {
 
 class Arena;
+class LeafSearch;
 
 /// The upper envelope of the asperities, indexed for constant-time search whatever the radii.
 ///
@@ -64,9 +65,6 @@ class Envelope {
 
   /// The leaf around n.
   Leaf leaf_at(Vector3 n) const;
-  /// Ask the processor to load early what leaf_at(n) reads first, and what a leaf lists.
-  void prefetch_leaf_at(Vector3 n) const;
-  static void prefetch(const Leaf& leaf);
   /// The largest cell around n whose region lies below `elevation`; where there is none, the leaf.
   Cell cell_below(double elevation, Vector3 n) const;
 
@@ -98,6 +96,8 @@ class Envelope {
   };
 
  private:
+  friend LeafSearch;
+
   int n_side_ = 1;       ///< patches along an edge of the cube
   int start_depth_ = 0;  ///< each patch has 2^start_depth squared starts
   double max_elevation_ = 0.0;
