@@ -101,7 +101,7 @@ void simulate_each(const SimulationConfig& config, const Surface& surface, const
   const Envelope envelope(config.ball, surface, config.n_threads, progress ? not_yet : ProgressCallback{});
   std::mutex mutex;
   std::size_t n_done = 0;
-  // few drops are for all threads
+  // as many take turns as leave no thread without a drop
   const auto n_threads = static_cast<std::size_t>(resolved_threads(config.n_threads));
   const std::size_t n_at_once = std::clamp<std::size_t>(quotient_up(drops.size(), n_threads), 1, kDropsInTurn);
   parallel_for(quotient_up(drops.size(), n_at_once), config.n_threads, [&](std::size_t part) {
@@ -118,7 +118,7 @@ void simulate_each(const SimulationConfig& config, const Surface& surface, const
 
 void SimulationCounts::add(std::size_t k, const DropResult& drop) {
   if (drops_.size() <= k) drops_.resize(k + 1);
-  Drop& counted = drops_[k];
+  DropCounts& counted = drops_[k];
   counted.energy = drop.energy;
   counted.end = drop.end;
   counted.n_impacts = std::ssize(drop.impacts.rows);
@@ -128,7 +128,7 @@ void SimulationCounts::add(std::size_t k, const DropResult& drop) {
 
 SimulationResult SimulationCounts::result() const {
   SimulationResult result;
-  for (const Drop& drop : drops_) {
+  for (const DropCounts& drop : drops_) {
     result.energy.add(drop.energy);
     ++result.n_ended[static_cast<std::size_t>(drop.end)];
     result.n_impacts += drop.n_impacts;

@@ -79,9 +79,8 @@ Envelope::Envelope(const Ball& ball, const Surface& surface, int n_threads, cons
 
 Envelope::Leaf Envelope::leaf_at(Vector3 n) const {
   LeafSearch search(*this, n);
-  while (!search.advance()) {
-  }
-  return search.leaf();
+  for (;;)
+    if (const auto leaf = search.advance()) return *leaf;
 }
 
 Envelope::Cell Envelope::cell_below(double elevation, Vector3 n) const {

@@ -32,7 +32,7 @@ LeafSearch::LeafSearch(const Envelope& envelope, Vector3 n) : envelope_(&envelop
   prefetch(patch_);
 }
 
-bool LeafSearch::advance() {
+std::optional<Envelope::Leaf> LeafSearch::advance() {
   if (next_ == Next::start) {
     const int depth = static_cast<int>(start_->depth), shift = envelope_->start_depth_ - depth;
     way_ = {start_->node, cell_of_square(point_.face, ia_ >> shift, ib_ >> shift, envelope_->n_side_ << depth)};
@@ -45,10 +45,11 @@ bool LeafSearch::advance() {
   }
   if (next_ == Next::list) {
     // here: gcc 12 takes a function that does nothing but this for one without effect, and calls to it out
-    const Envelope::Leaf found = leaf();
-    for (const std::uint16_t k : found.list) prefetch(&found.sites[k]);
-    for (const std::uint16_t k : found.list) prefetch(&found.asperities[k]);
-    return true;
+    const Envelope::Leaf leaf{way_.found(point_), std::span(list_, way_.node.n_list),
+                              patch_->sites.subspan(way_.node.base), patch_->asperities.subspan(way_.node.base)};
+    for (const std::uint16_t k : leaf.list) prefetch(&leaf.sites[k]);
+    for (const std::uint16_t k : leaf.list) prefetch(&leaf.asperities[k]);
+    return leaf;
   }
   if (is_inner(way_.node)) {
     next_ = Next::node;
@@ -59,12 +60,7 @@ bool LeafSearch::advance() {
     prefetch(list_);
     if (way_.node.n_list > 0) prefetch(list_ + way_.node.n_list - 1);
   }
-  return false;
-}
-
-Envelope::Leaf LeafSearch::leaf() const {
-  return {way_.found(point_), std::span(list_, way_.node.n_list), patch_->sites.subspan(way_.node.base),
-          patch_->asperities.subspan(way_.node.base)};
+  return std::nullopt;
 }
 
 }  // namespace bouncelab::sim

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "bouncelab/sim/envelope.hpp"
 #include "envelope/cube_cell.hpp"
@@ -35,9 +36,8 @@ class LeafSearch {
   /// @param n         unit vector of the body frame
   LeafSearch(const Envelope& envelope, Vector3 n);
 
-  /// @return whether the leaf is found; its sites are asked for then
-  bool advance();
-  Envelope::Leaf leaf() const;
+  /// One step. @return the leaf once it is found; its sites are asked for then
+  std::optional<Envelope::Leaf> advance();
 
  private:
   enum class Next { start, node, list };

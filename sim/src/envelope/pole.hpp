@@ -24,7 +24,7 @@ struct Pole {
   }
 
   /// n at t = 0.
-  Vector3 start() const { return along + cosine; }
+  Vector3 direction() const { return along + cosine; }
 
   /// The same motion with its clock set back to 0 at t.
   Pole from(double t_s) const {

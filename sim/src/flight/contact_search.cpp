@@ -44,9 +44,9 @@ ContactSearch<Path>::ContactSearch(const Ball& ball, const Envelope& envelope, c
 
 template <class Path>
 bool ContactSearch<Path>::find_leaf() {
-  if (!leaf_search_->advance()) return false;
-  leaf_ = leaf_search_->leaf();
-  return true;
+  const std::optional<Envelope::Leaf> found = leaf_search_->advance();
+  if (found) leaf_ = *found;
+  return found.has_value();
 }
 
 template <class Path>
@@ -82,7 +82,7 @@ template <class Path>
 void ContactSearch<Path>::go_down_to_envelope() {
   t_ = skip_above(envelope_->max_elevation(), t_);
   here_ = pole_.from(t_);
-  leaf_search_.emplace(*envelope_, here_.start());
+  leaf_search_.emplace(*envelope_, here_.direction());
 }
 
 /// After a leaf without a contact.
@@ -93,7 +93,7 @@ void ContactSearch<Path>::leave_leaf(double t_exit) {
     return;
   }
   // stay in the widest cell that the ball is above; the leaf itself at the least
-  const Envelope::Cell cell = envelope_->cell_below((path_.height_m(t_) - kClear_m) / radius_m_, here_.start());
+  const Envelope::Cell cell = envelope_->cell_below((path_.height_m(t_) - kClear_m) / radius_m_, here_.direction());
   t_ = std::max(t_exit, std::min(t_ + cell.margin_rad / pole_.speed_radps, skip_above(cell.max_elevation, t_)));
 }
 

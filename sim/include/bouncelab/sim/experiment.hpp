@@ -97,11 +97,11 @@ struct SimulationResult {
   std::vector<std::string> warnings;
 };
 
-/// Takes each drop as soon as it is simulated; from one thread at a time, in any order.
+/// Takes each drop once it is simulated; from one thread at a time, in any order.
 /// @param k  its place among the drops asked for
 using DropSink = std::function<void(std::size_t k, DropResult&& drop)>;
 
-/// Some drops, by their numbers, in parallel: none is held here.
+/// Some drops, by their numbers, in parallel: of each thread no more than kDropsInTurn are held here.
 /// @param progress  called with drops done; may throw to stop
 /// @throws InvalidArgument as `validate` and `simulate_drop`
 void simulate_each(const SimulationConfig& config, const Surface& surface, const std::vector<std::int64_t>& drops,
@@ -116,12 +116,12 @@ class SimulationCounts {
   SimulationResult result() const;
 
  private:
-  struct Drop {
+  struct DropCounts {
     EnergyLedger energy;
     DropEnd end = DropEnd::impacts_reached;
     std::int64_t n_impacts = 0, n_smooth = 0;
   };
-  std::vector<Drop> drops_;
+  std::vector<DropCounts> drops_;
 };
 
 /// All drops, in parallel; the bytes of the result depend neither on the number of threads nor on which other drops
