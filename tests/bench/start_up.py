@@ -5,7 +5,7 @@
     start_up.py BOUNCELAB [--runs 200] [--hdf5 /path/of/libhdf5.so]
 
 All take turns; prints the median of each. bouncelab is also started with HDF5 loaded (LD_PRELOAD), which it loads only for
-files that need it: the module is worth its code while that takes 1.1 times the time.
+files that need it: that is worth its code while HDF5 at the start takes 1.1 times the time.
 """
 import argparse
 import ctypes.util

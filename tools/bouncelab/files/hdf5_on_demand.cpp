@@ -1,183 +1,122 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dlfcn.h>
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
+/// The functions of HDF5 that hdf5_reader.cpp and hdf5_writer.cpp call, each of which loads the library at the first
+/// call: it depends on 30 libraries, and a program linked with them starts in four times the time
+/// (tests/bench/start_up.py). Most commands read and write no HDF5.
+#include <hdf5.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
-#include <mutex>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <system_error>
-#include <utility>
-
-#include "bouncelab/core/child_process.hpp"
-#include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
-#include "files/hdf5_module.hpp"
-#include "files/hdf5_table.hpp"
-#include "files/table_bytes.hpp"
-
-namespace bouncelab::cli {
-namespace fs = std::filesystem;
+#include "on_demand.hpp"
 
 namespace {
 
-/// Of the Python module where this is part of it. Of the program it is that of argv[0], which may be none.
-fs::path own_folder() {
-  static const char inside = 0;
-  Dl_info found{};
-  return dladdr(&inside, &found) != 0 ? fs::path(found.dli_fname).parent_path() : fs::path();
+/// @param name  of a function or variable of HDF5
+/// @throws bouncelab::FileError
+void* of_hdf5(const char* name) {
+  return bouncelab::cli::loaded(BOUNCELAB_HDF5, name, "HDF5", "install it, or use .csv or .jsonl");
 }
 
-/// @param name  of the file that asks for it
-const Hdf5Functions& functions(const std::string& name) {
-  static const Hdf5Functions* loaded = nullptr;
-  if (loaded != nullptr) return *loaded;
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
-  std::string reason;
-  // in the Python package, where it was built, where it is installed
-  for (const fs::path& folder : {own_folder(), program, program / BOUNCELAB_MODULE_FOLDER}) {
-    if (!folder.is_absolute()) continue;  // dlopen would look elsewhere
-    void* library = dlopen((folder / BOUNCELAB_HDF5_MODULE).c_str(), RTLD_NOW | RTLD_LOCAL);
-    const void* entry = library != nullptr ? dlsym(library, kHdf5Entry) : nullptr;
-    if (entry != nullptr) return *(loaded = static_cast<const Hdf5Functions*>(entry));
-    reason = dlerror();
-  }
-  throw FileError(name, "HDF5 cannot be loaded (" + reason + "); install bouncelab again, or use .csv or .jsonl");
-}
-
-// Reading makes 50 MB/s and more; what is left is for slow machines.
-constexpr double kLeast_cpu_s = 5.0;
-constexpr double kBytesPerCpuSecond = 1e6;
-// Compressed columns grow to some ten times their size, and are held three times: by HDF5, as a table, as its bytes.
-constexpr std::int64_t kLeast_memory_bytes = 100'000'000;
-constexpr std::int64_t kMemoryPerFileByte = 50;
-
-const char* const kRemedy = "write the table again, or convert it to .csv with the program that made it";
-
-/// An input open for reading, closed at the end.
-class OpenFile {
- public:
-  explicit OpenFile(const fs::path& path)
-      : name_(input_name(path)), descriptor_(open(readable(path).c_str(), O_RDONLY | O_CLOEXEC)) {
-    if (descriptor_ < 0)
-      throw FileError(name_, std::string("cannot be opened for reading (") + std::strerror(errno) + ")");
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() { close(descriptor_); }
-
-  int descriptor() const { return descriptor_; }
-  const std::string& name() const { return name_; }
-  std::int64_t size() const {
-    struct stat status {};
-    return fstat(descriptor_, &status) == 0 ? status.st_size : 0;
-  }
-
- private:
-  std::string name_;
-  int descriptor_ = -1;
-};
-
-/// The library is for one thread at a time, and must not be at work while a copy of the process is made.
-std::mutex& library() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-/// In the child: the first request brings the file, and each asks for a number of rows.
-class Answers {
- public:
-  Answers(const Hdf5Functions& hdf5, std::string name, std::vector<ColumnSpec> wanted)
-      : hdf5_(&hdf5), name_(std::move(name)), wanted_(std::move(wanted)) {}
-
-  std::string operator()(std::string_view request, int descriptor) {
-    std::size_t max_rows = 0;
-    std::memcpy(&max_rows, request.data(), std::min(request.size(), sizeof max_rows));
-    if (descriptor >= 0) path_ = "/proc/self/fd/" + std::to_string(descriptor);
-    try {
-      if (descriptor >= 0) {
-        reader_ = hdf5_->read(path_, wanted_);
-        close(descriptor);  // the library has opened it for itself
-      }
-      return to_bytes(reader_->next(max_rows));
-    } catch (const FileError& error) {
-      const std::string message = error.what(), prefix = path_ + ": ";
-      throw FileError(name_, message.starts_with(prefix) ? message.substr(prefix.size()) : message);
-    }
-  }
-
- private:
-  const Hdf5Functions* hdf5_;
-  std::string name_, path_;
-  std::vector<ColumnSpec> wanted_;
-  std::shared_ptr<TableReader> reader_;  // not unique: an Answer can be copied
-};
-
-/// HDF5 1.10 loops for ever on some damaged files: it reads in a process of its own.
-class ReaderInChild final : public TableReader {
- public:
-  ReaderInChild(const fs::path& path, const std::vector<ColumnSpec>& wanted) : file_(path) {
-    const std::lock_guard lock(library());
-    const Answers answers(functions(file_.name()), file_.name(), wanted);
-    child_.emplace(answers, file_.name());
-  }
-
-  Table next(std::size_t max_rows) override {
-    const ChildLimits limits{kLeast_cpu_s + static_cast<double>(file_.size()) / kBytesPerCpuSecond,
-                             kLeast_memory_bytes + kMemoryPerFileByte * file_.size()};
-    const std::string request(reinterpret_cast<const char*>(&max_rows), sizeof max_rows);
-    const int descriptor = std::exchange(has_file_, true) ? -1 : file_.descriptor();
-    Table table = table_from_bytes(child_->ask(request, limits, file_.name(), kRemedy, descriptor));
-    table.n_before = n_read_;
-    n_read_ += table.n_rows();
-    return table;
-  }
-
- private:
-  OpenFile file_;
-  std::optional<ChildProcess> child_;
-  bool has_file_ = false;
-  std::size_t n_read_ = 0;
-};
-
-class LockedWriter final : public TableSink {
- public:
-  LockedWriter(const fs::path& path, const std::string& name) {
-    const std::lock_guard lock(library());
-    writer_ = functions(name).write(path, name);
-  }
-  ~LockedWriter() override {
-    const std::lock_guard lock(library());
-    writer_.reset();
-  }
-  void add(const Table& rows) override {
-    const std::lock_guard lock(library());
-    writer_->add(rows);
-  }
-  void finish() override {
-    const std::lock_guard lock(library());
-    writer_->finish();
-  }
-
- private:
-  std::unique_ptr<TableSink> writer_;
-};
+/// To the variable of the same name here.
+void copy_id(hid_t& here, const char* name) { here = *static_cast<const hid_t*>(of_hdf5(name)); }
 
 }  // namespace
 
-std::unique_ptr<TableReader> hdf5_reader(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  return std::make_unique<ReaderInChild>(path, wanted);
+extern "C" {
+// identifiers that the library gives when it is opened: its macros, as H5T_NATIVE_DOUBLE, open it and then read these
+hid_t H5P_CLS_DATASET_ACCESS_ID_g = H5I_INVALID_HID;
+hid_t H5P_CLS_DATASET_CREATE_ID_g = H5I_INVALID_HID;
+hid_t H5P_CLS_DATASET_XFER_ID_g = H5I_INVALID_HID;
+hid_t H5P_CLS_FILE_ACCESS_ID_g = H5I_INVALID_HID;
+hid_t H5T_C_S1_g = H5I_INVALID_HID;
+hid_t H5T_NATIVE_DOUBLE_g = H5I_INVALID_HID;
+hid_t H5T_NATIVE_INT64_g = H5I_INVALID_HID;
+hid_t H5T_NATIVE_UINT64_g = H5I_INVALID_HID;
+
+herr_t H5open() {
+  static const auto its = reinterpret_cast<herr_t (*)()>(of_hdf5("H5open"));
+  const herr_t result = its();
+  copy_id(H5P_CLS_DATASET_ACCESS_ID_g, BOUNCELAB_TEXT_OF(H5P_CLS_DATASET_ACCESS_ID_g));
+  copy_id(H5P_CLS_DATASET_CREATE_ID_g, BOUNCELAB_TEXT_OF(H5P_CLS_DATASET_CREATE_ID_g));
+  copy_id(H5P_CLS_DATASET_XFER_ID_g, BOUNCELAB_TEXT_OF(H5P_CLS_DATASET_XFER_ID_g));
+  copy_id(H5P_CLS_FILE_ACCESS_ID_g, BOUNCELAB_TEXT_OF(H5P_CLS_FILE_ACCESS_ID_g));
+  copy_id(H5T_C_S1_g, BOUNCELAB_TEXT_OF(H5T_C_S1_g));
+  copy_id(H5T_NATIVE_DOUBLE_g, BOUNCELAB_TEXT_OF(H5T_NATIVE_DOUBLE_g));
+  copy_id(H5T_NATIVE_INT64_g, BOUNCELAB_TEXT_OF(H5T_NATIVE_INT64_g));
+  copy_id(H5T_NATIVE_UINT64_g, BOUNCELAB_TEXT_OF(H5T_NATIVE_UINT64_g));
+  return result;
 }
 
-std::unique_ptr<TableSink> hdf5_writer(const fs::path& path, const std::string& name) {
-  return std::make_unique<LockedWriter>(path, name);
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5check_version, (unsigned major, unsigned minor, unsigned release),
+                    (major, minor, release))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5dont_atexit, (), ())
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Aclose, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Acreate2,
+                    (hid_t at, const char* name, hid_t type, hid_t space, hid_t list, hid_t access),
+                    (at, name, type, space, list, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Awrite, (hid_t id, hid_t type, const void* values), (id, type, values))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Dclose, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Dcreate2,
+                    (hid_t at, const char* name, hid_t type, hid_t space, hid_t link, hid_t list, hid_t access),
+                    (at, name, type, space, link, list, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Dget_create_plist, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Dget_space, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hsize_t, H5Dget_storage_size, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Dget_type, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Dopen2, (hid_t at, const char* name, hid_t access), (at, name, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Dread,
+                    (hid_t id, hid_t type, hid_t space, hid_t in_file, hid_t transfer, void* values),
+                    (id, type, space, in_file, transfer, values))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Dset_extent, (hid_t id, const hsize_t* size), (id, size))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Dwrite,
+                    (hid_t id, hid_t type, hid_t space, hid_t in_file, hid_t transfer, const void* values),
+                    (id, type, space, in_file, transfer, values))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Eset_auto2, (hid_t stack, H5E_auto2_t function, void* data),
+                    (stack, function, data))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Fclose, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Fcreate, (const char* name, unsigned flags, hid_t list, hid_t access),
+                    (name, flags, list, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Fflush, (hid_t id, H5F_scope_t scope), (id, scope))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Fopen, (const char* name, unsigned flags, hid_t access), (name, flags, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Ldelete, (hid_t at, const char* name, hid_t access), (at, name, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, htri_t, H5Lexists, (hid_t at, const char* name, hid_t access), (at, name, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Lget_info, (hid_t at, const char* name, H5L_info_t* info, hid_t access),
+                    (at, name, info, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Lmove,
+                    (hid_t from, const char* name, hid_t to, const char* new_name, hid_t list, hid_t access),
+                    (from, name, to, new_name, list, access))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pclose, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Pcreate, (hid_t type), (type))
+BOUNCELAB_ON_DEMAND(of_hdf5, int, H5Pget_chunk, (hid_t id, int most, hsize_t* size), (id, most, size))
+BOUNCELAB_ON_DEMAND(of_hdf5, int, H5Pget_external_count, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, H5D_layout_t, H5Pget_layout, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, int, H5Pget_nfilters, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_chunk, (hid_t id, int n, const hsize_t* size), (id, n, size))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_chunk_cache, (hid_t id, size_t n_slots, size_t n_bytes, double preemption),
+                    (id, n_slots, n_bytes, preemption))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_deflate, (hid_t id, unsigned level), (id, level))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_fapl_core, (hid_t id, size_t growth, hbool_t is_written),
+                    (id, growth, is_written))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_file_image, (hid_t id, void* bytes, size_t n), (id, bytes, n))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_obj_track_times, (hid_t id, hbool_t on), (id, on))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_shuffle, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Pset_vlen_mem_manager,
+                    (hid_t id, H5MM_allocate_t take, void* of_take, H5MM_free_t give_back, void* of_give_back),
+                    (id, take, of_take, give_back, of_give_back))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Sclose, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Screate, (H5S_class_t type), (type))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Screate_simple, (int n, const hsize_t* size, const hsize_t* most),
+                    (n, size, most))
+BOUNCELAB_ON_DEMAND(of_hdf5, int, H5Sget_simple_extent_dims, (hid_t id, hsize_t* size, hsize_t* most), (id, size, most))
+BOUNCELAB_ON_DEMAND(of_hdf5, int, H5Sget_simple_extent_ndims, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Sselect_hyperslab,
+                    (hid_t id, H5S_seloper_t operation, const hsize_t* first, const hsize_t* stride, const hsize_t* n,
+                     const hsize_t* block),
+                    (id, operation, first, stride, n, block))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Tclose, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, hid_t, H5Tcopy, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, H5T_class_t, H5Tget_class, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, H5T_sign_t, H5Tget_sign, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, size_t, H5Tget_size, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, htri_t, H5Tis_variable_str, (hid_t id), (id))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Tset_cset, (hid_t id, H5T_cset_t set), (id, set))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Tset_size, (hid_t id, size_t size), (id, size))
+BOUNCELAB_ON_DEMAND(of_hdf5, herr_t, H5Tset_strpad, (hid_t id, H5T_str_t padding), (id, padding))
 }
-
-}  // namespace bouncelab::cli

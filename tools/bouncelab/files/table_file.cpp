@@ -12,7 +12,7 @@
 #include "bouncelab/core/file_plan.hpp"
 #include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "files/hdf5_table.hpp"
+#include "files/hdf5_file.hpp"
 #include "files/json_lines_table.hpp"
 #include "files/table_bytes.hpp"
 
@@ -54,7 +54,7 @@ class TextSink final : public TableSink {
 };
 
 std::unique_ptr<TableSink> sink(const fs::path& temporary, const fs::path& path) {
-  if (is_hdf5(path)) return hdf5_writer(temporary, path.string());
+  if (is_hdf5(path)) return write_hdf5(temporary, path.string());
   return std::make_unique<TextSink>(temporary, path);
 }
 
@@ -65,7 +65,7 @@ bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.ex
 bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
 
 std::unique_ptr<TableReader> open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  if (is_hdf5(path)) return hdf5_reader(path, wanted);
+  if (is_hdf5(path)) return read_hdf5(path, wanted);
   if (is_json_lines(path)) return json_lines_reader(path, wanted);
   return std::make_unique<CsvTable>(path, wanted);
 }
