@@ -17,7 +17,7 @@ class FilePieces {
  public:
   static constexpr std::int64_t kSamples = 1 << 14;  ///< of a piece at most, of all channels together: 64 kB
   /// Pieces that may be asked for before the first of them is copied.
-  static constexpr std::int64_t kMostBegun = 8;
+  static constexpr std::int64_t kMostBegun = 4;
   /// Places of the second part, which has a thread of its own: it may be that much ahead of what it is asked for.
   static constexpr std::int64_t kPlacesOfSecond = 2 * kMostBegun;
 
