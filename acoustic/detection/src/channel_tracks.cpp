@@ -13,28 +13,15 @@
 namespace bouncelab::detection {
 namespace {
 
-// enough poles for the strongest twenty-odd modes of a plate; more gain nothing in noise
-constexpr int kArOrder = 48;
 constexpr std::array<double, 3> kBandRates_hz{0.0, 4e3, 1e3};  // sampling rates; the first as recorded
 
 // log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen
 constexpr double kBandSelectionMargin = 2.5;
 
-constexpr double kSameBall = 0.25;  // share of their log odds by which channels with the same impacts differ
-
 // Lower bands are not searched where they have nothing to add: where the impacts are nearly all that rises (of balls of
 // steel, glass and stone 0.99, of soft ones 0.2 to 0.99), and none is so faint that others may be missing.
 constexpr double kExplained = 0.97;
 constexpr double kClearRise = 8.0;  // beyond the threshold
-
-double rise(const Candidate& candidate) { return candidate.log_likelihood_ratio - kCandidateThreshold; }
-
-double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found) {
-  double sum = 0.0;
-  for (const Track& track : found.tracks)
-    for (const TrackImpact& impact : track.impacts) sum += rise(band.candidates[impact.candidate]);
-  return sum;
-}
 
 double rise_of_all(const BandOfChannel& band) {
   double sum = 0.0;
@@ -42,7 +29,7 @@ double rise_of_all(const BandOfChannel& band) {
   return sum;
 }
 
-bool is_enough(const BandOfChannel& band, const ChannelTracks& found) {
+bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
   for (const Track& track : found.tracks)
     for (const TrackImpact& impact : track.impacts)
       if (rise(band.candidates[impact.candidate]) < kClearRise) return false;
@@ -106,20 +93,20 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
     ChannelTracks here{
         b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness), {}};
     begin_at_first_arrivals(band.candidates, here.tracks);
-    const bool is_enough_here = b == 0 && is_enough(band, here);
+    here.is_clear = b == 0 && are_clear(band, here);
     if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) std::swap(best, here);
     if (b > 0 && !here.tracks.empty()) others.push_back({here.band, std::move(here.tracks)});
-    if (is_enough_here) break;
+    if (best.is_clear) break;
   }
   best.others = std::move(others);
   return best;
 }
 
-bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
-                  const ChannelTracks& other) {
-  const double most = std::max(found.log_odds(), other.log_odds());
-  if (std::abs(found.log_odds() - other.log_odds()) > kSameBall * most) return found.log_odds() > other.log_odds();
-  return rise_of_impacts(band, found) > rise_of_impacts(other_band, other);
+double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found) {
+  double sum = 0.0;
+  for (const Track& track : found.tracks)
+    for (const TrackImpact& impact : track.impacts) sum += rise(band.candidates[impact.candidate]);
+  return sum;
 }
 
 }  // namespace bouncelab::detection

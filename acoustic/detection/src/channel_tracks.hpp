@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {
+
+/// Poles of the models of a channel: enough for the strongest twenty-odd modes of a plate; more gain nothing in noise.
+constexpr int kArOrder = 48;
 
 /// One channel, whole or the low frequencies of it, and what may be impacts there.
 struct BandOfChannel {
@@ -52,17 +56,15 @@ struct ChannelTracks {
   std::size_t band = 0;
   std::vector<Track> tracks;
   std::vector<OfBand> others;  ///< of the other bands that were searched and have any
+  /// The impacts are nearly all that rises in the whole band, and none is faint: there is nothing else to find.
+  bool is_clear = false;
   double log_odds() const;
 };
 
-/// Lower bands are not searched where the impacts are nearly all that rises in the whole band, and none is faint.
+/// Lower bands are not searched where the tracks of the whole band are clear.
 ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model = {});
 
-/// Whether one channel is to be preferred to another: the one of the more probable tracks; where both have recorded the
-/// same ball, the one in which its impacts rise the more, since that makes their times accurate.
-bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
-                  const ChannelTracks& other);
-
-ChannelTracks find_tracks_in(const std::vector<BandOfChannel>& bands, const TrackingModel& model = {});
+/// How much all impacts of the tracks rise in a band.
+double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found);
 
 }  // namespace bouncelab::detection

@@ -20,7 +20,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/statistics.hpp"
-#include "channel_tracks.hpp"
+#include "channel_choice.hpp"
 #include "timing/recording_timer.hpp"
 
 namespace bouncelab::detection {
@@ -29,14 +29,6 @@ namespace {
 constexpr double kBelow500_hz = 2e3;  // sampling rate of a band below which that is all there is
 constexpr double kMinRate_hz = 4e3;
 constexpr double kMaxRate_hz = 4e6;
-
-/// The channel that detection is from.
-struct ChannelDetection {
-  int channel = 0;
-  BandOfChannel band;
-  std::vector<BandOfChannel> other_bands;  ///< of found.others
-  ChannelTracks found;
-};
 
 NoiseSpectrum noise_spectrum(const BandOfChannel& found) {
   constexpr int kPoints = 256;
@@ -127,28 +119,19 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
   return warnings;
 }
 
+/// The one that was asked for, or the best.
 template <class SourceOfChannel>
-ChannelDetection select_channel(const SourceOfChannel& source_of, int n_channels, const std::string& name,
-                                const std::optional<int>& channel, int n_threads, const ProgressCallback& progress) {
-  if (channel && (*channel < 0 || *channel >= n_channels))
-    throw InvalidArgument("channel " + std::to_string(*channel) + ": " + name + " has channels 0 to " +
+ChosenChannel channel_of(const SourceOfChannel& source_of, int n_channels, const std::string& name,
+                         const std::optional<int>& asked_for, int n_threads, const ProgressCallback& progress) {
+  if (asked_for && (*asked_for < 0 || *asked_for >= n_channels))
+    throw InvalidArgument("channel " + std::to_string(*asked_for) + ": " + name + " has channels 0 to " +
                           std::to_string(n_channels - 1));
-  ChannelDetection best;
-  const int first = channel.value_or(0);
-  const int last = channel ? first + 1 : n_channels;
-  for (int c = first; c < last; ++c) {
-    BandsOfChannel bands(source_of(c), n_threads, progress);
-    ChannelTracks found = find_tracks_in(bands);
-    ChannelDetection here{c, std::move(bands[found.band]), {}, {}};
-    here.band.same_source = {};  // an hour of dense music has twenty megabytes of it
-    for (const ChannelTracks::OfBand& other : found.others) {
-      here.other_bands.push_back(std::move(bands[other.band]));
-      here.other_bands.back().same_source = {};
-    }
-    here.found = std::move(found);
-    if (c == first || is_preferred(here.band, here.found, best.band, best.found)) best = std::move(here);
-  }
-  return best;
+  std::vector<audio::AudioSource> channels;
+  for (int c = 0; c < n_channels; ++c)
+    if (c == asked_for.value_or(c)) channels.push_back(source_of(c));
+  ChosenChannel chosen = choose_channel(channels, n_threads, progress);
+  if (asked_for) chosen.channel = static_cast<std::size_t>(*asked_for);
+  return chosen;
 }
 
 /// @param source_of  sources that may be read by several threads where n_threads is not 1
@@ -160,13 +143,14 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   if (config.min_impacts < 3)
     throw InvalidArgument("min_impacts " + std::to_string(config.min_impacts) +
                           ": at least 3 impacts give a coefficient of restitution");
-  ChannelDetection best = select_channel(source_of, n_channels, name, config.channel, n_threads, progress);
-  const audio::AudioSource sound = source_of(best.channel);
+  ChosenChannel best = channel_of(source_of, n_channels, name, config.channel, n_threads, progress);
+  const int channel = static_cast<int>(best.channel);
+  const audio::AudioSource sound = source_of(channel);
   const BandOfChannel& band = best.band;
   Detection d;
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;
-  d.summary.channel = best.channel;
+  d.summary.channel = channel;
   d.summary.channel_reason = config.channel    ? "asked for"
                              : n_channels == 1 ? "the only one"
                                                : "its impacts are the most probable and rise the most";

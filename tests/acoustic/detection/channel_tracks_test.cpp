@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "channel_tracks.hpp"
+#include "channel_choice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -268,4 +268,24 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::
   return all;
 }
 
+std::vector<double> highest_rises(const audio::AudioSource& sound, const audio::ArModel& model,
+                                  std::span<const double> t_s, double within_s) {
+  std::vector<double> highest(t_s.size(), 0.0);
+  if (model.quiet_variance <= 0.0) return highest;
+  const Search search = search_in(sound, model);
+  const auto hop_at = [&](double at_s) {
+    return std::clamp<std::int64_t>(std::llround(at_s * sound.rate_hz) / search.hop, 0, search.n_hops);
+  };
+  InnovationEnergy energy(sound, model, search.hop, kMarginHops);
+  for (std::size_t k = 0; k < t_s.size(); ++k) {
+    const std::int64_t first = hop_at(t_s[k] - within_s);
+    const std::int64_t n = std::min(hop_at(t_s[k] + within_s) + 1, search.n_hops) - first;
+    if (n <= 0) continue;
+    energy.load(first, n);
+    for (const Candidate& candidate : find_in_block(energy, first, n, search.least_rises))
+      highest[k] = std::max(highest[k], rise(candidate));
+  }
+  return highest;
+}
+
 }  // namespace bouncelab::detection

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
@@ -21,6 +22,9 @@ struct Candidate {
 /// Least LLR of a candidate: P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one
 /// in 3 s.
 constexpr double kCandidateThreshold = 8.0;
+
+/// How far beyond the threshold.
+inline double rise(const Candidate& candidate) { return candidate.log_likelihood_ratio - kCandidateThreshold; }
 
 /// The candidates of a recording in time order, and the energies of the sound around each: both from the one time that
 /// the recording is read.
@@ -48,5 +52,12 @@ struct CandidatesOfSound {
 /// Source: Sleeman & van Eck, Phys. Earth Planet. Inter. 113, 265 (1999), doi:10.1016/S0031-9201(99)00007-2
 CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
                                   const ProgressCallback& progress);
+
+/// The highest rise of the candidates around each of some times, without a search of what lies between them; 0 where
+/// there is none.
+/// @param t_s       in ascending order
+/// @param within_s  of each
+std::vector<double> highest_rises(const audio::AudioSource& sound, const audio::ArModel& model,
+                                  std::span<const double> t_s, double within_s);
 
 }  // namespace bouncelab::detection

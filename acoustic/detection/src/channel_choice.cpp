@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "channel_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "bouncelab/core/parallel.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kSameBall = 0.25;  // share of their log odds by which channels with the same impacts differ
+
+// A look at a channel: places evenly over it, and impacts of another channel
+constexpr double kPlacesApart_s = 1.0;
+constexpr std::size_t kMostPlaces = 32;
+constexpr std::size_t kMostImpacts = 16;
+constexpr double kAroundPlace_s = 20e-3;
+constexpr double kAroundImpact_s = 5e-3;  // sound takes 3 ms from one microphone to another that is a metre farther off
+// of the rise, whose logarithm of two variances grows by that in half a decibel: times differ in accuracy by 6 %
+constexpr double kMuchMore = 1.02;
+
+/// What a look at a channel needs.
+struct Seen {
+  const audio::AudioSource& sound;
+  audio::ArModel model;
+
+  /// How much it rises around some times, which are in ascending order.
+  double rise_near(const std::vector<double>& t_s, double within_s) const {
+    const std::vector<double> rises = highest_rises(sound, model, t_s, within_s);
+    return std::accumulate(rises.begin(), rises.end(), 0.0);
+  }
+};
+
+/// At places that lie evenly over the channel.
+double rise_at_places(const Seen& channel) {
+  const double duration_s = static_cast<double>(channel.sound.n_samples) / channel.sound.rate_hz;
+  const auto n = std::clamp<std::size_t>(static_cast<std::size_t>(duration_s / kPlacesApart_s), 1, kMostPlaces);
+  std::vector<double> t_s(n);
+  for (std::size_t k = 0; k < n; ++k) t_s[k] = duration_s * (static_cast<double>(k) + 0.5) / static_cast<double>(n);
+  return channel.rise_near(t_s, kAroundPlace_s);
+}
+
+/// Times of some of the impacts, evenly over them.
+std::vector<double> some_impacts_s(const ChosenChannel& of) {
+  std::vector<double> all_s;
+  for (const Track& track : of.found.tracks)
+    for (const TrackImpact& impact : track.impacts) all_s.push_back(of.band.candidates[impact.candidate].t_s);
+  std::sort(all_s.begin(), all_s.end());  // tracks may overlap
+  std::vector<double> some_s(std::min(all_s.size(), kMostImpacts));
+  for (std::size_t k = 0; k < some_s.size(); ++k) some_s[k] = all_s[k * all_s.size() / some_s.size()];
+  return some_s;
+}
+
+/// Whether a channel has no more of the ball than the one in which it was found, so that its search can be left out.
+bool has_no_more(const Seen& channel, const Seen& where_found, const ChosenChannel& best) {
+  if (!best.found.is_clear) return false;
+  const std::vector<double> t_s = some_impacts_s(best);
+  return channel.rise_near(t_s, kAroundImpact_s) <= kMuchMore * where_found.rise_near(t_s, kAroundImpact_s);
+}
+
+ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
+  ChannelTracks found = find_tracks_in(bands);
+  ChosenChannel here{channel, std::move(bands[found.band]), {}, {}};
+  here.band.same_source = {};  // an hour of dense music has twenty megabytes of it
+  for (const ChannelTracks::OfBand& other : found.others) {
+    here.other_bands.push_back(std::move(bands[other.band]));
+    here.other_bands.back().same_source = {};
+  }
+  here.found = std::move(found);
+  return here;
+}
+
+bool is_better(const ChosenChannel& a, const ChosenChannel& b) {
+  if (is_preferred(a.band, a.found, b.band, b.found)) return true;
+  return a.channel < b.channel && !is_preferred(b.band, b.found, a.band, a.found);
+}
+
+}  // namespace
+
+ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, int n_threads,
+                             const ProgressCallback& progress) {
+  const auto search = [&](std::size_t c) { return searched(BandsOfChannel(channels[c], n_threads, progress), c); };
+  if (channels.size() == 1) return search(0);
+  std::vector<Seen> seen;
+  for (const audio::AudioSource& sound : channels)
+    seen.push_back({sound, audio::learn_ar_models(sound, kArOrder).signal});
+  std::vector<double> rises(channels.size());
+  parallel_for(channels.size(), n_threads, [&](std::size_t c) { rises[c] = rise_at_places(seen[c]); });
+  std::optional<ChosenChannel> best;
+  for (std::size_t n = 0; n < channels.size(); ++n) {
+    const auto most = std::max_element(rises.begin(), rises.end());  // of equal ones the first
+    const auto c = static_cast<std::size_t>(most - rises.begin());
+    *most = -1.0;
+    if (best && has_no_more(seen[c], seen[best->channel], *best)) continue;
+    ChosenChannel here = search(c);
+    if (!best || is_better(here, *best)) best = std::move(here);
+  }
+  return *std::move(best);
+}
+
+bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
+                  const ChannelTracks& other) {
+  const double most = std::max(found.log_odds(), other.log_odds());
+  if (std::abs(found.log_odds() - other.log_odds()) > kSameBall * most) return found.log_odds() > other.log_odds();
+  return rise_of_impacts(band, found) > rise_of_impacts(other_band, other);
+}
+
+}  // namespace bouncelab::detection
