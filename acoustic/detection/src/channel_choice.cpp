@@ -20,28 +20,24 @@ constexpr std::size_t kMostPlaces = 32;
 constexpr std::size_t kMostImpacts = 16;
 constexpr double kAroundPlace_s = 20e-3;
 constexpr double kAroundImpact_s = 5e-3;  // sound takes 3 ms from one microphone to another that is a metre farther off
-// of the rise, whose logarithm of two variances grows by that in half a decibel: times differ in accuracy by 6 %
-constexpr double kMuchMore = 1.02;
+// Rises by which channels differ too little to be searched. Where the sound rises by 30 dB that is 0.4 dB of it, and 5
+// % of the standard errors of times
+constexpr double kNoMore = 1.02;
 
-/// What a look at a channel needs.
-struct Seen {
-  const audio::AudioSource& sound;
-  audio::ArModel model;
-
-  /// How much it rises around some times, which are in ascending order.
-  double rise_near(const std::vector<double>& t_s, double within_s) const {
-    const std::vector<double> rises = highest_rises(sound, model, t_s, within_s);
-    return std::accumulate(rises.begin(), rises.end(), 0.0);
-  }
-};
+/// How much a channel rises around some times, which are in ascending order.
+double rise_near(const audio::AudioSource& sound, const audio::ArModel& model, const std::vector<double>& t_s,
+                 double within_s) {
+  const std::vector<double> rises = highest_rises(sound, model, t_s, within_s);
+  return std::accumulate(rises.begin(), rises.end(), 0.0);
+}
 
 /// At places that lie evenly over the channel.
-double rise_at_places(const Seen& channel) {
-  const double duration_s = static_cast<double>(channel.sound.n_samples) / channel.sound.rate_hz;
+double rise_at_places(const audio::AudioSource& sound, const audio::ArModel& model) {
+  const double duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   const auto n = std::clamp<std::size_t>(static_cast<std::size_t>(duration_s / kPlacesApart_s), 1, kMostPlaces);
   std::vector<double> t_s(n);
   for (std::size_t k = 0; k < n; ++k) t_s[k] = duration_s * (static_cast<double>(k) + 0.5) / static_cast<double>(n);
-  return channel.rise_near(t_s, kAroundPlace_s);
+  return rise_near(sound, model, t_s, kAroundPlace_s);
 }
 
 /// Times of some of the impacts, evenly over them.
@@ -53,13 +49,6 @@ std::vector<double> some_impacts_s(const ChosenChannel& of) {
   std::vector<double> some_s(std::min(all_s.size(), kMostImpacts));
   for (std::size_t k = 0; k < some_s.size(); ++k) some_s[k] = all_s[k * all_s.size() / some_s.size()];
   return some_s;
-}
-
-/// Whether a channel has no more of the ball than the one in which it was found, so that its search can be left out.
-bool has_no_more(const Seen& channel, const Seen& where_found, const ChosenChannel& best) {
-  if (!best.found.is_clear) return false;
-  const std::vector<double> t_s = some_impacts_s(best);
-  return channel.rise_near(t_s, kAroundImpact_s) <= kMuchMore * where_found.rise_near(t_s, kAroundImpact_s);
 }
 
 ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
@@ -85,19 +74,28 @@ ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, in
                              const ProgressCallback& progress) {
   const auto search = [&](std::size_t c) { return searched(BandsOfChannel(channels[c], n_threads, progress), c); };
   if (channels.size() == 1) return search(0);
-  std::vector<Seen> seen;
-  for (const audio::AudioSource& sound : channels)
-    seen.push_back({sound, audio::learn_ar_models(sound, kArOrder).signal});
+  std::vector<audio::ArModel> models(channels.size());
   std::vector<double> rises(channels.size());
-  parallel_for(channels.size(), n_threads, [&](std::size_t c) { rises[c] = rise_at_places(seen[c]); });
+  parallel_for(channels.size(), n_threads, [&](std::size_t c) {
+    models[c] = audio::learn_ar_models(channels[c], kArOrder).signal;
+    rises[c] = rise_at_places(channels[c], models[c]);
+  });
   std::optional<ChosenChannel> best;
+  std::vector<double> impacts_s;  // of the best
+  const auto rise_of_impacts_in = [&](std::size_t c) {
+    return rise_near(channels[c], models[c], impacts_s, kAroundImpact_s);
+  };
+  double most_of_impacts = 0.0;  // rise of them in it
   for (std::size_t n = 0; n < channels.size(); ++n) {
     const auto most = std::max_element(rises.begin(), rises.end());  // of equal ones the first
     const auto c = static_cast<std::size_t>(most - rises.begin());
     *most = -1.0;
-    if (best && has_no_more(seen[c], seen[best->channel], *best)) continue;
+    if (best && best->found.is_clear && rise_of_impacts_in(c) <= kNoMore * most_of_impacts) continue;
     ChosenChannel here = search(c);
-    if (!best || is_better(here, *best)) best = std::move(here);
+    if (best && !is_better(here, *best)) continue;
+    best = std::move(here);
+    impacts_s = some_impacts_s(*best);
+    most_of_impacts = rise_of_impacts_in(c);
   }
   return *std::move(best);
 }

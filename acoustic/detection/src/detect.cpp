@@ -126,11 +126,11 @@ ChosenChannel channel_of(const SourceOfChannel& source_of, int n_channels, const
   if (asked_for && (*asked_for < 0 || *asked_for >= n_channels))
     throw InvalidArgument("channel " + std::to_string(*asked_for) + ": " + name + " has channels 0 to " +
                           std::to_string(n_channels - 1));
+  const int first = asked_for.value_or(0), last = asked_for ? first + 1 : n_channels;
   std::vector<audio::AudioSource> channels;
-  for (int c = 0; c < n_channels; ++c)
-    if (c == asked_for.value_or(c)) channels.push_back(source_of(c));
+  for (int c = first; c < last; ++c) channels.push_back(source_of(c));
   ChosenChannel chosen = choose_channel(channels, n_threads, progress);
-  if (asked_for) chosen.channel = static_cast<std::size_t>(*asked_for);
+  chosen.channel += static_cast<std::size_t>(first);
   return chosen;
 }
 

@@ -3,30 +3,41 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/random.hpp"
+#include "candidate_rows.hpp"
+#include "channel_of_candidates.hpp"
 #include "support/bouncing_sound.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kRate_hz = 44100.0;
+using test::band_of;
+using test::Channel;
+using test::channel_of;
+using test::kBall;
+using test::kFull_hz;
+
 constexpr double kLength_s = 120.0;
 constexpr double kDropEvery_s = 10.0;
 
 /// Drops of a ball, one after the other.
 std::vector<float> drops(double amplitude) {
   test::BouncingSound ball;
-  ball.rate_hz = kRate_hz;
+  ball.rate_hz = kFull_hz;
   ball.n_impacts = 40;
   ball.amplitude = amplitude;
   ball.noise_rms = 0.0;
   const std::vector<float> drop = render(ball);
-  std::vector<float> x(static_cast<std::size_t>(kLength_s * kRate_hz), 0.0F);
+  std::vector<float> x(static_cast<std::size_t>(kLength_s * kFull_hz), 0.0F);
   for (double begin_s = 0.0; begin_s < kLength_s; begin_s += kDropEvery_s)
-    std::copy(drop.begin(), drop.end(), x.begin() + static_cast<std::ptrdiff_t>(begin_s * kRate_hz));
+    std::copy(drop.begin(), drop.end(), x.begin() + static_cast<std::ptrdiff_t>(begin_s * kFull_hz));
   return x;
 }
 
@@ -41,7 +52,7 @@ class Recording {
   explicit Recording(std::vector<std::vector<float>> channels)
       : channels_(std::move(channels)), n_read_(channels_.size(), 0) {
     for (std::size_t c = 0; c < channels_.size(); ++c) {
-      const audio::AudioSource held = audio::source_in_memory(channels_[c], kRate_hz);
+      const audio::AudioSource held = audio::source_in_memory(channels_[c], kFull_hz);
       sources_.push_back({held.rate_hz,
                           held.n_samples,
                           [this, c, held](std::int64_t first, std::span<float> out) {
@@ -112,7 +123,7 @@ TEST(ChannelChoice, AllAreSearchedWhereTheBallIsNotClear) {
   std::vector<float> x = ball();
   Random random(1, RandomStream::test, 2);
   for (int k = 0; k < 400; ++k)
-    test::add_noise_burst(x, kRate_hz, random.uniform(0.0, kLength_s), 2.0, {2000.0, 0.02}, random);
+    test::add_noise_burst(x, kFull_hz, random.uniform(0.0, kLength_s), 2.0, {2000.0, 0.02}, random);
   const Recording recording({with_noise(x, 2e-3, 1), with_noise(drops(0.1), 2e-3, 2)});
   const ChosenChannel chosen = recording.chosen();
   EXPECT_GT(n_impacts(chosen), 400U);
@@ -121,10 +132,73 @@ TEST(ChannelChoice, AllAreSearchedWhereTheBallIsNotClear) {
 }
 
 TEST(ChannelChoice, OfChannelsInWhichNothingRisesTheFirstIsChosen) {
-  const std::vector<float> silence(static_cast<std::size_t>(kRate_hz), 0.0F);
+  const std::vector<float> silence(static_cast<std::size_t>(kFull_hz), 0.0F);
   const ChosenChannel chosen = Recording({silence, silence, silence}).chosen();
   EXPECT_EQ(chosen.channel, 0U);
   EXPECT_EQ(n_impacts(chosen), 0U);
+}
+
+bool is_preferred(const Channel& a, const Channel& b) {
+  return is_preferred(a.bands[a.found.band], a.found, b.bands[b.found.band], b.found);
+}
+
+/// As a microphone records it.
+Channel recorded(double ball, double noise_rms, std::uint64_t seed) {
+  test::BouncingSound sound;
+  sound.rate_hz = kFull_hz;
+  sound.eps = 0.8;
+  sound.eps_scatter = 0.0;
+  sound.n_impacts = 9;
+  sound.first_flight_s = 0.5;
+  sound.amplitude = ball;
+  sound.noise_rms = 0.0;
+  std::vector<float> x = render(sound);
+  test::add_noise(x, noise_rms, seed);
+  return channel_of(BandsOfChannel(audio::source_in_memory(x, kFull_hz)));
+}
+
+TEST(ChannelChoice, OfOneBallTheChannelIsPreferredInWhichItsImpactsRiseTheMore) {
+  const Channel louder = channel_of({band_of(kBall, kFull_hz, 400.0)});
+  const Channel fainter = channel_of({band_of(kBall, kFull_hz, 40.0)});
+  EXPECT_TRUE(is_preferred(louder, fainter));
+  EXPECT_FALSE(is_preferred(fainter, louder));
+}
+
+TEST(ChannelChoice, OfTwoMicrophonesTheOneIsPreferredThatHasTheBallLouderOrCleaner) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Channel near = recorded(0.5, 2e-3, seed), far = recorded(0.1, 2e-3, seed + 10);
+    const Channel noisy = recorded(0.5, 2e-2, seed + 20);
+    EXPECT_TRUE(is_preferred(near, far)) << seed;
+    EXPECT_FALSE(is_preferred(far, near)) << seed;
+    EXPECT_TRUE(is_preferred(near, noisy)) << seed;
+    EXPECT_FALSE(is_preferred(noisy, near)) << seed;
+  }
+}
+
+TEST(ChannelChoice, AChannelWithoutTheBallIsNeverPreferred) {
+  const Channel with_ball = channel_of({band_of(kBall, kFull_hz, 10.0)});
+  ASSERT_EQ(with_ball.found.tracks.size(), 1u);
+  const Channel silent = channel_of({band_of({}, kFull_hz)});
+  EXPECT_FALSE(is_preferred(silent, with_ball));
+  EXPECT_TRUE(is_preferred(with_ball, silent));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    // louder by far than the ball
+    Random random(seed, RandomStream::test, 0);
+    std::vector<Candidate> sounds;
+    for (int k = 0; k < 30; ++k)
+      sounds.push_back(test::candidate(random.uniform(0.0, 10.0), 1e4 * std::exp(random.normal())));
+    test::sort_by_time(sounds);
+    const Channel other = channel_of({band_of(sounds, kFull_hz, 1e4)});
+    EXPECT_FALSE(is_preferred(other, with_ball)) << seed;
+    EXPECT_TRUE(is_preferred(with_ball, other)) << seed;
+  }
+}
+
+TEST(ChannelChoice, OfChannelsWithoutAnyTheFirstStays) {
+  const Channel silent = channel_of({band_of({}, kFull_hz)});
+  EXPECT_TRUE(silent.found.tracks.empty());
+  EXPECT_EQ(silent.found.log_odds(), 0.0);
+  EXPECT_FALSE(is_preferred(silent, silent));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct Candidate {
 /// in 3 s.
 constexpr double kCandidateThreshold = 8.0;
 
-/// How far beyond the threshold.
+/// The LLR of a candidate beyond the threshold.
 inline double rise(const Candidate& candidate) { return candidate.log_likelihood_ratio - kCandidateThreshold; }
 
 /// The candidates of a recording in time order, and the energies of the sound around each: both from the one time that
@@ -55,6 +55,7 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::
 
 /// The highest rise of the candidates around each of some times, without a search of what lies between them; 0 where
 /// there is none.
+/// @param model     as of find_candidates(); nothing rises where its quiet variance is 0
 /// @param t_s       in ascending order
 /// @param within_s  of each
 std::vector<double> highest_rises(const audio::AudioSource& sound, const audio::ArModel& model,
