@@ -20,8 +20,8 @@ constexpr std::size_t kMostPlaces = 32;
 constexpr std::size_t kMostImpacts = 16;
 constexpr double kAroundPlace_s = 20e-3;
 constexpr double kAroundImpact_s = 5e-3;  // sound takes 3 ms from one microphone to another that is a metre farther off
-// Rises by which channels differ too little to be searched. Where the sound rises by 30 dB that is 0.4 dB of it, and 5
-// % of the standard errors of times
+// A channel whose impacts rise by less than that is not searched. Of sound that rises by 30 dB it is 0.4 dB, a
+// twentieth of the standard errors of times
 constexpr double kNoMore = 1.02;
 
 /// How much a channel rises around some times, which are in ascending order.
