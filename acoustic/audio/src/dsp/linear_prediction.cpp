@@ -151,20 +151,18 @@ void read_innovations(const AudioSource& source, const ArModel& model, std::int6
   constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
   const std::size_t order = model.filter.size() - 1;
   const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
-  // made when it is needed, and not a vector, which would set to zero what is overwritten at once
-  std::unique_ptr<float[]> copy;
+  // not a vector, which would set to zero what is overwritten at once
+  const auto sound = std::make_unique_for_overwrite<float[]>(std::min(kAtOnce, out.size()) + order);
   for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, out.size() - at);
-    const std::int64_t begin = first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order);
-    std::span<const float> here = resident_span(source, begin, n + order);
-    if (here.empty()) {
-      if (!copy) copy.reset(new float[std::min(kAtOnce, out.size()) + order]);
-      const std::span<float> filled{copy.get(), n + order};
-      read_padded(source, begin, filled);
-      here = filled;
-    }
-    correlate(here, taps, out.subspan(at, n));
+    const std::span<float> filled{sound.get(), n + order};
+    read_padded(source, first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order), filled);
+    correlate(filled, taps, out.subspan(at, n));
   }
+}
+
+void innovations_of(std::span<const float> sound, const ArModel& model, std::span<float> out) {
+  correlate(sound, std::vector<float>(model.filter.rbegin(), model.filter.rend()), out);
 }
 
 double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {

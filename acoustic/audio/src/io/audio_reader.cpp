@@ -240,22 +240,8 @@ bool AudioReader::gains_by_more_readers() const {
 
 AudioSource AudioReader::source(int channel) {
   State& s = *state_;
-  AudioSource source{s.format.rate_hz,
-                     s.format.n_frames,
-                     [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); },
-                     {},
-                     0};
-  if (s.format.n_channels == 1 && s.is_held_whole() && s.is_coded()) {
-    source.resident = s.place_of_whole();
-    if (std::ssize(s.buffered) < s.format.n_frames) {
-      s.guarded->read_whole(0, s.place_of_whole());  // is being decoded from now on
-      source.wait_for = [&s](std::int64_t end) { s.hold_until(end); };
-    }
-  } else if (s.format.n_channels == 1 && s.is_held_whole()) {
-    if (s.buffered.empty()) s.fill_buffer(0, s.format.n_frames);
-    source.resident = s.buffered;
-  }
-  return source;
+  return {s.format.rate_hz, s.format.n_frames,
+          [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); }};
 }
 
 void prepare_to_read(const std::filesystem::path& path, int n_threads) {

@@ -17,11 +17,9 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be finite and positive");
   if (const std::size_t bad = first_not_finite(samples); bad < samples.size())
     throw InvalidArgument("sample " + std::to_string(bad) + " is not a finite number; remove or repair it");
-  return {rate_hz, static_cast<std::int64_t>(samples.size()),
-          [samples](std::int64_t first, std::span<float> out) {
+  return {rate_hz, static_cast<std::int64_t>(samples.size()), [samples](std::int64_t first, std::span<float> out) {
             std::copy_n(samples.begin() + first, out.size(), out.begin());
-          },
-          samples, 0};
+          }};
 }
 
 AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> reading) {
@@ -29,19 +27,7 @@ AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> readin
     const std::lock_guard lock(*reading);
     read(first, out);
   };
-  if (source.wait_for)
-    source.wait_for = [wait_for = std::move(source.wait_for), reading = std::move(reading)](std::int64_t end) {
-      const std::lock_guard lock(*reading);
-      wait_for(end);
-    };
   return source;
-}
-
-std::span<const float> resident_span(const AudioSource& source, std::int64_t first, std::size_t n) {
-  const std::int64_t offset = first - source.resident_first;
-  const bool all = offset >= 0 && offset + static_cast<std::int64_t>(n) <= std::ssize(source.resident);
-  if (all && source.wait_for) source.wait_for(first + static_cast<std::int64_t>(n));
-  return all ? source.resident.subspan(static_cast<std::size_t>(offset), n) : std::span<const float>{};
 }
 
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out) {

@@ -109,11 +109,8 @@ const AudioFormat& SharedRecording::format() const { return readers_->first().fo
 AudioSource SharedRecording::source(int channel) {
   Readers& readers = *readers_;
   if (!readers.are_several()) return one_at_a_time(readers.first().source(channel), readers.reading());
-  return {format().rate_hz,
-          format().n_frames,
-          [&readers, channel](std::int64_t first, std::span<float> out) { readers.read(first, channel, out); },
-          {},
-          0};
+  return {format().rate_hz, format().n_frames,
+          [&readers, channel](std::int64_t first, std::span<float> out) { readers.read(first, channel, out); }};
 }
 
 }  // namespace bouncelab::audio

@@ -17,8 +17,6 @@ namespace {
 
 float square(float x) { return x * x; }
 
-bool is_in_memory(const audio::AudioSource& sound) { return !sound.resident.empty(); }
-
 BOUNCELAB_VECTOR_CLONES std::uint64_t bits_over(const double* before, const double* here, const double* after,
                                                 double factor, double least, std::int64_t n) {
   std::uint64_t bits = 0;
@@ -124,7 +122,6 @@ double InnovationEnergy::before_sample(std::int64_t sample) const {
 }
 
 void InnovationEnergy::copy_sound(std::int64_t first, std::span<float> out) const {
-  if (is_in_memory(sound_)) return audio::read_padded(sound_, first, out);
   assert(first >= sound_first_ && first + std::ssize(out) <= sound_first_ + std::ssize(sound_held_));
   std::copy_n(sound_held_.begin() + (first - sound_first_), out.size(), out.begin());
 }
@@ -137,11 +134,10 @@ void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
   const std::int64_t n_known = std::min<std::int64_t>(std::ssize(model_.filter) - 1, sound_.n_samples);
   const std::int64_t lo = std::clamp<std::int64_t>(n_known, first, last);
   const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, last);
-  const bool is_held = !is_in_memory(sound_);
-  if (is_held) hold_sound(n_held);
+  hold_sound(n_held);
   if (hi > lo)
-    audio::read_innovations(is_held ? held_sound() : sound_, model_, lo,
-                            std::span(innovations_).subspan(lo - begin, hi - lo));
+    audio::innovations_of(std::span(sound_held_).subspan(lo - begin, hi - lo + std::ssize(model_.filter) - 1), model_,
+                          std::span(innovations_).subspan(lo - begin, hi - lo));
   const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
   std::fill(innovations_.begin() + n_held, innovations_.begin() + (lo - begin), level);
   std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);
@@ -154,13 +150,6 @@ void InnovationEnergy::hold_sound(std::int64_t n_held) {
   sound_held_.resize(innovations_.size() + static_cast<std::size_t>(n_predicting));
   sound_first_ = first_hop_ * hop_ - n_predicting;
   audio::read_padded(sound_, sound_first_ + n_kept, std::span(sound_held_).subspan(static_cast<std::size_t>(n_kept)));
-}
-
-audio::AudioSource InnovationEnergy::held_sound() const {
-  audio::AudioSource held = sound_;
-  held.resident = sound_held_;
-  held.resident_first = sound_first_;
-  return held;
 }
 
 }  // namespace bouncelab::detection

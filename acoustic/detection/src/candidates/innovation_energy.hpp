@@ -50,7 +50,6 @@ class InnovationEnergy {
   /// @param n_held  samples of the block that are there already
   void read_innovations_padded(std::int64_t n_held);
   void hold_sound(std::int64_t n_held);
-  audio::AudioSource held_sound() const;
 
   const audio::AudioSource& sound_;
   const audio::ArModel& model_;
@@ -58,7 +57,7 @@ class InnovationEnergy {
   std::int64_t margin_hops_;
   double floor_;
   std::int64_t first_hop_ = 0;  // of the margin
-  // the sound from the samples on that the first innovation is predicted from, unless it is in memory anyway
+  // the sound from the samples on that the first innovation is predicted from
   std::vector<float> sound_held_;
   std::int64_t sound_first_ = 0;
   std::vector<float> innovations_;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace bouncelab::detection {
@@ -14,13 +13,8 @@ float clip_level(const audio::AudioSource& sound, double t_s) {
   constexpr double kAround_s = 5e-3;
   const auto n = static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3;
   const std::int64_t first = std::llround(t_s * sound.rate_hz) - 1;
-  std::vector<float> copy;
-  std::span<const float> x = audio::resident_span(sound, first, n);  // of most, without a copy
-  if (x.empty()) {
-    copy.resize(n);
-    audio::read_padded(sound, first, copy);
-    x = copy;
-  }
+  std::vector<float> x(n);
+  audio::read_padded(sound, first, x);
   int n_flat = 0;  // 0 for most impacts, and this loop is vectorised
   for (std::size_t k = 2; k < x.size(); ++k)
     n_flat += static_cast<int>(x[k] == x[k - 1]) & static_cast<int>(x[k] == x[k - 2]) & static_cast<int>(x[k] != 0.0F);

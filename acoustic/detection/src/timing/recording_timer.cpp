@@ -47,8 +47,7 @@ struct TrackMemory {
 
 /// The sound around a track, read once into memory where it is no longer than a few minutes.
 /// @param memory  of the result, which ends with its next use
-audio::AudioSource resident_around(const audio::AudioSource& sound, double begin_s, double end_s,
-                                   SampleMemory& memory) {
+audio::AudioSource held_around(const audio::AudioSource& sound, double begin_s, double end_s, SampleMemory& memory) {
   constexpr double kAround_s = 0.2;
   constexpr std::int64_t kMost = 1 << 24;  // samples, 64 MB
   const std::int64_t first =
@@ -56,18 +55,16 @@ audio::AudioSource resident_around(const audio::AudioSource& sound, double begin
   const std::int64_t last =
       std::clamp<std::int64_t>(std::llround((end_s + kAround_s) * sound.rate_hz), first, sound.n_samples);
   const auto n = static_cast<std::size_t>(last - first);
-  if (last - first > kMost || last == first || !audio::resident_span(sound, first, n).empty()) return sound;
+  if (last - first > kMost || last == first) return sound;
   const std::span<float> samples = memory.of_size(n);
   sound.read(first, samples);
-  return {sound.rate_hz, sound.n_samples,
-          [sound, samples, first, last](std::int64_t from, std::span<float> out) {
+  return {sound.rate_hz, sound.n_samples, [sound, samples, first, last](std::int64_t from, std::span<float> out) {
             const std::int64_t to = from + static_cast<std::int64_t>(out.size());
             if (from >= first && to <= last)
               std::copy_n(samples.begin() + (from - first), out.size(), out.begin());
             else
               sound.read(from, out);
-          },
-          samples, first};
+          }};
 }
 
 /// Samples of a track that are kept whitened: the template, the times and the levels need the same ones.
@@ -123,7 +120,7 @@ class DropsTimer {
     const double begin_s = input_.candidates[track.impacts.front().candidate].t_s;
     const double last_s = input_.candidates[track.impacts.back().candidate].t_s;
     TrackMemory memory = take_memory();
-    const audio::AudioSource band = resident_around(input_.band, begin_s, last_s, memory.recorded);
+    const audio::AudioSource band = held_around(input_.band, begin_s, last_s, memory.recorded);
     const TimingInput here{band,
                            input_.is_full_band ? band : input_.whole,
                            input_.is_full_band,

@@ -17,12 +17,6 @@ struct AudioSource {
   std::int64_t n_samples = 0;
   /// Fills `out` with the samples first ... first + out.size() - 1, all inside [0, n_samples). Full scale = 1.
   std::function<void(std::int64_t first, std::span<float> out)> read;
-  /// Contiguous samples that are in memory already, from sample resident_first on; empty if none are.
-  std::span<const float> resident;
-  std::int64_t resident_first = 0;
-  /// Where samples get there while others are in use: waits until all resident ones before sample `end` are. Empty
-  /// where all are. May throw as `read`.
-  std::function<void(std::int64_t end)> wait_for = {};
 };
 
 /// Source of samples in memory, which must outlive it. @throws InvalidArgument naming a sample that is not finite
@@ -31,10 +25,6 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz);
 /// The same, to be read by several threads.
 /// @param reading  held while `source` is read; one for all sources of a file
 AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> reading);
-
-/// Samples first ... first + n - 1 without a copy; empty unless all are resident. Waits for them where they are not
-/// there yet.
-std::span<const float> resident_span(const AudioSource& source, std::int64_t first, std::size_t n);
 
 /// Reads samples first ... first + out.size() - 1; those outside the recording are 0.
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out);

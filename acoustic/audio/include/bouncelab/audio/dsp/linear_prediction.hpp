@@ -34,6 +34,8 @@ std::vector<double> prediction_error_filter(const std::vector<double>& autocorre
 
 /// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
 void read_innovations(const AudioSource& source, const ArModel& model, std::int64_t first, std::span<float> out);
+/// The same of sound in memory, which begins model.filter.size() - 1 samples before the first innovation.
+void innovations_of(std::span<const float> sound, const ArModel& model, std::span<float> out);
 
 /// One-sided power spectral density of the quiet parts, 2 variance / (rate |sum_k filter[k] exp(-2 pi i f k /
 /// rate)|^2).
