@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -26,145 +27,124 @@ namespace bouncelab {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr ChildLimits kWide{60.0, 1'000'000'000};
 constexpr ChildLimits kTight{0.2, 50'000'000};
 
-std::string refusal(ChildProcess& child, std::string_view request, const ChildLimits& limits) {
+void write_text(const ChildProcess::Output& write, const std::string& text) { write(std::as_bytes(std::span(text))); }
+
+void compute_for_a_tenth_of_a_second() {
+  const std::clock_t begin = std::clock();
+  while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
+  }
+}
+
+/// Behaves as a decoder may on a damaged file, after its first output.
+ChildProcess::Work misbehaving(const std::string& way) {
+  return [way](const ChildProcess::Output& write) {
+    write_text(write, "a");
+    if (way == "loop")
+      while (std::clock() >= 0) {
+      }
+    if (way == "crash") std::abort();
+    if (way == "exit") _exit(7);
+    if (way == "refuse") throw FileError("a.xyz", "line 3: no number");
+    if (way == "fail") throw std::runtime_error("something else");
+    if (way == "allocate") write_text(write, std::string(1'000'000'000, 'x'));
+    write_text(write, "!");
+  };
+}
+
+std::string all_of(ChildProcess& child) {
+  std::string text;
+  for (std::array<std::byte, 1000> piece{}; const std::size_t n = child.read(piece);)
+    text.append(reinterpret_cast<const char*>(piece.data()), n);
+  return text;
+}
+
+/// What is said at the end, after the output.
+std::string refusal(const std::string& way, const ChildLimits& limits) {
+  ChildProcess child(misbehaving(way), "a.xyz", -1, limits);
+  EXPECT_THAT(all_of(child), StartsWith("a"));
   try {
-    child.ask(request, limits, "a.xyz", "make it again");
+    child.finish("make it again");
   } catch (const FileError& error) {
     return error.what();
   }
   return "";
 }
 
-/// Does as the request says, as a reader might on a damaged file.
-std::string misbehave(std::string_view request, int) {
-  if (request == "loop")
-    while (std::clock() >= 0) {
-    }
-  if (request == "crash") std::abort();
-  if (request == "exit") _exit(7);
-  if (request == "refuse") throw FileError("a.xyz", "line 3: no number");
-  if (request == "fail") throw std::runtime_error("something else");
-  if (request == "allocate") return std::string(1'000'000'000, 'x');
-  if (request == "pid") return std::to_string(getpid());
-  return std::string(request) + "!";
-}
-
-TEST(ChildProcess, AnswersOneRequestAfterTheOther) {
-  ChildProcess child(misbehave, "a.xyz");
-  for (const std::size_t n : {0UL, 1UL, 5'000'000UL, 10UL}) {
-    const std::string request(n, 'q');
-    EXPECT_EQ(child.ask(request, kWide, "a.xyz", ""), request + "!");
-    EXPECT_TRUE(child.is_usable());
+TEST(ChildProcess, GivesWhatAFunctionWrites) {
+  for (const std::size_t n : {0UL, 1UL, 5'000'000UL}) {
+    const std::string text(n, 'q');
+    ChildProcess child([&](const ChildProcess::Output& write) { write_text(write, text); }, "a.xyz", -1, kWide);
+    EXPECT_EQ(all_of(child), text);
+    EXPECT_NO_THROW(child.finish(""));
   }
 }
 
-TEST(ChildProcess, ThrowsWhatTheChildThrew) {
-  ChildProcess child(misbehave, "a.xyz"), other(misbehave, "a.xyz");
-  EXPECT_EQ(refusal(child, "refuse", kWide), "a.xyz: line 3: no number");
-  EXPECT_FALSE(child.is_usable()) << "what the failure left behind is not known";
-  EXPECT_THAT(refusal(child, "x", kWide), HasSubstr("has ended"));
-  EXPECT_EQ(refusal(other, "fail", kWide), "a.xyz: cannot be read (something else): damaged? make it again");
+TEST(ChildProcess, ThrowsWhatTheFunctionThrew) {
+  EXPECT_EQ(refusal("refuse", kWide), "a.xyz: line 3: no number");
+  EXPECT_EQ(refusal("fail", kWide), "a.xyz: cannot be read (something else): damaged? make it again");
 }
 
-TEST(ChildProcess, EndsAReaderThatNeverReturns) {
-  ChildProcess child(misbehave, "a.xyz");
-  EXPECT_EQ(child.ask("a", kTight, "a.xyz", ""), "a!");
-  EXPECT_THAT(refusal(child, "loop", kTight), HasSubstr("of processor time to read: damaged? make it again"));
-  EXPECT_FALSE(child.is_usable());
+TEST(ChildProcess, EndsAFunctionThatNeverReturns) {
+  EXPECT_THAT(refusal("loop", kTight), HasSubstr("of processor time to read: damaged? make it again"));
 }
 
-std::string compute_for_a_tenth_of_a_second(std::string_view, int) {
-  const std::clock_t begin = std::clock();
-  while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
-  }
-  return {};
-}
-
-TEST(ChildProcess, CountsTheTimeOfEachRequestAnew) {
-  ChildProcess child(compute_for_a_tenth_of_a_second, "a.xyz");
-  // half a second in all
-  for (int k = 0; k < 5; ++k) EXPECT_EQ(child.ask("", {0.4, 0}, "a.xyz", ""), "");
-}
-
-TEST(ChildProcess, AnswersRequestsThatWereBegunTogetherInTheirOrder) {
-  ChildProcess child(misbehave, "a.xyz");
-  for (const char* request : {"a", "b", "refuse", "c"}) child.begin(request, kWide);
-  EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "a!");
-  EXPECT_FALSE(child.is_usable()) << "three answers are to come";
-  EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "b!");
-  EXPECT_THROW(child.finish(kWide, "a.xyz", ""), FileError);
-  EXPECT_THROW(child.finish(kWide, "a.xyz", ""), FileError) << "after a failure nothing is certain";
-}
-
-TEST(ChildProcess, CountsTheTimeOfRequestsThatShareItTogether) {
-  ChildProcess child(compute_for_a_tenth_of_a_second, "a.xyz");
-  child.begin("", {0.25, 0});
-  for (int k = 0; k < 5; ++k) child.begin("", {0.0, 0});  // 0.6 s in all
-  EXPECT_EQ(child.finish(kWide, "a.xyz", ""), "");
-  EXPECT_THROW(
-      {
-        for (int k = 0; k < 5; ++k) child.finish(kWide, "a.xyz", "");
+TEST(ChildProcess, CountsTheTimeOfAFunctionAnewWithEachPieceOfItsOutput) {
+  ChildProcess child(
+      [](const ChildProcess::Output& write) {
+        for (int k = 0; k < 5; ++k) {  // half a second in all
+          compute_for_a_tenth_of_a_second();
+          write_text(write, "x");
+        }
       },
-      FileError);
+      "a.xyz", -1, {0.3});
+  EXPECT_EQ(all_of(child), "xxxxx");
+  EXPECT_NO_THROW(child.finish(""));
 }
 
-TEST(ChildProcess, IsPreparedBeforeTheFirstRequest) {
-  int n_prepared = 0;  // the child's copy
-  ChildProcess child([&](std::string_view, int) { return std::to_string(n_prepared); }, "a.xyz", [&] { ++n_prepared; });
-  EXPECT_EQ(child.ask("", kWide, "a.xyz", ""), "1");
-  EXPECT_EQ(n_prepared, 0);
-  ChildProcess other(misbehave, "a.xyz", [] { throw std::runtime_error("not there"); });
-  EXPECT_EQ(other.ask("a", kWide, "a.xyz", ""), "a!") << "what is missing is for the request to find";
+TEST(ChildProcess, SurvivesACrashOfTheFunction) {
+  for (const char* way : {"crash", "exit"})
+    EXPECT_THAT(refusal(way, kWide), HasSubstr("a.xyz: ended the process that read it"));
 }
 
-TEST(ChildProcess, SurvivesACrashOfTheReader) {
-  for (const char* way : {"crash", "exit"}) {
-    ChildProcess child(misbehave, "a.xyz");
-    EXPECT_THAT(refusal(child, way, kWide), HasSubstr("a.xyz: ended the process that read it"));
-  }
-}
-
-TEST(ChildProcess, LimitsTheMemoryOfTheReader) {
+TEST(ChildProcess, LimitsTheMemoryOfTheFunction) {
   if (kHasAddressSanitizer) GTEST_SKIP() << "the sanitizer's own memory would count";
-  ChildProcess child(misbehave, "a.xyz");
-  EXPECT_EQ(refusal(child, "allocate", kTight),
-            "a.xyz: takes more than 50 MB of memory to read: damaged? make it again");
+  EXPECT_EQ(refusal("allocate", kTight), "a.xyz: takes more than 50 MB of memory to read: damaged? make it again");
 }
 
-TEST(ChildProcess, SharesMemoryAndFiles) {
+TEST(ChildProcess, HasTheFileThatIsHandedOver) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "a.txt") << "content";
-  const SharedMemory shared(1 << 20);
-  ChildProcess child(
-      [&](std::string_view, int descriptor) {
-        const ssize_t n = pread(descriptor, shared.bytes().data(), 100, 0);
-        close(descriptor);
-        return std::to_string(n);
-      },
-      "a.txt");
   const int descriptor = open((folder / "a.txt").c_str(), O_RDONLY);
-  EXPECT_EQ(child.ask("", kWide, "a.txt", "", descriptor), "7");
-  EXPECT_EQ(std::string(reinterpret_cast<const char*>(shared.bytes().data())), "content");
+  ChildProcess function(
+      [](const ChildProcess::Output& write) {
+        std::array<std::byte, 100> text{};
+        const ssize_t n = pread(ChildProcess::kHandedOver, text.data(), text.size(), 0);
+        write(std::span(text).first(static_cast<std::size_t>(n)));
+      },
+      "a.txt", descriptor, kWide);
+  EXPECT_EQ(all_of(function), "content");
+  EXPECT_EQ(run_program("/bin/cat", {"/dev/fd/3"}, "a.txt", descriptor, kWide).output, "content");
   close(descriptor);
 }
 
 TEST(ChildProcess, NoticesTheEndOfOneChildAmongManyThatWereStartedAtTheSameTime) {
   if (!kMayStartChildBesideThreads) GTEST_SKIP() << "a child that is started beside other threads may wait for ever";
-  // a child that held the socket of another would keep it open
+  // a child that held the pipe of another would keep it open
   std::vector<std::thread> threads;
   for (int thread = 0; thread < 8; ++thread)
     threads.emplace_back([thread] {
       for (int k = 0; k < 10; ++k) {
-        ChildProcess child(misbehave, "a.xyz"), bystander(misbehave, "a.xyz");
+        ChildProcess bystander(misbehaving(""), "a.xyz", -1, kWide);
         if ((thread + k) % 2 == 0)
-          EXPECT_THAT(refusal(child, "crash", kWide), HasSubstr("ended"));
+          EXPECT_THAT(refusal("crash", kWide), HasSubstr("ended"));
         else
-          EXPECT_EQ(child.ask("a", kWide, "a.xyz", ""), "a!");
-        EXPECT_EQ(bystander.ask("b", kWide, "a.xyz", ""), "b!");
+          EXPECT_EQ(refusal("", kWide), "");
+        EXPECT_EQ(all_of(bystander), "a!");
       }
     });
   for (std::thread& thread : threads) thread.join();
@@ -182,34 +162,61 @@ TEST(ChildProcess, EndsWhenItsOwnerIsKilled) {
   ASSERT_EQ(pipe(ends.data()), 0);
   const pid_t owner = fork();
   if (owner == 0) {
-    ChildProcess first(misbehave, "a.xyz"), second(misbehave, "a.xyz");
-    const std::string pids = first.ask("pid", kWide, "", "") + " " + second.ask("pid", kWide, "", "");
-    if (write(ends[1], pids.data(), pids.size()) < 0) _exit(1);
+    ChildProcess child(
+        [](const ChildProcess::Output& write) {
+          const pid_t pid = getpid();
+          for (;;) write(std::as_bytes(std::span(&pid, 1)));
+        },
+        "a.xyz", -1, kWide);
+    pid_t pid = 0;
+    child.read(std::as_writable_bytes(std::span(&pid, 1)));
+    if (write(ends[1], &pid, sizeof pid) < 0) _exit(1);
     pause();
   }
-  std::array<char, 100> text{};
-  ASSERT_GT(read(ends[0], text.data(), text.size() - 1), 0);
-  char* rest = nullptr;
-  const auto first = static_cast<pid_t>(std::strtol(text.data(), &rest, 10));
-  const auto second = static_cast<pid_t>(std::strtol(rest, nullptr, 10));
-  EXPECT_TRUE(is_running(first) && is_running(second));
+  pid_t child = 0;
+  ASSERT_EQ(read(ends[0], &child, sizeof child), static_cast<ssize_t>(sizeof child));
+  EXPECT_TRUE(is_running(child));
   kill(owner, SIGKILL);
   waitpid(owner, nullptr, 0);
-  for (int k = 0; k < 600 && (is_running(first) || is_running(second)); ++k)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_FALSE(is_running(first) || is_running(second));
+  for (int k = 0; k < 600 && is_running(child); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_FALSE(is_running(child));
   close(ends[0]);
   close(ends[1]);
 }
 
-TEST(ChildProcess, IsNotUsedByACopyOfItsOwner) {
-  ChildProcess child(misbehave, "a.xyz");
-  const pid_t copy = fork();
-  if (copy == 0) _exit(child.is_usable() ? 1 : 0);
-  int status = -1;
-  waitpid(copy, &status, 0);
-  EXPECT_EQ(status, 0);
-  EXPECT_EQ(child.ask("a", kWide, "a.xyz", ""), "a!");
+TEST(ChildProcess, IsEndedWithItsObjectHoweverLongItWouldRun) {
+  pid_t child = 0;
+  {
+    ChildProcess running("/bin/sh", {"-c", "echo $$; exec sleep 1000"}, "x", -1, {10.0});
+    std::array<std::byte, 1> digit{};
+    std::string text;
+    while (running.read(digit) == 1 && std::to_integer<char>(digit[0]) != '\n') text += std::to_integer<char>(digit[0]);
+    child = static_cast<pid_t>(std::stol(text));
+    EXPECT_EQ(kill(child, 0), 0);
+  }
+  EXPECT_EQ(kill(child, 0), -1);  // and was waited for
+  EXPECT_EQ(errno, ESRCH);
+}
+
+TEST(ChildProcess, ManyComplaintsOfAProgramDoNotKeepItFromGoingOn) {
+  // a pipe holds 64 kB: a program whose complaints nobody reads would wait for ever
+  const ProgramResult result = run_program(
+      "/bin/sh", {"-c", "i=0; while [ $i -lt 20000 ]; do echo complaint $i >&2; i=$((i+1)); done; echo done; exit 3"},
+      "x", -1, {100.0});
+  EXPECT_FALSE(result.ended_well);
+  EXPECT_EQ(result.output, "done\n");
+  EXPECT_THAT(result.complaints, StartsWith("complaint 0\ncomplaint 1\n"));
+  EXPECT_LE(result.complaints.size(), 4096u);
+}
+
+TEST(ChildProcess, TheProcessorTimeOfAProgramIsLimited) {
+  EXPECT_FALSE(run_program("/bin/sh", {"-c", "while :; do :; done"}, "x", -1, {1.0}).ended_well);
+}
+
+TEST(ChildProcess, AProgramThatCannotBeStartedSaysSo) {
+  const ProgramResult result = run_program("/no/such/program", {}, "x", -1, {1.0});
+  EXPECT_FALSE(result.ended_well);
+  EXPECT_EQ(result.complaints, "/no/such/program cannot be started\n");
 }
 
 }  // namespace

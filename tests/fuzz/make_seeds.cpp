@@ -125,11 +125,9 @@ void write_recordings(const Seeds& seeds) {
         } catch (const InvalidArgument&) {
           continue;  // FLAC has no floats
         }
-        for (const char* target : {"audio", "pcm"}) {
-          audio::AudioWriter writer(seeds.path(target, name), spec, kFrames, true);
-          writer.write(ringing(n_channels));
-          writer.commit();
-        }
+        audio::AudioWriter writer(seeds.path("audio", name), spec, kFrames, true);
+        writer.write(ringing(n_channels));
+        writer.commit();
       }
 }
 

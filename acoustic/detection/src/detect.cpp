@@ -12,8 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
-#include "bouncelab/audio/shared_recording.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
@@ -190,9 +190,9 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
 }
 
 Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
-                      const ProgressCallback& progress, audio::BytesSink bytes_read) {
+                      const ProgressCallback& progress) {
   const int n_here = kMayStartChildBesideThreads ? n_threads : 1;
-  audio::SharedRecording sound(recording, config.rate_hz, resolved_threads(n_here), std::move(bytes_read));
+  const audio::AudioReader sound(recording, config.rate_hz);
   Detection d = detect_in([&](int channel) { return sound.source(channel); }, sound.format().n_channels,
                           input_name(recording), config, n_here, progress);
   describe_format(sound.format(), config.lossy_coding, d);
@@ -221,7 +221,7 @@ std::string lossy_coding_warning(const std::string& coding) {
 
 Detection detect(const std::filesystem::path& recording, const DetectionConfig& config,
                  const ProgressCallback& progress) {
-  return detect_file(recording, config, 1, progress, {});
+  return detect_file(recording, config, 1, progress);
 }
 
 Detection detect(std::span<const float> samples, double rate_hz, const std::string& name, const DetectionConfig& config,
@@ -235,12 +235,8 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
 }
 
 void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
-                 const DetectionSink& sink, const ProgressCallback& progress, const RecordingBytesSink& bytes_read) {
-  const auto sink_of = [&](std::size_t k) -> audio::BytesSink {
-    if (!bytes_read) return {};
-    return [&, k](std::int64_t first, std::span<const std::byte> bytes) { bytes_read(k, first, bytes); };
-  };
-  if (recordings.size() == 1) return sink(0, detect_file(recordings.front(), config, n_threads, progress, sink_of(0)));
+                 const DetectionSink& sink, const ProgressCallback& progress) {
+  if (recordings.size() == 1) return sink(0, detect_file(recordings.front(), config, n_threads, progress));
   std::mutex mutex;
   double n_done = 0.0;
   const std::vector<std::size_t> order = largest_first(recordings);
@@ -249,7 +245,7 @@ void detect_each(const std::vector<std::filesystem::path>& recordings, const Det
     Detection found;
     try {
       // on the same threads, where others have nothing to do
-      found = detect_file(recordings[k], config, n_threads, {}, sink_of(k));
+      found = detect_file(recordings[k], config, n_threads, {});
     } catch (const FileError& error) {
       found.status = DetectionStatus::unreadable;
       found.message = error.what();

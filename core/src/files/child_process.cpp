@@ -3,9 +3,8 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,10 +15,13 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
@@ -28,209 +30,137 @@
 namespace bouncelab {
 namespace {
 
-struct RequestHead {
-  std::uint64_t n_bytes = 0;
-  ChildLimits limits{};
-  bool has_descriptor = false;
-};
+constexpr std::size_t kMostComplaints_bytes = 4096;  // a damaged file may give a line for each of its frames
+constexpr int kPiece_ms = 100;                       // after which a request to stop is seen
 
-enum class Ending : std::int32_t { answered, file_error, no_memory, other_error };
-
-struct AnswerHead {
-  std::uint64_t n_bytes = 0;
-  Ending ending = Ending::answered;
-};
-
-// ---- messages over the socket: false where the other side has ended
-
-bool send_all(int socket, const void* data, std::size_t n) {
-  const char* at = static_cast<const char*>(data);
-  while (n > 0) {
-    const ssize_t sent = send(socket, at, n, MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) return false;
-    at += sent;
-    n -= static_cast<std::size_t>(sent);
+/// The two ends of a pipe, closed with this; no other program that is started meanwhile inherits them.
+struct Pipe {
+  std::array<int, 2> ends{-1, -1};
+  explicit Pipe(const std::string& file) {
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+      throw FileError(file,
+                      std::string("no pipe can be made (") + std::strerror(errno) + "); are too many files open?");
   }
-  return true;
-}
-
-/// At once, as the other side would wake up for each part.
-template <class Head>
-bool send_message(int socket, const Head& head, std::string_view text) {
-  std::array<iovec, 2> parts{iovec{const_cast<Head*>(&head), sizeof head},
-                             iovec{const_cast<char*>(text.data()), text.size()}};
-  msghdr message{};
-  message.msg_iov = parts.data();
-  message.msg_iovlen = parts.size();
-  ssize_t sent = -1;
-  do sent = sendmsg(socket, &message, MSG_NOSIGNAL);
-  while (sent < 0 && errno == EINTR);
-  if (sent < 0) return false;
-  const std::size_t n_of_head = std::min(static_cast<std::size_t>(sent), sizeof head);
-  const std::size_t n_of_text = static_cast<std::size_t>(sent) - n_of_head;
-  return send_all(socket, reinterpret_cast<const char*>(&head) + n_of_head, sizeof head - n_of_head) &&
-         send_all(socket, text.data() + n_of_text, text.size() - n_of_text);
-}
-
-bool receive_all(int socket, void* data, std::size_t n) {
-  char* at = static_cast<char*>(data);
-  while (n > 0) {
-    const ssize_t got = recv(socket, at, n, 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    at += got;
-    n -= static_cast<std::size_t>(got);
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  ~Pipe() {
+    for (const int end : ends)
+      if (end >= 0) ::close(end);
   }
-  return true;
-}
-
-/// One byte with a file: a descriptor of the same file is open on the other side then (unix(7), SCM_RIGHTS).
-struct DescriptorMessage {
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  char byte = 0;
-  iovec part{&byte, 1};
-  msghdr message{};
-
-  DescriptorMessage() {
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-  }
+  int take_reading_end() { return std::exchange(ends[0], -1); }
 };
-
-bool send_descriptor(int socket, int descriptor) {
-  DescriptorMessage m;
-  cmsghdr* head = CMSG_FIRSTHDR(&m.message);
-  head->cmsg_level = SOL_SOCKET;
-  head->cmsg_type = SCM_RIGHTS;
-  head->cmsg_len = CMSG_LEN(sizeof descriptor);
-  std::memcpy(CMSG_DATA(head), &descriptor, sizeof descriptor);
-  ssize_t sent = -1;
-  do sent = sendmsg(socket, &m.message, MSG_NOSIGNAL);
-  while (sent < 0 && errno == EINTR);
-  return sent == 1;
-}
-
-/// @return -1 where there was none
-int receive_descriptor(int socket) {
-  DescriptorMessage m;
-  ssize_t got = -1;
-  do got = recvmsg(socket, &m.message, MSG_CMSG_CLOEXEC);
-  while (got < 0 && errno == EINTR);
-  const cmsghdr* head = got == 1 ? CMSG_FIRSTHDR(&m.message) : nullptr;
-  if (head == nullptr || head->cmsg_type != SCM_RIGHTS) return -1;
-  int descriptor = -1;
-  std::memcpy(&descriptor, CMSG_DATA(head), sizeof descriptor);
-  return descriptor;
-}
 
 // ---- in the child
 
-constexpr int kSocket = 3;
+constexpr int kComplaints = 4;  // of a function: what libraries write to standard error is not wanted
 
-/// Signals end the child as if it were a program of its own, and of the files open here it keeps its socket only: one
-/// that holds the socket of another child would keep it from noticing that its owner has ended.
-void detach(int socket) {
-  // the files first: where the owner is killed now, their locks must not outlive it
-  if (socket != kSocket) dup2(socket, kSocket);
-  if (close_range(kSocket + 1, ~0U, 0) != 0)  // Linux before 5.9
-    for (int descriptor = kSocket + 1; descriptor < 4096; ++descriptor) close(descriptor);
-  for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
+enum ExitCode : int { kWell = 0, kThrewFileError = 3, kHadNoMemory = 4, kThrewOther = 5, kNotStarted = 127 };
+
+/// Signals end the child as if nobody had asked for them here; what the user ignores (nohup) it ignores too.
+void forget_signal_handlers() {
+  for (int signal = 1; signal < NSIG; ++signal) {
+    struct sigaction action {};
+    if (::sigaction(signal, nullptr, &action) != 0 || (action.sa_handler == SIG_IGN && signal != SIGPIPE)) continue;
+    action = {};
+    action.sa_handler = SIG_DFL;
+    ::sigaction(signal, &action, nullptr);
+  }
   sigset_t none;
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  const int nothing = open("/dev/null", O_RDWR);
-  // a reader that is ended says so on standard error, beside our own message; a sanitizer's report is wanted
-  for (int descriptor = 0; descriptor < (kHasAddressSanitizer ? 2 : 3); ++descriptor) dup2(nothing, descriptor);
-  if (nothing > kSocket) close(nothing);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+/// Of all files open here the child keeps those that it needs: one that held a pipe of another child would keep it from
+/// ending, and where this process is killed now, the locks of its files must not outlive it.
+void arrange_files(int output, int errors, int handed_over, bool is_function) {
+  const auto above = [](int descriptor) { return descriptor < 0 ? -1 : ::fcntl(descriptor, F_DUPFD_CLOEXEC, 10); };
+  output = above(output);
+  errors = above(errors);
+  handed_over = above(handed_over);
+  const int nothing = above(::open("/dev/null", O_RDWR));
+  ::dup2(nothing, STDIN_FILENO);
+  ::dup2(output, STDOUT_FILENO);
+  // a library that is ended says so on standard error, beside our own message; a sanitizer's report is wanted
+  if (!is_function)
+    ::dup2(errors, STDERR_FILENO);
+  else if (!kHasAddressSanitizer)
+    ::dup2(nothing, STDERR_FILENO);
+  ::close(ChildProcess::kHandedOver);
+  if (handed_over >= 0) ::dup2(handed_over, ChildProcess::kHandedOver);
+  if (is_function) ::dup2(errors, kComplaints);
+  const int first_unused = is_function ? kComplaints + 1 : kComplaints;
+  if (::close_range(static_cast<unsigned>(first_unused), ~0U, 0) != 0)  // Linux before 5.9
+    for (int descriptor = first_unused; descriptor < 4096; ++descriptor) ::close(descriptor);
 }
 
 /// Private memory that can be written to, which is what RLIMIT_DATA limits; 0 where the system does not tell.
 std::uint64_t data_bytes() {
   std::array<char, 256> text{};
-  const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
   if (file < 0) return 0;
-  const ssize_t n = read(file, text.data(), text.size() - 1);
-  close(file);
+  const ssize_t n = ::read(file, text.data(), text.size() - 1);
+  ::close(file);
   unsigned long long pages = 0;  // the sixth number
   if (n <= 0 || std::sscanf(text.data(), "%*u %*u %*u %*u %*u %llu", &pages) != 1) return 0;
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 void limit_memory(std::int64_t more_bytes) {
-  const std::uint64_t now = data_bytes();
+  const std::uint64_t now = more_bytes > 0 ? data_bytes() : 0;
   rlimit limit{};
-  if (kHasAddressSanitizer || now == 0 || getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  if (kHasAddressSanitizer || now == 0 || ::getrlimit(RLIMIT_DATA, &limit) != 0) return;
   const std::uint64_t wanted = now + static_cast<std::uint64_t>(more_bytes);
   if (limit.rlim_max != RLIM_INFINITY && wanted > limit.rlim_max) return;  // the user's limit is lower
   limit.rlim_cur = wanted;
-  setrlimit(RLIMIT_DATA, &limit);
+  ::setrlimit(RLIMIT_DATA, &limit);
 }
 
-/// SIGPROF ends the child when it has used so much processor time from now on.
+/// SIGPROF ends the process when it has used so much processor time from now on, also another program in its place.
 void limit_cpu(double seconds) {
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<time_t>(seconds);
   timer.it_value.tv_usec = static_cast<suseconds_t>(1e6 * (seconds - std::floor(seconds)));
-  setitimer(ITIMER_PROF, &timer, nullptr);
+  if (seconds > 0.0) ::setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
-/// The answer, or what was thrown.
-std::pair<Ending, std::string> answer_to(const ChildProcess::Answer& answer, std::string_view request, int descriptor) {
+void write_to(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(descriptor, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) ::_exit(kNotStarted);  // nobody reads it any more
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+}
+
+[[noreturn]] void end_with(int exit_code, std::string_view complaint) {
+  write_to(kComplaints, std::as_bytes(std::span(complaint.substr(0, kMostComplaints_bytes))));
+  ::_exit(exit_code);  // not exit: what this process has in its buffers is its own to write
+}
+
+[[noreturn]] void run_work(const ChildProcess::Work& work, const ChildLimits& limits) {
   try {
-    return {Ending::answered, answer(request, descriptor)};
+    work([&](std::span<const std::byte> bytes) {
+      write_to(STDOUT_FILENO, bytes);
+      limit_cpu(limits.cpu_s);
+    });
   } catch (const FileError& error) {
-    return {Ending::file_error, error.what()};
+    end_with(kThrewFileError, error.what());
   } catch (const std::bad_alloc&) {
-    return {Ending::no_memory, ""};
+    ::_exit(kHadNoMemory);
   } catch (const std::length_error&) {
-    return {Ending::no_memory, ""};
+    ::_exit(kHadNoMemory);
   } catch (const std::exception& error) {
-    return {Ending::other_error, error.what()};
+    end_with(kThrewOther, error.what());
   }
+  ::_exit(kWell);
 }
 
-void prepare_to_serve(const std::function<void()>& prepare) {
-  try {
-    if (prepare) prepare();
-  } catch (const std::exception&) {  // of the request that will need it
-  }
-}
-
-/// Until the owner has closed its side or ended.
-void serve(const ChildProcess::Answer& answer) {
-  for (RequestHead head; receive_all(kSocket, &head, sizeof head);) {
-    std::string request(head.n_bytes, '\0');
-    if (!receive_all(kSocket, request.data(), request.size())) return;
-    const int descriptor = head.has_descriptor ? receive_descriptor(kSocket) : -1;
-    if (head.limits.memory_bytes > 0) limit_memory(head.limits.memory_bytes);
-    if (head.limits.cpu_s > 0.0) limit_cpu(head.limits.cpu_s);  // which waiting for the next request does not use
-    const auto [ending, text] = answer_to(answer, request, descriptor);
-    const AnswerHead answered{text.size(), ending};
-    if (!send_message(kSocket, answered, text)) return;
-  }
-}
-
-/// In pieces, so that a request to stop is seen. @throws Interrupted
-void wait_for_answer(int socket) {
-  constexpr int kPiece_ms = 100;
-  pollfd answer{socket, POLLIN, 0};
-  while (poll(&answer, 1, kPiece_ms) <= 0) throw_if_stop_requested();
-}
+// ---- messages
 
 std::string amount(double value, const char* unit) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.0f %s", value, unit);
   return text.data();
-}
-
-std::string too_much_memory(const ChildLimits& limits, const std::string& remedy) {
-  return "takes more than " + amount(static_cast<double>(limits.memory_bytes) / 1e6, "MB") +
-         " of memory to read: damaged? " + remedy;
 }
 
 /// The message of a FileError of the file, which is to be thrown again.
@@ -239,121 +169,156 @@ std::string without_name(const std::string& message, const std::string& file) {
   return message.rfind(name, 0) == 0 ? message.substr(name.size()) : message;
 }
 
-[[noreturn]] void throw_end_of(pid_t& of, const ChildLimits& limits, const std::string& file,
-                               const std::string& remedy) {
-  int status = 0;
-  pid_t ended = -1;
-  do ended = waitpid(of, &status, 0);
-  while (ended < 0 && errno == EINTR);
-  const pid_t child = std::exchange(of, 0);
-  if (ended != child || !WIFSIGNALED(status))  // the host program may have waited for it
-    throw FileError(file, "ended the process that read it: damaged? " + remedy);
-  const int signal = WTERMSIG(status);
-  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
-  if (signal == SIGPROF)
-    throw FileError(file,
-                    "takes more than " + amount(limits.cpu_s, "s") + " of processor time to read: damaged? " + remedy);
-  throw FileError(file, std::string("ended the process that read it (") + strsignal(signal) + "): damaged? " + remedy);
-}
-
 }  // namespace
 
-struct ChildProcess::State {
-  pid_t owner = getpid(), child = 0;
-  int socket = -1;
-  bool has_failed = false;
-  std::size_t n_begun = 0;  // requests whose answers have not come
-
-  bool is_owned() const { return getpid() == owner; }
-};
-
-ChildProcess::ChildProcess(const Answer& answer, const std::string& file, const std::function<void()>& prepare)
-    : state_(std::make_unique<State>()) {
-  std::array<int, 2> ends{};
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    throw FileError(file, std::string("no process can be started to read files (") + std::strerror(errno) +
-                              "); are too many files open?");
-  state_->child = fork();
-  if (state_->child == 0) {
-    try {
-      detach(ends[1]);
-      prepare_to_serve(prepare);
-      serve(answer);
-    } catch (...) {  // no memory for a request
-    }
-    _exit(0);  // not exit: what the owner's buffers hold is written by the owner
+std::optional<std::filesystem::path> find_program(const std::string& name) {
+  const char* const path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): nobody sets it
+  std::istringstream folders(path == nullptr ? "/usr/local/bin:/usr/bin:/bin" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (folder.empty() || folder.front() != '/') continue;  // what lies in a folder of recordings is not run
+    std::filesystem::path program = std::filesystem::path(folder) / name;
+    struct stat status {};
+    if (::access(program.c_str(), X_OK) == 0 && ::stat(program.c_str(), &status) == 0 && S_ISREG(status.st_mode))
+      return program;
   }
-  const int error = errno;
-  close(ends[1]);
-  if (state_->child > 0) {
-    state_->socket = ends[0];
-    return;
+  return std::nullopt;
+}
+
+ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           std::string file, int descriptor, const ChildLimits& limits)
+    : file_(std::move(file)), limits_(limits) {
+  std::string name = program.string(), complaint = name + " cannot be started\n";
+  std::vector<std::string> copies = arguments;
+  std::vector<char*> words{name.data()};
+  for (std::string& argument : copies) words.push_back(argument.data());
+  words.push_back(nullptr);
+  start(
+      [&] {
+        ::execv(name.c_str(), words.data());
+        write_to(STDERR_FILENO, std::as_bytes(std::span(complaint)));
+        ::_exit(kNotStarted);
+      },
+      false, descriptor);
+}
+
+ChildProcess::ChildProcess(const Work& work, std::string file, int descriptor, const ChildLimits& limits)
+    : file_(std::move(file)), limits_(limits) {
+  start([&] { run_work(work, limits); }, true, descriptor);
+}
+
+void ChildProcess::start(const std::function<void()>& run, bool is_function, int descriptor) {
+  Pipe output(file_), errors(file_);
+  child_ = ::fork();
+  if (child_ < 0)
+    throw FileError(file_, std::string("no process can be started to read files (") + std::strerror(errno) +
+                               "); end other programs, or allow more processes (ulimit -u)");
+  if (child_ == 0) {
+    arrange_files(output.ends[1], errors.ends[1], descriptor, is_function);
+    forget_signal_handlers();
+    const rlimit no_core{0, 0};
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    limit_memory(limits_.memory_bytes);
+    limit_cpu(limits_.cpu_s);
+    run();
   }
-  close(ends[0]);
-  throw FileError(file, std::string("no process can be started to read files (") + std::strerror(error) +
-                            "); end other programs, or allow more processes (ulimit -u)");
+  output_ = output.take_reading_end();
+  errors_ = errors.take_reading_end();
+  ::fcntl(errors_, F_SETFL, O_NONBLOCK);
 }
 
 ChildProcess::~ChildProcess() {
-  const State& s = *state_;
-  close(s.socket);
-  if (s.child <= 0 || getpid() != s.owner) return;  // of a copy of the owner
-  kill(s.child, SIGKILL);
-  while (waitpid(s.child, nullptr, 0) < 0 && errno == EINTR) {
+  if (output_ >= 0) ::close(output_);
+  if (errors_ >= 0) ::close(errors_);
+  if (child_ <= 0) return;
+  ::kill(child_, SIGKILL);
+  while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
 
-bool ChildProcess::is_usable() const { return !state_->has_failed && state_->n_begun == 0 && state_->is_owned(); }
-
-std::string ChildProcess::ask(std::string_view request, const ChildLimits& limits, const std::string& file,
-                              const std::string& remedy, int descriptor) {
-  begin(request, limits, descriptor);
-  return finish(limits, file, remedy);
-}
-
-void ChildProcess::begin(std::string_view request, const ChildLimits& limits, int descriptor) {
-  State& s = *state_;
-  ++s.n_begun;
-  if (s.has_failed || !s.is_owned()) return;  // finish() says so
-  const RequestHead head{request.size(), limits, descriptor >= 0};
-  // where the child has ended, its answer will be missing
-  static_cast<void>(send_message(s.socket, head, request) && (descriptor < 0 || send_descriptor(s.socket, descriptor)));
-}
-
-std::string ChildProcess::finish(const ChildLimits& limits, const std::string& file, const std::string& remedy) {
-  State& s = *state_;
-  const bool has_failed = std::exchange(s.has_failed, true);  // until all has gone well
-  if (has_failed || s.n_begun == 0 || !s.is_owned()) throw FileError(file, "cannot be read: its reader has ended");
-  --s.n_begun;
-  AnswerHead answered;
-  std::string text;
-  wait_for_answer(s.socket);
-  bool is_alive = receive_all(s.socket, &answered, sizeof answered);
-  if (is_alive) {
-    text.resize(answered.n_bytes);
-    is_alive = receive_all(s.socket, text.data(), text.size());
+void ChildProcess::take_complaints() {
+  std::array<char, 4096> text{};
+  for (;;) {
+    const ssize_t n = ::read(errors_, text.data(), text.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0) ::close(std::exchange(errors_, -1));
+    if (n <= 0) return;
+    const std::size_t room = kMostComplaints_bytes - std::min(complaints_.size(), kMostComplaints_bytes);
+    complaints_.append(text.data(), std::min(room, static_cast<std::size_t>(n)));
   }
-  if (!is_alive) throw_end_of(s.child, limits, file, remedy);
-  switch (answered.ending) {
-    case Ending::answered:
+}
+
+std::size_t ChildProcess::read(std::span<std::byte> out) {
+  std::size_t n = 0;
+  while (n < out.size() && output_ >= 0) {
+    throw_if_stop_requested();
+    std::array<pollfd, 2> ready{{{output_, POLLIN, 0}, {errors_, POLLIN, 0}}};  // -1 is passed over
+    if (::poll(ready.data(), ready.size(), kPiece_ms) <= 0) continue;
+    if (ready[1].revents != 0) take_complaints();
+    if (ready[0].revents == 0) continue;
+    const ssize_t got = ::read(output_, out.data() + n, out.size() - n);
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (got < 0) throw FileError(file_, std::string("what it writes cannot be read (") + std::strerror(errno) + ")");
+    if (got == 0) ::close(std::exchange(output_, -1));
+    n += static_cast<std::size_t>(got);
+  }
+  return n;
+}
+
+/// @return the status of waitpid, -1 where somebody else has waited for the child
+int ChildProcess::wait() {
+  while (errors_ >= 0) {
+    throw_if_stop_requested();
+    pollfd ready{errors_, POLLIN, 0};
+    if (::poll(&ready, 1, kPiece_ms) > 0) take_complaints();
+  }
+  int status = 0;
+  pid_t ended = -1;
+  do ended = ::waitpid(child_, &status, 0);
+  while (ended < 0 && errno == EINTR);
+  child_ = -1;
+  throw_if_stop_requested();  // Ctrl-C reaches the child too
+  return ended > 0 ? status : -1;
+}
+
+bool ChildProcess::ended_well() {
+  const int status = wait();
+  return status != -1 && WIFEXITED(status) && WEXITSTATUS(status) == kWell;
+}
+
+void ChildProcess::finish(const std::string& remedy) {
+  const int status = wait();
+  const auto refuse = [&](const std::string& what) { throw FileError(file_, what + ": damaged? " + remedy); };
+  if (status != -1 && WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
+    if (signal == SIGPROF) refuse("takes more than " + amount(limits_.cpu_s, "s") + " of processor time to read");
+    refuse(std::string("ended the process that read it (") + ::strsignal(signal) + ")");
+  }
+  switch (status == -1 ? -1 : WEXITSTATUS(status)) {
+    case kWell:
+      return;
+    case kThrewFileError:
+      throw FileError(file_, without_name(complaints_, file_));
+    case kHadNoMemory:
+      refuse("takes more than " + amount(static_cast<double>(limits_.memory_bytes) / 1e6, "MB") + " of memory to read");
       break;
-    case Ending::file_error:
-      throw FileError(file, without_name(text, file));
-    case Ending::no_memory:
-      throw FileError(file, too_much_memory(limits, remedy));
-    case Ending::other_error:
-      throw FileError(file, "cannot be read (" + text + "): damaged? " + remedy);
+    case kThrewOther:
+      refuse("cannot be read (" + complaints_ + ")");
+      break;
+    default:
+      refuse("ended the process that read it");
   }
-  s.has_failed = false;
-  return text;
 }
 
-SharedMemory::SharedMemory(std::size_t n_bytes) {
-  void* memory = mmap(nullptr, n_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED) throw std::bad_alloc();
-  bytes_ = {static_cast<std::byte*>(memory), n_bytes};
+ProgramResult run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                          const std::string& file, int descriptor, const ChildLimits& limits, std::size_t most_bytes) {
+  ChildProcess running(program, arguments, file, descriptor, limits);
+  ProgramResult result;
+  result.output.resize(most_bytes);
+  result.output.resize(running.read(std::as_writable_bytes(std::span(result.output))));
+  if (result.output.size() < most_bytes) result.ended_well = running.ended_well();
+  result.complaints = running.complaints();
+  return result;
 }
-
-SharedMemory::~SharedMemory() { munmap(bytes_.data(), bytes_.size()); }
 
 }  // namespace bouncelab

@@ -14,12 +14,17 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/folder_lock.hpp"
 #include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/scratch_file.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;
@@ -183,5 +188,86 @@ int write_all(int descriptor, const char* bytes, std::size_t n) {
   }
   return 0;
 }
+
+// ---- what need not stay in memory
+
+struct ScratchFile::State {
+  std::string name;
+  Descriptor file;
+  std::int64_t size = 0;
+};
+
+ScratchFile::ScratchFile(const std::filesystem::path& folder, std::string name) : state_(std::make_unique<State>()) {
+  state_->name = std::move(name);
+  try {
+    state_->file = make_nameless_file(folder);
+  } catch (const std::system_error& error) {
+    throw FileError(state_->name,
+                    "a temporary file in " + folder.string() + " cannot be made: " + error.code().message());
+  }
+}
+
+ScratchFile::ScratchFile(ScratchFile&&) noexcept = default;
+ScratchFile& ScratchFile::operator=(ScratchFile&&) noexcept = default;
+ScratchFile::~ScratchFile() = default;
+
+std::int64_t ScratchFile::append(std::string_view bytes) {
+  if (const int error = write_all(state_->file.get(), bytes.data(), bytes.size()); error != 0)
+    throw FileError(state_->name, why_writing_failed(error));
+  return std::exchange(state_->size, state_->size + std::ssize(bytes));
+}
+
+std::string ScratchFile::at(std::int64_t first, std::size_t n) const {
+  std::string bytes(n, '\0');
+  for (std::size_t done = 0; done < n;) {
+    const ssize_t got =
+        ::pread(state_->file.get(), bytes.data() + done, n - done, first + static_cast<std::int64_t>(done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0)
+      throw FileError(state_->name, "its temporary file cannot be read: " + std::string(std::strerror(errno)));
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+// ---- one run at a time in a folder
+
+namespace {
+
+std::string content_of(int descriptor) {
+  char text[32];
+  const ssize_t n = ::pread(descriptor, text, sizeof text, 0);
+  std::string content(text, n > 0 ? static_cast<std::size_t>(n) : 0);
+  return content.substr(0, content.find('\n'));
+}
+
+}  // namespace
+
+struct FolderLock::State {
+  fs::path path;
+  Descriptor file;
+};
+
+FolderLock::FolderLock(const fs::path& folder) {
+  const fs::path path = folder / ".bouncelab.lock";
+  for (;;) {
+    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
+    if (!file.is_open())
+      throw FileError(folder.string(), "nothing can be written in this folder (" + std::string(std::strerror(errno)) +
+                                           "); choose another one or check its permissions");
+    if (lock_exclusively(file.get()) == LockResult::held_by_another)
+      throw FileError(folder.string(), "another bouncelab (process " + content_of(file.get()) +
+                                           ") is at work in this folder; wait for it, or choose another folder");
+    // the one that had it deletes the file before it lets go
+    if (!has_name(file.get(), path)) continue;
+    const std::string number = std::to_string(::getpid()) + "\n";
+    if (::ftruncate(file.get(), 0) != 0 || write_all(file.get(), number.data(), number.size()) != 0)
+      errno = 0;  // a full disk: only the number is missing in the message of the one that is refused
+    state_ = std::make_unique<State>(State{path, std::move(file)});
+    return;
+  }
+}
+
+FolderLock::~FolderLock() { ::unlink(state_->path.c_str()); }
 
 }  // namespace bouncelab

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <span>
 #include <string>
@@ -16,8 +17,11 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "io/sound_decoder.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::audio {
@@ -88,22 +92,30 @@ TEST_F(AudioReaderTest, ReadsEachChannelAnywhereAcrossItsBuffers) {
   }
 }
 
-TEST_F(AudioReaderTest, DecodesIntegersToTheBitAsLibsndfileDoes) {
+TEST_F(AudioReaderTest, ReadsTheSamplesAndTheFormatThatLibsndfileFinds) {
   // either end of the scale, and more frames than are read at once, by a number that no vector divides
   constexpr int kChannels = 3;
   std::vector<float> x(kChannels * 40001);
   for (std::size_t k = 0; k < x.size(); ++k) x[k] = static_cast<float>(std::sin(0.37 * static_cast<double>(k)));
   x[5] = -1.0F;
   x[6] = 0.99999994F;
-  for (const int container : {SF_FORMAT_WAV, SF_FORMAT_RF64, SF_FORMAT_W64, SF_FORMAT_AIFF, SF_FORMAT_CAF})
-    for (const int encoding : {SF_FORMAT_PCM_16, SF_FORMAT_PCM_24, SF_FORMAT_PCM_32}) {
+  for (const int container : std::vector<int>{SF_FORMAT_WAV, SF_FORMAT_WAVEX, SF_FORMAT_RF64, SF_FORMAT_W64,
+                                              SF_FORMAT_AIFF, SF_FORMAT_AIFF | SF_ENDIAN_LITTLE, SF_FORMAT_AU,
+                                              SF_FORMAT_AU | SF_ENDIAN_LITTLE, SF_FORMAT_CAF})
+    for (const int encoding : {SF_FORMAT_PCM_U8, SF_FORMAT_PCM_S8, SF_FORMAT_PCM_16, SF_FORMAT_PCM_24, SF_FORMAT_PCM_32,
+                               SF_FORMAT_FLOAT, SF_FORMAT_DOUBLE}) {
+      SF_INFO info{0, 48000, kChannels, container | encoding, 0, 0};
+      if (!sf_format_check(&info)) continue;  // 8 bits have a sign, or have none
       const auto path = write("x", container | encoding, 48000, kChannels, x);
-      SF_INFO info{};
+      info = {};
       SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
       std::vector<float> expected(x.size());
       ASSERT_EQ(sf_readf_float(file, expected.data(), info.frames), 40001);
       sf_close(file);
       AudioReader reader(path);
+      EXPECT_EQ(reader.format().description, description_of(info.format));
+      EXPECT_EQ(reader.format().rate_hz, 48000.0);
+      ASSERT_EQ(reader.format().n_frames, 40001);
       for (int channel = 0; channel < kChannels; ++channel) {
         std::vector<float> got(40001);
         reader.read(0, channel, got);
@@ -127,42 +139,6 @@ TEST_F(AudioReaderTest, ReadsFloatsBitByBitWhereverTheyLie) {
   }
 }
 
-TEST_F(AudioReaderTest, TellsOfTheHeaderAndOfAllBytesOfPlainSamplesThatAreReadInOrder) {
-  constexpr std::int64_t kFrames = 40001;
-  for (const int encoding : {SF_FORMAT_PCM_16, SF_FORMAT_PCM_24, SF_FORMAT_FLOAT})
-    for (const int n_channels : {1, 2}) {
-      const auto path =
-          write("x.wav", SF_FORMAT_WAV | encoding, 48000, n_channels, ramp(static_cast<int>(kFrames) * n_channels));
-      const std::string content = read_bytes(path);
-      std::string told;
-      AudioReader reader(path, std::nullopt, [&](std::int64_t first, std::span<const std::byte> bytes) {
-        const auto at = static_cast<std::size_t>(first);
-        ASSERT_LE(at, told.size()) << "of bytes before them nothing was told";
-        told.resize(std::max(told.size(), at + bytes.size()));
-        std::transform(bytes.begin(), bytes.end(), told.begin() + first,
-                       [](std::byte b) { return static_cast<char>(b); });
-      });
-      std::vector<float> out(5000);
-      for (std::int64_t first = 0; first < kFrames; first += std::ssize(out)) {
-        const std::int64_t n = std::min(std::ssize(out), kFrames - first);
-        for (int channel = 0; channel < n_channels; ++channel)
-          reader.read(first, channel, std::span(out).first(static_cast<std::size_t>(n)));
-      }
-      // an odd number of bytes of samples is filled up
-      EXPECT_GE(told.size() + 1, content.size()) << encoding;
-      EXPECT_TRUE(content.starts_with(told)) << encoding;
-    }
-}
-
-TEST_F(AudioReaderTest, TellsOfNoBytesOfCodedSound) {
-  bool is_told = false;
-  AudioReader reader(write("x.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, 1, ramp(5000)), std::nullopt,
-                     [&](std::int64_t, std::span<const std::byte>) { is_told = true; });
-  std::vector<float> out(5000);
-  reader.read(0, 0, out);
-  EXPECT_FALSE(is_told);
-}
-
 /// The whole of one channel.
 std::vector<float> channel_of(AudioReader& reader, int channel) {
   std::vector<float> all(static_cast<std::size_t>(reader.format().n_frames));
@@ -170,14 +146,15 @@ std::vector<float> channel_of(AudioReader& reader, int channel) {
   return all;
 }
 
-TEST_F(AudioReaderTest, ReadsAFileInMemoryAsTheSameFileOnDisk) {
-  for (const int format : {SF_FORMAT_WAV | SF_FORMAT_PCM_24, SF_FORMAT_FLAC | SF_FORMAT_PCM_16}) {
-    const auto path = write("x", format, 48000, 2, ramp(2 * 30000));
-    const std::string bytes = read_bytes(path);
-    AudioReader on_disk(path), in_memory(std::as_bytes(std::span(bytes)), "x");
-    EXPECT_EQ(in_memory.format().description, on_disk.format().description);
-    for (const int channel : {0, 1}) EXPECT_EQ(channel_of(in_memory, channel), channel_of(on_disk, channel));
-  }
+/// The whole of a mono file by libsndfile itself, in the pieces in which it is decoded here.
+std::vector<float> all_of_sndfile(const std::filesystem::path& path) {
+  SF_INFO info{};
+  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
+  std::vector<float> all, piece(1 << 13);
+  for (sf_count_t got = 1; got > 0; all.insert(all.end(), piece.begin(), piece.begin() + std::max<sf_count_t>(0, got)))
+    got = sf_readf_float(file, piece.data(), std::ssize(piece));
+  sf_close(file);
+  return all;
 }
 
 /// As an encoder leaves it that writes to a pipe: it cannot go back to write the length (RFC 9639, 8.2: 0 is unknown).
@@ -189,7 +166,7 @@ std::string without_length(std::string flac) {
 }
 
 TEST_F(AudioReaderTest, CountsTheFramesOfAFlacStreamThatDoesNotSayHowManyItHas) {
-  // the second is longer than what is held whole, and is read in pieces
+  // the second is longer than what is held in memory
   for (const auto& [n_channels, n_frames] : {std::pair{1, 30001}, std::pair{2, 9'000'000}, std::pair{8, 20000}}) {
     const auto x = ramp(n_channels * n_frames);
     const auto path = write("whole.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, n_channels, x);
@@ -243,26 +220,6 @@ TEST_F(AudioReaderTest, ReadsFlacToItsResolution) {
   for (std::size_t k = 0; k < x.size(); ++k) ASSERT_NEAR(out[k], x[k], std::ldexp(1.0, -23));
 }
 
-TEST_F(AudioReaderTest, HasPartsOfACodedFileWhileTheRestIsDecoded) {
-  for (const int n_channels : {1, 3}) {
-    const auto x = ramp(n_channels * 300'000);  // more than ten of the pieces that are decoded at once
-    const auto path = write("long.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_24, 48000, n_channels, x);
-    AudioReader reader(path), other(path);
-    const AudioSource source = reader.source(n_channels - 1);
-    std::vector<float> all(300'000), part(1'000);
-    other.read(0, n_channels - 1, all);
-    for (const std::int64_t first : {0, 40'000, 39'500, 299'000, 170'000}) {
-      const std::span<const float> resident = resident_span(source, first, part.size());
-      EXPECT_EQ(resident.empty(), n_channels > 1);
-      source.read(first, part);
-      EXPECT_TRUE(std::equal(part.begin(), part.end(), all.begin() + first)) << first;
-      EXPECT_TRUE(std::equal(resident.begin(), resident.end(), all.begin() + first)) << first;
-    }
-    EXPECT_TRUE(other.source(0).resident.empty() || !other.source(0).wait_for) << "all samples are there";
-    const AudioSource of_unread = AudioReader(path).source(0);  // whose reader goes while the file is being decoded
-  }
-}
-
 TEST_F(AudioReaderTest, RefusesWhatIsNotThere) {
   EXPECT_THAT(message_of(folder_ / "no.wav"), HasSubstr("no such file"));
 }
@@ -289,7 +246,7 @@ TEST_F(AudioReaderTest, RefusesARateOfOneHertz) {
               HasSubstr("sampling rate 1 Hz"));
 }
 
-/// Its chunks send libsndfile 1.2.0 round in a circle.
+/// A-law, whose chunks send libsndfile 1.2.0 round in a circle.
 const std::filesystem::path kEndless = std::filesystem::path(BOUNCELAB_TEST_INPUTS) / "endless_chunks.wav";
 
 TEST_F(AudioReaderTest, GivesUpAFileThatLibsndfileReadsForEverAndReadsTheOthers) {
@@ -303,6 +260,76 @@ TEST_F(AudioReaderTest, GivesUpAFileThatLibsndfileReadsForEverAndReadsTheOthers)
   AudioReader after(flac);
   EXPECT_EQ(channel_of(after, 1), expected);
   EXPECT_EQ(message_of(wav), "accepted");
+}
+
+TEST_F(AudioReaderTest, ReadsPlainSamplesWhateverChunksFollowThem) {
+  std::string bytes = read_bytes(kEndless);
+  const std::string pcm16("\x01\0\x01\0\x80\xBB\0\0\0\x77\x01\0\x02\0\x10\0", 16);
+  bytes.replace(bytes.find("fmt ") + 8, pcm16.size(), pcm16);
+  EXPECT_EQ(AudioReader(write_bytes("pcm.wav", bytes)).format().n_frames, 32);
+}
+
+TEST_F(AudioReaderTest, OfADamagedFlacGivesWhatLibsndfileDecodesOrSaysThatSamplesAreMissing) {
+  std::vector<float> x(60'000);
+  for (std::size_t k = 0; k < x.size(); ++k)
+    x[k] = 0.4F * static_cast<float>(std::sin(1e-3 * static_cast<double>(k * k % 100'003)));  // blocks of equal sizes
+  const auto path = write("a.flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, 48000, 1, x);
+  const std::string whole = read_bytes(path);
+  const std::vector<float> undamaged = all_of_sndfile(path);
+  int n_refused = 0, n_warned = 0, n_changed = 0;
+  for (std::size_t damage = 0; damage < 24; ++damage) {
+    std::string bytes = whole;
+    // of a block's content, or of several blocks, or several blocks missing, anywhere behind the header
+    const std::size_t at = 1'000 + (bytes.size() - 22'000) * damage / 24;
+    if (damage % 3 == 2)
+      bytes.erase(at, 20'000);
+    else
+      std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), damage % 3 == 0 ? 3 : 9'000, '\x55');
+    const auto damaged = write_bytes("b.flac", bytes);
+    try {
+      AudioReader reader(damaged);
+      EXPECT_EQ(channel_of(reader, 0), all_of_sndfile(damaged)) << "damage " << damage;
+      EXPECT_EQ(reader.format().warning.empty(), std::ssize(x) == reader.format().n_frames) << "damage " << damage;
+      n_warned += reader.format().warning.empty() ? 0 : 1;
+      n_changed += channel_of(reader, 0) == undamaged ? 0 : 1;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("ends at sample")) << "damage " << damage;
+      ++n_refused;
+    }
+  }
+  EXPECT_GE(n_refused + n_changed, 12) << "half of the damages must change what is read, or nothing is tested";
+  std::cout << n_refused << " refused, " << n_warned << " warned of, " << n_changed << " changed\n";
+}
+
+TEST_F(AudioReaderTest, IsReadByManyThreadsAtTheSameTime) {
+  constexpr int kChannels = 4;
+  // held in memory, and not
+  for (const std::int64_t n_frames : {50'000, (1 << 22) + 12'345})
+    for (const char* name : {"x.wav", "x.flac"}) {
+      std::vector<float> x(static_cast<std::size_t>(n_frames * kChannels));
+      for (std::size_t k = 0; k < x.size(); ++k)
+        x[k] =
+            static_cast<float>(static_cast<int>(k / 2'000 * 7 + k % kChannels * 1'001) % 30'000 - 15'000) / 32'768.0F;
+      AudioWriter writer(folder_ / name, {48000, kChannels, SampleEncoding::pcm16}, n_frames, true);
+      writer.write(std::span<const float>(x));
+      writer.commit();
+      const AudioReader reader(folder_ / name);
+      constexpr std::size_t kReads = 48;
+      std::vector<int> n_wrong(kReads, 0);
+      parallel_for(kReads, 4, [&](std::size_t k) {
+        const int channel = k % 3 == 0 ? 1 : 0;
+        // onwards, as far as threads do it, and elsewhere
+        const auto part = static_cast<std::int64_t>(k % 5 == 4 ? kReads - k : k);
+        const std::int64_t first = part * (n_frames / static_cast<std::int64_t>(kReads + 1));
+        std::vector<float> got(static_cast<std::size_t>(std::min<std::int64_t>(20'000, n_frames - first)));
+        reader.source(channel).read(first, got);
+        for (std::size_t i = 0; i < got.size(); ++i)
+          n_wrong[k] +=
+              got[i] == x[(static_cast<std::size_t>(first) + i) * kChannels + static_cast<std::size_t>(channel)] ? 0
+                                                                                                                 : 1;
+      });
+      EXPECT_EQ(std::count(n_wrong.begin(), n_wrong.end(), 0), std::ssize(n_wrong)) << name;
+    }
 }
 
 TEST_F(AudioReaderTest, SaysTheReasonOfEachOfManyBadFilesReadAtTheSameTime) {

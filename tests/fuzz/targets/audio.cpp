@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The decoder as it is, without the process of its own in which the program runs it.
+// Plain samples in place; coded sound by the decoder as it is, without the process of its own in which the program runs
+// it.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,42 +15,52 @@ namespace {
 
 constexpr std::int64_t kMostSamples = 20'000, kAtOnce = 1000;
 
-void check(const audio::SoundInfo& info, std::size_t n_bytes) {
+void check(const audio::SoundInfo& info) {
   require(info.rate_hz >= 4e3 && info.rate_hz <= 4e6, "the sampling rate is in the range promised");
   require(info.n_channels > 0 && info.n_frames > 0, "there are samples");
   require(!info.description.empty() && info.description.size() < 200, "the format is described");
-  if (info.plain == audio::PlainEncoding::none) return;
-  const auto n_held = static_cast<std::int64_t>(n_bytes) - info.first_byte;
-  require(info.first_byte >= 0 && info.n_frames <= n_held / (bytes_per_sample(info.plain) * info.n_channels),
-          "plain samples are all in the file");
 }
 
-/// From the begin in blocks, then the last frame, then the first again.
-void read_through(audio::SoundDecoder& decoder) {
-  const audio::SoundInfo& info = decoder.info();
-  const std::int64_t n = std::min(info.n_frames, kMostSamples / info.n_channels + 1);
-  std::vector<float> block(static_cast<std::size_t>(kAtOnce * info.n_channels));
-  const auto frames = [&](std::int64_t n_frames) {
-    return std::span(block).first(static_cast<std::size_t>(n_frames * info.n_channels));
+void check_samples(const audio::SoundInfo& info, std::span<const float> samples) {
+  require(
+      info.may_be_infinite || std::all_of(samples.begin(), samples.end(), [](float x) { return std::abs(x) <= 1.0F; }),
+      "integers are within full scale");
+}
+
+/// From the begin in blocks, then the last frame: all of them are in the file.
+void read_plain(audio::SoundBytes bytes, const audio::PlainSound& sound) {
+  check(sound.info);
+  audio::PlainSamples plain(bytes, sound, "input");
+  const std::int64_t n = std::min(sound.info.n_frames, kMostSamples / sound.info.n_channels + 1);
+  std::vector<float> block(static_cast<std::size_t>(kAtOnce * sound.info.n_channels));
+  const auto read = [&](std::int64_t first, std::int64_t n_frames) {
+    const std::span<float> samples = std::span(block).first(static_cast<std::size_t>(n_frames * sound.info.n_channels));
+    must_accept("plain samples are all in the file", [&] { plain.read(first, samples); });
+    check_samples(sound.info, samples);
   };
-  for (std::int64_t first = 0; first < n; first += kAtOnce) {
-    const std::span<float> samples = frames(std::min(kAtOnce, n - first));
-    decoder.read(first, samples);
-    require(info.may_be_infinite ||
-                std::all_of(samples.begin(), samples.end(), [](float x) { return std::abs(x) <= 1.0F; }),
-            "integers are within full scale");
+  for (std::int64_t first = 0; first < n; first += kAtOnce) read(first, std::min(kAtOnce, n - first));
+  read(sound.info.n_frames - 1, 1);
+}
+
+void decode(audio::SoundBytes bytes) {
+  audio::SoundDecoder decoder(bytes, "input");
+  check(decoder.info());
+  std::int64_t n_samples = 0;
+  for (auto piece = decoder.next(); !piece.empty() && n_samples < kMostSamples; piece = decoder.next()) {
+    check_samples(decoder.info(), piece);
+    n_samples += std::ssize(piece);
   }
-  decoder.read(info.n_frames - 1, frames(1));
-  decoder.read(0, frames(1));
 }
 
 }  // namespace
 
 void run(Bytes input) {
   accepts([&] {
-    audio::SoundDecoder decoder(audio::SoundBytes(std::as_bytes(input)), "input");
-    check(decoder.info(), input.size());
-    read_through(decoder);
+    audio::SoundBytes bytes(std::as_bytes(input));
+    if (const std::optional<audio::PlainSound> sound = audio::plain_sound(bytes, "input"))
+      read_plain(bytes, *sound);
+    else
+      decode(bytes);
   });
 }
 

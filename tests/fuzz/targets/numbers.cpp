@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "io/npy.hpp"
-#include "io/number_text.hpp"
+#include "io/numbers.hpp"
+#include "io/sound_decoder.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {
@@ -21,21 +21,21 @@ void check(const audio::SoundInfo& info) {
 }
 
 void read_npy(audio::SoundBytes& bytes) {
-  const audio::SoundInfo info = audio::npy_info(bytes, "input", 48e3);
-  check(info);
-  const std::int64_t frame_bytes = std::int64_t{bytes_per_sample(info.plain)} * info.n_channels;
-  require(frame_bytes > 0 && info.n_frames <= (bytes.size() - info.first_byte) / frame_bytes,
-          "the samples are all in the file");
+  const audio::PlainSound sound = audio::npy_sound(bytes, "input", 48e3);
+  check(sound.info);
+  audio::PlainSamples samples(bytes, sound, "input");
+  std::vector<float> last(static_cast<std::size_t>(sound.info.n_channels));
+  must_accept("the samples are all in the file", [&] { samples.read(sound.info.n_frames - 1, last); });
 }
 
 void read_text(const std::string& text, std::optional<double> rate_hz) {
   std::istringstream in(text);
-  const audio::NumberText numbers(in, "input", rate_hz);
-  const audio::SoundInfo& info = numbers.info();
+  audio::DecodedSamples samples("input");
+  const audio::SoundInfo info = audio::read_number_text(in, "input", rate_hz, samples);
   check(info);
   require(info.n_frames * info.n_channels <= std::ssize(text), "a sample takes a byte of text at least");
   std::vector<float> all(static_cast<std::size_t>(info.n_frames * info.n_channels));
-  numbers.read(0, all);
+  samples.read(0, all);
   require(std::none_of(all.begin(), all.end(), [](float x) { return std::isnan(x); }), "no sample is NaN");
 }
 

@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
-#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
@@ -121,30 +119,6 @@ void keep_first(std::size_t k, detection::Detection&& found, std::map<std::size_
   if (first.size() > kMostDetections) first.erase(std::prev(first.end()));
 }
 
-/// What another thread begins with: of one recording everything waits until it is being decoded.
-class StartSignal {
- public:
-  /// Gives it at the end of a scope, whatever has happened there.
-  class AtLast {
-   public:
-    explicit AtLast(StartSignal& signal) : signal_(signal) {}
-    AtLast(const AtLast&) = delete;
-    AtLast& operator=(const AtLast&) = delete;
-    ~AtLast() { signal_.give(); }
-
-   private:
-    StartSignal& signal_;
-  };
-
-  void give() {
-    if (!is_given_.test_and_set()) is_given_.notify_all();
-  }
-  void wait() const { is_given_.wait(false); }
-
- private:
-  std::atomic_flag is_given_;
-};
-
 /// Files are read in parallel; their onsets go into the table, in the order of the recordings.
 /// @param records  of all recordings, in place of detection; null: none
 DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
@@ -163,30 +137,10 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
   }
   const ProgressCallback progress = progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings");
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
-  if (n_threads == 1) {  // the checksums of the provenance of what is read of the sound anyway
-    Sha256WhileRead sums(recordings);
-    const auto take_all = [&](std::size_t k, detection::Detection&& d) {
-      sums.finish(k);
-      take(k, std::move(d));
-    };
-    detection::detect_each(
-        recordings, config, n_threads, take_all, progress,
-        [&](std::size_t k, std::int64_t first, std::span<const std::byte> bytes) { sums.take(k, first, bytes); });
-    return result;
-  }
-  // the checksums while the sound is searched, as a thread has time for them
-  StartSignal is_decoding;
-  if (recordings.size() > 1) is_decoding.give();
+  // the checksums of the provenance while the sound is searched, as a thread has time for them
   parallel_for(2, n_threads, [&](std::size_t work) {
-    if (work == 1) {
-      is_decoding.wait();
-      return compute_sha256_ahead(recordings, n_threads);
-    }
-    const StartSignal::AtLast at_last(is_decoding);
-    detection::detect_each(recordings, config, n_threads, take, [&](double done, double total) {
-      is_decoding.give();
-      if (progress) progress(done, total);
-    });
+    if (work == 1) return compute_sha256_ahead(recordings, n_threads);
+    detection::detect_each(recordings, config, n_threads, take, progress);
   });
   return result;
 }
@@ -264,9 +218,6 @@ Outcome run_detect_part(const DetectOptions& options, const std::filesystem::pat
 }
 
 Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
-  // files are checked meanwhile; of many recordings the first one only would gain
-  if (options.recordings.size() == 1 && run.parts.empty())
-    audio::prepare_to_read(options.recordings.front(), resolved_threads(run.common.n_threads));
   const std::vector<std::filesystem::path> given = recordings_of(options);
   if (!options.labels.empty() && given.size() > 1)
     throw InvalidArgument("--labels: a label track belongs to one recording; give one");

@@ -58,11 +58,11 @@ std::string sha256_of(const std::string& text) {
   return sum.in_hexadecimal();
 }
 
-/// @param sum   of the bytes before `done`
-std::string computed_sha256(const fs::path& path, Sha256 sum = {}, std::int64_t done = 0) {
+std::string computed_sha256(const fs::path& path) {
   FileBytes file(path);
+  Sha256 sum;
   constexpr std::int64_t kAtOnce = 1 << 18;
-  for (; done < file.size(); done += kAtOnce) {
+  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
     throw_if_stop_requested();
     const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
     sum.add(bytes.data(), bytes.size());
@@ -127,42 +127,6 @@ void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
 
 void know_sha256(const fs::path& path, const std::string& sha256) {
   if (const std::optional<Content> content = content_of(path)) keep(*content, sha256);
-}
-
-struct Sha256WhileRead::Sum {
-  Content content;  // before anything was read
-  Sha256 sum;       // of the bytes before `end`
-  std::int64_t end = 0;
-};
-
-Sha256WhileRead::Sha256WhileRead(std::vector<fs::path> files) : files_(std::move(files)), sums_(files_.size()) {
-  for (std::size_t k = 0; k < files_.size(); ++k) {
-    try {
-      const std::optional<Content> content = content_of(files_[k]);
-      if (content && !known_sum(*content)) sums_[k] = std::make_unique<Sum>(Sum{*content, {}, 0});
-    } catch (const FileError&) {  // said by whoever reads the file
-    }
-  }
-}
-Sha256WhileRead::~Sha256WhileRead() = default;
-
-void Sha256WhileRead::take(std::size_t k, std::int64_t first, std::span<const std::byte> bytes) {
-  if (!sums_[k]) return;
-  Sum& s = *sums_[k];
-  const std::int64_t n_known = s.end - first;
-  if (n_known < 0 || n_known >= std::ssize(bytes)) return;
-  s.sum.add(bytes.data() + n_known, bytes.size() - static_cast<std::size_t>(n_known));
-  s.end = first + std::ssize(bytes);
-}
-
-void Sha256WhileRead::finish(std::size_t k) {
-  const std::unique_ptr<Sum> s = std::move(sums_[k]);
-  if (!s) return;
-  try {
-    const std::string sum = computed_sha256(files_[k], s->sum, s->end);
-    if (content_of(files_[k]) == s->content) keep(s->content, sum);  // else of two contents
-  } catch (const FileError&) {
-  }
 }
 
 fs::path provenance_path(const fs::path& output) {

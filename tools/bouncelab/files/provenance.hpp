@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,27 +18,6 @@ std::string sha256_of_file(const std::filesystem::path& path);
 /// and so is a file that was written to in the last two seconds, whose sum cannot be kept.
 /// @throws Interrupted
 void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
-
-/// The same from the bytes that somebody else reads of the files, which are not read twice then. Of files as they are
-/// when this is made. Not for several threads at once.
-class Sha256WhileRead {
- public:
-  explicit Sha256WhileRead(std::vector<std::filesystem::path> files);
-  Sha256WhileRead(const Sha256WhileRead&) = delete;
-  Sha256WhileRead& operator=(const Sha256WhileRead&) = delete;
-  ~Sha256WhileRead();
-
-  /// Bytes of file k from byte `first` on; those that do not go on from the ones before are passed over.
-  void take(std::size_t k, std::int64_t first, std::span<const std::byte> bytes);
-  /// Nobody reads more of file k: what is left of it is read here, unless it cannot be or has changed. @throws
-  /// Interrupted
-  void finish(std::size_t k);
-
- private:
-  struct Sum;
-  std::vector<std::filesystem::path> files_;
-  std::vector<std::unique_ptr<Sum>> sums_;  ///< those that are wanted
-};
 
 /// The SHA-256 of a file as it is now, from somebody who computed it.
 void know_sha256(const std::filesystem::path& path, const std::string& sha256);

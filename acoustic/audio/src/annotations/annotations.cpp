@@ -8,8 +8,7 @@
 #include <optional>
 #include <sstream>
 
-#include "annotations/number_text.hpp"
-#include "annotations/time_range.hpp"
+#include "annotations/annotation_numbers.hpp"
 #include "bouncelab/core/error.hpp"
 
 namespace bouncelab::audio {

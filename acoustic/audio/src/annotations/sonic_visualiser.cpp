@@ -6,8 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "annotations/number_text.hpp"
-#include "annotations/time_range.hpp"
+#include "annotations/annotation_numbers.hpp"
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -14,8 +13,8 @@
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "io/readable_file.hpp"
 #include "io/sound_bytes.hpp"
+#include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -24,71 +23,53 @@ constexpr std::uint64_t kIn32Bits = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kHighestHeaderRate_hz = 1'000'000'000;
 constexpr std::uint64_t kShortestDs64 = 28;  // bytes: three sizes and the length of a table
 
-template <class T>
-void put(std::string& bytes, T value) {
-  for (std::size_t k = 0; k < sizeof value; ++k) bytes += static_cast<char>((value >> (8 * k)) & 0xFF);
-}
+void put(std::string& bytes, std::uint32_t value) { bytes += bytes_of_number(value, 4); }
 
-template <class T>
-T get(const std::string& bytes, std::size_t at) {
-  T value = 0;
-  for (std::size_t k = 0; k < sizeof value && at + k < bytes.size(); ++k)
-    value |= static_cast<T>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
-  return value;
+std::uint32_t number_at(std::string_view bytes, std::size_t at) {
+  return static_cast<std::uint32_t>(number_in(bytes.substr(std::min(at, bytes.size()), 4)));
 }
-
-struct Chunk {
-  std::array<char, 4> id{};
-  std::uint64_t begin = 0, size = 0;  ///< of the content
-  bool is(std::string_view other) const { return std::string_view(id.data(), id.size()) == other; }
-};
 
 /// The chunks of a WAV or RF64 file (EBU Tech 3306).
 class RiffFile {
  public:
   RiffFile(SoundBytes bytes, std::string name) : name_(std::move(name)), bytes_(bytes) {
-    const auto length = static_cast<std::uint64_t>(bytes_.size());
     const std::string head = read(0, 12);
     kind_ = head.substr(0, 4);
     if (head.size() < 12 || (kind_ != "RIFF" && kind_ != "RF64" && kind_ != "BW64") || head.substr(8) != "WAVE")
       throw FileError(name_, "is neither WAV nor RF64; cue points go into those only");
     std::uint64_t data_size = kIn32Bits;
-    for (std::uint64_t at = 12; at + 8 <= length;) {
-      const std::string header = read(at, 8);
-      Chunk chunk{{}, at + 8, get<std::uint32_t>(header, 4)};
-      header.copy(chunk.id.data(), chunk.id.size());
-      if (chunk.is("ds64")) {
-        if (chunk.size < kShortestDs64) throw FileError(name_, "the chunk 'ds64' is too short for the sizes it holds");
-        data_size = get<std::uint64_t>(read(chunk.begin, 16), 8);
+    const ChunkLayout layout;
+    for (std::int64_t at = layout.first_chunk; std::optional<Chunk> chunk = chunk_at(bytes_, layout, at);) {
+      if (chunk->name == "ds64") {
+        if (chunk->length < kShortestDs64)
+          throw FileError(name_, "the chunk 'ds64' is too short for the sizes it holds");
+        data_size = number_in(read(chunk->begin + 8, 8));
       }
-      if (chunk.is("data") && chunk.size == kIn32Bits) chunk.size = data_size;
-      if (chunk.size > length - chunk.begin)
-        throw FileError(name_,
-                        "the chunk '" + header.substr(0, 4) + "' is longer than the file; was the recording cut off?");
-      chunks_.push_back(chunk);
-      at = chunk.begin + chunk.size + chunk.size % 2;
+      if (chunk->name == "data" && chunk->length == kIn32Bits) chunk->length = data_size;
+      if (chunk->length > static_cast<std::uint64_t>(bytes_.size() - chunk->begin))
+        throw FileError(name_, "the chunk '" + chunk->name + "' is longer than the file; was the recording cut off?");
+      at = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
+      chunks_.push_back(*std::move(chunk));
     }
+    bytes_.check(name_);
   }
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
   const std::string& kind() const { return kind_; }
   const std::string& name() const { return name_; }
-  std::string read(std::uint64_t begin, std::uint64_t size) {
-    std::string bytes(size, '\0');
-    const std::int64_t got = bytes_.read(static_cast<std::int64_t>(begin), std::as_writable_bytes(std::span(bytes)));
-    if (bytes_.error() != 0)
-      throw FileError(name_, std::string("cannot be read (") + std::strerror(bytes_.error()) + ")");
-    bytes.resize(static_cast<std::size_t>(got));
-    return bytes;
+  std::string read(std::int64_t begin, std::uint64_t size) {
+    std::string text = bytes_.text(begin, size);
+    bytes_.check(name_);
+    return text;
   }
-  std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.size); }
+  std::string content(const Chunk& chunk) { return read(chunk.begin, chunk.length); }
   bool is_cue_chunk(const Chunk& chunk) {
-    return chunk.is("cue ") || (chunk.is("LIST") && chunk.size >= 4 && read(chunk.begin, 4) == "adtl");
+    return chunk.name == "cue " || (chunk.name == "LIST" && chunk.length >= 4 && read(chunk.begin, 4) == "adtl");
   }
   int rate_hz() {
     for (const Chunk& chunk : chunks_) {
-      if (!chunk.is("fmt ") || chunk.size < 16) continue;
-      const auto rate = get<std::uint32_t>(read(chunk.begin, 16), 4);
+      if (chunk.name != "fmt " || chunk.length < 16) continue;
+      const std::uint32_t rate = number_at(read(chunk.begin, 16), 4);
       if (rate > 0 && rate <= kHighestHeaderRate_hz) return static_cast<int>(rate);
       throw FileError(name_, "sample rate " + std::to_string(rate) + " Hz: must be 1 to 1e9 Hz; correct the header");
     }
@@ -104,10 +85,10 @@ class RiffFile {
 /// Texts of the cue points, by their number, from the content of a list of type adtl.
 void read_labels(const std::string& list, std::map<std::uint32_t, std::string>& labels) {
   for (std::size_t at = 4; at + 8 <= list.size();) {
-    const auto size = get<std::uint32_t>(list, at + 4);
+    const std::uint32_t size = number_at(list, at + 4);
     if (list.compare(at, 4, "labl") == 0 && size >= 4) {
       const std::string text = list.substr(std::min(at + 12, list.size()), size - 4);
-      labels[get<std::uint32_t>(list, at + 8)] = text.substr(0, text.find('\0'));
+      labels[number_at(list, at + 8)] = text.substr(0, text.find('\0'));
     }
     at += 8 + std::size_t{size} + size % 2;
   }
@@ -134,8 +115,8 @@ std::string cue_chunks(const Annotations& annotations, int rate_hz, const std::s
     put(cues, number);
     put(cues, static_cast<std::uint32_t>(frame));
     cues += "data";
-    put(cues, std::uint32_t{0});
-    put(cues, std::uint32_t{0});
+    put(cues, 0);
+    put(cues, 0);
     put(cues, static_cast<std::uint32_t>(frame));
     std::string label;
     put(label, number);
@@ -153,14 +134,13 @@ Annotations cues_of(RiffFile file) {
   std::string cues;
   for (const Chunk& chunk : file.chunks()) {
     if (!file.is_cue_chunk(chunk)) continue;
-    if (chunk.is("cue "))
+    if (chunk.name == "cue ")
       cues = file.content(chunk);
     else
       read_labels(file.content(chunk), labels);
   }
   for (std::size_t at = 4; at + 24 <= cues.size(); at += 24)
-    result.points.push_back(
-        {static_cast<double>(get<std::uint32_t>(cues, at + 20)) / rate_hz, labels[get<std::uint32_t>(cues, at)]});
+    result.points.push_back({number_at(cues, at + 20) / static_cast<double>(rate_hz), labels[number_at(cues, at)]});
   if (result.points.empty()) throw FileError(file.name(), "holds no cue points");
   return result;
 }
@@ -188,10 +168,10 @@ void copy_with_cues(const std::filesystem::path& recording, const Annotations& a
   constexpr std::uint64_t kPiece = 1 << 20;
   for (const Chunk& chunk : file.chunks()) {
     if (file.is_cue_chunk(chunk)) continue;
-    if (chunk.is("ds64")) ds64_at = length + 8;
-    const std::uint64_t begin = chunk.begin - 8, size = 8 + chunk.size;
+    if (chunk.name == "ds64") ds64_at = length + 8;
+    const std::uint64_t size = 8 + chunk.length;
     for (std::uint64_t done = 0; done < size; done += kPiece)
-      to << file.read(begin + done, std::min(kPiece, size - done));
+      to << file.read(chunk.begin - 8 + static_cast<std::int64_t>(done), std::min(kPiece, size - done));
     if (size % 2) to << '\0';
     length += size + size % 2;
   }
@@ -201,11 +181,11 @@ void copy_with_cues(const std::filesystem::path& recording, const Annotations& a
   if (file.kind() == "RIFF") {
     if (length - 8 > kIn32Bits)
       throw FileError(name, "would be longer than the 4 GiB of WAV; make the recording an RF64 first (sox, ffmpeg)");
-    put(riff_size, static_cast<std::uint32_t>(length - 8));
+    riff_size = bytes_of_number(length - 8, 4);
     to.seekp(4);
   } else {
     if (!ds64_at) throw FileError(file.name(), "is RF64 without its chunk 'ds64'");
-    put(riff_size, length - 8);
+    riff_size = bytes_of_number(length - 8, 8);
     to.seekp(static_cast<std::streamoff>(*ds64_at));
   }
   to << riff_size;

@@ -2,15 +2,36 @@
 #include "bouncelab/audio/audio_source.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "io/not_finite.hpp"
 
 namespace bouncelab::audio {
+namespace {
+
+/// By the bits: the exponent of what is not finite is all ones.
+bool are_finite(std::span<const float> samples) {
+  constexpr std::uint32_t kAllOnes = 0x7f800000;
+  std::uint32_t n_bad = 0;
+  for (const float x : samples) n_bad += (std::bit_cast<std::uint32_t>(x) & kAllOnes) == kAllOnes;
+  return n_bad == 0;
+}
+
+}  // namespace
+
+std::size_t first_not_finite(std::span<const float> samples) {
+  constexpr std::size_t kBlock = 4096;  // samples looked at without a branch each
+  for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
+    const std::span<const float> block = samples.subspan(begin, std::min(kBlock, samples.size() - begin));
+    if (are_finite(block)) continue;
+    const auto bad = std::find_if(block.begin(), block.end(), [](float x) { return !std::isfinite(x); });
+    return begin + static_cast<std::size_t>(bad - block.begin());
+  }
+  return samples.size();
+}
 
 AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
   if (!(rate_hz > 0.0) || !std::isfinite(rate_hz))
@@ -20,14 +41,6 @@ AudioSource source_in_memory(std::span<const float> samples, double rate_hz) {
   return {rate_hz, static_cast<std::int64_t>(samples.size()), [samples](std::int64_t first, std::span<float> out) {
             std::copy_n(samples.begin() + first, out.size(), out.begin());
           }};
-}
-
-AudioSource one_at_a_time(AudioSource source, std::shared_ptr<std::mutex> reading) {
-  source.read = [read = std::move(source.read), reading](std::int64_t first, std::span<float> out) {
-    const std::lock_guard lock(*reading);
-    read(first, out);
-  };
-  return source;
 }
 
 void read_padded(const AudioSource& source, std::int64_t first, std::span<float> out) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/npy.hpp"
+#include "io/numbers.hpp"
+
+#include <sndfile.h>
 
 #include <algorithm>
 #include <array>
@@ -16,11 +18,11 @@ constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr std::size_t kLongestNpyHead_bytes = 1 << 16;
 constexpr std::int64_t kMostNpyChannels = 1024;
 
-std::string npy_text(SoundBytes& bytes, std::int64_t first, std::size_t n) {
-  std::string text(n, '\0');
-  text.resize(static_cast<std::size_t>(bytes.read(first, std::as_writable_bytes(std::span(text)))));
-  return text;
-}
+struct NumberType {
+  std::string_view name;
+  int coding = 0;  ///< as libsndfile numbers it
+  std::int64_t n_bytes = 0;
+};
 
 /// What stands behind 'KEY': in the head, a Python dictionary that NumPy writes in one way.
 std::string_view value_behind(std::string_view head, std::string_view key) {
@@ -48,25 +50,26 @@ std::vector<std::int64_t> shape_in(std::string_view text) {
 
 }  // namespace
 
-bool is_npy(SoundBytes& bytes) { return npy_text(bytes, 0, kMagic.size()) == kMagic; }
+bool is_npy(SoundBytes& bytes) { return bytes.text(0, kMagic.size()) == kMagic; }
 
-SoundInfo npy_info(SoundBytes& bytes, const std::string& name, std::optional<double> rate_hz) {
+PlainSound npy_sound(SoundBytes& bytes, const std::string& name, std::optional<double> rate_hz) {
   const auto refuse = [&](const std::string& what) { throw FileError(name, what); };
-  const std::string start = npy_text(bytes, 0, 12);
+  const std::string start = bytes.text(0, 12);
   const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(start[k])); };
   if (start.size() < 12) refuse("is a .npy file that was cut off in its head; save it again");
   const bool is_first = start[6] == 1;
   const std::size_t n_head = byte(8) | byte(9) << 8 | (is_first ? 0 : byte(10) << 16 | byte(11) << 24);
   const std::int64_t head_at = is_first ? 10 : 12;
-  const std::string head = npy_text(bytes, head_at, std::min(n_head, kLongestNpyHead_bytes));
+  const std::string head = bytes.text(head_at, std::min(n_head, kLongestNpyHead_bytes));
   if (head.size() < n_head) refuse("is a .npy file that was cut off in its head; save it again");
 
-  SoundInfo info;
+  PlainSound sound;
+  SoundInfo& info = sound.info;
   const std::string type(value_behind(head, "'descr'").substr(0, 5));
-  if (type == "'<i2'") info.plain = PlainEncoding::int16;
-  if (type == "'<f4'") info.plain = PlainEncoding::float32;
-  if (type == "'<f8'") info.plain = PlainEncoding::float64;
-  if (info.plain == PlainEncoding::none)
+  constexpr std::array<NumberType, 3> kTypes{
+      {{"'<i2'", SF_FORMAT_PCM_16, 2}, {"'<f4'", SF_FORMAT_FLOAT, 4}, {"'<f8'", SF_FORMAT_DOUBLE, 8}}};
+  const auto number = std::find_if(kTypes.begin(), kTypes.end(), [&](const NumberType& t) { return t.name == type; });
+  if (number == kTypes.end())
     refuse("holds numbers of the type " + type + "; save them as int16, float32 or float64: x.astype('<f4')");
   const std::vector<std::int64_t> shape = shape_in(value_behind(head, "'shape'"));
   const bool is_c_order = value_behind(head, "'fortran_order'").substr(0, 5) == "False";
@@ -77,20 +80,21 @@ SoundInfo npy_info(SoundBytes& bytes, const std::string& name, std::optional<dou
     refuse("must be samples x channels in C order; save it so: np.ascontiguousarray(x.T)");
   if (!rate_hz) refuse("a .npy file holds no sampling rate; give it: --rate 48000");
   info.rate_hz = *rate_hz;
-  info.n_channels = static_cast<std::int32_t>(n_channels);
+  info.n_channels = static_cast<int>(n_channels);
   info.n_frames = shape[0];
-  info.may_be_infinite = info.plain != PlainEncoding::int16;
-  info.first_byte = head_at + static_cast<std::int64_t>(n_head);
+  info.may_be_infinite = number->coding != SF_FORMAT_PCM_16;
+  sound.coding = number->coding | SF_ENDIAN_LITTLE;
+  sound.first_byte = head_at + static_cast<std::int64_t>(n_head);
   info.description = "NumPy, " + type.substr(1, 3);
-  const std::int64_t frame_bytes = bytes_per_sample(info.plain) * n_channels;
-  const std::int64_t n_held = (bytes.size() - info.first_byte) / frame_bytes;
+  const std::int64_t frame_bytes = number->n_bytes * n_channels;
+  const std::int64_t n_held = (bytes.size() - sound.first_byte) / frame_bytes;
   if (n_held < info.n_frames) {
     if (n_held <= 0) refuse("holds no samples; save it again");
     info.warning = "the header promises " + std::to_string(info.n_frames) + " samples, the file holds " +
                    std::to_string(n_held) + ": those were read; is it cut off?";
     info.n_frames = n_held;
   }
-  return info;
+  return sound;
 }
 
 }  // namespace bouncelab::audio

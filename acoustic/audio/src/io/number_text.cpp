@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/number_text.hpp"
+#include "io/numbers.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <filesystem>
+#include <cmath>
+#include <cstdio>
 #include <istream>
 #include <utility>
 
@@ -12,7 +12,6 @@
 #include "bouncelab/core/line_reader.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "io/number_row.hpp"
-#include "io/time_grid.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -21,6 +20,9 @@ constexpr std::size_t kMostTitleLines = 200;  // of an oscilloscope's settings
 constexpr std::size_t kRowsToDecide = 16;     // sound does not grow by equal steps for so long
 constexpr std::size_t kTextSamplesAtOnce = 1 << 16;
 constexpr std::size_t kMostColumns = 1024;
+
+constexpr double kTolerance_steps = 0.25;  // half a step would be another sample
+constexpr std::int64_t kEvery = 1024;      // of the times are kept, to see a drift
 
 struct Row {
   std::size_t line = 0;
@@ -125,23 +127,70 @@ FirstColumn first_column_of(const NumberRows& table, const std::vector<Row>& row
   return step == 1.0 ? FirstColumn::index : FirstColumn::time;
 }
 
-/// Samples on their way into the file.
-class SampleSink {
+/// The times of samples as a table gives them, which must be uniform: t_k = t_0 + k/rate to a quarter of a step, or as
+/// well as they were rounded.
+class TimeGrid {
  public:
-  explicit SampleSink(ScratchFile& file) : file_(file) {}
-  void add(double value) {
-    waiting_.push_back(static_cast<float>(value));
-    if (waiting_.size() >= kTextSamplesAtOnce) flush();
-  }
-  void flush() {
-    file_.append({reinterpret_cast<const char*>(waiting_.data()), waiting_.size() * sizeof(float)});
-    waiting_.clear();
-  }
+  /// @param name  of the file, for messages
+  explicit TimeGrid(std::string name) : name_(std::move(name)) {}
+  /// The next time. @param rounding_s  half a unit of its last digit. @param line  of the file
+  /// @throws FileError naming line and times: it does not grow, samples are missing, or the step changes
+  void add(double t_s, double rounding_s, std::size_t line);
+  /// @return the sampling rate [Hz]; a whole number where the rounding of the times allows one
+  /// @throws FileError where there are fewer than two times, or they drift against any one rate
+  double rate_hz() const;
 
  private:
-  ScratchFile& file_;
-  std::vector<float> waiting_;
+  struct Entry {
+    std::int64_t k = 0;
+    double t_s = 0.0;
+    std::size_t line = 0;
+  };
+  [[noreturn]] void refuse(std::size_t line, double t_s, double expected_s, double step_s) const;
+
+  std::string name_;
+  std::int64_t n_ = 0;
+  double first_s_ = 0.0, last_s_ = 0.0, rounding_s_ = 0.0;
+  std::vector<Entry> some_;  // one of kEvery
 };
+
+void TimeGrid::refuse(std::size_t line, double t_s, double expected_s, double step_s) const {
+  std::array<char, 200> text{};
+  std::snprintf(text.data(), text.size(), "time %.9g s, where steps of %.6g s lead to %.9g s", t_s, step_s, expected_s);
+  throw FileError(name_,
+                  "line " + std::to_string(line) + ": " + text.data() +
+                      "; samples must follow at one rate: record again, or leave the column out and give --rate");
+}
+
+void TimeGrid::add(double t_s, double rounding_s, std::size_t line) {
+  rounding_s_ = std::max(rounding_s_, rounding_s);
+  if (n_ == 0) first_s_ = t_s;
+  if (n_ > 0 && !(t_s > first_s_)) refuse(line, t_s, last_s_, 0.0);
+  if (n_ > 1) {
+    // the line through the first time and the one before: their roundings and its own
+    const double k = static_cast<double>(n_ - 1);
+    const double step_s = (last_s_ - first_s_) / k;
+    const double expected_s = last_s_ + step_s;
+    if (std::abs(t_s - expected_s) > kTolerance_steps * step_s + 2.0 * rounding_s_ * (1.0 + 1.0 / k))
+      refuse(line, t_s, expected_s, step_s);
+  }
+  if (n_ % kEvery == 0) some_.push_back({n_, t_s, line});
+  last_s_ = t_s;
+  ++n_;
+}
+
+double TimeGrid::rate_hz() const {
+  if (n_ < 2) throw FileError(name_, "holds " + std::to_string(n_) + " samples; record again");
+  const double step_s = (last_s_ - first_s_) / static_cast<double>(n_ - 1);
+  for (const Entry& entry : some_) {
+    const double expected_s = first_s_ + static_cast<double>(entry.k) * step_s;
+    if (std::abs(entry.t_s - expected_s) > 2.0 * kTolerance_steps * step_s + 2.0 * rounding_s_)
+      refuse(entry.line, entry.t_s, expected_s, step_s);
+  }
+  const double rate_hz = 1.0 / step_s;
+  const double error_hz = 2.0 * rounding_s_ / (last_s_ - first_s_) * rate_hz;
+  return std::abs(rate_hz - std::round(rate_hz)) <= std::max(error_hz, 1e-9 * rate_hz) ? std::round(rate_hz) : rate_hz;
+}
 
 }  // namespace
 
@@ -154,8 +203,8 @@ bool is_text(SoundBytes& bytes) {
          });
 }
 
-NumberText::NumberText(std::istream& in, const std::string& name, std::optional<double> rate_hz)
-    : samples_(std::filesystem::temp_directory_path(), name) {
+SoundInfo read_number_text(std::istream& in, const std::string& name, std::optional<double> rate_hz,
+                           DecodedSamples& samples) {
   NumberRows table(in, name);
   std::vector<Row> first_rows;
   Row row;
@@ -169,26 +218,25 @@ NumberText::NumberText(std::istream& in, const std::string& name, std::optional<
 
   const std::size_t n_skipped = first_column == FirstColumn::sample ? 0 : 1;
   const double unit_s = has_times ? time_unit_s(table.title(0)).value_or(1.0) : 1.0;
+  SoundInfo info;
   TimeGrid times(name);
-  SampleSink sink(samples_);
+  std::vector<float> waiting;
   const auto take = [&](const Row& r) {
     if (has_times) times.add(unit_s * r.cells[0].value, unit_s * r.cells[0].rounding, r.line);
-    for (std::size_t k = n_skipped; k < r.cells.size(); ++k) sink.add(r.cells[k].value);
-    ++info_.n_frames;
+    for (std::size_t k = n_skipped; k < r.cells.size(); ++k) waiting.push_back(static_cast<float>(r.cells[k].value));
+    ++info.n_frames;
+    if (waiting.size() < kTextSamplesAtOnce) return;
+    samples.append(waiting);
+    waiting.clear();
   };
   for (const Row& r : first_rows) take(r);
   while (table.next(row)) take(row);
-  sink.flush();
-  info_.rate_hz = has_times ? times.rate_hz() : *rate_hz;
-  check_rate(info_.rate_hz, name);
-  info_.n_channels = static_cast<std::int32_t>(table.n_columns() - n_skipped);
-  info_.description = "table of text, " + std::to_string(table.n_columns()) + " columns";
-}
-
-void NumberText::read(std::int64_t first, std::span<float> interleaved) const {
-  const std::string bytes =
-      samples_.at(first * info_.n_channels * static_cast<std::int64_t>(sizeof(float)), interleaved.size_bytes());
-  std::memcpy(interleaved.data(), bytes.data(), bytes.size());
+  samples.append(waiting);
+  info.rate_hz = has_times ? times.rate_hz() : *rate_hz;
+  check_rate(info.rate_hz, name);
+  info.n_channels = static_cast<int>(table.n_columns() - n_skipped);
+  info.description = "table of text, " + std::to_string(table.n_columns()) + " columns";
+  return info;
 }
 
 }  // namespace bouncelab::audio

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
+#include <vector>
 
 namespace bouncelab {
 
@@ -23,81 +26,84 @@ constexpr bool kHasAddressSanitizer = false;
 constexpr bool kHasAddressSanitizer = false;
 #endif
 
-/// Whether a process that has other threads may start a child: not with the address sanitizer, whose allocator keeps
-/// its locks over the fork, so that the child may wait for ever.
+/// Whether a process that has other threads may start a child that runs a function: not with the address sanitizer,
+/// whose allocator keeps its locks over the fork, so that the child may wait for ever.
 constexpr bool kMayStartChildBesideThreads = !kHasAddressSanitizer;
 
-/// What a child process may use for one request.
+/// What a child process may use.
 struct ChildLimits {
-  double cpu_s = 0.0;  ///< processor time; 0: what the request before has left of its own
-  /// memory that it may take in addition to what it has; 0: as limited for the request before
-  std::int64_t memory_bytes = 0;
+  double cpu_s = 0.0;  ///< processor time of a program; of a function, between two pieces of its output; 0: any
+  std::int64_t memory_bytes = 0;  ///< in addition to what it begins with; 0: any. Not with the address sanitizer
 };
 
-/// A process that runs a reader of foreign files (libsndfile, HDF5), which on a damaged file may never return, crash or
-/// take all memory. Each of these ends the child alone, and becomes a FileError of the file that was being read.
+/// Where a program lies on PATH; nothing where it is not installed.
+std::optional<std::filesystem::path> find_program(const std::string& name);
+
+/// Another process: a program, without a shell, or a function of this one. What it writes to its standard output is
+/// read here, a piece at a time; its standard input is empty. It is ended with this object, and ends by itself at its
+/// next output where this process was killed. It has no files open but those named here, and leaves no core file.
 ///
-/// The child is a copy of this process (fork) and has none of its threads: it answers one request after the other, and
-/// ends when this object goes, or when the process that owns it ends in any way, once it has answered. It limits its
-/// own processor time by a timer (ITIMER_PROF, whose signal ends it) and its memory by RLIMIT_DATA; with the address
-/// sanitizer memory is not limited. It has no files open but those that are handed over, and leaves no core file.
-/// Threads may each have a child; one child is for one thread at a time.
+/// A function runs in a copy of this process (fork), which has none of its threads: a decoder of foreign files that on
+/// a damaged one may never return, crash or take all memory does so there. A timer (ITIMER_PROF, whose signal ends the
+/// child) limits its processor time, RLIMIT_DATA its memory. Children are started from any thread.
 class ChildProcess {
  public:
-  /// Called in the child for each request.
-  /// @param descriptor  of the file that came with the request, which the callee has to close; -1: none
-  /// @return the answer. What it throws is thrown by ask
-  using Answer = std::function<std::string(std::string_view request, int descriptor)>;
+  /// The descriptor under which the child finds the file that is handed over to it: /dev/fd/3.
+  static constexpr int kHandedOver = 3;
 
-  /// @param answer   must not use threads, nor wait for a lock that another thread may hold now
-  /// @param file     that is to be read, for messages
-  /// @param prepare  called in the child before the first request comes; what it throws is for the request to find
-  /// @throws FileError where the system allows no more processes
-  ChildProcess(const Answer& answer, const std::string& file, const std::function<void()>& prepare = {});
+  /// @param arguments   without the program's name
+  /// @param file        that it is to read, or what it is for, for messages
+  /// @param descriptor  open for reading, handed over; stays open here; -1: none
+  /// @throws FileError where the system allows no more processes or files
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments, std::string file,
+               int descriptor, const ChildLimits& limits);
+
+  using Output = std::function<void(std::span<const std::byte>)>;
+  /// What runs in the child; it must not use threads, nor wait for a lock that another thread may hold now. What it
+  /// throws is thrown by finish().
+  using Work = std::function<void(const Output& write)>;
+  /// The other arguments as above.
+  ChildProcess(const Work& work, std::string file, int descriptor, const ChildLimits& limits);
+
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
   /// Ends the child at once.
   ~ChildProcess();
 
-  /// @param file        that is being read, as messages name it
-  /// @param remedy      the end of the message about a reader that was ended: what to do with the file
-  /// @param descriptor  handed over to the child, and stays open here; -1: none
-  /// @throws FileError as the child threw it of the same file, or saying that the child crashed or exceeded a limit;
-  /// Interrupted once
-  ///         a stop was requested, or where the child was ended by such a signal (Ctrl-C)
-  std::string ask(std::string_view request, const ChildLimits& limits, const std::string& file,
-                  const std::string& remedy, int descriptor = -1);
+  /// Waits until all of `out` is filled or the child has closed its output. @return bytes read.
+  /// @throws FileError; Interrupted once a stop was requested
+  std::size_t read(std::span<std::byte> out);
 
-  /// ask() in two parts: what the caller does between them it does while the child is at work. Several requests may be
-  /// begun, a few at a time, since they wait in the child's socket; their answers come in the same order.
-  void begin(std::string_view request, const ChildLimits& limits, int descriptor = -1);
-  /// The answer to the request begun first of those not finished yet.
-  /// @param limits  for the message where they were exceeded
-  /// @throws as ask(), which then is thrown by all that follow
-  std::string finish(const ChildLimits& limits, const std::string& file, const std::string& remedy);
+  /// After the end of its output: waits for the end of a program. @return whether it ended well (exit code 0)
+  bool ended_well();
+  /// The first lines that a program wrote to standard error.
+  const std::string& complaints() const { return complaints_; }
 
-  /// False once a request failed: what a damaged file has left behind in the child's memory is not known. False as well
-  /// while a request is not finished.
-  bool is_usable() const;
+  /// After the end of its output: waits for the end of a function.
+  /// @param remedy  the end of the message where the child was ended: what to do with the file
+  /// @throws FileError as the function threw it of the same file, or saying that the child crashed or exceeded a limit;
+  ///         Interrupted where a stop was requested, or the child was ended by such a signal (Ctrl-C)
+  void finish(const std::string& remedy);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  void start(const std::function<void()>& run, bool is_function, int descriptor);
+  void take_complaints();
+  int wait();
+
+  std::string file_;
+  ChildLimits limits_;
+  pid_t child_ = -1;
+  int output_ = -1, errors_ = -1;
+  std::string complaints_;
 };
 
-/// Memory that this process and the children it starts later both see. Pages are taken when they are first written.
-class SharedMemory {
- public:
-  /// @throws std::bad_alloc
-  explicit SharedMemory(std::size_t n_bytes);
-  SharedMemory(const SharedMemory&) = delete;
-  SharedMemory& operator=(const SharedMemory&) = delete;
-  ~SharedMemory();
-
-  std::span<std::byte> bytes() const { return bytes_; }
-
- private:
-  std::span<std::byte> bytes_;
+/// All that a program writes; it has not ended well where that is `most_bytes` or more. @throws FileError, Interrupted
+struct ProgramResult {
+  bool ended_well = false;
+  std::string output, complaints;
 };
+ProgramResult run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                          const std::string& file, int descriptor, const ChildLimits& limits,
+                          std::size_t most_bytes = 1 << 16);
 
 }  // namespace bouncelab

@@ -5,7 +5,7 @@
 #include "bouncelab/core/air.hpp"                      // density, viscosity, drag of a sphere
 #include "bouncelab/core/ball.hpp"                     // material, mass, inertia, contact time
 #include "bouncelab/core/ball_catalogue.hpp"           // balls and plates by name
-#include "bouncelab/core/child_process.hpp"            // readers of foreign files, with limits
+#include "bouncelab/core/child_process.hpp"            // decoders and other programs, with limits
 #include "bouncelab/core/csv.hpp"                      // tables as files
 #include "bouncelab/core/elementary.hpp"               // exp, log, sin ... to the same bits everywhere
 #include "bouncelab/core/error.hpp"                    // what is thrown
@@ -24,7 +24,6 @@
 #include "bouncelab/core/output_file.hpp"              // whole or not at all
 #include "bouncelab/core/parallel.hpp"                 // loops on several threads
 #include "bouncelab/core/printable.hpp"                // names and cells in messages
-#include "bouncelab/core/program_output.hpp"           // of other programs, without a shell
 #include "bouncelab/core/progress.hpp"                 // long computations report here
 #include "bouncelab/core/quadrature.hpp"               // Gauss-Legendre
 #include "bouncelab/core/random.hpp"                   // counter-based random numbers

@@ -131,17 +131,12 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
 /// Takes what was found in the k-th recording as soon as it is known: in any order, from one thread at a time.
 using DetectionSink = std::function<void(std::size_t k, Detection&& found)>;
 
-/// Takes bytes of the k-th recording and their place in it whenever any are read (audio::BytesSink): on one thread in
-/// order from the first to the last sample once, and some of them again before and after.
-using RecordingBytesSink = std::function<void(std::size_t k, std::int64_t first, std::span<const std::byte> bytes)>;
-
 /// Several recordings in parallel, each as if it were alone: the result does not depend on the number of threads. One
 /// that cannot be read has the status `unreadable` and does not affect the others; with a single recording it throws.
 /// @param n_threads  0 = all cores
 /// @param progress   counts recordings; where there is only one, seconds of its sound, 0 when it is being decoded
 void detect_each(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config, int n_threads,
-                 const DetectionSink& sink, const ProgressCallback& progress = {},
-                 const RecordingBytesSink& bytes_read = {});
+                 const DetectionSink& sink, const ProgressCallback& progress = {});
 /// The same, everything in memory, in the order of the recordings.
 std::vector<Detection> detect(const std::vector<std::filesystem::path>& recordings, const DetectionConfig& config,
                               int n_threads, const ProgressCallback& progress = {});

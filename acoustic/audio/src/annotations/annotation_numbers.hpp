@@ -2,9 +2,12 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <system_error>
+
+#include "bouncelab/core/error.hpp"
 
 namespace bouncelab::audio {
 
@@ -25,6 +28,15 @@ template <class Number>
 bool parse_number(std::string_view text, Number& value) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   return status == std::errc{} && end == text.data() + text.size() && !text.empty();
+}
+
+inline constexpr double kLongest_s = 1e9;  // 30 years: what is beyond is a damaged file, not a mark
+
+/// A mark's time, if it can be one: finite and within 1e9 s. @throws FileError naming the place
+inline double checked_time(double t_s, const std::string& name, const std::string& place) {
+  if (!(std::abs(t_s) <= kLongest_s))
+    throw FileError(name, place + ": a time of " + number_text(t_s) + " s; times are within 1e9 s");
+  return t_s;
 }
 
 }  // namespace bouncelab::audio

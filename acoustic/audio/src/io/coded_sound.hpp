@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/scratch_file.hpp"
+#include "io/sound_bytes.hpp"
+#include "io/sound_header.hpp"
+
+namespace bouncelab::audio {
+
+/// Samples that were decoded once: in memory, or, where they are more than 2^24 (64 MB), in a file without a name in
+/// TMPDIR or /tmp, 4 bytes each.
+class DecodedSamples {
+ public:
+  /// @param name  of the recording, for messages
+  explicit DecodedSamples(std::string name) : name_(std::move(name)) {}
+
+  /// Room for so many, as far as they are held in memory.
+  void reserve(std::int64_t n);
+  /// @throws FileError (disk full)
+  void append(std::span<const float> samples);
+  std::int64_t size() const { return n_; }
+  /// Samples first ... first + out.size() - 1, all inside [0, size()); from any thread. @throws FileError
+  void read(std::int64_t first, std::span<float> out) const;
+
+ private:
+  void append_to_file(std::span<const float> samples);
+
+  std::string name_;
+  std::int64_t n_ = 0;
+  std::vector<float> held_;
+  std::optional<ScratchFile> file_;  // instead
+};
+
+/// Decodes a recording, once and whole: by libsndfile in a process of its own, which has limits on processor time and
+/// memory that grow with the file, or, where libsndfile does not know the format, by ffmpeg.
+/// @param path  as it was given
+/// @throws FileError naming the remedy; Interrupted
+SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, DecodedSamples& samples);
+
+/// Any recording that ffmpeg can decode, the first sound of a video too: ffmpeg runs as a process of its own and writes
+/// float samples to a pipe, at the recording's rate and in its channels. It leaves out what the file's edit list or
+/// encoder delay does.
+/// @param reason  why libsndfile does not read it, for messages
+/// @throws FileError: ffmpeg is not installed, or cannot read it; it holds no sound. Interrupted
+SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, const std::string& reason,
+                           DecodedSamples& samples);
+
+}  // namespace bouncelab::audio

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Headers of sound files: their chunks, and where samples lie that need no codec.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "bouncelab/audio/audio_reader.hpp"
+#include "io/sound_bytes.hpp"
+
+namespace bouncelab::audio {
+
+/// What is known of a sound once it is open.
+struct SoundInfo : AudioFormat {
+  bool may_be_infinite = true;  ///< floats, and what a lossy codec makes, need not be finite
+};
+
+inline constexpr double kLowestRate_hz = 4e3;  // below, a contact of steel on glass (30 us) leaves nothing to time
+inline constexpr double kHighestRate_hz = 4e6;
+
+/// @throws FileError where a sampling rate is outside of these
+void check_rate(double rate_hz, const std::string& name);
+
+/// The message for a file that holds less than its header says.
+std::string ends_early(std::int64_t at_frame, std::int64_t n_promised);
+
+/// The warning where a header is wrong about the length of the sound, with what was found.
+/// @param n_promised  frames; absent where the header gives no length
+std::string wrong_length(const SoundInfo& found, std::optional<double> n_promised);
+
+// ---- chunks: a name, a length, the content
+
+std::uint64_t number_in(std::string_view text, bool is_big_endian = false);
+std::string bytes_of_number(std::uint64_t value, int n_bytes);
+
+/// How a format writes its chunks: as RIFF does, unless said otherwise.
+struct ChunkLayout {
+  std::int64_t first_chunk = 12;  ///< in the file
+  int name_bytes = 4, length_bytes = 4;
+  bool is_big_endian = false;
+  bool counts_head = false;  ///< the length includes name and length
+  std::int64_t alignment = 2;
+
+  std::int64_t head_bytes() const { return name_bytes + length_bytes; }
+  std::int64_t next(std::int64_t begin, std::int64_t length) const {
+    return begin + (length + alignment - 1) / alignment * alignment;
+  }
+};
+
+struct Chunk {
+  std::string name;          ///< its first four characters
+  std::int64_t begin = 0;    ///< of the content, in the file
+  std::uint64_t length = 0;  ///< of the content, as it is given
+};
+
+/// Nothing where the file ends before the chunk's content begins.
+std::optional<Chunk> chunk_at(SoundBytes& bytes, const ChunkLayout& layout, std::int64_t at);
+
+// ---- samples
+
+/// Samples that lie in a file one after the other, without a codec.
+struct PlainSound {
+  SoundInfo info;
+  int coding = 0;  ///< as libsndfile numbers it, with the order of bytes
+  std::int64_t first_byte = 0;
+};
+
+/// The plain samples of a WAV (RIFF, RF64), W64, AIFF or AU file: integers of 8 to 32 bits, float, double. Where the
+/// header is wrong about their length (more than the file holds: cut off, or counted wrongly; none: written to a pipe,
+/// 0 or all bits set; less than the file holds, where what follows the samples promised is no chunk but more than 4 kB
+/// of something else) what is there is taken, and info.warning says so.
+/// @return nothing where the file is of another kind, coded, or unlike what such files are
+/// @throws FileError: no samples, a sampling rate that cannot be
+/// Sources: RIFF MCI 1991; EBU Tech 3306 (RF64); AIFF 1.3.
+std::optional<PlainSound> plain_sound(SoundBytes& bytes, const std::string& name);
+
+/// Where a file of another format lies inside a WAV file: Ogg in the chunk of its samples (format tags 'Og', 1998).
+struct EmbeddedFile {
+  std::int64_t first = 0, n_bytes = 0;
+};
+std::optional<EmbeddedFile> ogg_in_wav(SoundBytes& bytes);
+
+}  // namespace bouncelab::audio
