@@ -132,6 +132,14 @@ TEST(ChildProcess, HasTheFileThatIsHandedOver) {
   close(descriptor);
 }
 
+TEST(ChildProcess, ReturnsAlsoWhereTheHostLetsNobodyWaitForChildren) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  EXPECT_EQ(refusal("", kWide), "");
+  EXPECT_EQ(refusal("refuse", kWide), "a.xyz: line 3: no number");
+  EXPECT_THAT(refusal("crash", kWide), HasSubstr("ended the process"));
+  std::signal(SIGCHLD, before);
+}
+
 TEST(ChildProcess, NoticesTheEndOfOneChildAmongManyThatWereStartedAtTheSameTime) {
   if (!kMayStartChildBesideThreads) GTEST_SKIP() << "a child that is started beside other threads may wait for ever";
   // a child that held the pipe of another would keep it open

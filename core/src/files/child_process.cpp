@@ -54,7 +54,7 @@ struct Pipe {
 
 constexpr int kComplaints = 4;  // of a function: what libraries write to standard error is not wanted
 
-enum ExitCode : int { kWell = 0, kThrewFileError = 3, kHadNoMemory = 4, kThrewOther = 5, kNotStarted = 127 };
+enum ExitCode : char { kWell = 0, kThrewFileError = 3, kHadNoMemory = 4, kThrewOther = 5, kNotStarted = 127 };
 
 /// Signals end the child as if nobody had asked for them here; what the user ignores (nohup) it ignores too.
 void forget_signal_handlers() {
@@ -132,8 +132,10 @@ void write_to(int descriptor, std::span<const std::byte> bytes) {
   }
 }
 
-[[noreturn]] void end_with(int exit_code, std::string_view complaint) {
-  write_to(kComplaints, std::as_bytes(std::span(complaint.substr(0, kMostComplaints_bytes))));
+/// The code is written too: where the host program waits for all its children, none is left for waitpid here.
+[[noreturn]] void end_with(ExitCode exit_code, std::string_view complaint = {}) {
+  const std::string message = static_cast<char>(exit_code) + std::string(complaint.substr(0, 1000));
+  write_to(kComplaints, std::as_bytes(std::span(message)));
   ::_exit(exit_code);  // not exit: what this process has in its buffers is its own to write
 }
 
@@ -146,13 +148,13 @@ void write_to(int descriptor, std::span<const std::byte> bytes) {
   } catch (const FileError& error) {
     end_with(kThrewFileError, error.what());
   } catch (const std::bad_alloc&) {
-    ::_exit(kHadNoMemory);
+    end_with(kHadNoMemory);
   } catch (const std::length_error&) {
-    ::_exit(kHadNoMemory);
+    end_with(kHadNoMemory);
   } catch (const std::exception& error) {
     end_with(kThrewOther, error.what());
   }
-  ::_exit(kWell);
+  end_with(kWell);
 }
 
 // ---- messages
@@ -266,6 +268,7 @@ std::size_t ChildProcess::read(std::span<std::byte> out) {
 
 /// @return the status of waitpid, -1 where somebody else has waited for the child
 int ChildProcess::wait() {
+  if (output_ >= 0) ::close(std::exchange(output_, -1));  // which ends a child that goes on writing
   while (errors_ >= 0) {
     throw_if_stop_requested();
     pollfd ready{errors_, POLLIN, 0};
@@ -288,22 +291,24 @@ bool ChildProcess::ended_well() {
 void ChildProcess::finish(const std::string& remedy) {
   const int status = wait();
   const auto refuse = [&](const std::string& what) { throw FileError(file_, what + ": damaged? " + remedy); };
-  if (status != -1 && WIFSIGNALED(status)) {
+  const bool has_returned = !complaints_.empty();
+  const std::string complaint = has_returned ? complaints_.substr(1) : "";
+  if (!has_returned && status != -1 && WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
     if (signal == SIGPROF) refuse("takes more than " + amount(limits_.cpu_s, "s") + " of processor time to read");
     refuse(std::string("ended the process that read it (") + ::strsignal(signal) + ")");
   }
-  switch (status == -1 ? -1 : WEXITSTATUS(status)) {
+  switch (has_returned ? complaints_.front() : kNotStarted) {
     case kWell:
       return;
     case kThrewFileError:
-      throw FileError(file_, without_name(complaints_, file_));
+      throw FileError(file_, without_name(complaint, file_));
     case kHadNoMemory:
       refuse("takes more than " + amount(static_cast<double>(limits_.memory_bytes) / 1e6, "MB") + " of memory to read");
       break;
     case kThrewOther:
-      refuse("cannot be read (" + complaints_ + ")");
+      refuse("cannot be read (" + complaint + ")");
       break;
     default:
       refuse("ended the process that read it");

@@ -131,12 +131,12 @@ std::int64_t take_sound(const Decoding& d, ChildProcess& running, SoundInfo& inf
   info.rate_hz = sound->info.rate_hz;
   info.n_channels = sound->info.n_channels;
   std::int64_t n_head = sound->first_byte;  // bytes of the piece: a multiple of four
-  const std::int64_t n_most = d.n_bytes * kMostFfmpegFramesPerByte * info.n_channels;
   while (n_head < std::ssize(piece)) {
     std::vector<float> floats((piece.size() - static_cast<std::size_t>(n_head)) / sizeof(float));
     std::memcpy(floats.data(), piece.data() + n_head, floats.size() * sizeof(float));
     samples.append(floats);
-    if (samples.size() > n_most) throw FileError(d.name, "ffmpeg finds no end of it: damaged? record or copy it again");
+    if (samples.size() / info.n_channels / kMostFfmpegFramesPerByte > d.n_bytes)
+      throw FileError(d.name, "ffmpeg finds no end of it: damaged? record or copy it again");
     n_head = 0;
     piece.resize(kFfmpegSamplesAtOnce * sizeof(float));
     piece.resize(running.read(piece));
