@@ -299,7 +299,7 @@ void ChildProcess::finish(const std::string& remedy) {
     if (signal == SIGPROF) refuse("takes more than " + amount(limits_.cpu_s, "s") + " of processor time to read");
     refuse(std::string("ended the process that read it (") + ::strsignal(signal) + ")");
   }
-  switch (has_returned ? complaints_.front() : kNotStarted) {
+  switch (has_returned ? static_cast<ExitCode>(complaints_.front()) : kNotStarted) {
     case kWell:
       return;
     case kThrewFileError:

@@ -189,6 +189,19 @@ TEST_F(WrongHeader, AnEmptyChunkOfSamplesBeforeAnotherIsEmpty) {
   EXPECT_THROW(reader_of(bytes), FileError);
 }
 
+TEST_F(WrongHeader, OfCodedSamplesToo) {
+  const Container adpcm{"adpcm", SF_FORMAT_WAV | SF_FORMAT_IMA_ADPCM, "data", 4, 4, false, 0};
+  const std::string whole = written(adpcm);
+  const std::int64_t n = reader_of(whole).format().n_frames;  // of whole blocks
+  for (const std::uint64_t length : {0, 1'000, 1'000'000}) {
+    std::string bytes = whole;
+    promise(bytes, adpcm, length);
+    const AudioReader reader = reader_of(bytes);
+    EXPECT_EQ(reader.format().n_frames, n) << length;
+    EXPECT_THAT(reader.format().warning, HasSubstr(length == 0 ? "gives no length" : "the header promises")) << length;
+  }
+}
+
 TEST_F(WrongHeader, AFlacThatIsCutOffIsReadUpToThere) {
   std::string bytes = written({"flac", SF_FORMAT_FLAC | SF_FORMAT_PCM_16, "fLaC", 0, 0, false, 0});
   bytes.resize(bytes.size() * 2 / 3);

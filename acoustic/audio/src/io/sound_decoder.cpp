@@ -4,6 +4,7 @@
 #include <sndfile.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -22,6 +23,8 @@ struct ByteCursor {
   SoundBytes bytes;
   std::int64_t begin = 0, size = 0;
   std::int64_t at = 0;
+  std::int64_t corrected_at = 0;  // place of bytes of the header that are wrong
+  std::string corrected{};        // and what they should be
 };
 
 sf_count_t size_of(void* cursor) { return static_cast<ByteCursor*>(cursor)->size; }
@@ -40,6 +43,10 @@ sf_count_t read_bytes(void* to, sf_count_t n, void* user) {
   if (n <= 0) return 0;
   const std::int64_t got =
       cursor.bytes.read(cursor.begin + cursor.at, {static_cast<std::byte*>(to), static_cast<std::size_t>(n)});
+  for (std::size_t k = 0; k < cursor.corrected.size(); ++k)
+    if (const std::int64_t place = cursor.corrected_at + static_cast<std::int64_t>(k) - cursor.at;
+        place >= 0 && place < got)
+      static_cast<char*>(to)[place] = cursor.corrected[k];
   cursor.at += got;
   return got;
 }
@@ -150,10 +157,14 @@ struct SoundDecoder::State {
   std::int64_t n_read = 0;  // frames
   std::vector<float> piece{};
 
-  /// Whether the last frame is there that the header promises; of damaged files the decoder may fail to go there.
+  /// Whether the last frame is there that the header promises. A decoder that has met an error may not find it.
   bool can_read_last() {
-    return sf_seek(file.get(), info.n_frames - 1, SEEK_SET) == info.n_frames - 1 &&
-           sf_readf_float(file.get(), piece.data(), 1) == 1;
+    ByteCursor from_begin = cursor;
+    from_begin.at = 0;
+    SF_INFO header{};
+    const SoundFile other = open_sound(from_begin, header);
+    return other && sf_seek(other.get(), info.n_frames - 1, SEEK_SET) == info.n_frames - 1 &&
+           sf_readf_float(other.get(), piece.data(), 1) == 1;
   }
 };
 
@@ -163,6 +174,11 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
   if (const auto ogg = ogg_in_wav(s.cursor.bytes)) {
     s.cursor.begin = ogg->first;
     s.cursor.size = ogg->n_bytes;
+  }
+  const std::optional<CodedLength> length = coded_length(s.cursor.bytes);
+  if (length) {
+    s.cursor.corrected_at = length->at;
+    s.cursor.corrected = bytes_of_number(static_cast<std::uint64_t>(length->n_bytes), 4);
   }
   SF_INFO header{};
   s.file = open_sound(s.cursor, header);
@@ -176,7 +192,10 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
   s.info.description = description_of(header.format);
   s.info.lossy_coding = lossy_coding_of(header.format);
   s.info.may_be_infinite = !is_integer(header.format);
-  s.has_length = header.frames != SF_COUNT_MAX;
+  s.has_length = header.frames != SF_COUNT_MAX && !(length && !length->n_promised);
+  if (length && length->n_promised && length->n_bytes > 0)
+    s.info.n_frames =
+        std::llround(static_cast<double>(header.frames) * *length->n_promised / static_cast<double>(length->n_bytes));
   s.piece.resize(static_cast<std::size_t>(kFramesAtOnce * header.channels));
 }
 

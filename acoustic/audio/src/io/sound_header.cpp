@@ -182,6 +182,12 @@ bool is_no_length(std::uint64_t promised, bool has_64_bits) {
          (promised >= (all >> 1) - 0x1000000 && promised <= (all >> 1) + 1);
 }
 
+/// Bytes, where the header gives a length.
+std::optional<double> length_of(const Samples& s) {
+  if (is_no_length(s.promised, s.has_64_bits) || s.promised > INT64_MAX) return std::nullopt;
+  return static_cast<double>(s.promised);
+}
+
 /// Whether what follows the samples that are promised is sound too.
 bool is_longer_than_promised(SoundBytes& bytes, Kind kind, const Samples& s) {
   if (kind == Kind::au) return false;  // has no chunks: what follows its samples may be anything
@@ -190,6 +196,15 @@ bool is_longer_than_promised(SoundBytes& bytes, Kind kind, const Samples& s) {
   const std::int64_t end = layout.next(s.begin, promised);
   return bytes.size() - end > (promised > 0 ? kMostPadding_bytes : 0) && !is_chunk(bytes, layout, end) &&
          !is_chunk(bytes, layout, s.begin + promised);
+}
+
+/// How many frames (or blocks) there are where they are not as many as promised.
+std::optional<std::int64_t> held_instead(SoundBytes& bytes, Kind kind, const Samples& s) {
+  const auto n_held = static_cast<std::uint64_t>((bytes.size() - s.begin) / s.frame_bytes);
+  const std::uint64_t n_promised = s.promised / static_cast<std::uint64_t>(s.frame_bytes);
+  if (n_promised > n_held || (n_promised < n_held && is_longer_than_promised(bytes, kind, s)))
+    return static_cast<std::int64_t>(n_held);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -220,14 +235,11 @@ std::optional<PlainSound> plain_sound(SoundBytes& bytes, const std::string& name
   if (kind == Kind::other) return std::nullopt;
   const std::optional<Samples> s = kind == Kind::au ? samples_in_au(bytes) : samples_in_chunks(bytes, kind);
   if (!s || s->format == 0 || s->n_channels <= 0 || s->n_channels > kMostPlainChannels) return std::nullopt;
-  const std::int64_t available = bytes.size() - s->begin;
-  if (available <= 0) return std::nullopt;
+  if (bytes.size() <= s->begin) return std::nullopt;
   PlainSound sound;
   SoundInfo& info = sound.info;
-  const auto n_held = static_cast<std::uint64_t>(available / s->frame_bytes);
-  const std::uint64_t n_promised = s->promised / static_cast<std::uint64_t>(s->frame_bytes);
-  const bool is_wrong = n_promised > n_held || (n_promised < n_held && is_longer_than_promised(bytes, kind, *s));
-  info.n_frames = static_cast<std::int64_t>(is_wrong ? n_held : std::min(n_promised, n_held));
+  const std::optional<std::int64_t> held = held_instead(bytes, kind, *s);
+  info.n_frames = held.value_or(static_cast<std::int64_t>(s->promised / static_cast<std::uint64_t>(s->frame_bytes)));
   if (info.n_frames == 0) throw FileError(name, "holds no samples; record again");
   check_rate(s->rate_hz, name);
   info.rate_hz = s->rate_hz;
@@ -237,12 +249,18 @@ std::optional<PlainSound> plain_sound(SoundBytes& bytes, const std::string& name
   const int coding = s->format & SF_FORMAT_SUBMASK;
   info.may_be_infinite = coding == SF_FORMAT_FLOAT || coding == SF_FORMAT_DOUBLE;
   sound.first_byte = s->begin;
-  const bool has_length = !is_no_length(s->promised, s->has_64_bits) && s->promised <= INT64_MAX;
-  if (is_wrong)
-    info.warning = wrong_length(
-        info, has_length ? std::optional(static_cast<double>(s->promised) / static_cast<double>(s->frame_bytes))
-                         : std::nullopt);
+  std::optional<double> n_promised = length_of(*s);
+  if (n_promised) *n_promised /= static_cast<double>(s->frame_bytes);
+  if (held) info.warning = wrong_length(info, n_promised);
   return sound;
+}
+
+std::optional<CodedLength> coded_length(SoundBytes& bytes) {
+  if (kind_of(bytes) != Kind::riff) return std::nullopt;
+  const std::optional<Samples> s = samples_in_chunks(bytes, Kind::riff);
+  const std::optional<std::int64_t> held = s ? held_instead(bytes, Kind::riff, *s) : std::nullopt;
+  if (!held) return std::nullopt;
+  return CodedLength{s->begin - 4, *held * s->frame_bytes, length_of(*s)};
 }
 
 std::optional<EmbeddedFile> ogg_in_wav(SoundBytes& bytes) {

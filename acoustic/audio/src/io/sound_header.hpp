@@ -76,6 +76,14 @@ struct PlainSound {
 /// Sources: RIFF MCI 1991; EBU Tech 3306 (RF64); AIFF 1.3.
 std::optional<PlainSound> plain_sound(SoundBytes& bytes, const std::string& name);
 
+/// The length of coded samples (ADPCM, A-law ...) in a WAV file (RIFF) whose header is wrong about it, as above.
+struct CodedLength {
+  std::int64_t at = 0;                 ///< byte of the file where the header gives it, in 32 bits
+  std::int64_t n_bytes = 0;            ///< what is there
+  std::optional<double> n_promised{};  ///< what the header gives, in bytes; absent where that is none
+};
+std::optional<CodedLength> coded_length(SoundBytes& bytes);
+
 /// Where a file of another format lies inside a WAV file: Ogg in the chunk of its samples (format tags 'Og', 1998).
 struct EmbeddedFile {
   std::int64_t first = 0, n_bytes = 0;
