@@ -8,14 +8,14 @@ namespace {
 
 using SimulateCommand = ProgramTest;
 
-TEST_F(SimulateCommand, TakesASurfaceFromCsvAndHdf5AlikeAndGivesTheSameImpacts) {
+TEST_F(SimulateCommand, TakesASurfaceFromCsvAndJsonLinesAlikeAndGivesTheSameImpacts) {
   ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.csv --write-surface s.csv").exit_code, 0);
-  ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.h5 --write-surface s.h5").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 2 --asperities 2000 --out a.jsonl --write-surface s.jsonl").exit_code, 0);
   ASSERT_EQ(run("simulate --drops 2 --surface s.csv --out b.csv").exit_code, 0);
-  ASSERT_EQ(run("simulate --drops 2 --surface s.h5 --out c.csv").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 2 --surface s.jsonl --out c.csv").exit_code, 0);
   // normalised once more on reading, so not byte for byte as drawn; but alike from both files
   EXPECT_EQ(content_of(folder_ / "b.csv"), content_of(folder_ / "c.csv"));
-  EXPECT_THAT(files(), testing::Contains("a.h5.meta.json"));
+  EXPECT_THAT(files(), testing::Contains("a.jsonl.meta.json"));
 }
 
 TEST_F(SimulateCommand, GivesTheSameFileForAnyNumberOfThreads) {
@@ -45,8 +45,6 @@ TEST_F(SimulateCommand, NamesTheBadRowOfASurface) {
   expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 2", "radius_m"});
   write("s.csv", "ux,uy,uz,radius_m\n\n0,0,1,3e-6\n\n\n0,0,1,nan\n");  // blank lines count
   expect_one_line_error(run("simulate --surface s.csv --out a.csv"), 3, {"s.csv", "line 6", "radius_m"});
-  write("s.h5", "no HDF5");
-  expect_one_line_error(run("simulate --surface s.h5 --out a.csv"), 3, {"s.h5", "HDF5"});
   EXPECT_THAT(files(), testing::Not(testing::Contains("a.csv")));
 }
 

@@ -76,7 +76,7 @@ Command add_synthesize_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("synthesize", "Impact times to sound: plate, sensor, noise; exact times beside it as truth");
   command->footer("Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5");
-  command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.h5")->required();
+  command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.jsonl")->required();
   command->add_option("--out", options->out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64")
       ->type_name("FILE")
       ->required();
