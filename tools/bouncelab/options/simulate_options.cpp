@@ -81,7 +81,6 @@ Command add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simulate", "Drop a rough ball: impact times, velocities, asperities");
   command->footer("Example: bouncelab simulate --drops 10 --asperities 100000 --out impacts.csv");
   command->add_option("--out", options->out, "Impacts, .csv or .jsonl")->type_name("FILE")->required();
-  add_shard_option(*command);
   add_simulation_options(*command, *options);
   command->add_option("--write-surface", options->write_surface, "Write the asperities, .csv or .jsonl")
       ->type_name("FILE");
