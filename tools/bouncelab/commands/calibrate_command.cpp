@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/error.hpp"
 #include "files/table_file.hpp"
-#include "json/calibration_json.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "bouncelab/detection/detect.hpp"
 #include "command.hpp"
+#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
 
@@ -22,17 +23,6 @@ struct DetectOptions {
   int channel = -1;      ///< -1: the one in which impacts are detected best
   std::int64_t min_impacts = detection::DetectionConfig{}.min_impacts;
   std::string lossy_coding;  ///< of samples that a browser has decoded, where they come from one
-};
-
-/// What is kept of each of thousands of recordings; its onsets are in the table.
-struct RecordingResult {
-  std::string recording;  ///< as it was given
-  detection::DetectionStatus status = detection::DetectionStatus::silent;
-  std::string message;
-  detection::RecordingSummary summary;
-  std::vector<detection::DropSummary> drops;
-  std::vector<std::string> warnings;
-  std::size_t n_onsets = 0;
 };
 
 struct DetectResult {

@@ -14,10 +14,8 @@
 #include "bouncelab/loop/loop_score.hpp"
 #include "commands/detect_command.hpp"
 #include "commands/fit_command.hpp"
-#include "commands/paper_loop.hpp"
 #include "commands/report_command.hpp"
 #include "commands/restitution_command.hpp"
-#include "commands/sweep.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"
 #include "json/wave_json.hpp"
@@ -190,7 +188,6 @@ void check_loop_files(const LoopOptions& options, const std::vector<std::string>
 }
 
 Outcome run_loop(const LoopOptions& options, const Run& run) {
-  if (!run.sweep.empty()) return run_sweep(options, run);
   return options.preset == "paper" ? run_paper_loop(options, run) : run_through_files(options, run);
 }
 

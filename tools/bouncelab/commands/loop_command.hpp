@@ -27,6 +27,20 @@ loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& co
 /// What the loop reads is there, and nothing that it writes is, unless --force was given. @throws as check_files
 void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run);
 
+/// Through files, or with the preset `paper` through memory.
 Outcome run_loop(const LoopOptions& options, const Run& run);
+/// The paper's experiment at its own size, through memory and through sound.
+Outcome run_paper_loop(const LoopOptions& options, const Run& run);
+
+/// A command line of `loop` on its own.
+struct ParsedLoop {
+  LoopOptions options;
+  CommonOptions common;
+};
+/// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
+/// sweep.csv, sweep.json, report.html in the folder.
+/// @param parse  reads the arguments of a combination. @throws InvalidArgument saying what is wrong with them
+Outcome run_sweep(const LoopOptions& options, const Run& run,
+                  ParsedLoop (*parse)(const std::vector<std::string>& arguments));
 
 }  // namespace bouncelab::cli

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/paper_loop.hpp"
-
 #include <sys/resource.h>
 
 #include <filesystem>
@@ -10,6 +8,7 @@
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/loop/paper_experiment.hpp"
+#include "commands/loop_command.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"

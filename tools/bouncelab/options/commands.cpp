@@ -72,14 +72,8 @@ std::optional<ConfigSection> config_section(const std::string& command, const st
   CommonOptions common;
   const Command added = named->add(app);
   add_common_options(*added.app, common);
-  ConfigSection result{ConfigSection::Use::other, config_keys(*added.app), {}};
-  if (section == command) {
-    result.use = ConfigSection::Use::own;
-  } else if (auto taken = handed_on(command, section)) {
-    result.use = ConfigSection::Use::stage;
-    result.taken = std::move(*taken);
-  }
-  return result;
+  const std::vector<std::string> known = config_keys(*added.app);
+  return ConfigSection{known, section == command ? known : handed_on(command, section)};
 }
 
 }  // namespace bouncelab::cli

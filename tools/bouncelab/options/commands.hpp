@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "command.hpp"
-#include "commands/loop_command.hpp"
 #include "options/config_file.hpp"
 
 namespace CLI {
@@ -48,14 +47,5 @@ const std::vector<CommandName>& all_commands();
 /// What `command` does with a section of its configuration file: it takes its own, and those of the commands that it
 /// runs as stages as far as it has their options. Absent where no command is called like the section.
 std::optional<ConfigSection> config_section(const std::string& command, const std::string& section);
-
-/// A command line of `loop` on its own.
-struct ParsedLoop {
-  LoopOptions options;
-  CommonOptions common;
-};
-/// @param arguments  those after the command's name
-/// @throws InvalidArgument saying what is wrong with them
-ParsedLoop parse_loop(const std::vector<std::string>& arguments);
 
 }  // namespace bouncelab::cli

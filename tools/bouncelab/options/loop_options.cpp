@@ -40,6 +40,8 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   add_synthesize_options(command, options.synthesize);
 }
 
+namespace {
+
 ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
   ParsedLoop parsed;
   Run run;
@@ -57,6 +59,8 @@ ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
   return parsed;
 }
 
+}  // namespace
+
 Command add_loop_command(CLI::App& app) {
   auto options = std::make_shared<LoopOptions>();
   CLI::App* command = app.add_subcommand(
@@ -69,7 +73,7 @@ Command add_loop_command(CLI::App& app) {
   add_loop_options(*command, *options);
   return {command, [options, command](Run& run) {
             apply_loop_preset(*command, *options, run);
-            return run_loop(*options, run);
+            return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run, parse_loop);
           }};
 }
 

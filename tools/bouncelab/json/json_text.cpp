@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "json/error_json.hpp"
-
 #include "json/json_text.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace bouncelab::cli {
+
+std::string json_text(const nlohmann::ordered_json& json, int indent) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 std::string error_json(const std::string& error, int exit_code) { return with_error("{}", error, exit_code); }
 
