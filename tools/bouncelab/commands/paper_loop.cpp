@@ -9,7 +9,6 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"
