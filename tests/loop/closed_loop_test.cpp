@@ -9,7 +9,6 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
 #include "short_loop.hpp"
 
 namespace bouncelab::loop {

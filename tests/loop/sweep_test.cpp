@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
 
 namespace bouncelab::loop {
 namespace {

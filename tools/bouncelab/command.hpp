@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/loop/settings.hpp"
+#include "bouncelab/loop/sweep.hpp"
 
 namespace bouncelab::cli {
 

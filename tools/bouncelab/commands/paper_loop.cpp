@@ -7,7 +7,6 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
 #include "commands/loop_command.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"

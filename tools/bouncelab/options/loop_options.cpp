@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
+#include "bouncelab/loop/loop_score.hpp"
 #include "options/ball_options.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"

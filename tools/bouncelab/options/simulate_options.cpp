@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bouncelab/loop/paper_experiment.hpp"
+#include "bouncelab/loop/loop_score.hpp"
 #include "commands/simulate_command.hpp"
 #include "options/ball_options.hpp"
 #include "options/commands.hpp"

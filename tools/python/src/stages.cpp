@@ -16,6 +16,7 @@
 #include "bouncelab/core/scratch_file.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
+#include "files/several_files.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "json/wave_json.hpp"
