@@ -133,15 +133,5 @@ TEST_F(Usage, UnknownKeysOfAConfigFileAreNamedByLine) {
   expect_one_line_error(run("simulate --config d.toml --out a.csv"), 3, {"d.toml", "line 1"});
 }
 
-TEST_F(Usage, TheProgramStartsWithoutLibrariesThatMostCommandsDoNotUse) {
-  // they would be half of the time until --version is answered (tests/bench/start_up.py)
-  const std::string libraries = shell("ldd \"$B\"").out;
-  if (libraries.find("libc.so") == std::string::npos) GTEST_SKIP() << "ldd tells nothing: " << libraries;
-  if (libraries.find("libceres") != std::string::npos) GTEST_SKIP() << "a shared Ceres brings its own libraries";
-  for (const char* name :
-       {"libcholmod", "libcxsparse", "liblapack", "libatlas", "libgfortran", "libgomp", "libglog", "libsndfile"})
-    EXPECT_THAT(libraries, testing::Not(testing::HasSubstr(name)));
-}
-
 }  // namespace
 }  // namespace bouncelab::cli_test

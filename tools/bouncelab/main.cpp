@@ -195,8 +195,6 @@ int run(const std::vector<std::string>& line) {
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
     Run call{common, line, resolved_parameters(*command.app), {}, {}, {}};
-    call.command = command.app->get_name();
-    call.shard = shard_of(*command.app);
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
     for (const ConfigOption& option : full.from_file)
       if (option.is_axis) call.sweep.push_back({option.name, option.values});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <mutex>
-#include <numeric>
 #include <utility>
 
 #include "bouncelab/core/parallel.hpp"
@@ -56,7 +55,7 @@ Onsets detected_onsets(const MemoryConditions& conditions, const Impacts& impact
   synthesis.seed = conditions.seed;
   synthesis.lead_in_s = kPaperLeadIn_s;
   synthesis.pause_s = kPaperPause_s;
-  return onsets_of(run_drops(impacts, "ball", drop_recording(synthesis, impacts), {}, 0));
+  return onsets_of(run_drops(impacts, "ball", drop_recording(synthesis, impacts), 0));
 }
 
 Onsets exact_onsets(const Impacts& impacts) {
@@ -140,31 +139,21 @@ MemoryExperiment run_memory_experiment(const MemoryConditions& conditions, std::
   return experiment;
 }
 
-void calibrate_memory_each(const MemoryCalibrationConfig& config, const std::vector<std::size_t>& numbers,
-                           const ExperimentSink& sink, const ProgressCallback& progress) {
-  std::vector<MemoryConditions> conditions;
-  for (const std::size_t number : numbers) conditions.push_back(memory_conditions(config, number));
-  std::mutex mutex;
-  std::size_t n_done = 0;
-  const auto total = static_cast<double>(numbers.size());
-  if (progress) progress(0.0, total);
-  parallel_for(numbers.size(), config.n_threads, [&](std::size_t k) {
-    MemoryExperiment experiment = run_memory_experiment(conditions[k], config.n_impacts);
-    const std::lock_guard lock(mutex);
-    sink(numbers[k], std::move(experiment));
-    if (progress) progress(static_cast<double>(++n_done), total);
-  });
-}
-
 std::vector<MemoryExperiment> calibrate_memory(const MemoryCalibrationConfig& config,
                                                const ProgressCallback& progress) {
-  std::vector<std::size_t> numbers(std::max<std::size_t>(1, config.n_experiments));
-  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-  std::vector<MemoryExperiment> experiments(numbers.size());
-  calibrate_memory_each(
-      config, numbers,
-      [&](std::size_t number, MemoryExperiment&& experiment) { experiments[number] = std::move(experiment); },
-      progress);
+  std::vector<MemoryConditions> conditions;
+  for (std::size_t k = 0; k < std::max<std::size_t>(1, config.n_experiments); ++k)
+    conditions.push_back(memory_conditions(config, k));
+  const auto total = static_cast<double>(conditions.size());
+  if (progress) progress(0.0, total);
+  std::vector<MemoryExperiment> experiments(conditions.size());
+  std::mutex mutex;
+  std::size_t n_done = 0;
+  parallel_for(conditions.size(), config.n_threads, [&](std::size_t k) {
+    experiments[k] = run_memory_experiment(conditions[k], config.n_impacts);
+    const std::lock_guard lock(mutex);
+    if (progress) progress(static_cast<double>(++n_done), total);
+  });
   return experiments;
 }
 

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <ctime>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/detection/detect.hpp"
-#include "drops/recording_name.hpp"
 
 namespace bouncelab::loop {
 namespace {
@@ -36,6 +34,11 @@ double thread_processor_time_s() {
   std::timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// BALL.0017.flac
+std::string recording_name(const std::string& ball, std::int64_t drop) {
+  return synthesis::path_of_drop(ball + ".flac", drop).string();
 }
 
 void keep(const std::vector<float>& samples, const synthesis::SynthesisConfig& config, const fs::path& path) {
@@ -81,29 +84,17 @@ DropResult run_drop(const Impacts& impacts, const std::string& ball, const DropR
 }
 
 std::vector<DropResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
-                                  std::vector<DropResult> finished, int n_threads, const DropSink& sink,
-                                  const ProgressCallback& progress) {
-  std::set<std::int64_t> done;
-  for (const DropResult& drop : finished) done.insert(drop.drop);
+                                  int n_threads, const ProgressCallback& progress) {
   const std::vector<std::size_t> begins = begins_of_drops(impacts);
-  std::vector<std::size_t> pending;
-  for (std::size_t k = 0; k + 1 < begins.size(); ++k)
-    if (done.count(impacts.rows[begins[k]].drop) == 0) pending.push_back(k);
-
+  std::vector<DropResult> drops(begins.size() - 1);
   std::mutex mutex;
   std::size_t n_done = 0;
-  const auto finish = [&](DropResult drop) {
-    if (sink) sink(drop);
+  parallel_for(drops.size(), n_threads, [&](std::size_t k) {
+    drops[k] = run_drop(rows_of(impacts, begins[k], begins[k + 1]), ball, recording);
     const std::lock_guard lock(mutex);
-    finished.push_back(std::move(drop));
-    if (progress) progress(static_cast<double>(++n_done), static_cast<double>(pending.size()));
-  };
-  parallel_for(pending.size(), n_threads, [&](std::size_t k) {
-    const std::size_t drop = pending[k];
-    finish(run_drop(rows_of(impacts, begins[drop], begins[drop + 1]), ball, recording));
+    if (progress) progress(static_cast<double>(++n_done), static_cast<double>(drops.size()));
   });
-  std::sort(finished.begin(), finished.end(), [](const DropResult& a, const DropResult& b) { return a.drop < b.drop; });
-  return finished;
+  return drops;
 }
 
 Onsets onsets_of(const std::vector<DropResult>& drops) {

@@ -5,10 +5,7 @@
 #include <chrono>
 #include <ctime>
 #include <functional>
-#include <iterator>
-#include <numeric>
 #include <optional>
-#include <set>
 
 #include "bouncelab/core/parallel.hpp"
 
@@ -38,21 +35,6 @@ std::int64_t n_smooth_drops(std::int64_t n_rough) {
 
 ProgressCallback callback(const StageProgress& progress, const std::string& label, const std::string& unit) {
   return progress ? progress(label, unit) : ProgressCallback{};
-}
-
-std::string item_name(const std::string& ball, std::int64_t drop) { return ball + " " + std::to_string(drop); }
-
-/// The drops that the loop records, by ball: their numbers.
-std::vector<std::pair<std::string, std::vector<std::int64_t>>> drops_of_balls(const LoopConfig& config) {
-  const auto numbers = [&](std::int64_t n) {
-    std::vector<std::int64_t> all(static_cast<std::size_t>(n));
-    std::iota(all.begin(), all.end(), config.simulation.first_drop);
-    return all;
-  };
-  const std::int64_t n = config.simulation.n_drops;
-  std::vector<std::pair<std::string, std::vector<std::int64_t>>> balls{{"rough", numbers(n)}};
-  if (config.with_smooth_ball) balls.emplace_back("smooth", numbers(n_smooth_drops(n)));
-  return balls;
 }
 
 /// The scatter of the simulation itself, without any measurement.
@@ -106,45 +88,8 @@ void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgr
   loop.smooth = simulated("smooth", simulation, sim::Surface{}, loop, progress);
 }
 
-/// The impacts of some drops, one drop after the other.
-Impacts impacts_of(const sim::SimulationConfig& config, const sim::Surface& surface,
-                   const std::vector<std::int64_t>& drops, const StageProgress& progress) {
-  std::vector<Impacts> each(drops.size());
-  sim::simulate_each(
-      config, surface, drops, [&](std::size_t k, sim::DropResult&& drop) { each[k] = std::move(drop.impacts); },
-      callback(progress, "simulate", "drops"));
-  Impacts all;
-  for (const Impacts& drop : each) all.rows.insert(all.rows.end(), drop.rows.begin(), drop.rows.end());
-  return all;
-}
-
-std::set<std::int64_t> drops_with_impacts(const Impacts& impacts) {
-  std::set<std::int64_t> drops;
-  for (const Impact& impact : impacts.rows) drops.insert(impact.drop);
-  return drops;
-}
-
-/// The impacts of these drops of the rough ball and of the first ones, as many as gain and noise are chosen by.
-Impacts impacts_with_first(const sim::SimulationConfig& config, const sim::Surface& surface,
-                           const std::vector<std::int64_t>& wanted, const StageProgress& progress) {
-  for (std::int64_t n_first = kDropsForLevels;; n_first *= 2) {  // again where some of them had no impacts
-    std::set<std::int64_t> drops(wanted.begin(), wanted.end());
-    for (std::int64_t k = 0; k < std::min(n_first, config.n_drops); ++k) drops.insert(config.first_drop + k);
-    Impacts impacts = impacts_of(config, surface, {drops.begin(), drops.end()}, progress);
-    const std::set<std::int64_t> with_impacts = drops_with_impacts(impacts);
-    const auto n = std::distance(with_impacts.begin(), with_impacts.lower_bound(config.first_drop + n_first));
-    if (n >= kDropsForLevels || n_first >= config.n_drops) return impacts;
-  }
-}
-
-void record_and_detect(BallResult& ball, const DropRecording& recording, std::vector<DropResult> finished,
-                       int n_threads, RunJournal* journal, const StageProgress& progress) {
-  DropSink sink;
-  if (journal != nullptr)
-    sink = [&](const DropResult& drop) {
-      journal->append(item_name(ball.name, drop.drop), to_record(ball.name, drop));
-    };
-  ball.drops = run_drops(ball.impacts, ball.name, recording, std::move(finished), n_threads, sink,
+void record_and_detect(BallResult& ball, const DropRecording& recording, int n_threads, const StageProgress& progress) {
+  ball.drops = run_drops(ball.impacts, ball.name, recording, n_threads,
                          callback(progress, "synthesize and detect the " + ball.name + " ball", "drops"));
   ball.score = detection::score_onsets(true_onsets_of(ball.drops, ball.name), onsets_of(ball.drops));
 }
@@ -199,50 +144,7 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
 
 }  // namespace
 
-std::vector<std::string> loop_items(const LoopConfig& config) {
-  std::vector<std::string> items;
-  for (const auto& [ball, drops] : drops_of_balls(config))
-    for (const std::int64_t drop : drops) items.push_back(item_name(ball, drop));
-  return items;
-}
-
-void run_loop_drops(const LoopConfig& config, const ItemChoice& is_wanted, RunJournal& journal,
-                    const StageProgress& progress) {
-  sim::SimulationConfig simulation = config.simulation;
-  simulation.n_threads = config.n_threads;
-  std::optional<DropRecording> recording;
-  for (const auto& [ball, drops] : drops_of_balls(config)) {
-    std::vector<std::int64_t> wanted;
-    for (const std::int64_t drop : drops)
-      if (is_wanted(item_name(ball, drop))) wanted.push_back(drop);
-    // gain and noise are those of the rough ball's first drops for both balls
-    Impacts impacts = recording ? impacts_of(simulation, sim::Surface{}, wanted, progress)
-                                : impacts_with_first(simulation, surface_of(config, progress), wanted, progress);
-    if (!recording) {
-      recording = drop_recording(config.synthesis, impacts);
-      recording->folder = config.sound_folder;
-    }
-    std::set<std::int64_t> left(wanted.begin(), wanted.end());
-    std::erase_if(impacts.rows, [&](const Impact& impact) { return left.count(impact.drop) == 0; });
-    for (const std::int64_t drop : drops_with_impacts(impacts)) left.erase(drop);
-    for (const std::int64_t drop : left) journal.append(item_name(ball, drop), "");
-    const DropSink sink = [&, name = ball](const DropResult& drop) {
-      journal.append(item_name(name, drop.drop), to_record(name, drop));
-    };
-    if (!impacts.rows.empty())
-      run_drops(impacts, ball, *recording, {}, config.n_threads, sink,
-                callback(progress, "synthesize and detect the " + ball + " ball", "drops"));
-  }
-}
-
-void FinishedDrops::add(std::string_view record) {
-  if (record.empty()) return;
-  NamedDrop named = drop_from_record(record);
-  (named.ball == "smooth" ? smooth : rough).push_back(std::move(named.drop));
-}
-
-LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, FinishedDrops finished,
-                    RunJournal* journal) {
+LoopResult run_loop(const LoopConfig& config, const StageProgress& progress) {
   LoopResult loop;
   loop.simulation = config.simulation;
   loop.simulation.n_threads = config.n_threads;
@@ -250,9 +152,8 @@ LoopResult run_loop(const LoopConfig& config, const StageProgress& progress, Fin
   timed(loop, kSound, [&] {
     DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
     recording.folder = config.sound_folder;
-    record_and_detect(loop.rough, recording, std::move(finished.rough), config.n_threads, journal, progress);
-    if (config.with_smooth_ball)
-      record_and_detect(loop.smooth, recording, std::move(finished.smooth), config.n_threads, journal, progress);
+    record_and_detect(loop.rough, recording, config.n_threads, progress);
+    if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
   });
   split_sound_stage(loop);
   timed(loop, "restitution_and_fit", [&] { fit_everything(loop, config, progress); });

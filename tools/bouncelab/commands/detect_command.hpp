@@ -50,17 +50,8 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
 detection::DetectionConfig detection_config(const DetectOptions& options);
 /// What is kept of one recording.
 RecordingResult recording_result(const std::string& recording, const detection::Detection& found);
-/// The recordings with each content once, and a warning for each that is left out.
-std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& recordings,
-                                             std::vector<std::string>& warnings, const Run& run);
 /// What to tell people of these recordings, a line each.
 std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings);
-
-/// Detection in the recordings of the shard alone, kept in the part OUT.parts of it.
-/// @param out           of the whole run
-/// @param with_details  as loop::to_record
-Outcome run_detect_part(const DetectOptions& options, const std::filesystem::path& out, bool with_details,
-                        const Run& run);
 
 /// Writes options.out and, where named, options.labels; neither where no impact was found. A recording with the same
 /// content as one before it counts once, and a warning names both.

@@ -6,8 +6,7 @@
 
 namespace bouncelab::cli {
 
-/// The paper's experiment at its own size, through memory and through sound. Killed at any moment, the same command
-/// continues where it was and ends with the same results.
+/// The paper's experiment at its own size, through memory and through sound.
 Outcome run_paper_loop(const LoopOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -7,7 +7,7 @@
 namespace bouncelab::cli {
 
 /// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
-/// sweep.csv, sweep.json, report.html in the folder. Killed at any moment, the same command continues where it was.
+/// sweep.csv, sweep.json, report.html in the folder.
 Outcome run_sweep(const LoopOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

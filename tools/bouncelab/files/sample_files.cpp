@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/printable.hpp"
-#include "files/same_content.hpp"
+#include "files/several_files.hpp"
 #include "files/table_file.hpp"
 
 namespace bouncelab::cli {
@@ -24,19 +24,6 @@ struct SampleFile {
 
 RestitutionSamples read_one(const fs::path& path) {
   return samples_from_table(read_table(path, sample_columns()), input_name(path));
-}
-
-/// The files with each content once.
-std::vector<fs::path> each_once(const std::vector<fs::path>& files, int n_threads, std::vector<std::string>& warnings) {
-  const std::vector<std::size_t> same = first_of_same_content(files, n_threads);
-  std::vector<fs::path> once;
-  for (std::size_t k = 0; k < files.size(); ++k)
-    if (same[k] == k)
-      once.push_back(files[k]);
-    else
-      warnings.push_back(printable(input_name(files[k])) + ": the same samples as " +
-                         printable(input_name(files[same[k]])) + " (by content); counted once");
-  return once;
 }
 
 std::string short_name(const fs::path& path) { return path == "-" ? input_name(path) : path.filename().string(); }
@@ -67,7 +54,7 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
                                      std::vector<std::string>& warnings) {
   if (paths.size() == 1) return read_one(paths.front());
   std::vector<SampleFile> files;
-  for (const fs::path& path : each_once(paths, n_threads, warnings)) files.push_back({path, read_one(path)});
+  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings)) files.push_back({path, read_one(path)});
   if (files.size() > 1) name_recordings(files);
   const std::set<std::string> ambiguous = ambiguous_recordings(files);
   for (const std::string& name : ambiguous)

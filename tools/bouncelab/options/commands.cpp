@@ -46,14 +46,20 @@ const std::vector<CommandName>& all_commands() {
   static const std::string whole = "From recording, or simulation, to the answer", stages = "Step by step",
                            beside = "Beside them";
   static const std::vector<CommandName> all{
-      {"analyze", add_analyze_command, whole},    {"loop", add_loop_command, whole},
-      {"simulate", add_simulate_command, stages}, {"synthesize", add_synthesize_command, stages},
-      {"detect", add_detect_command, stages},     {"restitution", add_restitution_command, stages},
-      {"fit", add_fit_command, stages},           {"roughness", add_roughness_command, stages},
-      {"compare", add_compare_command, stages},   {"report", add_report_command, stages},
-      {"merge", add_merge_command, beside},       {"convert", add_convert_command, beside},
-      {"balls", add_balls_command, beside},       {"calibrate", add_calibrate_command, beside},
-      {"campaign", add_campaign_command, beside}, {"completion", add_completion_command, beside},
+      {"analyze", add_analyze_command, whole},
+      {"loop", add_loop_command, whole},
+      {"simulate", add_simulate_command, stages},
+      {"synthesize", add_synthesize_command, stages},
+      {"detect", add_detect_command, stages},
+      {"restitution", add_restitution_command, stages},
+      {"fit", add_fit_command, stages},
+      {"roughness", add_roughness_command, stages},
+      {"compare", add_compare_command, stages},
+      {"report", add_report_command, stages},
+      {"convert", add_convert_command, beside},
+      {"balls", add_balls_command, beside},
+      {"calibrate", add_calibrate_command, beside},
+      {"completion", add_completion_command, beside},
   };
   return all;
 }

@@ -36,9 +36,7 @@ Command add_calibrate_command(CLI::App& app);
 Command add_analyze_command(CLI::App& app);
 Command add_loop_command(CLI::App& app);
 Command add_completion_command(CLI::App& app);
-Command add_merge_command(CLI::App& app);
 Command add_balls_command(CLI::App& app);
-Command add_campaign_command(CLI::App& app);
 
 struct CommandName {
   std::string name;
@@ -50,12 +48,6 @@ const std::vector<CommandName>& all_commands();
 /// What `command` does with a section of its configuration file: it takes its own, and those of the commands that it
 /// runs as stages as far as it has their options. Absent where no command is called like the section.
 std::optional<ConfigSection> config_section(const std::string& command, const std::string& section);
-
-/// Checks options of a command as its configuration file would give them, values too.
-/// @param file  they stand in, for messages
-/// @return the lists that are to be run through. @throws InvalidArgument naming the line
-std::vector<loop::SweepAxis> check_options(const std::string& command, const TomlEntries& options,
-                                           const std::string& file);
 
 /// A command line of `loop` on its own.
 struct ParsedLoop {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "bouncelab/core/table.hpp"
@@ -38,14 +37,5 @@ SweepPoint sweep_point(Settings settings, const LoopResult& loop, const std::vec
 /// A column for each setting, each number, and the failure in words (named `trouble`). All points of one sweep; at
 /// least one.
 Table to_table(const std::vector<SweepPoint>& points);
-
-/// A point as one line of text (JSON) for a RunJournal, and back: bit by bit the same.
-std::string to_record(std::size_t index, const SweepPoint& point);
-struct NumberedPoint {
-  std::size_t index = 0;
-  SweepPoint point;
-};
-/// @throws InvalidArgument where the text is no such line
-NumberedPoint point_from_record(std::string_view record);
 
 }  // namespace bouncelab::loop
