@@ -125,10 +125,6 @@ void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
   });
 }
 
-void know_sha256(const fs::path& path, const std::string& sha256) {
-  if (const std::optional<Content> content = content_of(path)) keep(*content, sha256);
-}
-
 fs::path provenance_path(const fs::path& output) {
   constexpr std::size_t kLongestName_bytes = 255;  // of the file systems in use
   const std::string ending = ".meta.json";

@@ -19,9 +19,6 @@ std::string sha256_of_file(const std::filesystem::path& path);
 /// @throws Interrupted
 void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
 
-/// The SHA-256 of a file as it is now, from somebody who computed it.
-void know_sha256(const std::filesystem::path& path, const std::string& sha256);
-
 /// OUTPUT.meta.json; where that name would be longer than 255 bytes, OUTPUT is cut, and ends with ~ and the first eight
 /// digits of the SHA-256 of the whole.
 std::filesystem::path provenance_path(const std::filesystem::path& output);
