@@ -20,7 +20,7 @@ BallSection section_of(const Ball& ball, const Surface& surface) {
   for (const Asperity& a : surface.asperities) {
     const double square_m2 = square(a.radius_m) - square(a.direction.y * ball.radius_m);
     if (!(square_m2 > 0.0)) continue;  // nearly all
-    const double angle_rad = atan2(a.direction.x, a.direction.z);
+    const double angle_rad = std::atan2(a.direction.x, a.direction.z);
     if (std::abs(angle_rad) <= section.half_angle_rad) section.circles.push_back({angle_rad, std::sqrt(square_m2)});
   }
   std::sort(section.circles.begin(), section.circles.end(),

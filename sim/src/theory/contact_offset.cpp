@@ -2,11 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/sim/theory.hpp"
 #include "surface/radius_law.hpp"
 
@@ -19,7 +20,7 @@ struct Excess {
 };
 
 double density_of_normal(double z) { return exp(-0.5 * z * z) * std::numbers::inv_sqrtpi / std::numbers::sqrt2; }
-double normal_beyond(double z) { return 0.5 * erfc(z / std::numbers::sqrt2); }
+double normal_beyond(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
 Excess excess(const ConstantRadii& law, double e) {
   const double h = std::max(0.0, law.radius - e);
@@ -54,17 +55,13 @@ Excess excess(const ExponentialRadii& law, double e) {
   return {law.mean * above, 2.0 * square(law.mean) * above};
 }
 
-/// The E >= 0 at which f falls through `value`; 0 where it is below from the start.
+/// The E >= 0 at which the decreasing f falls through `value`; 0 where it is below from the start.
 template <class Function>
 double falls_through(const Function& f, double value) {
-  double lo = 0.0, hi = 1e-9;
   if (f(0.0) <= value) return 0.0;
+  double hi = 1e-9;
   while (f(hi) > value) hi *= 2.0;
-  for (int k = 0; k < 100; ++k) {
-    const double middle = 0.5 * (lo + hi);
-    (f(middle) > value ? lo : hi) = middle;
-  }
-  return hi;
+  return root_between([&](double e) { return f(e) - value; }, 0.0, hi);
 }
 
 ContactOffset offset_of(double mean_square, double mean_fourth, double smooth_share) {
@@ -83,14 +80,15 @@ ContactOffset contact_offset(const RadiusLaw& law, double n_asperities) {
   const double begin = falls_through(lambda, 40.0), end = falls_through(lambda, 1e-14);
   const double kink = std::holds_alternative<UniformRadii>(law) ? std::get<UniformRadii>(law).lo : begin;
   constexpr int kPieces = 200;
+  static const QuadratureRule rule = gauss_legendre(12, 0.0, 1.0 / kPieces);
   double mean_square = 0.0, mean_fourth = 0.0;
-  for (const auto& [from, to] : {Pair{begin, std::clamp(kink, begin, end)}, Pair{std::clamp(kink, begin, end), end}}) {
+  const double middle = std::clamp(kink, begin, end);
+  for (const auto& [from, to] : {std::pair{begin, middle}, std::pair{middle, end}}) {
     if (!(from < to)) continue;
     for (int k = 0; k < kPieces; ++k) {
       // cubes: short pieces where exp(-Lambda) begins, long ones in the tail of lognormal radii
-      const QuadratureRule rule = gauss_legendre(12, static_cast<double>(k) / kPieces, (k + 1.0) / kPieces);
       for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-        const double x = rule.nodes[i];
+        const double x = static_cast<double>(k) / kPieces + rule.nodes[i];
         const Excess h = at(from + (to - from) * x * x * x);
         const double weight = 3.0 * x * x * (to - from) * rule.weights[i] * exp(-0.5 * n_asperities * h.first);
         mean_square += weight * n_asperities * h.first;

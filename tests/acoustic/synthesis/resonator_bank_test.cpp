@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
 #include "excitation/cramer_rao.hpp"

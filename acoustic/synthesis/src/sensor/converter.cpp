@@ -2,10 +2,9 @@
 #include "sensor/converter.hpp"
 
 #include "bouncelab/core/elementary.hpp"
-#include "plate/bessel.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace bouncelab::synthesis {
 namespace {
@@ -16,12 +15,11 @@ constexpr double kBeta = 10.06;  // 100 dB: 0.1102 (100 - 8.7)
 double windowed_sinc(double u) {
   const double x = u / ConverterFilter::kHalfWidth_samples;
   if (std::abs(x) > 1.0) return 0.0;
-  const double argument = 2.0 * std::numbers::pi * kCutoff * u;
+  const double argument = 2.0 * kPi * kCutoff * u;
   const double sinc = u == 0.0 ? 1.0 : sin(argument) / argument;
   // Kaiser's window less its pedestal (3e-4 of its height): without a step at its ends, quadrature over them is exact
-  static const double pedestal = 1.0 / bessel_i(0, kBeta);
-  const double window = bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) * pedestal;
-  return 2.0 * kCutoff * sinc * (window - pedestal);
+  static const double pedestal = kaiser_window(1.0, kBeta);
+  return 2.0 * kCutoff * sinc * (kaiser_window(x, kBeta) - pedestal);
 }
 
 }  // namespace

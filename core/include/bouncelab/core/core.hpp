@@ -20,13 +20,13 @@
 #include "bouncelab/core/interrupts.hpp"               // asked to stop
 #include "bouncelab/core/line_reader.hpp"              // of tables of text
 #include "bouncelab/core/nearest_name.hpp"             // for names that are not known
+#include "bouncelab/core/numerics.hpp"                 // Bessel functions, quadrature, roots
 #include "bouncelab/core/onsets.hpp"                   // detect writes, restitution reads
 #include "bouncelab/core/output_file.hpp"              // whole or not at all
 #include "bouncelab/core/parallel.hpp"                 // loops on several threads
 #include "bouncelab/core/printable.hpp"                // names and cells in messages
 #include "bouncelab/core/program_output.hpp"           // of other programs, without a shell
 #include "bouncelab/core/progress.hpp"                 // long computations report here
-#include "bouncelab/core/quadrature.hpp"               // Gauss-Legendre
 #include "bouncelab/core/random.hpp"                   // counter-based random numbers
 #include "bouncelab/core/restitution_law.hpp"          // eps(v)
 #include "bouncelab/core/restitution_with_memory.hpp"  // a sampler for DEM codes
