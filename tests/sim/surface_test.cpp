@@ -7,7 +7,6 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/units.hpp"
-#include "bouncelab/sim/section.hpp"
 
 namespace bouncelab::sim {
 namespace {

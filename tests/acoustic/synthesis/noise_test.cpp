@@ -13,7 +13,6 @@
 
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/units.hpp"
-#include "scene/noise_words.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

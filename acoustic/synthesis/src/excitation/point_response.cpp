@@ -10,7 +10,7 @@
 #include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/vector_clones.hpp"
-#include "sensor/kernel_table.hpp"
+#include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

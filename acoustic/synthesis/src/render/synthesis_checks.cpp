@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "render/synthesis_checks.hpp"
+#include "render/renderer.hpp"
 
 #include <algorithm>
 #include <cmath>

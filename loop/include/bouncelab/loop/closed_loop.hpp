@@ -18,9 +18,9 @@
 #include "bouncelab/loop/reservoir_check.hpp"
 #include "bouncelab/loop/run_journal.hpp"
 #include "bouncelab/loop/scatter_theory.hpp"
-#include "bouncelab/sim/energy_shares.hpp"
+#include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/experiment.hpp"
-#include "bouncelab/sim/section.hpp"
+#include "bouncelab/sim/surface.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
 namespace bouncelab::loop {

@@ -16,10 +16,9 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/sim/contact.hpp"
-#include "bouncelab/sim/drag.hpp"
+#include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/envelope.hpp"
-#include "bouncelab/sim/flight.hpp"
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::sim {
