@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/table.hpp"
 #include "program.hpp"
 
 namespace bouncelab::cli_test {

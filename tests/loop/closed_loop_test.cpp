@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/loop/paper_experiment.hpp"

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::sim {
 namespace {

@@ -8,8 +8,6 @@
 #include <cstring>
 #include <utility>
 
-#include "bouncelab/core/streamed_median.hpp"
-
 namespace bouncelab {
 
 double order_statistic(std::vector<double> values, std::size_t rank) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
 
 namespace bouncelab {
 

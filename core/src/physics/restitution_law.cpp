@@ -7,9 +7,9 @@
 #include <iomanip>
 #include <sstream>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
 

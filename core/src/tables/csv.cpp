@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/table.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -16,7 +16,6 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/line_reader.hpp"
 
 namespace bouncelab {
 

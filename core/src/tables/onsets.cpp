@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/flags.hpp"
 #include "tables/optional_cells.hpp"
 
 namespace bouncelab {

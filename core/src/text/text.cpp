@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
-
-#include "bouncelab/core/nearest_name.hpp"
-#include "bouncelab/core/utf8.hpp"
 
 namespace bouncelab {
 

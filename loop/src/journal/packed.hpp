@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/flags.hpp"
+#include "bouncelab/core/onsets.hpp"
 
 namespace bouncelab::loop {
 

@@ -10,6 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/sim/flight.hpp"
+#include "flight/path.hpp"
 
 namespace bouncelab::sim {
 

@@ -12,8 +12,7 @@
 #include <set>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/nearest_name.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "campaign/path_patterns.hpp"
 
 namespace bouncelab::cli {

@@ -15,7 +15,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "campaign/local_run.hpp"
 #include "campaign/scripts.hpp"
 #include "campaign/slurm.hpp"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "json/balls_json.hpp"
 
 namespace bouncelab::cli {

@@ -11,7 +11,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/fit/roughness.hpp"
 #include "bouncelab/loop/records.hpp"

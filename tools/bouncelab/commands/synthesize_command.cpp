@@ -12,10 +12,10 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/loop/records.hpp"
-#include "bouncelab/synthesis/hard_cases.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "files/impact_file.hpp"
 #include "files/provenance.hpp"
 #include "files/run_parts.hpp"

@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/line_reader.hpp"
+#include "bouncelab/core/table.hpp"
 #include "files/hdf5_handle.hpp"
 
 namespace bouncelab::cli {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/same_content.hpp"
 #include "files/table_file.hpp"
 

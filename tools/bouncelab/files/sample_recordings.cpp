@@ -7,7 +7,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/same_content.hpp"
 #include "files/table_file.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 
 namespace bouncelab::cli {
 

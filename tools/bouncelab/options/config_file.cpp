@@ -9,7 +9,7 @@
 #include <map>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "options/common_options.hpp"
 #include "options/numbers.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "options/tomlplusplus.hpp"
 
 namespace bouncelab::cli {

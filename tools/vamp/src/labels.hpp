@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "bouncelab/core/flags.hpp"
+#include "bouncelab/core/onsets.hpp"
 
 namespace bouncelab::vamp {
 

@@ -6,7 +6,8 @@
 #include <exception>
 #include <iostream>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "decimal.hpp"
 
 namespace bouncelab::vamp {

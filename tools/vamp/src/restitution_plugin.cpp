@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "decimal.hpp"
 #include "labels.hpp"

@@ -6,8 +6,8 @@
 #include <cstddef>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 #include "sensor/converter.hpp"

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
