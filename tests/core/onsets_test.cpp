@@ -8,7 +8,6 @@
 #include "bouncelab/core/impacts.hpp"
 
 namespace bouncelab {
-
 namespace {
 
 TEST(Flags, KeepTheOrderInWhichTheyWereSet) {

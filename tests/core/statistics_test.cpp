@@ -2,6 +2,7 @@
 #include "bouncelab/core/statistics.hpp"
 
 #include <gtest/gtest.h>
+
 #include <algorithm>
 #include <functional>
 
@@ -9,7 +10,6 @@
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab {
-
 namespace {
 
 std::vector<double> some_values(std::size_t n) {

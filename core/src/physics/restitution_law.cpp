@@ -12,7 +12,6 @@
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
-
 namespace {
 
 double evaluate(const SeriesLaw& law, double v_mps) {

@@ -18,7 +18,6 @@
 #include "bouncelab/core/input_file.hpp"
 
 namespace bouncelab {
-
 namespace {
 
 constexpr std::size_t kBlock_bytes = 1 << 16;

@@ -7,7 +7,6 @@
 #include <vector>
 
 namespace bouncelab {
-
 namespace {
 
 constexpr std::size_t kStandIn_bytes = 3;

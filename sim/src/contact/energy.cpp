@@ -9,7 +9,6 @@
 #include "bouncelab/core/statistics.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 Motion motion_of(const std::array<double, 3>& velocity_mps, const std::array<double, 3>& spin_radps) {

@@ -21,7 +21,6 @@
 #include "flight/path.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 /// Uniform on the rotations (Shoemake, Graphics Gems III (1992), 124).

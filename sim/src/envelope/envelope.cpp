@@ -14,7 +14,6 @@
 #include "envelope/patch_builder.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 void fill(Contenders& contenders, const Ball& ball, const Surface& surface, std::span<const std::uint32_t> asperities,

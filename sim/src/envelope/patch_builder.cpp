@@ -10,7 +10,6 @@
 #include "envelope/cube_cell.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 /// Range of patches along an edge of the cube, [first, last].

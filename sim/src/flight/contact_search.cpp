@@ -13,7 +13,6 @@
 #include "flight/path.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 /// How long gap + slope s - bend s^2/2 stays positive, for gap >= 0.

@@ -13,7 +13,6 @@
 #include "bouncelab/core/random.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 double draw(const ConstantRadii& law, Random&) { return law.radius; }

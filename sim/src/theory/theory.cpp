@@ -15,7 +15,6 @@
 #include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::sim {
-
 namespace {
 
 /// int_E^inf (r - E)^k p(r) dr for k = 1, 2.

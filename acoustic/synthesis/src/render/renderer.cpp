@@ -11,7 +11,6 @@
 #include "bouncelab/audio/audio_writer.hpp"
 
 namespace bouncelab::synthesis {
-
 namespace {
 
 void add_to(PoleValues& sum, const PoleValues& part) {
