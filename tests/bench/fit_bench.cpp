@@ -11,9 +11,9 @@
 
 #include "../fit/synthetic_samples.hpp"
 #include "bench_lines.hpp"
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/normal_laplace.hpp"

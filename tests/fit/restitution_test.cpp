@@ -10,10 +10,10 @@
 #include <sstream>
 #include <tuple>
 
-#include "bouncelab/core/ball_catalogue.hpp"
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/table.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {

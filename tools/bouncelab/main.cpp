@@ -20,10 +20,9 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/nearest_name.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "json/json_text.hpp"

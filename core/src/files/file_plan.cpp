@@ -11,7 +11,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/file_target.hpp"
 
 namespace bouncelab {

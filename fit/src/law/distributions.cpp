@@ -60,7 +60,7 @@ double beta_fraction(double a, double b, double x) {
 double incomplete_beta(double a, double b, double x, double y) {
   if (!(x > 0.0)) return 0.0;
   if (!(y > 0.0)) return 1.0;
-  const double front = exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * log(x) + b * log(y));
+  const double front = exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * log(x) + b * log(y));
   return x < (a + 1.0) / (a + b + 2.0) ? front * beta_fraction(a, b, x) / a : 1.0 - front * beta_fraction(b, a, y) / b;
 }
 
@@ -69,7 +69,7 @@ double incomplete_beta(double a, double b, double x, double y) {
 double chi2_survival(double chi2, double ndf) {
   const double a = 0.5 * ndf, x = 0.5 * chi2;
   if (!(x > 0.0)) return x <= 0.0 ? 1.0 : x;
-  const double front = exp(a * log(x) - x - log_gamma(a));
+  const double front = exp(a * log(x) - x - std::lgamma(a));
   return x < a + 1.0 ? 1.0 - front * lower_gamma_series(a, x) : front * upper_gamma_fraction(a, x);
 }
 

@@ -102,9 +102,8 @@ LaplaceSides LawLikelihood::sides(const Eigen::VectorXd& theta, double x) const 
     return laplace_sides(b, b);
   }
   const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x);
-  const Pair b =
-      exp(Pair{std::clamp(log_below, kLogScaleMin, kLogScaleMax), std::clamp(log_above, kLogScaleMin, kLogScaleMax)});
-  return laplace_sides(b.first, b.second);
+  return laplace_sides(exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax)),
+                       exp(std::clamp(log_above, kLogScaleMin, kLogScaleMax)));
 }
 
 double LawLikelihood::square_of_normal_ratio(const Eigen::VectorXd& theta) const {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "law/law_block.hpp"
 #include "law/scaled_erfc.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {

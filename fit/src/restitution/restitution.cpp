@@ -6,7 +6,7 @@
 #include <iterator>
 #include <span>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/statistics.hpp"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/fit/roughness.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"

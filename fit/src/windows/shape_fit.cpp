@@ -135,14 +135,14 @@ Eigen::VectorXd normal(const Eigen::VectorXd& x, const Blur& blur) {
 Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) {
   const Eigen::ArrayXd inner = exp_of(-sign * (edges_of(blur) - x[0]) / exp(x[1]));
   const Eigen::ArrayXd short_side = exp_of(-inner);
-  const Eigen::ArrayXd long_side = inner.unaryExpr([](double u) { return -expm1(-u); });
+  const Eigen::ArrayXd long_side = inner.unaryExpr([](double u) { return -std::expm1(-u); });
   return cells_of(sign > 0.0 ? Sides{short_side, long_side} : Sides{long_side, short_side});
 }
 
 /// By Simpson's rule in each cell: faster than its distribution function.
 Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
   const double scale = exp(x[1]), nu = exp(std::clamp(x[2], -0.7, 7.0));
-  const double norm = exp(log_gamma(0.5 * (nu + 1.0)) - log_gamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
+  const double norm = exp(std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
   const auto density = [&](const Eigen::ArrayXd& eps) -> Eigen::ArrayXd {
     return norm * exp_of(-0.5 * (nu + 1.0) * log_of(1.0 + ((eps - x[0]) / scale).square() / nu));
   };

@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/fit/roughness.hpp"
 #include "files/provenance.hpp"

@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
-#include "bouncelab/core/streamed_median.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"

@@ -8,7 +8,7 @@
 #include <exception>
 #include <iostream>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/ball.hpp"
 
 namespace bouncelab::vamp {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dsp/even_and_odd.hpp"
 
-#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 // What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the

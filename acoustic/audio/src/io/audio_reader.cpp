@@ -14,7 +14,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/line_reader.hpp"
+#include "bouncelab/core/table.hpp"
 #include "io/ffmpeg_decoder.hpp"
 #include "io/flac_decoder.hpp"
 #include "io/guarded_decoder.hpp"

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <span>
 
-#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {

@@ -3,9 +3,8 @@
 
 #include <cmath>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
 namespace {

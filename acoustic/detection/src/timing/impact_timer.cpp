@@ -9,7 +9,6 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {

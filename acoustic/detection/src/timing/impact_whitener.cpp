@@ -9,7 +9,6 @@
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
 namespace {

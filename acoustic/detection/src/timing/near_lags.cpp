@@ -10,8 +10,6 @@
 #include <mutex>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/lanes.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {

@@ -7,7 +7,6 @@
 #include <cstddef>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -9,8 +9,6 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/lanes.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 #include "timing/product_moments.hpp"
 

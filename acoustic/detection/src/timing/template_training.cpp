@@ -7,7 +7,6 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 #include "timing/coherence_weight.hpp"
 

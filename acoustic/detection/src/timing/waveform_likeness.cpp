@@ -11,7 +11,6 @@
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/units.hpp"
 #include "timing/impact_whitener.hpp"
 
 namespace bouncelab::detection {

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::detection {
 

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/dem_export.hpp"
 #include "bouncelab/fit/density_picture.hpp"

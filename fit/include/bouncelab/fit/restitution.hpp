@@ -6,10 +6,9 @@
 #include <optional>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/flags.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/fit/flight_correction.hpp"
 #include "bouncelab/fit/travel_time.hpp"
 

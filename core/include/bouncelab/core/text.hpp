@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace bouncelab {
 
@@ -20,5 +21,21 @@ inline constexpr std::size_t kMessage_characters = 1000;
 ///               name at its end stays. Takes the same time for a text of any length.
 /// @return at most `limit` characters, valid UTF-8
 std::string printable(std::string_view text, std::size_t limit = kQuoted_characters);
+
+/// The number of bytes (1 to 4) of the valid UTF-8 character that `text` begins with; 0 where there is none.
+std::size_t utf8_character(std::string_view text);
+
+/// Any bytes, names of files for instance, as valid UTF-8 that bytes_of_utf8 turns back into the same bytes. Valid
+/// UTF-8 stays as it is; a byte b that belongs to no character becomes the private character U+EF00 + b (so that b from
+/// 80 to FF gives U+EF80 to U+EFFF, as in the OPTU-8 encoding of MirBSD). These 128 characters themselves are taken
+/// for three such bytes each.
+std::string utf8_of_bytes(std::string_view bytes);
+/// The inverse of utf8_of_bytes.
+std::string bytes_of_utf8(std::string_view text);
+
+/// The name that was probably meant: the one reached by the fewest insertions, deletions, replacements and swaps of
+/// neighbours, the first of several.
+/// @return empty where more than a third of the longer word would have to change
+std::string nearest_name(std::string_view typed, const std::vector<std::string>& names);
 
 }  // namespace bouncelab

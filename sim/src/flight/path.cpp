@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "flight/dragged_path.hpp"
+#include "flight/path.hpp"
 
 #include <algorithm>
 #include <cmath>
