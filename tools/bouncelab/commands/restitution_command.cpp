@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
@@ -44,11 +45,11 @@ fit::RestitutionCounts restitution_of_file(const std::filesystem::path& onsets, 
   const std::string name = input_name(onsets);
   const std::unique_ptr<TableReader> reader = open_table(onsets, onset_columns());
   fit::RestitutionInPieces restitution(config);
-  StreamedMedian eps(samples.folder(), name);
+  std::vector<double> eps;  // 8 bytes each, for the median
   const auto write = [&](const RestitutionSamples& rows) {
     samples.add(to_table(rows));
     for (const RestitutionSample& s : rows)
-      if (s.flags.empty()) eps.add(s.eps);
+      if (s.flags.empty()) eps.push_back(s.eps);
   };
   std::optional<Onset> before;
   for (bool at_end = false; !at_end;) {
@@ -61,7 +62,7 @@ fit::RestitutionCounts restitution_of_file(const std::filesystem::path& onsets, 
   }
   write(restitution.finish());
   fit::RestitutionCounts counts = restitution.counts();
-  counts.eps_median = eps.median();
+  if (!eps.empty()) counts.eps_median = median(std::move(eps));
   return counts;
 }
 
