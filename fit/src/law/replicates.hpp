@@ -30,8 +30,7 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
 /// 8 drops.
 /// @param source  absent: all are made here
 std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
-                                               std::size_t n_replicates, std::uint64_t seed,
-                                               const ReplicateSource& source = {});
+                                               std::size_t n_replicates, std::uint64_t seed);
 
 /// Standard deviation and percentile intervals. @param values  at least 2
 BootstrapErrors bootstrap_errors(std::vector<double> values);

@@ -142,7 +142,8 @@ Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) 
 /// By Simpson's rule in each cell: faster than its distribution function.
 Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
   const double scale = exp(x[1]), nu = exp(std::clamp(x[2], -0.7, 7.0));
-  const double norm = exp(std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
+  const double norm =
+      exp(std::lgamma(0.5 * (nu + 1.0)) - std::lgamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
   const auto density = [&](const Eigen::ArrayXd& eps) -> Eigen::ArrayXd {
     return norm * exp_of(-0.5 * (nu + 1.0) * log_of(1.0 + ((eps - x[0]) / scale).square() / nu));
   };
