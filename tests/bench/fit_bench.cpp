@@ -17,7 +17,7 @@
 #include "bouncelab/fit/fit.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/normal_laplace.hpp"
-#include "law/ordered_samples.hpp"
+#include "law/law_data.hpp"
 #include "law/start_values.hpp"
 
 namespace {

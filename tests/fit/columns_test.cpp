@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/columns.hpp"
+#include "law/law_data.hpp"
 
 #include <gtest/gtest.h>
 

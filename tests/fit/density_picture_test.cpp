@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/density_picture.hpp"
+#include "bouncelab/fit/histogram_fit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/distributions.hpp"
+#include "numerics/distributions.hpp"
 
 #include <gsl/gsl_cdf.h>
 #include <gtest/gtest.h>

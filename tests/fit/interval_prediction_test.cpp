@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/interval_prediction.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 #include <gtest/gtest.h>
 

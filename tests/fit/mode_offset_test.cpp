@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/mode_offset.hpp"
+#include "law/normal_laplace.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "law/normal_laplace_block.hpp"
+#include "law/normal_laplace.hpp"
 
 namespace bouncelab::fit {
 namespace {

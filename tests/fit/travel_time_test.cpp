@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/travel_time.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/fit/restitution.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {

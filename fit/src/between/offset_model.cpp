@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "between/offset_model.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
 
 #include "bouncelab/core/elementary.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -14,10 +14,9 @@ namespace {
 Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& m, double& log_det) {
   const Eigen::VectorXd scale = m.diagonal().array().max(1e-300).sqrt().inverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> llt(scaled);
-  for (Eigen::Index i = 0; i < m.rows(); ++i) log_det += 2.0 * log(llt.matrixLLT()(i, i) / scale[i]);
-  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(m.rows(), m.cols());
-  return scale.asDiagonal() * llt.solve(unit) * scale.asDiagonal();
+  const Cholesky root = cholesky(scaled).value();
+  log_det += root.log_determinant() - 2.0 * scale.array().unaryExpr([](double s) { return log(s); }).sum();
+  return scale.asDiagonal() * root.inverse() * scale.asDiagonal();
 }
 
 }  // namespace

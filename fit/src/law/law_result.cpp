@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/law_result.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/by_drop.hpp"
 #include "law/goodness.hpp"
-#include "law/profile.hpp"
-#include "law/result_matrix.hpp"
+#include "law/intervals.hpp"
+#include "numerics/linalg.hpp"
 #include "text/format.hpp"
 
 namespace bouncelab::fit {
@@ -97,8 +95,8 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   }
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues();
-  if (eigenvalues.minCoeff() > 0.0) fit.condition_number = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
+  const Eigen::VectorXd spectrum = eigenvalues(correlation);
+  if (spectrum.minCoeff() > 0.0) fit.condition_number = spectrum.maxCoeff() / spectrum.minCoeff();
   if (!unknown.empty()) {
     fit.status = FitStatus::not_identifiable;
     fit.message = unknown + (unknown.find(',') == std::string::npos ? " is" : " are") +

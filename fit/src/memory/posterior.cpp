@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/posterior.hpp"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,7 +9,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
-#include "law/maximise.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -85,7 +83,7 @@ Posterior normal_draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covar
   result.effective = static_cast<double>(n_draws);
   result.weights = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n_draws));
   result.draws.resize(mean.size(), n);
-  const Eigen::MatrixXd spread = whitening(covariance.inverse(), 1e-12);
+  const Eigen::MatrixXd spread = whitening(inverse(covariance), 1e-12);
   for (Eigen::Index k = 0; k < n; ++k) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{3} << 40U) + static_cast<std::uint64_t>(k));
     Eigen::VectorXd z(mean.size());
@@ -104,7 +102,7 @@ Posterior sample_posterior(const LogDensity& log_density, const Eigen::VectorXd&
   constexpr double kEnough = 0.15;  // of the draws: the round's mean and covariance are good enough to draw by
   Eigen::VectorXd about = centre;
   Eigen::MatrixXd spread = covariance;
-  const auto root = [](const Eigen::MatrixXd& m) { return whitening(m.inverse(), 1e-12); };
+  const auto root = [](const Eigen::MatrixXd& m) { return whitening(inverse(m), 1e-12); };
   for (int round = 0; round < kMostRounds; ++round) {
     const Posterior here =
         round_of(log_density, about, root(spread), n_draws / 3, seed, static_cast<std::uint64_t>(round));

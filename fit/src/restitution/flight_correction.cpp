@@ -2,8 +2,9 @@
 #include "bouncelab/fit/flight_correction.hpp"
 
 #include <cmath>
+#include <vector>
 
-#include "bouncelab/core/quadrature.hpp"
+#include "numerics/distributions.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -16,10 +17,10 @@ struct Leg {
 /// From rest to speed v or back; drag helps to stop on the way up (sign +1) and holds up on the way down (-1).
 Leg leg(const Ball& ball, const Air& air, double v_mps, double gravity_mps2, double sign) {
   Leg result;
-  for (std::size_t k = 0; k < kGaussLegendre6.nodes.size(); ++k) {
-    const double v = v_mps * kGaussLegendre6.nodes[k];
-    const double weight =
-        v_mps * kGaussLegendre6.weights[k] / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
+  static const std::vector<QuadratureNode> nodes = gauss_legendre_nodes(6, 0.0, 1.0);
+  for (const QuadratureNode& node : nodes) {
+    const double v = v_mps * node.x;
+    const double weight = v_mps * node.weight / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
     result.duration_s += weight;
     result.height_m += weight * v;
   }

@@ -10,10 +10,11 @@
 #include <span>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/distributions.hpp"
 #include "law/goodness.hpp"
-#include "law/maximise.hpp"
-#include "law/normal_laplace_block.hpp"
+#include "law/normal_laplace.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 namespace {

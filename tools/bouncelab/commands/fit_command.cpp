@@ -13,7 +13,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/fit/json.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/loop/records.hpp"
 #include "files/provenance.hpp"
 #include "files/run_parts.hpp"

@@ -15,7 +15,6 @@
 #include "bouncelab/core/progress.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/dem_export.hpp"
-#include "bouncelab/fit/density_picture.hpp"
 #include "bouncelab/fit/error_budget.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 namespace bouncelab::fit {
 
-// Of the functions of core/elementary.hpp, so that they give the same bits on every processor; relative errors below
-// 1e-12. GSL's take the C library's functions.
+// By GSL, which no other file of fit calls: its error handler, which would end the program, is switched off there.
 
 /// Probability of a chi-square above chi2. @param chi2  >= 0  @param ndf  > 0
 double chi2_survival(double chi2, double ndf);
@@ -17,5 +19,11 @@ double f_survival(double f, double d1, double d2);
 
 /// The t below which it falls with probability p. @param p  in [0.5, 1)
 double student_t_quantile(double p, double nu);
+
+struct QuadratureNode {
+  double x, weight;
+};
+/// Gauss-Legendre rule of n points on [lo, hi].
+std::vector<QuadratureNode> gauss_legendre_nodes(std::size_t n, double lo, double hi);
 
 }  // namespace bouncelab::fit

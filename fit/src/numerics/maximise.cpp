@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/maximise.hpp"
+#include "numerics/maximise.hpp"
 
 #include <ceres/first_order_function.h>
 #include <ceres/gradient_problem.h>
@@ -8,10 +8,11 @@
 #include <glog/logging.h>
 #endif
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <mutex>
+
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -104,14 +105,6 @@ ceres::GradientProblemSolver::Options solver_options(double tolerance) {
 
 }  // namespace
 
-Eigen::MatrixXd whitening(const Eigen::MatrixXd& m, double floor) {
-  Eigen::VectorXd scale = m.diagonal();
-  for (double& s : scale) s = s > 0.0 ? 1.0 / std::sqrt(s) : 1.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * m * scale.asDiagonal());
-  const Eigen::VectorXd roots = eigen.eigenvalues().cwiseMax(floor).cwiseSqrt().cwiseInverse();
-  return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
-}
-
 Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
                  double tolerance) {
   Maximum result;
@@ -160,9 +153,9 @@ Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& star
   best.x = start;
   best.loglik = -HUGE_VAL;
   best.gain_left = HUGE_VAL;
-  const Eigen::LLT<Eigen::MatrixXd> llt(information);
-  if (llt.info() != Eigen::Success) return best;
-  Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(start.size(), start.size()));
+  const std::optional<Cholesky> root = cholesky(information);
+  if (!root) return best;
+  Eigen::MatrixXd inverse = root->inverse();
   Eigen::VectorXd gradient, step = Eigen::VectorXd::Zero(start.size());
   double last_gain = 0.0;
   for (int k = 0; k < kMostSteps; ++k) {
