@@ -3,7 +3,7 @@
 #
 # A module: the static library bouncelab_NAME, alias bouncelab::NAME, whose public headers are those of
 # include/bouncelab/NAME and nothing else (one include root per module), private headers in src, installed and exported
-# as the component NAME. With BOUNCELAB_UNITY the sources of a folder are compiled as one file.
+# as the component NAME.
 function(bouncelab_add_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE")
   add_library(bouncelab_${name} STATIC)
@@ -20,14 +20,6 @@ function(bouncelab_add_module name)
   set_property(GLOBAL APPEND PROPERTY BOUNCELAB_PUBLIC_INCLUDE_DIRS ${CMAKE_CURRENT_SOURCE_DIR}/include)
   target_include_directories(bouncelab_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(bouncelab_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
-  if(BOUNCELAB_UNITY)
-    foreach(source IN LISTS arg_SOURCES)
-      cmake_path(GET source PARENT_PATH folder)
-      string(MAKE_C_IDENTIFIER "${folder}" group)
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
-    endforeach()
-    set_target_properties(bouncelab_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  endif()
   install(TARGETS bouncelab_${name} EXPORT bouncelab_${name}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name})

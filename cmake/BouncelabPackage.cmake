@@ -30,11 +30,6 @@ if(BOUNCELAB_PACKAGE)
     execute_process(COMMAND gzip -9nc ${changelog} OUTPUT_FILE ${CMAKE_CURRENT_BINARY_DIR}/${name}.gz
                     COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
-  # the package of HDF5, which has the library's version in its name
-  bouncelab_find_hdf5()
-  file(REAL_PATH ${HDF5_C_LIBRARY} hdf5_file)
-  execute_process(COMMAND dpkg-query --search ${hdf5_file} OUTPUT_VARIABLE hdf5_package COMMAND_ERROR_IS_FATAL ANY)
-  string(REGEX MATCH "^[^:]+" hdf5_package ${hdf5_package})
 endif()
 
 set(CPACK_GENERATOR DEB)
@@ -51,8 +46,6 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME bouncelab)
-# what is loaded when it is needed, which no tool sees
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "libsndfile1, ${hdf5_package}")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ffmpeg)
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "Drop a ball on a plate and record the sound: the intervals between impacts
 give the coefficient of restitution at each speed. bouncelab finds the impacts
@@ -73,7 +66,7 @@ if(TARGET bouncelab_python)  # compiled for one version of Python
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy (<< 1:2), ${hdf5_package}")
+      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy (<< 1:2)")
 endif()
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-pandas, ffmpeg")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python module: impacts of a bouncing ball in sound, as NumPy arrays, the law of

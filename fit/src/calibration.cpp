@@ -270,44 +270,29 @@ RestitutionSamples calibration_samples(const CalibrationConfig& config, std::uin
   return samples;
 }
 
-std::vector<Estimate> calibrate_seed(const CalibrationConfig& config, std::size_t index) {
+CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallback& progress) {
   validate(config.law);
   check(config);
   LawFitConfig fit_config;
   fit_config.orders = orders_of(config.law);
   fit_config.node_speeds_mps = kNodeSpeeds_mps;
   fit_config.intervals = config.intervals;
-  return estimates_of(calibration_samples(config, index), fit_config, {windows_of(config), kWindowWidth_mps});
-}
-
-CalibrationResult calibration_result(const CalibrationConfig& config, const std::vector<std::vector<Estimate>>& seeds) {
-  validate(config.law);
-  check(config);
   CalibrationResult result;
   result.rows = rows_of(config);
   std::vector<Sums> sums(result.rows.size());
-  for (const std::vector<Estimate>& found : seeds) {
-    if (found.size() != sums.size()) {
-      ++result.n_failed;
-      continue;
-    }
-    for (std::size_t j = 0; j < sums.size(); ++j) sums[j].add(found[j], result.rows[j].truth);
-  }
-  for (std::size_t j = 0; j < sums.size(); ++j)
-    if (sums[j].n > 1.0) sums[j].put(result.rows[j]);
-  return result;
-}
-
-CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallback& progress) {
-  CalibrationResult result;
   with_threads(config.n_threads, [&] {
-    std::vector<std::vector<Estimate>> seeds;
     for (std::size_t i = 0; i < config.n_seeds; ++i) {
       if (progress) progress(static_cast<double>(i), static_cast<double>(config.n_seeds));
-      seeds.push_back(calibrate_seed(config, i));
+      const std::vector<Estimate> found =
+          estimates_of(calibration_samples(config, i), fit_config, {windows_of(config), kWindowWidth_mps});
+      if (found.size() != sums.size())
+        ++result.n_failed;
+      else
+        for (std::size_t j = 0; j < sums.size(); ++j) sums[j].add(found[j], result.rows[j].truth);
     }
-    result = calibration_result(config, seeds);
   });
+  for (std::size_t j = 0; j < sums.size(); ++j)
+    if (sums[j].n > 1.0) sums[j].put(result.rows[j]);
   return result;
 }
 

@@ -93,9 +93,11 @@ void validate(const SimulationConfig& c) {
   require(c.max_time_s > 0.0, "time limit", c.max_time_s, "> 0 s");
 }
 
-void simulate_each(const SimulationConfig& config, const Surface& surface, const std::vector<std::int64_t>& drops,
-                   const DropSink& sink, const ProgressCallback& progress) {
+void simulate_each(const SimulationConfig& config, const Surface& surface, const DropSink& sink,
+                   const ProgressCallback& progress) {
   validate(config);
+  std::vector<std::int64_t> drops(static_cast<std::size_t>(config.n_drops));
+  std::iota(drops.begin(), drops.end(), config.first_drop);
   const auto total = static_cast<double>(drops.size());
   const ProgressCallback not_yet = [&](double, double) { progress(0.0, total); };
   const Envelope envelope(config.ball, surface, config.n_threads, progress ? not_yet : ProgressCallback{});
@@ -140,15 +142,13 @@ SimulationResult SimulationCounts::result() const {
 
 SimulationResult simulate(const SimulationConfig& config, const Surface& surface, const ProgressCallback& progress) {
   validate(config);
-  std::vector<std::int64_t> numbers(static_cast<std::size_t>(config.n_drops));
-  std::iota(numbers.begin(), numbers.end(), config.first_drop);
-  std::vector<Impacts> impacts(numbers.size());
+  std::vector<Impacts> impacts(static_cast<std::size_t>(config.n_drops));
   SimulationCounts counts;
   const auto take = [&](std::size_t k, DropResult&& drop) {
     counts.add(k, drop);
     impacts[k] = std::move(drop.impacts);
   };
-  simulate_each(config, surface, numbers, take, progress);
+  simulate_each(config, surface, take, progress);
   SimulationResult result = counts.result();
   for (const Impacts& drop : impacts) append(result.impacts, drop);
   return result;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <string>
 
 /// What every benchmark here prints: one number a line, as JSON, which tools/bench collects.
@@ -35,15 +34,6 @@ double seconds_of(Call&& call) {
   const double begin_s = thread_s();
   call();
   return thread_s() - begin_s;
-}
-
-/// The most memory that this process has held [B]; not a number where the system does not say. getrusage would count
-/// what the program held that started this one.
-inline double peak_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (double kib = 0.0; word == "VmHWM:" && status >> kib) return 1024.0 * kib;
-  return std::nan("");
 }
 
 /// Seconds of a call and of its baseline.

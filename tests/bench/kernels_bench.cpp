@@ -1,50 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// kernels_bench: the hand-made loops of bouncelab::audio against plain ones compiled alike, FFTW's real transform and
-/// libsndfile's decoder. Prints seconds of one call of each; they take turns, and the least of many counts.
-#include <fftw3.h>
-#include <sndfile.h>
-#include <unistd.h>
-
+/// kernels_bench: the FIR filter of bouncelab::audio, which is compiled for several kinds of processor, against a plain
+/// loop compiled as everything else. Prints seconds of one call of each; they take turns, and the least of many counts.
 #include <algorithm>
-#include <cmath>
-#include <complex>
-#include <cstdio>
-#include <filesystem>
-#include <functional>
-#include <numeric>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "bench_lines.hpp"
-#include "bouncelab/audio/audio.hpp"
 #include "bouncelab/audio/dsp/kernels.hpp"
 
 namespace {
 
-using namespace bouncelab;
-using namespace bouncelab::audio;
 using Floats = std::vector<float>;
-using Doubles = std::vector<double>;
 
-void print_row(const char* kernel, const char* baseline, const std::function<void()>& ours,
-               const std::function<void()>& theirs) {
-  const bench::Pair least = bench::alternating(ours, theirs);
-  bench::print_line("kernels", kernel, "bouncelab", least.ours_s, "s");
-  bench::print_line("kernels", kernel, baseline, least.baseline_s, "s");
-}
-
-volatile double sink;  // what is not used is not computed
-
-template <class Number>
-std::vector<Number> noise(std::size_t n) {
+Floats noise(std::size_t n) {
   std::mt19937 generator(1);
-  std::normal_distribution<Number> normal;
-  std::vector<Number> x(n);
-  for (Number& value : x) value = normal(generator);
+  std::normal_distribution<float> normal;
+  Floats x(n);
+  for (float& value : x) value = normal(generator);
   return x;
 }
-
-// Baselines: as one would write them.
 
 [[gnu::noinline]] void filter_plainly(const Floats& x, const Floats& taps, Floats& out) {
   std::fill(out.begin(), out.end(), 0.0F);
@@ -52,168 +27,17 @@ std::vector<Number> noise(std::size_t n) {
     for (std::size_t n = 0; n < out.size(); ++n) out[n] += taps[k] * x[n + k];
 }
 
-template <class Number>
-[[gnu::noinline]] void add_scaled_plainly(Number* to, Number factor, const Number* x, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
-}
-
-[[gnu::noinline]] void multiply_plainly(const double* a, const double* b, double* product, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) product[k] = a[k] * b[k];
-}
-
-[[gnu::noinline]] void shift_plainly(const Spectrum& a, double angle, Spectrum& out) {
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    const auto z =
-        std::complex(a.re[k], a.im[k]) * std::polar(1.0F, static_cast<float>(angle * static_cast<double>(k)));
-    out.re[k] = z.real();
-    out.im[k] = z.imag();
-  }
-}
-
-void print_sums() {
-  const Floats a = noise<float>(4096), b = noise<float>(4096);
-  const Doubles c = noise<double>(300), d = noise<double>(300);
-  print_row(
-      "dot, 4096 floats", "std::inner_product", [&] { sink = dot(a, b); },
-      [&] { sink = std::inner_product(a.begin(), a.end(), b.begin(), 0.0F); });
-  print_row(
-      "dot, 300 doubles", "std::inner_product", [&] { sink = dot(c.data(), d.data(), c.size()); },
-      [&] { sink = std::inner_product(c.begin(), c.end(), d.begin(), 0.0); });
-  print_row(
-      "largest, 4096 floats", "std::max_element", [&] { sink = largest(a); },
-      [&] { sink = *std::max_element(a.begin(), a.end()); });
-}
-
-void print_products() {
-  Floats a = noise<float>(2049);
-  const Floats b = noise<float>(2049);
-  Doubles c = noise<double>(300), product(300);
-  const Doubles d = noise<double>(300);
-  print_row(
-      "add_scaled, 2049 floats", "plain loop", [&] { add_scaled(a.data(), 1e-9F, b.data(), a.size()); },
-      [&] { add_scaled_plainly(a.data(), 1e-9F, b.data(), a.size()); });
-  print_row(
-      "add_scaled, 300 doubles", "plain loop", [&] { add_scaled(c.data(), 1e-9, d.data(), c.size()); },
-      [&] { add_scaled_plainly(c.data(), 1e-9, d.data(), c.size()); });
-  print_row(
-      "multiply, 300 doubles", "plain loop", [&] { multiply(c.data(), d.data(), product.data(), c.size()); },
-      [&] { multiply_plainly(c.data(), d.data(), product.data(), c.size()); });
-}
-
-void print_filter() {
-  for (const std::size_t n_taps : {34, 50}) {
-    const Floats taps = noise<float>(n_taps), x = noise<float>(8192 + n_taps);
-    Floats out(8192);
-    char name[40];
-    std::snprintf(name, sizeof name, "correlate, 8192 by %zu taps", n_taps);
-    print_row(
-        name, "a plain loop over samples in one over taps", [&] { correlate(x, taps, out); },
-        [&] { filter_plainly(x, taps, out); });
-  }
-}
-
-/// FFTW's transform of real signals, from and to what RealFft takes and gives.
-class OfFftw {
- public:
-  explicit OfFftw(std::size_t n)
-      : n_(n),
-        real_(fftwf_alloc_real(n)),
-        complex_(fftwf_alloc_complex(n / 2 + 1)),
-        forward_(fftwf_plan_dft_r2c_1d(static_cast<int>(n), real_, complex_, FFTW_ESTIMATE)),
-        inverse_(fftwf_plan_dft_c2r_1d(static_cast<int>(n), complex_, real_, FFTW_ESTIMATE)) {}
-  OfFftw(const OfFftw&) = delete;
-  OfFftw& operator=(const OfFftw&) = delete;
-  ~OfFftw() {
-    fftwf_destroy_plan(forward_);
-    fftwf_destroy_plan(inverse_);
-    fftwf_free(real_);
-    fftwf_free(complex_);
-  }
-  Spectrum forward(const Floats& x) {
-    std::copy(x.begin(), x.end(), real_);
-    fftwf_execute(forward_);
-    Spectrum spectrum{Floats(n_ / 2 + 1), Floats(n_ / 2 + 1)};
-    const float scale = std::sqrt(2.0F / static_cast<float>(n_));
-    for (std::size_t k = 0; k <= n_ / 2; ++k) {
-      spectrum.re[k] = scale * complex_[k][0];
-      spectrum.im[k] = scale * complex_[k][1];
-    }
-    return spectrum;
-  }
-  Floats inverse(const Spectrum& spectrum) {
-    const float scale = std::sqrt(0.5F / static_cast<float>(n_));
-    for (std::size_t k = 0; k <= n_ / 2; ++k) {
-      complex_[k][0] = scale * spectrum.re[k];
-      complex_[k][1] = scale * spectrum.im[k];
-    }
-    fftwf_execute(inverse_);
-    return {real_, real_ + n_};
-  }
-
- private:
-  std::size_t n_;
-  float* real_;
-  fftwf_complex* complex_;
-  fftwf_plan forward_, inverse_;
-};
-
-void print_transforms() {
-  for (const std::size_t n : {1024, 2048, 4096}) {
-    RealFft ours(n);
-    OfFftw theirs(n);
-    Floats x = noise<float>(n);
-    Spectrum spectrum = ours.forward(x);
-    char name[40];
-    std::snprintf(name, sizeof name, "RealFft::forward, %zu", n);
-    print_row(
-        name, "FFTW's r2c, planned by estimate", [&] { spectrum = ours.forward(x); },
-        [&] { spectrum = theirs.forward(x); });
-    std::snprintf(name, sizeof name, "RealFft::inverse, %zu", n);
-    print_row(
-        name, "FFTW's c2r, planned by estimate", [&] { x = ours.inverse(spectrum); },
-        [&] { x = theirs.inverse(spectrum); });
-  }
-  const Spectrum a{noise<float>(2049), noise<float>(2049)};
-  Spectrum out = a;
-  print_row(
-      "phase_shift, 2049 bins", "std::polar for each bin", [&] { phase_shift(a, 0.1, out); },
-      [&] { shift_plainly(a, 0.1, out); });
-}
-
-void print_decoding(SampleEncoding encoding, const char* name) {
-  constexpr std::int64_t kFrames = 2000000, kAtOnce = 1 << 14;
-  const auto path = std::filesystem::temp_directory_path() / ("kernels_bench_" + std::to_string(::getpid()) + ".wav");
-  {
-    AudioWriter writer(path, {96000, 1, encoding}, kFrames, true);
-    Doubles samples = noise<double>(kFrames);
-    for (double& x : samples) x *= 0.1;
-    writer.write(samples);
-    writer.commit();
-  }
-  Floats out(kAtOnce);
-  AudioReader reader(path);
-  SF_INFO info{};
-  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
-  print_row(
-      name, "sf_readf_float",
-      [&] {
-        for (std::int64_t at = 0; at + kAtOnce <= kFrames; at += kAtOnce) reader.read(at, 0, out);
-      },
-      [&] {
-        sf_seek(file, 0, SEEK_SET);
-        for (std::int64_t at = 0; at + kAtOnce <= kFrames; at += kAtOnce) sf_readf_float(file, out.data(), kAtOnce);
-      });
-  sf_close(file);
-  std::filesystem::remove(path);
-}
-
 }  // namespace
 
 int main() {
-  print_sums();
-  print_products();
-  print_filter();
-  print_transforms();
-  print_decoding(SampleEncoding::pcm16, "AudioReader::read, 2e6 of 16 bits");
-  print_decoding(SampleEncoding::pcm24, "AudioReader::read, 2e6 of 24 bits");
+  using namespace bouncelab;
+  for (const std::size_t n_taps : {34, 50}) {
+    const Floats taps = noise(n_taps), x = noise(8192 + n_taps);
+    Floats out(8192);
+    const bench::Pair least =
+        bench::alternating([&] { audio::correlate(x, taps, out); }, [&] { filter_plainly(x, taps, out); });
+    const std::string name = "FIR filter of " + std::to_string(n_taps) + " taps over 8192 samples";
+    bench::print_line("kernels", name, "bouncelab", least.ours_s, "s");
+    bench::print_line("kernels", name, "a plain loop", least.baseline_s, "s");
+  }
 }

@@ -30,6 +30,11 @@ def drops(program, folder, length_s, rate_hz, bits=16, channels=1):
     return str(sound), str(truth)
 
 
+def length_s(path):
+    with wave.open(path) as file:
+        return file.getnframes() / file.getframerate()
+
+
 def bursts(generator, n, rate_hz, per_s):
     """Like speech or music: bursts of coloured noise of 20 to 300 ms with sharp begins, several a second, over one another."""
     out = 1e-3 * generator.standard_normal(n)

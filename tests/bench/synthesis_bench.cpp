@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// synthesis_bench: the synthesizer on one thread, in seconds a second of sound: one drop at one point, many points,
-/// noise alone; against the direct sum over impacts and modes; and its peak memory.
-#include <unistd.h>
-
+/// synthesis_bench: the synthesizer on one thread, in seconds a second of sound, with all impacts of a drop at one
+/// point and each at its own; against the direct sum over impacts and modes.
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,14 +18,10 @@ using namespace bouncelab;
 constexpr int kDrops = 10, kImpacts = 95;
 volatile double sink;  // what is not used is not computed
 
-void print_line(const std::string& of, const char* what, double value, const char* unit) {
-  bench::print_line("synthesize", of, what, value, unit);
-}
-
 /// The paper's drops without scatter.
-Impacts smooth_drops(int n_drops) {
+Impacts smooth_drops() {
   Impacts impacts;
-  for (int drop = 0; drop < n_drops; ++drop) {
+  for (int drop = 0; drop < kDrops; ++drop) {
     double v_mps = std::sqrt(2.0 * kDefaultGravity_mps2 * 0.095), t_s = v_mps / kDefaultGravity_mps2;
     for (int k = 0; k < kImpacts; ++k) {
       const double eps = restitution(SeriesLaw{}, v_mps);
@@ -41,8 +34,8 @@ Impacts smooth_drops(int n_drops) {
 }
 
 /// The same, each impact at a point of its own, on a spiral of 2 cm.
-Impacts wandering_drops(int n_drops) {
-  Impacts impacts = smooth_drops(n_drops);
+Impacts wandering_drops() {
+  Impacts impacts = smooth_drops();
   for (std::size_t k = 0; k < impacts.rows.size(); ++k) {
     const double share = static_cast<double>(k % kImpacts) / kImpacts, angle = 0.7 * static_cast<double>(k);
     ImpactState state;
@@ -91,66 +84,20 @@ double synthesis_s_per_s(const Impacts& impacts, const synthesis::SynthesisConfi
   return least;
 }
 
-/// A recording for each drop, with levels given, rounded as in a file: what a long loop does in memory.
-double drop_by_drop_s_per_s(const Impacts& all, synthesis::SynthesisConfig config) {
-  const auto instrument = synthesis::make_instrument(config);
-  config.levels = synthesis::SyntheticRecording(all, config, instrument).levels();
-  double sound_s = 0.0;
-  const double seconds = bench::seconds_of([&] {
-    for (int drop = 0; drop < 2 * kDrops; ++drop) {
-      const synthesis::SyntheticRecording one(smooth_drops(1), synthesis::config_of_drop(config, *config.levels, drop),
-                                              instrument);
-      sink = one.samples_as_read_back().front();
-      sound_s += static_cast<double>(one.n_frames()) / config.rate_hz;
-    }
-  });
-  return seconds / sound_s;
-}
-
-/// Of segments long after the last impact has decayed.
-double noise_s_per_s(synthesis::SynthesisConfig config) {
-  config.pause_s = 120.0;
-  const synthesis::SyntheticRecording recording(smooth_drops(1), config);
-  const std::int64_t last = recording.n_segments() - 2;
-  const double seconds = bench::least_s([&] { sink = recording.segment(last).front(); }, 10, 0.0);
-  return seconds * config.rate_hz / static_cast<double>(recording.segment_frames());
-}
-
-/// Through a file at 8 kHz: the impacts are as many as at any rate.
-void print_memory(int n_drops, synthesis::SynthesisConfig config) {
-  config.rate_hz = 8000;
-  config.encoding = audio::SampleEncoding::pcm16;
-  const Impacts one = smooth_drops(1);
-  const synthesis::DropSource drops = [&one, n_drops](std::int64_t k, Impacts& drop) {
-    drop = one;
-    for (Impact& impact : drop.rows) impact.drop = k;
-    return k < n_drops;
-  };
-  const std::filesystem::path out =
-      std::filesystem::temp_directory_path() / ("synthesis_bench_" + std::to_string(::getpid()) + ".wav");
-  const synthesis::SynthesisResult result = synthesis::synthesize(drops, config, out, true);
-  std::filesystem::remove(out);
-  const std::string name = std::to_string(result.n_impacts) + " impacts to a file";
-  print_line(name, "sound", result.duration_s, "s");
-  print_line(name, "peak memory so far", bench::peak_bytes(), "B");
-}
-
 }  // namespace
 
 int main() {
   synthesis::SynthesisConfig config;
-  for (const int n_drops : {5, 1000}) print_memory(n_drops, config);
-  const Impacts one_point = smooth_drops(kDrops), many_points = wandering_drops(kDrops);
+  const Impacts one_point = smooth_drops(), many_points = wandering_drops();
   for (const int rate_hz : {44100, 96000}) {
     config.rate_hz = rate_hz;
     config.max_mode_hz = rate_hz < 96000 ? 20.0e3 : 45.0e3;
     const std::string rate = std::to_string(rate_hz) + " Hz";
-    print_line(rate, "modes",
-               static_cast<double>(synthesis::PlateModes(config.ground, config.max_mode_hz).modes().size()), "1");
-    print_line(rate, "one point a drop", synthesis_s_per_s(one_point, config), "s/s");
-    print_line(rate, "direct sum", direct_sum_s_per_s(one_point, config), "s/s");
-    print_line(rate, "a point for each impact", synthesis_s_per_s(many_points, config), "s/s");
-    print_line(rate, "a recording for each drop", drop_by_drop_s_per_s(one_point, config), "s/s");
-    print_line(rate, "noise alone", noise_s_per_s(config), "s/s");
+    const auto print = [&](const char* what, double seconds) {
+      bench::print_line("synthesize", rate, what, seconds, "s/s");
+    };
+    print("one point a drop", synthesis_s_per_s(one_point, config));
+    print("direct sum", direct_sum_s_per_s(one_point, config));
+    print("a point for each impact", synthesis_s_per_s(many_points, config));
   }
 }

@@ -113,15 +113,12 @@ TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
   EXPECT_EQ(std::count(onsets.begin(), onsets.end(), '\n'), 1 + 12 + 11);
 }
 
-TEST_F(BadInput, AnHdf5TableThatNeverEnds) {
-  fs::copy(fs::path(BOUNCELAB_TEST_INPUTS) / "endless_strings.h5", folder_ / "endless.h5");
-  expect_refused("restitution endless.h5 --out s.csv", 3, {"endless.h5"});
-  // a good one through the same door
-  write("on.csv", "recording,drop,impact,t_s\na,0,0,0.1\na,0,1,0.4\na,0,2,0.65\na,0,3,0.85\n");
-  ASSERT_EQ(run("convert on.csv --to on.h5").exit_code, 0);
-  ASSERT_EQ(run("restitution on.h5 --out from_h5.csv").exit_code, 0);
-  ASSERT_EQ(run("restitution on.csv --out from_csv.csv").exit_code, 0);
-  EXPECT_EQ(content_of(folder_ / "from_h5.csv"), content_of(folder_ / "from_csv.csv"));
+TEST_F(BadInput, Hdf5IsLeftToPandas) {
+  write("on.h5", "\x89HDF\r\n\x1a\n");
+  for (const char* arguments : {"restitution on.h5 --out s.csv", "fit on.h5 --json", "synthesize on.h5 --out s.wav",
+                                "convert on.h5 --to s.csv", "simulate --surface on.h5 --out i.csv", "detect on.h5",
+                                "simulate --drops 1 --impacts 3 --asperities 100 --out on.h5 --force"})
+    expect_refused(arguments, 2, {"on.h5", "HDF5", ".csv", "pandas"});
 }
 
 TEST_F(BadInput, AStreamedFlacIsDetectedAsTheSameFileWithItsLength) {

@@ -249,22 +249,5 @@ TEST_F(Files, TheSameRecordingGivenTwiceCountsOnce) {
   EXPECT_EQ(summary["warnings"][0], "copy.wav: the same recording as a.wav (by content); counted once");
 }
 
-#ifdef BOUNCELAB_HDF5  // loaded by that name when a table needs it
-
-TEST_F(Files, ALibraryThatCannotBeLoadedIsNamedAndLeavesNothing) {
-  ASSERT_EQ(run("restitution on.csv --out eps.h5").exit_code, 0);
-  fs::create_directory(folder_ / "lib");
-  write("lib/" BOUNCELAB_HDF5, "no library\n");
-  const auto before = files();
-  for (const std::string command : {"restitution eps.h5 --out other.csv", "restitution on.csv --out other.h5"}) {
-    SCOPED_TRACE(command);
-    const Result result = shell("LD_LIBRARY_PATH=lib \"$B\" " + command);
-    expect_one_line_error(result, 3, {"HDF5: cannot be loaded", BOUNCELAB_HDF5, ".csv"});
-    EXPECT_EQ(files(), before);
-  }
-}
-
-#endif
-
 }  // namespace
 }  // namespace bouncelab::cli_test

@@ -28,32 +28,30 @@ TEST_F(LongTables, TakeTheMemoryOfShortOnes) {
   // commands take 20 to 50 MB
   write("o.csv", long_onsets(300));
   const std::string limited = "ulimit -d 75000 && ";
-  for (const char* arguments : {"convert o.csv --to o.h5 o.jsonl", "restitution o.csv --out from_csv.csv",
-                                "restitution o.jsonl --out from_jsonl.csv", "restitution o.h5 --out from_h5.csv",
-                                "restitution o.h5 --out from_h5.h5"}) {
+  for (const char* arguments : {"convert o.csv --to o.jsonl", "restitution o.csv --out from_csv.csv",
+                                "restitution o.jsonl --out from_jsonl.csv"}) {
     const Result result = shell(limited + "\"$B\" " + arguments);
     ASSERT_EQ(result.exit_code, 0) << arguments << "\n" << result.err;
   }
   const std::string samples = content_of(folder_ / "from_csv.csv");
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\n'), 300 * 20 * 23 + 1);
   EXPECT_TRUE(content_of(folder_ / "from_jsonl.csv") == samples);
-  EXPECT_TRUE(content_of(folder_ / "from_h5.csv") == samples);
 }
 
 TEST_F(LongTables, AreTheSameFileAfterEveryWayThroughTheFormats) {
   write("o.csv", long_onsets(40));  // 20,000 rows: more than a piece
-  ASSERT_EQ(run("convert o.csv --to a.csv a.h5 a.jsonl").exit_code, 0);
-  ASSERT_EQ(run("convert a.jsonl --to b.h5").exit_code, 0);
-  ASSERT_EQ(run("convert a.h5 --to b.csv b.jsonl").exit_code, 0);
-  for (const char* ext : {".csv", ".h5", ".jsonl"})
+  ASSERT_EQ(run("convert o.csv --to a.csv a.jsonl").exit_code, 0);
+  ASSERT_EQ(run("convert a.jsonl --to b.csv").exit_code, 0);
+  ASSERT_EQ(run("convert a.csv --to b.jsonl").exit_code, 0);
+  for (const char* ext : {".csv", ".jsonl"})
     EXPECT_TRUE(content_of(folder_ / (std::string("a") + ext)) == content_of(folder_ / (std::string("b") + ext)))
         << ext;
 }
 
 TEST_F(LongTables, AFaultBehindTheFirstPieceLeavesNoFile) {
   write("o.csv", long_onsets(40) + "campaign/take 39.wav,19,25,1,1e-06,\n");  // back in time, on line 20,002
-  expect_one_line_error(run("restitution o.csv --out s.h5"), 3, {"o.csv", "line 20002", "times must increase"});
-  expect_one_line_error(run("convert o.csv --to s.h5"), 3, {"o.csv", "line 20002"});
+  expect_one_line_error(run("restitution o.csv --out s.jsonl"), 3, {"o.csv", "line 20002", "times must increase"});
+  expect_one_line_error(run("convert o.csv --to s.jsonl"), 3, {"o.csv", "line 20002"});
   EXPECT_EQ(files(), std::vector<std::string>{"o.csv"});
 }
 
@@ -64,9 +62,9 @@ TEST_F(LongTables, AFullDiskCostsOneLine) {
   write("o.csv", long_onsets(40));
   for (const char* size : {"4k", "200k", "700k", "1000k"}) {  // of the 1.1 MB that it takes
     const Result result =
-        shell("size=" + std::string(size) + "; " + on_disk + "\"$B\" restitution o.csv --out disk/s.h5");
+        shell("size=" + std::string(size) + "; " + on_disk + "\"$B\" restitution o.csv --out disk/s.jsonl");
     SCOPED_TRACE(size);
-    expect_one_line_error(result, 3, {"disk/s.h5", "is the disk full"});
+    expect_one_line_error(result, 3, {"disk/s.jsonl", "is the disk full"});
   }
 }
 

@@ -24,7 +24,7 @@ class Names : public ProgramTest {
   void expect_whole_way(const std::string& name, const std::string& in_table) const {
     SCOPED_TRACE(testing::PrintToString(name));
     write(name, float_wav(bouncing(12), 44100));
-    for (const std::string table : {"o.csv", "o.jsonl", "o.h5"}) {
+    for (const std::string table : {"o.csv", "o.jsonl"}) {
       const Result detected = run("detect --force --out " + table + " -- " + quoted("./" + name));
       ASSERT_EQ(detected.exit_code, 0) << detected.err;
       const Result samples = run("restitution --force " + table + " --out s.csv");
@@ -79,7 +79,7 @@ TEST_F(Names, ThatLookLikeAScriptAreShownInTheReport) {
 }
 
 TEST_F(Names, ImpactsWithoutStatesAreSynthesizedFromEveryFormat) {
-  for (const std::string table : {"i.csv", "i.jsonl", "i.h5"}) {
+  for (const std::string table : {"i.csv", "i.jsonl"}) {
     ASSERT_EQ(run("simulate --drops 2 --impacts 5 --asperities 100 --out " + table).exit_code, 0);
     const Result made = run("synthesize --force " + table + " --out s.wav");
     EXPECT_EQ(made.exit_code, 0) << table << ": " << made.err;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// The loop through memory: the paper's preset with fewer and shorter drops.
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -13,66 +12,15 @@ using Json = nlohmann::json;
 
 class PaperLoop : public ProgramTest {
  protected:
-  /// 23 recordings with the smooth ball's: enough to be killed in between. Too short for the fit with memory.
-  static std::string command(const std::string& out, const std::string& more = "") { return loop(22, 10, out, more); }
   static std::string loop(int n_drops, int n_impacts, const std::string& out, const std::string& more) {
     return "loop --preset paper --drops " + std::to_string(n_drops) + " --impacts " + std::to_string(n_impacts) +
            " --asperities 20000 --out " + out + " " + more;
   }
-
-  /// Starts the command and kills it (SIGKILL) once its journal has so many lines.
-  void kill_at(const std::string& arguments, const fs::path& journal, int n_lines) const {
-    const std::string script =
-        "cd '" + folder_.path().string() + "' && ('" BOUNCELAB_PROGRAM "' " + arguments +
-        " >/dev/null 2>&1 & pid=$!; while [ \"$(wc -l < '" + journal.string() + "' 2>/dev/null || echo 0)\" -lt " +
-        std::to_string(n_lines) +
-        " ] && kill -0 $pid 2>/dev/null; do sleep 0.01; done; kill -9 $pid; wait $pid) 2>/dev/null";
-    std::system(script.c_str());
-  }
-
-  /// Everything in a folder but what tells how long it took.
-  std::map<std::string, std::string> results(const std::string& folder) const {
-    std::map<std::string, std::string> all;
-    for (const auto& entry : fs::directory_iterator(folder_ / folder)) {
-      const std::string name = entry.path().filename().string();
-      if (name.ends_with(".meta.json") || entry.is_directory()) continue;  // they hold the command line
-      all[name] = content_of(entry.path());
-    }
-    Json summary = Json::parse(all["summary.json"]);
-    for (const char* work : {"seconds", "processor_seconds", "peak_memory_bytes"}) summary.erase(work);
-    all["summary.json"] = summary.dump();
-    return all;
-  }
 };
 
-TEST_F(PaperLoop, KilledThreeTimesItGoesOnAndEndsWithTheSameBytes) {
-  ASSERT_EQ(run(command("whole", "--quiet")).exit_code, 0);
-  const fs::path journal = folder_ / "killed" / "unfinished.journal";
-  for (const int n_lines : {3, 9, 16}) {
-    kill_at(command("killed", "--threads 2"), journal, n_lines);
-    ASSERT_TRUE(fs::exists(journal)) << "it was finished before it could be killed";
-    // a line torn in the middle, as a crash of the machine leaves it
-    std::ofstream(journal, std::ios::app) << "{\"ball\":\"rough\",\"drop\":999,\"sou";
-  }
-  const Result result = run(command("killed", "--threads 1"));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_FALSE(fs::exists(journal));
-  const auto whole = results("whole"), killed = results("killed");
-  ASSERT_EQ(whole.size(), 12u);
-  for (const auto& [name, content] : whole) EXPECT_EQ(killed.at(name), content) << name;
-}
-
-TEST_F(PaperLoop, AnUnfinishedRunWithOtherSettingsIsRefusedByTheirName) {
-  kill_at(command("out"), folder_ / "out" / "unfinished.journal", 2);
-  const std::string before = content_of(folder_ / "out" / "unfinished.journal");
-  expect_one_line_error(run(command("out", "--snr-db 20")), 2,
-                        {"unfinished.journal", "snr-db was 30, now 20", "--force"});
-  expect_one_line_error(run(command("out", "--seed 2")), 2, {"seed", "was 1, now 2"});
-  EXPECT_EQ(content_of(folder_ / "out" / "unfinished.journal"), before);
-}
-
 TEST_F(PaperLoop, MoreThanOneSensorIsRefused) {
-  expect_one_line_error(run(command("out", "--channel 0,0 --channel 0.1,0")), 2, {"--channel", "one sensor, not 2"});
+  expect_one_line_error(run(loop(2, 10, "out", "--channel 0,0 --channel 0.1,0")), 2,
+                        {"--channel", "one sensor, not 2"});
 }
 
 TEST_F(PaperLoop, AFinishedRunIsNotReplacedWithoutForce) {

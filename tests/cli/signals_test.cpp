@@ -64,20 +64,11 @@ TEST_F(Signals, TheSecondRunInAFolderIsRefusedAlsoWithForce) {
        {"loop --preset paper --out out --force", "loop --out out", "analyze rec.wav --out out --force"}) {
     const Result result = shell(
         "{ \"$B\" " + std::string(kLong) +
-        " & } ; p=$!; until test -s out/.bouncelab.lock && test -s out/unfinished.journal; do sleep 0.01; done; "
+        " & } ; p=$!; until test -s out/.bouncelab.lock; do sleep 0.01; done; "
         "echo $p; \"$B\" " +
-        second + "; s=$?; test -s out/unfinished.journal || s=99; kill -9 $p; wait $p 2>/dev/null; rm -r out; exit $s");
+        second + "; s=$?; test -s out/.bouncelab.lock || s=99; kill -9 $p; wait $p 2>/dev/null; rm -r out; exit $s");
     expect_one_line_error(result, 3, {"out", "process " + result.out.substr(0, result.out.find('\n'))});
   }
-}
-
-TEST_F(Signals, AJournalOfAnotherVersionIsRefusedAndKept) {
-  fs::create_directory(folder_ / "out");
-  const std::string old = "{\"version\":\"0.1.0\"}\t0123456789abcdef\n{\"ball\":\"rough\"}\t0123456789abcdef\n";
-  write("out/unfinished.journal", old);
-  expect_one_line_error(run("loop --preset paper --drops 2 --asperities 1000 --out out"), 2,
-                        {"unfinished.journal", "another version", "--force"});
-  EXPECT_EQ(content_of(folder_ / "out" / "unfinished.journal"), old);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Tables in pieces, in each of the three formats.
+/// Tables in pieces, in each of the two formats.
 #include "files/table_file.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ Table rows_of(std::size_t first, std::size_t last) {
   }
   return {{{"recording", recording}, {"drop", drop}, {"t_s", t}, {"sigma_t_s", sigma}}};
 }
-constexpr std::size_t kRows = kPiece_rows + 1000;  // more than a chunk
+constexpr std::size_t kRows = kPiece_rows + 1000;  // more than a piece
 const std::vector<ColumnSpec> kColumns{
     {"recording", ColumnType::text}, {"drop", ColumnType::integer}, {"t_s"}, {"sigma_t_s", ColumnType::real, false}};
 
@@ -93,7 +93,7 @@ TEST_P(TableFile, NamesARowByItsPlaceInTheFileAlsoInALaterPiece) {
   reader->next(50);
   const Table piece = reader->next(50);
   const std::string ext = GetParam();
-  EXPECT_EQ(piece.place_of(20), ext == ".h5" ? "row 71" : ext == ".csv" ? "line 72" : "line 71");
+  EXPECT_EQ(piece.place_of(20), ext == ".csv" ? "line 72" : "line 71");
 }
 
 TEST_P(TableFile, IsLeftAloneWithoutTheLastPiece) {
@@ -117,7 +117,7 @@ TEST_P(TableFile, WhatIsCutOffIsRefused) {
 
 std::string name_of(const testing::TestParamInfo<const char*>& info) { return info.param + 1; }
 
-INSTANTIATE_TEST_SUITE_P(Format, TableFile, testing::Values(".csv", ".jsonl", ".h5"), name_of);
+INSTANTIATE_TEST_SUITE_P(Format, TableFile, testing::Values(".csv", ".jsonl"), name_of);
 
 }  // namespace
 }  // namespace bouncelab::cli

@@ -51,14 +51,13 @@ TEST_F(Usage, HelpIsLegible) {
     const std::string help = run(std::string(command) + " --help").out;
     EXPECT_THAT(help, testing::Not(testing::HasSubstr("->{"))) << command;
     EXPECT_THAT(help, testing::Not(testing::HasSubstr("=[]"))) << command;
-    EXPECT_THAT(help, testing::Not(testing::HasSubstr("\n\n\n"))) << command;
     std::istringstream lines(help);
     // examples are whole lines to be copied
     for (std::string line; std::getline(lines, line) && line.rfind("Example", 0) != 0;)
       EXPECT_LE(line.size(), 100u) << line;
   }
   const std::string simulate = run("simulate --help").out;
-  EXPECT_THAT(simulate, testing::HasSubstr("--contact paper|frictionless|coulomb|stronge"));
+  EXPECT_THAT(simulate, testing::HasSubstr("--contact {paper,frictionless,coulomb,stronge}"));
   EXPECT_THAT(simulate, testing::HasSubstr("Gravity [m/s^2] (0.001 to 1000; default 9.81)"));
   EXPECT_THAT(simulate, testing::HasSubstr("--out FILE"));
 }
@@ -96,20 +95,19 @@ TEST_F(Usage, ARecordingAloneIsAnalyzedBesideItself) {
 TEST_F(Usage, CompletionOffersCommandsOptionsAndChoices) {
   ASSERT_EQ(shell("$B completion bash > c.bash").exit_code, 0);
   const auto offered = [&](const std::string& words, int n) {
-    return shell("bash -c 'source ./c.bash; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(n) +
+    return shell("bash -c 'source ./c.bash; COMP_WORDS=(\"$B\" " + words + "); COMP_CWORD=" + std::to_string(n) +
                  "; _bouncelab; echo \"${COMPREPLY[@]}\"'")
         .out;
   };
-  EXPECT_EQ(offered("bouncelab an", 1), "analyze\n");
-  EXPECT_EQ(offered("bouncelab simulate --contact fr", 3), "frictionless\n");
-  EXPECT_EQ(offered("bouncelab simulate --contact-", 2), "--contact-patch\n");
-  EXPECT_EQ(offered("bouncelab fit --out --f", 3), "\n");  // of a file the shell knows more
-  EXPECT_EQ(offered("bouncelab fit --method m", 3), "memory\n");
-  for (const char* name : {"zsh", "fish"}) {
-    const Result script = run(std::string("completion ") + name);
-    EXPECT_EQ(script.exit_code, 0);
-    EXPECT_THAT(script.out, testing::HasSubstr("paper frictionless coulomb stronge"));
-  }
+  EXPECT_EQ(offered("an", 1), "analyze\n");
+  EXPECT_EQ(offered("simulate --contact fr", 3), "frictionless\n");
+  EXPECT_EQ(offered("simulate --contact-", 2), "--contact-patch\n");
+  EXPECT_EQ(offered("fit --out --f", 3), "\n");  // of a file the shell knows more
+  EXPECT_EQ(offered("fit --method m", 3), "memory\n");
+  for (const char* name : {"zsh", "fish"})
+    EXPECT_THAT(run(std::string("completion ") + name).out, testing::HasSubstr("completion words -- ")) << name;
+  // what all scripts ask for; options of the words to complete are not the command's own
+  EXPECT_THAT(run("completion words -- fit --config none.toml --meth").out, testing::HasSubstr("\n--method\t"));
   expect_one_line_error(run("completion tcsh"), 2, {"tcsh"});
 }
 
@@ -131,16 +129,6 @@ TEST_F(Usage, UnknownKeysOfAConfigFileAreNamedByLine) {
   expect_one_line_error(run("simulate --config c.toml --out a.csv"), 2, {"c.toml", "line 2", "asperites"});
   write("d.toml", "drops = \n");
   expect_one_line_error(run("simulate --config d.toml --out a.csv"), 3, {"d.toml", "line 1"});
-}
-
-TEST_F(Usage, TheProgramStartsWithoutLibrariesThatMostCommandsDoNotUse) {
-  // they would be half of the time until --version is answered (tests/bench/start_up.py)
-  const std::string libraries = shell("ldd \"$B\"").out;
-  if (libraries.find("libc.so") == std::string::npos) GTEST_SKIP() << "ldd tells nothing: " << libraries;
-  if (libraries.find("libceres") != std::string::npos) GTEST_SKIP() << "a shared Ceres brings its own libraries";
-  for (const char* name :
-       {"libcholmod", "libcxsparse", "liblapack", "libatlas", "libgfortran", "libgomp", "libglog", "libsndfile"})
-    EXPECT_THAT(libraries, testing::Not(testing::HasSubstr(name)));
 }
 
 }  // namespace

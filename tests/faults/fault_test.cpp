@@ -61,8 +61,7 @@ const std::vector<Job>& FaultTest::jobs() {
       {"report", "report fitted --out out/r.html"},
       {"analyze", "analyze r.*.wav --out out"},
       {"loop", "loop --drops 6 --impacts 20 --asperities 2000 --rate 48000 --out out"},
-      {"paper", "loop --preset paper --drops 6 --impacts 10 --asperities 2000 --rate 48000 --keep-sound --out out",
-       true},
+      {"paper", "loop --preset paper --drops 6 --impacts 10 --asperities 2000 --rate 48000 --keep-sound --out out"},
   };
   return all;
 }
@@ -166,7 +165,6 @@ void expect_nothing_half_written(const Files& found, const Undisturbed& expected
   const std::vector<std::string> partial = partial_files(found);
   for (const auto& [name, content] : found) {
     if (std::find(partial.begin(), partial.end(), name) != partial.end()) continue;
-    if (name.ends_with(".journal")) continue;  // grows line by line; a torn last line is left out when it is read
     const auto whole = expected.files.find(name);
     EXPECT_TRUE(whole != expected.files.end() && whole->second == content)
         << name << ", " << content.size() << " bytes";

@@ -20,7 +20,6 @@ using cli_test::Result;
 struct Job {
   const char* name;
   const char* arguments;
-  bool resumes = false;  ///< run again it goes on; otherwise it is run again with --force
 };
 
 /// Files by their names below `out`.

@@ -9,17 +9,10 @@ namespace {
 
 class Killed : public FaultTest {
  protected:
-  bool all_but_the_lock(const Files& expected) const {
-    Files found = files_in();
-    found.erase(".bouncelab.lock");
-    return differences(found, expected).empty();
-  }
-
-  /// Kills the run at n random moments. After each the run is repeated, or goes on, and has to end with the bytes of
-  /// an undisturbed one; one that goes on is killed several times over in between.
+  /// Kills the run at n random moments. After each the run is repeated and has to end with the bytes of an undisturbed
+  /// one.
   void kill_at_random_moments(const Job& job, int n) const {
     const Undisturbed whole = undisturbed(job, {1, 2, 7});
-    const std::string again = job.resumes ? "" : "--force";
     RandomDisturbance random;
     int n_killed = 0;
     for (int k = 0; k < n; ++k) {
@@ -27,25 +20,19 @@ class Killed : public FaultTest {
                    std::to_string(k));
       const int n_threads = random.n_threads();
       const double after_s = random.between(0, whole.duration_s.at(n_threads));
-      const Ending ending = disturb(job, n_threads, SIGKILL, after_s, again);
+      const Ending ending = disturb(job, n_threads, SIGKILL, after_s, "--force");
       if (ending.signal == SIGKILL) ++n_killed;
       expect_nothing_half_written(files_in(), whole);
-      if (job.resumes && ending.signal == SIGKILL && k + 1 < n && random.coin()) continue;
-      // where it was killed after the last file there is nothing left to go on with, but the folder's lock to delete
-      const bool finished = job.resumes && all_but_the_lock(whole.files);
-      if (finished) std::filesystem::remove(path("out/.bouncelab.lock"));
-      if (!finished) {
-        EXPECT_EQ(run_job(job, random.n_threads(), again).exit_code, whole.exit_code);
-      }
+      EXPECT_EQ(run_job(job, random.n_threads(), "--force").exit_code, whole.exit_code);
       EXPECT_THAT(differences(files_in(), whole.files), testing::IsEmpty());
-      if (job.resumes || random.coin()) empty_out();
+      if (random.coin()) empty_out();
       if (HasFailure()) return;
     }
     EXPECT_GT(n_killed, 0) << "all runs ended before they could be killed";
   }
 };
 
-TEST_F(Killed, ThePapersLoopGoesOnAndEndsWithTheSameBytes) { kill_at_random_moments(job("paper"), n_times(30)); }
+TEST_F(Killed, ThePapersLoopRunAgainGivesTheSameBytes) { kill_at_random_moments(job("paper"), n_times(30)); }
 
 TEST_F(Killed, DetectOfManyRecordingsRunAgainGivesTheSameBytes) { kill_at_random_moments(job("detect"), n_times(30)); }
 

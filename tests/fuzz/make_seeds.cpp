@@ -19,7 +19,6 @@
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/sim/surface.hpp"
-#include "files/hdf5_table.hpp"
 #include "files/json_lines_table.hpp"
 
 namespace {
@@ -97,9 +96,6 @@ void write_tables(const Seeds& seeds) {
     std::ostringstream json_lines;
     cli::write_json_lines(json_lines, table);
     seeds.write("json_lines", name, json_lines.str());
-    const auto hdf5 = cli::hdf5_writer(seeds.path("hdf5", name), name);
-    hdf5->add(table);
-    hdf5->finish();
   }
   for (const char* law : {"constant", "uniform", "normal", "lognormal", "exponential"}) {
     const sim::RadiusLaw radii = sim::radius_law_from_text(law);

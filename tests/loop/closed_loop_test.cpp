@@ -2,16 +2,13 @@
 #include "bouncelab/loop/closed_loop.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <set>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
 #include "short_loop.hpp"
 
 namespace bouncelab::loop {
@@ -48,6 +45,12 @@ TEST(ClosedLoop, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.rough.score.rms_s, three.rough.score.rms_s);
 }
 
+TEST(ClosedLoop, HasOneSensor) {
+  LoopConfig config = short_loop(2, 10);
+  config.synthesis.channels.resize(2);
+  EXPECT_THROW(run_loop(config), InvalidArgument);
+}
+
 TEST(ClosedLoop, StagesReportTheirProgressAndMayBeInterrupted) {
   std::set<std::string> stages;
   run_loop(short_loop(2, 10), [&](const std::string& label, const std::string&) {
@@ -62,22 +65,6 @@ TEST(ClosedLoop, StagesReportTheirProgressAndMayBeInterrupted) {
   LoopConfig config = short_loop(2, 10);
   config.surface = sim::Surface{};
   EXPECT_THROW(run_loop(config, stop), Interrupted);
-}
-
-TEST(ClosedLoop, ContinuesFromItsJournal) {
-  namespace fs = std::filesystem;
-  const fs::path path = fs::path(testing::TempDir()) / ("bouncelab_loop_journal_" + std::to_string(::getpid()));
-  const RunIdentity identity{{"loop", "short"}};
-  const LoopConfig config = short_loop(3, 40);
-  RunJournal first(path, identity, {});
-  const LoopResult whole = run_loop(config, {}, {}, &first);
-  FinishedDrops finished;
-  for (const DropResult& drop : whole.rough.drops)
-    if (drop.drop != 1) finished.add(to_record("rough", drop));
-  EXPECT_EQ(finished.rough.size(), 2u);
-  const LoopResult continued = run_loop(config, {}, finished);
-  EXPECT_EQ(to_json(continued.sound), to_json(whole.sound));
-  first.remove();
 }
 
 TEST(PaperExperiment, SaysNothingOfASmoothBallThatWasNotThere) {

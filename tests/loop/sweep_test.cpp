@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
 
 namespace bouncelab::loop {
 namespace {
@@ -66,21 +67,6 @@ TEST(Sweeps, JudgeAPointByWhatFailsFirst) {
   LoopResult no_law = loop_with(100, 0, 0.97, 500);
   no_law.sound.law.nodes.clear();
   EXPECT_EQ(failure(no_law), "no law");
-}
-
-TEST(Sweeps, APointComesBackFromItsRecordBitByBit) {
-  SweepPoint point = sweep_point({{"snr-db", "10"}}, loop_with(99, 1, 1.0 / 3.0, 500), {0.6});
-  const NumberedPoint back = point_from_record(to_record(7, point));
-  EXPECT_EQ(back.index, 7u);
-  EXPECT_EQ(back.point.settings, point.settings);
-  EXPECT_EQ(back.point.failure, point.failure);
-  ASSERT_EQ(back.point.values.size(), point.values.size());
-  for (std::size_t k = 0; k < point.values.size(); ++k) {
-    EXPECT_EQ(back.point.values[k].name, point.values[k].name);
-    EXPECT_EQ(back.point.values[k].value, point.values[k].value) << point.values[k].name;
-    EXPECT_EQ(back.point.values[k].is_count, point.values[k].is_count);
-  }
-  EXPECT_THROW(point_from_record("{}"), InvalidArgument);
 }
 
 TEST(Sweeps, CountTheDropsThatMadeAllTheirImpactsAndTestTheExponentials) {

@@ -41,6 +41,31 @@ class Examples(Case):
             n += found.attempted
         self.assertGreater(n, 30)
 
+    def run_block_of_readme(self, word):
+        """The first block of the README with this word, in a folder of its own, with `onsets` and `samples` at hand."""
+        text = (pathlib.Path(os.environ["BOUNCELAB_NOTEBOOKS"]).parent / "README.md").read_text(encoding="utf-8")
+        block = next(part for part in text.split("```python\n")[1:] if word in part.split("```")[0]).split("```")[0]
+        names = {"bl": bl, "onsets": bl.detect(os.path.join(os.environ["BOUNCELAB_SAMPLES"], "clean.flac"))}
+        names["samples"] = bl.restitution(names["onsets"])
+        n_samples = len(names["samples"])
+        before = os.getcwd()
+        os.chdir(self.folder)
+        try:
+            exec(block, names)
+        finally:
+            os.chdir(before)
+        return names, n_samples
+
+    @unittest.skipIf(optional("tables") is None, "PyTables is not installed")
+    def test_hdf5_by_pandas(self):
+        names, n_samples = self.run_block_of_readme("to_hdf")
+        self.assertEqual(len(names["samples"]), n_samples)
+
+    @unittest.skipIf(optional("pyarrow") is None, "pyarrow is not installed")
+    def test_parquet_by_pandas(self):
+        names, n_samples = self.run_block_of_readme("to_parquet")
+        self.assertEqual(names["fit"].results["n_used"], n_samples)
+
     def test_every_function_has_one(self):
         for name in FUNCTIONS:
             self.assertIn(">>> ", getattr(bl, name).__doc__, name)

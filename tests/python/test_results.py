@@ -185,7 +185,7 @@ class Tables(Case):
         np.testing.assert_array_equal(bl.restitution(self.path("pandas.csv")).eps, self.samples.eps)
 
     def test_files_of_every_format(self):
-        for name in ("o.csv", "o.jsonl", "o.h5"):
+        for name in ("o.csv", "o.jsonl"):
             with self.subTest(name):
                 self.onsets.to_csv(self.path(name))
                 again = bl.Onsets.from_csv(self.path(name))

@@ -5,13 +5,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "bouncelab/loop/settings.hpp"
+#include "bouncelab/loop/sweep.hpp"
 
 namespace bouncelab::cli {
 
@@ -32,12 +30,6 @@ struct Parameter {
 };
 using Parameters = std::vector<Parameter>;
 
-/// One of the parts that a run is divided into.
-struct Shard {
-  int index = 1;  ///< 1 ... n
-  int n = 1;
-};
-
 /// One call of the program, as a command sees it.
 struct Run {
   CommonOptions common;
@@ -48,9 +40,6 @@ struct Run {
   /// Takes the progress in place of the line on standard error: what is done, how much of it, of how much (0: not
   /// known), in what unit.
   std::function<void(const std::string& label, double done, double total, const std::string& unit)> on_progress;
-  std::string command = {};                       ///< its name
-  std::optional<Shard> shard = {};                ///< to do this part alone
-  std::vector<std::filesystem::path> parts = {};  ///< to do nothing but put these together: part files of this run
 };
 
 enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileError = 3, kInterrupted = 130 };

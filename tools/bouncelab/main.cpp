@@ -4,15 +4,19 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
@@ -22,16 +26,45 @@
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
-#include "json/error_json.hpp"
-#include "memory_limits.hpp"
-#include "options/command_line.hpp"
+#include "json/json_text.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
+#include "options/config_file.hpp"
 #include "options/help_format.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
 namespace {
+
+/// nlohmann::json's destructor asks for memory, as much as a twentieth of what it frees, and ends the process where it
+/// gets none; a message needs some kilobytes.
+constexpr std::size_t kReserve_bytes = 1 << 20;
+
+std::atomic<void*> reserve{nullptr};
+
+/// Gives back what was kept so that destructors and the message of a shortage find memory. The first operator new that
+/// fails has done so already; what fails elsewhere (FFTW) has not. Does nothing from the second call on.
+void release_reserve() noexcept { ::operator delete(reserve.exchange(nullptr)); }
+
+/// Destructors that run because of an exception may not fail: they get what was kept. All others learn of the shortage,
+/// with the reserve free for what follows.
+void when_memory_is_short() {
+  const bool kept = reserve.load() != nullptr;
+  release_reserve();
+  if (!kept || std::uncaught_exceptions() == 0) throw std::bad_alloc();
+}
+
+/// To be called first. @throws std::bad_alloc  where not even the reserve can be had
+void keep_reserve() {
+  reserve = ::operator new(kReserve_bytes);  // its pages are never touched
+  std::set_new_handler(when_memory_is_short);
+}
+
+/// The one line for a process that is out of memory, without asking for any.
+void say_out_of_memory() noexcept {
+  constexpr std::string_view kMessage = "bouncelab: out of memory; ask for less at once\n";
+  (void)!::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+}
 
 bool is_command(const std::vector<std::string>& typed) {
   return !typed.empty() && std::any_of(all_commands().begin(), all_commands().end(),
@@ -184,7 +217,9 @@ int run(const std::vector<std::string>& line) {
     throw InvalidArgument(unknown_command(typed.front()));
   CommandLine full;
   try {
-    full = is_command(typed) ? line_with_config(typed, *app.get_subcommand(typed.front())) : CommandLine{typed, {}};
+    const auto section = [&](const std::string& name) { return config_section(typed.front(), name); };
+    full = is_command(typed) ? line_with_config(typed, *app.get_subcommand(typed.front()), section)
+                             : CommandLine{typed, {}};
     app.parse(
         std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
   } catch (const CLI::ParseError& error) {
@@ -195,8 +230,6 @@ int run(const std::vector<std::string>& line) {
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
     Run call{common, line, resolved_parameters(*command.app), {}, {}, {}};
-    call.command = command.app->get_name();
-    call.shard = shard_of(*command.app);
     call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
     for (const ConfigOption& option : full.from_file)
       if (option.is_axis) call.sweep.push_back({option.name, option.values});
@@ -251,7 +284,7 @@ int run_and_report(const std::vector<std::string>& line) {
 
 int main(int argc, char** argv) try {
   using namespace bouncelab;
-  cli::prepare_memory();
+  cli::keep_reserve();
   cli::keep_standard_descriptors();
   cli::notice_signals();
   return cli::run_and_report({argv, argv + argc});

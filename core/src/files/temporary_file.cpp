@@ -98,7 +98,7 @@ Descriptor::~Descriptor() {
 
 LockResult lock_exclusively(int descriptor) {
 #ifdef F_OFD_SETLK
-  // of the opening, not of the process: it also excludes other threads, and HDF5, which calls flock, does not see it
+  // of the opening, not of the process: it also excludes other threads
   struct flock lock {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;

@@ -37,7 +37,7 @@ struct TemporaryFile {
   std::filesystem::path path;
   Descriptor descriptor;
 };
-/// @param extension  stays last in the name: audio libraries and HDF5 choose the format by it
+/// @param extension  stays last in the name: audio libraries choose the format by it
 /// @param mode       its permissions, less the umask
 /// @throws std::system_error
 TemporaryFile make_temporary_file(const std::filesystem::path& folder, const std::string& extension, mode_t mode);

@@ -173,28 +173,24 @@ AndersonDarling anderson_darling_test(const LawLikelihood& likelihood, const Max
 }
 
 std::vector<Eigen::VectorXd> bootstrap_by_drop(const LawLikelihood& likelihood, const Maximum& maximum,
-                                               std::size_t n_replicates, std::uint64_t seed,
-                                               const ReplicateSource& source) {
+                                               std::size_t n_replicates, std::uint64_t seed) {
   constexpr std::size_t kFewestToDraw = 8;
   const LawData& data = likelihood.data();
   const std::size_t n_drops = data.size() == 0 ? 0 : *std::max_element(data.drop.begin(), data.drop.end()) + 1;
   if (n_drops < kFewestToDraw) return {};
   const Eigen::MatrixXd information = likelihood.information(maximum.x);
-  const auto make = [&](std::size_t i) -> Replicate {
+  std::vector<std::optional<Eigen::VectorXd>> found(n_replicates);  // absent where the search failed
+  parallel_for(n_replicates, 0, [&](std::size_t i) {
     // indices beyond those of the goodness of fit
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{1} << 32) + i);
     const LawData drawn = resampled(data, n_drops, random);
     const LawLikelihood again(drawn, likelihood.model(), likelihood.scatter());
     const Maximum there = maximise(function_of(again), maximum.x, information, 0.02);
-    if (!(there.gain_left < 0.01)) return std::nullopt;
-    return Replicate(std::in_place, there.x.data(), there.x.data() + likelihood.model().n_parameters());
-  };
-  std::vector<Replicate> found(n_replicates);
-  parallel_for(n_replicates, 0,
-               [&](std::size_t i) { found[i] = source ? source(i, [&] { return make(i); }) : make(i); });
+    if (there.gain_left < 0.01) found[i] = there.x.head(likelihood.model().n_parameters());
+  });
   std::vector<Eigen::VectorXd> q;
-  for (const Replicate& x : found)
-    if (x) q.emplace_back(Eigen::Map<const Eigen::VectorXd>(x->data(), std::ssize(*x)));
+  for (std::optional<Eigen::VectorXd>& x : found)
+    if (x) q.push_back(*std::move(x));
   return q;
 }
 

@@ -90,7 +90,7 @@ std::vector<LawComparison> comparison(const Candidate& main, const LawFitConfig&
 }
 
 void add_bootstrap(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum, const LawFitConfig& config) {
-  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed, config.replicates);
+  const auto drawn = bootstrap_by_drop(likelihood, maximum, config.n_bootstrap, config.seed);
   if (drawn.size() < 2) {
     fit.notes.push_back("no bootstrap by drop: it needs 8 drops or more");
     return;

@@ -112,13 +112,8 @@ TEST_F(SynthesizeFile, OneFileADropHasTheSameTruthAndItsOwnNoise) {
   two.rows.push_back(impact(1, 1, 0.2, 0.3));
   std::vector<DropTruth> together, apart;
   synthesize(drops_of(two), config, folder_ / "all.wav", false, collect(together));
-  std::vector<SynthesisResult> files;
-  const auto keep = [&](std::int64_t, const DropTruth& truth, const SynthesisResult& of_file) {
-    apart.push_back(truth);
-    files.push_back(of_file);
-  };
-  synthesize_each_drop(drops_of(two), config, folder_ / "drop.wav", false, {}, keep);
-  const SynthesisResult result = all_files(files, config);
+  const SynthesisResult result =
+      synthesize_each_drop(drops_of(two), config, folder_ / "drop.wav", false, collect(apart));
   EXPECT_EQ(result.n_files, 2);
   EXPECT_EQ(result.n_impacts, 4);
   ASSERT_EQ(together.size(), 2u);

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "options/config_file.hpp"
 #include "options/numbers.hpp"
-#include "options/toml_entries.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {
@@ -33,32 +31,19 @@ struct Command {
 };
 
 std::optional<cli::ConfigSection> section_named(const std::string& name) {
-  using Use = cli::ConfigSection::Use;
-  if (name == "simulate") return cli::ConfigSection{Use::own, {}, {}};
-  if (name == "detect") return cli::ConfigSection{Use::stage, {"snr-db", "height"}, {"snr-db"}};
-  if (name == "fit") return cli::ConfigSection{Use::other, {"nodes"}, {}};
+  const std::vector<std::string> own{"drops", "snr-db", "radius-law", "height", "force"};
+  if (name == "simulate") return cli::ConfigSection{own, own};
+  if (name == "detect") return cli::ConfigSection{{"snr-db", "height"}, {{"snr-db"}}};
+  if (name == "fit") return cli::ConfigSection{{"nodes"}, std::nullopt};
   return std::nullopt;
-}
-
-void check(const cli::TomlEntries& toml) {
-  for (const cli::TomlEntry& entry : toml.entries) {
-    require(entry.line > 0 && entry.depth >= 0 && entry.depth <= 2, "an entry has a line and a depth");
-    require(!entry.values.empty(), "an entry has values");
-    require(std::none_of(entry.values.begin(), entry.values.end(), [](const auto& v) { return v.empty(); }),
-            "no list is empty");
-  }
 }
 
 }  // namespace
 
 void run(Bytes input) {
   static const Command command;
-  cli::TomlEntries toml;
-  if (!accepts([&] { toml = cli::toml_entries(text_of(input), "input"); })) return;
-  check(toml);
   std::vector<cli::ConfigOption> options;
-  if (!accepts([&] { options = cli::config_options(toml, "input", command.app, section_named); })) return;
-  require(options.size() <= toml.entries.size(), "each option comes from an entry");
+  if (!accepts([&] { options = cli::config_options(text_of(input), "input", command.app, section_named); })) return;
   for (const cli::ConfigOption& option : options) {
     require(command.app.get_option_no_throw("--" + option.name) != nullptr, "a key is an option of the command");
     require(!option.values.empty(), "an option has values");

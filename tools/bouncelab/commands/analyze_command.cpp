@@ -82,7 +82,7 @@ struct Constants {
 Constants times_to_constants(const AnalyzeOptions& options, const fs::path& folder, const Run& run, StageClock& clock) {
   Constants constants;
   RestitutionOptions restitution = options.restitution;
-  restitution.onsets = folder / "onsets.csv";
+  restitution.onsets = {folder / "onsets.csv"};
   restitution.out = folder / "samples.csv";
   constants.samples = clock.time("restitution", [&] { return run_restitution(restitution, run); });
   FitOptions fit = options.fit;
@@ -95,7 +95,6 @@ Constants times_to_constants(const AnalyzeOptions& options, const fs::path& fold
 }  // namespace
 
 Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
-  if (run.shard) return run_detect_part(options.detect, options.out, options.diagnostics, run);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;

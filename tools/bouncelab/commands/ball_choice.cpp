@@ -1,13 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "commands/ball_choice.hpp"
 
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/printable.hpp"
 #include "files/provenance.hpp"
 
 namespace bouncelab::cli {
 
-BallChoice with_provenance(BallChoice choice, const std::filesystem::path& file) {
-  if (choice.ball.empty()) choice.ball = parameter_in_provenance(file, "ball").value_or("");
-  if (choice.plate.empty()) choice.plate = parameter_in_provenance(file, "plate").value_or("");
+namespace {
+
+/// The value that an option of the command which wrote the files had; empty: none, or not known.
+std::string common_parameter(const std::vector<std::string>& files, const std::string& option) {
+  const std::string first = parameter_in_provenance(files.front(), option).value_or("");
+  for (const std::string& file : files)
+    if (const std::string other = parameter_in_provenance(file, option).value_or(""); other != first)
+      throw InvalidArgument(printable(file) + ": was made with --" + option + " '" + printable(other) + "', but " +
+                            printable(files.front()) + " with '" + printable(first) + "'; name one with --" + option);
+  return first;
+}
+
+}  // namespace
+
+BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files) {
+  if (choice.ball.empty()) choice.ball = common_parameter(files, "ball");
+  if (choice.plate.empty()) choice.plate = common_parameter(files, "plate");
   return choice;
 }
 

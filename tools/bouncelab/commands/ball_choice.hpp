@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bouncelab/core/ball_catalogue.hpp"
 
@@ -18,9 +18,9 @@ struct BallChoice {
 /// The ball that is simulated where none is named: the paper's, on its glass plate.
 inline const BallChoice kPaperBall{"steel:6mm", "glass"};
 
-/// `choice`, where a part is not named that of the command which wrote `file` (its provenance), if it had one.
-/// @throws FileError where the provenance cannot be read
-BallChoice with_provenance(BallChoice choice, const std::filesystem::path& file);
+/// `choice`, where a part is not named that of the command which wrote the files (their provenance), if it had one.
+/// @throws FileError where the provenance cannot be read; InvalidArgument where the files were made with several
+BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files);
 
 /// What was understood, as a line.
 std::string ball_line(const BallChoice& choice);

@@ -7,10 +7,7 @@
 #include <optional>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/loop/records.hpp"
-#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
-#include "json/calibration_json.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
@@ -82,35 +79,11 @@ std::string memory_text(const std::vector<loop::MemoryCalibrationGroup>& groups)
   return text;
 }
 
-std::vector<std::string> numbered_items(const std::string& name, std::size_t n) {
-  std::vector<std::string> items;
-  for (std::size_t k = 0; k < n; ++k) items.push_back(name + std::to_string(k));
-  return items;
-}
-
-/// A calibration has no output that it needs; its parts do.
-std::string part_name(const CalibrateOptions& options) { return options.out.empty() ? "calibration" : options.out; }
-
 Outcome run_memory_calibration(const CalibrateOptions& options, const Run& run) {
   if (!options.out.empty()) check_files(run, {}, {options.out});
   const loop::MemoryCalibrationConfig config = memory_calibration_config(options, run.common);
-  const std::vector<std::string> items = numbered_items("experiment ", config.n_experiments);
-  const ProgressCallback progress = progress_line(run, "calibrate", "experiments");
-  if (run.shard) {
-    PartFile part(run, part_name(options), run_identity(run, {}), items);
-    loop::calibrate_memory_each(
-        config, part.pending(), [&](std::size_t k, loop::MemoryExperiment&& e) { part.keep(k, loop::to_record(e)); },
-        progress);
-    return part.finish({}, "experiments");
-  }
-  std::vector<loop::MemoryExperiment> experiments;
-  if (run.parts.empty()) {
-    experiments = loop::calibrate_memory(config, progress);
-  } else {
-    RunParts parts(run, run_identity(run, {}), items);
-    for (std::size_t k = 0; k < parts.size(); ++k)
-      experiments.push_back(loop::memory_experiment_from_record(parts.record(k), loop::memory_conditions(config, k)));
-  }
+  const std::vector<loop::MemoryExperiment> experiments =
+      loop::calibrate_memory(config, progress_line(run, "calibrate", "experiments"));
   const std::vector<loop::MemoryCalibrationGroup> groups = loop::memory_calibration_groups(experiments);
   if (!options.out.empty()) write_table(run, options.out, to_table(experiments));
   Outcome outcome;
@@ -150,26 +123,7 @@ loop::MemoryCalibrationConfig memory_calibration_config(const CalibrateOptions& 
 Outcome run_calibrate(const CalibrateOptions& options, const Run& run) {
   if (options.memory) return run_memory_calibration(options, run);
   const fit::CalibrationConfig config = calibration_config(options, run.common);
-  const std::vector<std::string> items = numbered_items("seed ", config.n_seeds);
-  const ProgressCallback progress = progress_line(run, "calibrate", "seeds");
-  if (run.shard) {
-    PartFile part(run, part_name(options), run_identity(run, {}), items);
-    double n_done = 0.0;
-    for (const std::size_t k : part.pending()) {
-      progress(n_done++, static_cast<double>(part.pending().size()));
-      part.keep(k, loop::to_record(fit::calibrate_seed(config, k)));
-    }
-    return part.finish({}, "seeds");
-  }
-  fit::CalibrationResult result;
-  if (run.parts.empty()) {
-    result = fit::calibrate(config, progress);
-  } else {
-    RunParts parts(run, run_identity(run, {}), items);
-    std::vector<std::vector<fit::Estimate>> seeds;
-    for (std::size_t k = 0; k < parts.size(); ++k) seeds.push_back(loop::estimates_from_record(parts.record(k)));
-    result = fit::calibration_result(config, seeds);
-  }
+  const fit::CalibrationResult result = fit::calibrate(config, progress_line(run, "calibrate", "seeds"));
   Outcome outcome;
   outcome.text = table_of(result);
   outcome.json = calibrate_json(result);

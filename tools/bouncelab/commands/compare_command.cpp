@@ -14,7 +14,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
-#include "files/sample_recordings.hpp"
+#include "files/sample_files.hpp"
 #include "files/table_file.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"

@@ -32,17 +32,18 @@ namespace fs = std::filesystem;
 enum class Format { table, audacity, sonic_visualiser, praat, cues };
 
 Format format_of(const fs::path& path) {
+  refuse_hdf5(path);
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".csv" || is_hdf5(path) || is_json_lines(path)) return Format::table;
+  if (extension == ".csv" || is_json_lines(path)) return Format::table;
   if (extension.empty() && (path == "-" || path.native().starts_with("/dev/"))) return Format::table;  // no name tells
   if (extension == ".txt") return Format::audacity;
   if (extension == ".svl") return Format::sonic_visualiser;
   if (extension == ".textgrid") return Format::praat;
   if (extension == ".wav" || extension == ".rf64") return Format::cues;
   throw InvalidArgument(path.string() + ": no format has the extension '" + extension +
-                        "'; use .csv, .jsonl, .h5, .txt (Audacity), .svl, .TextGrid or .wav");
+                        "'; use .csv, .jsonl, .txt (Audacity), .svl, .TextGrid or .wav");
 }
 
 audio::Annotations read_annotations(const fs::path& path, Format format) {

@@ -18,8 +18,7 @@
 #include "bouncelab/core/printable.hpp"
 #include "files/label_track.hpp"
 #include "files/provenance.hpp"
-#include "files/recording_records.hpp"
-#include "files/same_content.hpp"
+#include "files/several_files.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
@@ -146,9 +145,8 @@ class StartSignal {
 };
 
 /// Files are read in parallel; their onsets go into the table, in the order of the recordings.
-/// @param records  of all recordings, in place of detection; null: none
 DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
-                        RecordingRecords* records, TableWriter& table, const Run& run) {
+                        TableWriter& table, const Run& run) {
   const detection::DetectionConfig config = detection_config(options);
   DetectResult result;
   result.recordings.resize(recordings.size());
@@ -157,10 +155,6 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
     result.recordings[k] = recording_result(recordings[k].string(), d);
     keep_first(k, std::move(d), result.first);
   };
-  if (records != nullptr) {
-    for (std::size_t k = 0; k < recordings.size(); ++k) take(k, records->detection(recordings[k]));
-    return result;
-  }
   const ProgressCallback progress = progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings");
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
   if (n_threads == 1) {  // the checksums of the provenance of what is read of the sound anyway
@@ -222,20 +216,6 @@ RecordingResult recording_result(const std::string& recording, const detection::
   return {recording, found.status, found.message, found.summary, found.drops, found.warnings, found.onsets.size()};
 }
 
-std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& recordings,
-                                             std::vector<std::string>& warnings, const Run& run) {
-  const std::vector<std::size_t> same = first_of_same_content(recordings, run.common.n_threads);
-  std::vector<std::filesystem::path> once;
-  for (std::size_t k = 0; k < recordings.size(); ++k) {
-    if (same[k] == k)
-      once.push_back(recordings[k]);
-    else
-      warnings.push_back(name_of(recordings[k]) + ": the same recording as " + name_of(recordings[same[k]]) +
-                         " (by content); counted once");
-  }
-  return once;
-}
-
 std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings) {
   std::vector<std::string> warnings;
   for (const RecordingResult& r : recordings) {
@@ -245,42 +225,22 @@ std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordi
   return warnings;
 }
 
-Outcome run_detect_part(const DetectOptions& options, const std::filesystem::path& out, bool with_details,
-                        const Run& run) {
-  const std::vector<std::filesystem::path> given = recordings_of(options);
-  RecordingPart part(run, out, given, with_details);
-  const auto keep = [&](std::size_t k, detection::Detection&& found) { part.keep(k, found); };
-  try {
-    detection::detect_each(part.pending(), detection_config(options), run.common.n_threads, keep,
-                           progress_line(run, "detect", "recordings"));
-  } catch (const FileError& error) {
-    if (part.pending().size() != 1) throw;  // one alone that cannot be read throws
-    detection::Detection unreadable;
-    unreadable.status = detection::DetectionStatus::unreadable;
-    unreadable.message = error.what();
-    part.keep(0, unreadable);
-  }
-  return part.finish();
-}
-
 Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
   // files are checked meanwhile; of many recordings the first one only would gain
-  if (options.recordings.size() == 1 && run.parts.empty())
+  if (options.recordings.size() == 1)
     audio::prepare_to_read(options.recordings.front(), resolved_threads(run.common.n_threads));
   const std::vector<std::filesystem::path> given = recordings_of(options);
   if (!options.labels.empty() && given.size() > 1)
     throw InvalidArgument("--labels: a label track belongs to one recording; give one");
-  if (run.shard) return {run_detect_part(options, options.out, false, run), {}};
   std::vector<std::filesystem::path> outputs{options.out, options.labels};
   if (!options.labels.empty()) outputs.push_back(onsets_beside(options.labels));
   check_files(run, given, outputs);
   Stage<DetectResult> stage;
   Outcome& outcome = stage.outcome;
-  std::optional<RecordingRecords> records;
-  if (!run.parts.empty()) records.emplace(run, given);
-  const std::vector<std::filesystem::path> recordings = each_once(given, outcome.warnings, run);
+  const std::vector<std::filesystem::path> recordings =
+      each_once(given, run.common.n_threads, "recording", outcome.warnings);
   TableWriter table(run, options.out);
-  stage.result = detect_all(options, recordings, records ? &*records : nullptr, table, run);
+  stage.result = detect_all(options, recordings, table, run);
   const std::vector<RecordingResult>& results = stage.result.recordings;
   std::vector<std::filesystem::path> inputs;
   for (const RecordingResult& r : results)

@@ -10,6 +10,7 @@
 
 #include "bouncelab/detection/detect.hpp"
 #include "command.hpp"
+#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
 
@@ -22,17 +23,6 @@ struct DetectOptions {
   int channel = -1;      ///< -1: the one in which impacts are detected best
   std::int64_t min_impacts = detection::DetectionConfig{}.min_impacts;
   std::string lossy_coding;  ///< of samples that a browser has decoded, where they come from one
-};
-
-/// What is kept of each of thousands of recordings; its onsets are in the table.
-struct RecordingResult {
-  std::string recording;  ///< as it was given
-  detection::DetectionStatus status = detection::DetectionStatus::silent;
-  std::string message;
-  detection::RecordingSummary summary;
-  std::vector<detection::DropSummary> drops;
-  std::vector<std::string> warnings;
-  std::size_t n_onsets = 0;
 };
 
 struct DetectResult {
@@ -50,17 +40,8 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
 detection::DetectionConfig detection_config(const DetectOptions& options);
 /// What is kept of one recording.
 RecordingResult recording_result(const std::string& recording, const detection::Detection& found);
-/// The recordings with each content once, and a warning for each that is left out.
-std::vector<std::filesystem::path> each_once(const std::vector<std::filesystem::path>& recordings,
-                                             std::vector<std::string>& warnings, const Run& run);
 /// What to tell people of these recordings, a line each.
 std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings);
-
-/// Detection in the recordings of the shard alone, kept in the part OUT.parts of it.
-/// @param out           of the whole run
-/// @param with_details  as loop::to_record
-Outcome run_detect_part(const DetectOptions& options, const std::filesystem::path& out, bool with_details,
-                        const Run& run);
 
 /// Writes options.out and, where named, options.labels; neither where no impact was found. A recording with the same
 /// content as one before it counts once, and a warning names both.

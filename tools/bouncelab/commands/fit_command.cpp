@@ -4,19 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <set>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/printable.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
-#include "bouncelab/loop/records.hpp"
 #include "files/provenance.hpp"
-#include "files/run_parts.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"
 #include "progress_line.hpp"
@@ -100,51 +96,6 @@ std::string describe(const fit::FitResult& result) {
 
 std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
 
-loop::RunIdentity identity(const Run& run, const std::vector<std::filesystem::path>& files) {
-  return run_identity(run, files, {"samples", "table"});
-}
-
-std::vector<std::string> replicate_names(const fit::FitConfig& config) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < config.law.n_bootstrap; ++k) names.push_back("replicate " + std::to_string(k));
-  return names;
-}
-
-/// The replicates of the shard, kept in its part.
-Outcome run_part(const RestitutionSamples& samples, fit::FitConfig config, const FitOptions& options,
-                 const std::vector<std::filesystem::path>& files, const Run& run) {
-  if (config.law.n_bootstrap == 0)
-    throw InvalidArgument("--shard: replicates of the bootstrap are what is divided; name their number, --bootstrap N");
-  PartFile part(run, options.out, identity(run, files), replicate_names(config));
-  const std::set<std::size_t> pending(part.pending().begin(), part.pending().end());
-  std::atomic<std::size_t> n_done = 0;
-  config.law.replicates = [&](std::size_t k, const std::function<fit::Replicate()>& make) -> fit::Replicate {
-    if (pending.count(k) == 0) return std::nullopt;
-    fit::Replicate replicate = make();
-    part.keep(k, loop::to_record(replicate));
-    ++n_done;
-    return replicate;
-  };
-  // all else is done when the parts are put together
-  config.law.intervals = fit::IntervalMethod::covariance;
-  config.n_goodness = 0;
-  config.law.compare_laws = config.compare_recordings = false;
-  config.memory = fit::UseMemory::never;
-  if (!pending.empty()) fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
-  if (n_done < pending.size())
-    throw InvalidArgument(input_name(files.front()) + more_files(files.size()) +
-                          ": the fit failed, or there are fewer than 8 drops, so that there is no bootstrap");
-  return part.finish(files, "replicates");
-}
-
-/// Gives the replicates of the parts.
-fit::ReplicateSource from_parts(const Run& run, const loop::RunIdentity& of_run, const fit::FitConfig& config) {
-  RunParts parts(run, of_run, replicate_names(config));
-  std::vector<fit::Replicate> replicates;
-  for (std::size_t k = 0; k < parts.size(); ++k) replicates.push_back(loop::replicate_from_record(parts.record(k)));
-  return [replicates](std::size_t k, const std::function<fit::Replicate()>&) { return replicates.at(k); };
-}
-
 }  // namespace
 
 std::string answer_text(const fit::FitResult& result) {
@@ -167,10 +118,7 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   Outcome& outcome = stage.outcome;
   RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
-  fit::FitConfig config = fit_config(options, run.common);
-  const bool is_fit = run.command == "fit";  // and not a stage of a command with parts of its own
-  if (is_fit && run.shard) return {run_part(samples, config, options, files, run), {}};
-  if (is_fit && !run.parts.empty()) config.law.replicates = from_parts(run, identity(run, files), config);
+  const fit::FitConfig config = fit_config(options, run.common);
   stage.result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
   const fit::FitResult& result = stage.result;
   write_text(run, options.out, to_json(result), files);

@@ -14,11 +14,8 @@
 #include "bouncelab/loop/loop_score.hpp"
 #include "commands/detect_command.hpp"
 #include "commands/fit_command.hpp"
-#include "commands/paper_loop.hpp"
 #include "commands/report_command.hpp"
 #include "commands/restitution_command.hpp"
-#include "commands/sweep.hpp"
-#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"
 #include "json/wave_json.hpp"
@@ -31,7 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kJournal = "unfinished.journal";
 const char* const kOutputs[] = {"impacts.csv", "recording.wav",
                                 "truth.csv",   "onsets.csv",
                                 "samples.csv", "samples_from_true_times.csv",
@@ -72,7 +68,7 @@ struct LoopFiles {
 Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
                                          const fs::path& samples, const fs::path& fit_json) {
   RestitutionOptions restitution;
-  restitution.onsets = onsets;
+  restitution.onsets = {onsets};
   restitution.out = samples;
   restitution.config = loop::restitution_config_of(config.simulation);
   const Stage<fit::RestitutionCounts> intervals = run_restitution(restitution, run);
@@ -185,38 +181,13 @@ loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& co
   return config;
 }
 
-loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run) {
-  return run_identity(run, simulation_inputs(options.simulate));
-}
-
-std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const std::vector<std::string>& outputs,
-                                               const Run& run, const loop::RunJournal::OnFinished& on_finished) {
-  const fs::path folder = options.out, path = folder / kJournal;
+void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run) {
   std::vector<fs::path> files;
-  for (const std::string& name : outputs) files.push_back(folder / name);
-  const bool goes_on = fs::exists(path) && !run.common.force;
-  check_files(goes_on ? replacing(run) : run, simulation_inputs(options.simulate), files, {path});
-  if (!run.parts.empty()) return nullptr;
-  if (!goes_on) fs::remove(path);
-  const loop::RunIdentity identity = loop_identity(options, run);
-  try {
-    return std::make_unique<loop::RunJournal>(path, identity, on_finished);
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument(std::string(error.what()) +
-                          "; use the same settings to continue, another folder, or --force to start anew");
-  }
-}
-
-Run replacing(Run run) {
-  run.common.force = true;
-  return run;
+  for (const std::string& name : outputs) files.push_back(fs::path(options.out) / name);
+  check_files(run, simulation_inputs(options.simulate), files);
 }
 
 Outcome run_loop(const LoopOptions& options, const Run& run) {
-  if (!run.sweep.empty()) return run_sweep(options, run);
-  if (run.shard && options.preset != "paper")
-    throw InvalidArgument(
-        "--shard: a loop through files is one recording; --preset paper, or lists in a --config file, can be divided");
   return options.preset == "paper" ? run_paper_loop(options, run) : run_through_files(options, run);
 }
 

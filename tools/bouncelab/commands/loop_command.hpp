@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,19 +24,23 @@ struct LoopOptions {
 /// The loop through memory that the options describe. @throws InvalidArgument
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common);
 
-/// All that the results depend on: run_identity.
-loop::RunIdentity loop_identity(const LoopOptions& options, const Run& run);
+/// What the loop reads is there, and nothing that it writes is, unless --force was given. @throws as check_files
+void check_loop_files(const LoopOptions& options, const std::vector<std::string>& outputs, const Run& run);
 
-/// The journal of an unfinished run in the folder options.out, whose lock the caller has (OutputFolder). Without one,
-/// outputs that exist are another run's. None (null) where the run is put together from its parts.
-/// @throws FileError where one of `outputs` exists and --force was not given; InvalidArgument where the journal is that
-///         of a run with other settings or of another version, or an output is an input
-std::unique_ptr<loop::RunJournal> open_journal(const LoopOptions& options, const std::vector<std::string>& outputs,
-                                               const Run& run, const loop::RunJournal::OnFinished& on_finished);
-
-/// A run that may replace the files of its own folder.
-Run replacing(Run run);
-
+/// Through files, or with the preset `paper` through memory.
 Outcome run_loop(const LoopOptions& options, const Run& run);
+/// The paper's experiment at its own size, through memory and through sound.
+Outcome run_paper_loop(const LoopOptions& options, const Run& run);
+
+/// A command line of `loop` on its own.
+struct ParsedLoop {
+  LoopOptions options;
+  CommonOptions common;
+};
+/// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
+/// sweep.csv, sweep.json, report.html in the folder.
+/// @param parse  reads the arguments of a combination. @throws InvalidArgument saying what is wrong with them
+Outcome run_sweep(const LoopOptions& options, const Run& run,
+                  ParsedLoop (*parse)(const std::vector<std::string>& arguments));
 
 }  // namespace bouncelab::cli

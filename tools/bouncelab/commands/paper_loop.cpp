@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands/paper_loop.hpp"
-
 #include <sys/resource.h>
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
+#include "commands/loop_command.hpp"
 #include "commands/report_command.hpp"
-#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
 #include "json/loop_json.hpp"
 #include "loop_text.hpp"
@@ -81,56 +77,38 @@ loop::LoopConfig paper_config(const LoopOptions& options, const Run& run) {
   return config;
 }
 
-/// The drops of the shard, kept in its part.
-Outcome run_part(const LoopOptions& options, const Run& run) {
-  const loop::LoopConfig config = paper_config(options, run);
-  PartFile part(run, options.out, loop_identity(options, run), loop_items(config));
-  if (!part.pending().empty())
-    loop::run_loop_drops(
-        config, [&](const std::string& item) { return part.is_pending(item); }, part.journal(), stage_progress(run));
-  return part.finish(simulation_inputs(options.simulate), "drops");
-}
-
 }  // namespace
 
 Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
-  if (run.shard) return run_part(options, run);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
-  loop::FinishedDrops finished;
-  const auto journal =
-      open_journal(options, kOutputs, run, [&](const std::string&, std::string_view record) { finished.add(record); });
-  const loop::LoopConfig config = paper_config(options, run);
-  if (!run.parts.empty()) {
-    RunParts parts(run, loop_identity(options, run), loop_items(config));
-    for (std::size_t k = 0; k < parts.size(); ++k) finished.add(parts.record(k));
-  }
-  const loop::LoopResult result = loop::run_loop(config, stage_progress(run), std::move(finished), journal.get());
+  check_loop_files(options, kOutputs, run);
+  const loop::LoopResult result = loop::run_loop(paper_config(options, run), stage_progress(run));
 
   StageClock clock;
-  const Run own = replacing(run);  // what lies in the folder is this run's own
   const loop::LoopScore score = loop::score_loop(result.rough.drops.size(), result.rough.score, result.simulation.law,
                                                  result.true_times, result.sound);
   const loop::PaperResult paper = loop::paper_result(result);
   const sim::BallSection& ball = result.section;
+  Run again = run;  // the summary is written twice
+  again.common.force = true;
   const auto write_summary = [&](const std::string& text) {
-    write_text(own, folder / "summary.json", text + "\n", {folder / "onsets.csv", folder / "fit.json"});
+    write_text(again, folder / "summary.json", text + "\n", {folder / "onsets.csv", folder / "fit.json"});
   };
   clock.time("write", [&] {
-    write_tables(result, folder, own);
-    write_fits(result, folder, own);
-    write_text(own, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
+    write_tables(result, folder, run);
+    write_fits(result, folder, run);
+    write_text(run, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
     write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball));
   });
   const Outcome shown = clock.time("report", [&] {
-    return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, own);
+    return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, run);
   });
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock);
   Outcome outcome;
   outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball, work);
   write_summary(outcome.json);
-  if (journal) journal->remove();
   outcome.warnings = result.sound.warnings;
   outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) + paper_text(paper) +
                  work_text(work, score.onsets.n_true) + shown.text;

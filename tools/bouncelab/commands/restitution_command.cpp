@@ -11,7 +11,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/streamed_median.hpp"
-#include "files/provenance.hpp"
+#include "files/several_files.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 
@@ -39,25 +39,32 @@ std::string describe(const fit::RestitutionCounts& counts) {
 }
 
 /// Onsets -> samples, in pieces from file to file.
-fit::RestitutionCounts restitution_of_file(const std::filesystem::path& onsets, const fit::RestitutionConfig& config,
-                                           TableWriter& samples) {
-  const std::string name = input_name(onsets);
-  const std::unique_ptr<TableReader> reader = open_table(onsets, onset_columns());
+fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files,
+                                            const fit::RestitutionConfig& config, TableWriter& samples,
+                                            std::vector<std::string>& warnings) {
   fit::RestitutionInPieces restitution(config);
-  StreamedMedian eps(samples.folder(), name);
+  StreamedMedian eps(samples.folder(), input_name(files.front()));
   const auto write = [&](const RestitutionSamples& rows) {
     samples.add(to_table(rows));
     for (const RestitutionSample& s : rows)
       if (s.flags.empty()) eps.add(s.eps);
   };
-  std::optional<Onset> before;
-  for (bool at_end = false; !at_end;) {
-    throw_if_stop_requested();
-    const Table table = reader->next(kPiece_rows);
-    at_end = table.n_rows() < kPiece_rows;
-    Onsets rows = onsets_from_table(table, name, before ? &*before : nullptr);
-    if (!rows.empty()) before = rows.back();
-    write(restitution.add(std::move(rows)));
+  RecordingNames names;
+  for (const std::filesystem::path& file : files) {
+    names.begin(file);
+    const std::unique_ptr<TableReader> reader = open_table(file, onset_columns());
+    std::optional<Onset> before;
+    for (bool at_end = false; !at_end;) {
+      throw_if_stop_requested();
+      const Table table = reader->next(kPiece_rows);
+      at_end = table.n_rows() < kPiece_rows;
+      Onsets rows = onsets_from_table(table, input_name(file), before ? &*before : nullptr);
+      if (!rows.empty()) before = rows.back();
+      if (files.size() > 1)
+        for (Onset& onset : rows) onset.recording = names.name(onset.recording);
+      write(restitution.add(std::move(rows)));
+    }
+    names.end(warnings);
   }
   write(restitution.finish());
   fit::RestitutionCounts counts = restitution.counts();
@@ -82,14 +89,17 @@ fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
 }
 
 Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run) {
-  check_files(run, {options.onsets, options.positions}, {options.out});
+  std::vector<std::filesystem::path> inputs(options.onsets.begin(), options.onsets.end());
+  inputs.emplace_back(options.positions);
+  check_files(run, inputs, {options.out});
   const fit::RestitutionConfig config = restitution_config(options);
-  std::vector<std::filesystem::path> inputs{options.onsets};
-  if (!options.positions.empty()) inputs.emplace_back(options.positions);
-  TableWriter samples(run, options.out);
   Stage<fit::RestitutionCounts> stage;
-  const fit::RestitutionCounts& counts = stage.result = restitution_of_file(options.onsets, config, samples);
   Outcome& outcome = stage.outcome;
+  inputs.pop_back();
+  inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.warnings);
+  TableWriter samples(run, options.out);
+  const fit::RestitutionCounts& counts = stage.result = restitution_of_files(inputs, config, samples, outcome.warnings);
+  if (!options.positions.empty()) inputs.emplace_back(options.positions);
   outcome.text = describe(counts) + "\n";
   if (config.ball)
     outcome.text += "ball: " + bouncelab::describe(*config.ball) +
@@ -98,7 +108,7 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
   samples.finish(inputs);
   if (counts.n_samples == 0) {
     outcome.exit_code = kNotUsable;
-    outcome.error = input_name(options.onsets) + ": no three successive impacts: no coefficient of restitution";
+    outcome.error = input_name(options.onsets.front()) + ": no three successive impacts: no coefficient of restitution";
   }
   return stage;
 }

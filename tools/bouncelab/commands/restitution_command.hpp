@@ -11,7 +11,7 @@
 namespace bouncelab::cli {
 
 struct RestitutionOptions {
-  std::string onsets;
+  std::vector<std::string> onsets;  ///< files
   std::string out;
   fit::RestitutionConfig config;
   BallChoice world;            ///< where a part is not named, that of `config`

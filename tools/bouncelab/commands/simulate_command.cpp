@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numeric>
 #include <optional>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/loop/records.hpp"
 #include "bouncelab/sim/sim.hpp"
-#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
@@ -45,49 +42,6 @@ std::string text_of(const SimulateOptions& options, const sim::SimulationConfig&
       bouncelab::describe(config.ball), describe(config.law), describe(config.contact), energy.released_j,
       100.0 * energy.dissipated_j / energy.released_j, 100.0 * energy.created_j / energy.released_j,
       100.0 * energy.remaining_j / energy.released_j);
-}
-
-std::vector<std::int64_t> numbers_of_drops(const sim::SimulationConfig& config) {
-  std::vector<std::int64_t> numbers(static_cast<std::size_t>(config.n_drops));
-  std::iota(numbers.begin(), numbers.end(), config.first_drop);
-  return numbers;
-}
-
-std::vector<std::string> items_of(const sim::SimulationConfig& config) {
-  std::vector<std::string> items;
-  for (const std::int64_t drop : numbers_of_drops(config)) items.push_back(std::to_string(drop));
-  return items;
-}
-
-/// The drops of the shard, kept in its part.
-Outcome run_part(const SimulateOptions& options, const sim::SimulationConfig& config, const Run& run) {
-  PartFile part(run, options.out, run_identity(run, simulation_inputs(options), {"write-surface"}), items_of(config));
-  const std::vector<std::int64_t> all = numbers_of_drops(config);
-  std::vector<std::int64_t> drops;
-  for (const std::size_t k : part.pending()) drops.push_back(all[k]);
-  if (!drops.empty())
-    sim::simulate_each(
-        config, surface_of(options, config, progress_line(run, "surface", "asperities")), drops,
-        [&](std::size_t k, sim::DropResult&& drop) { part.keep(part.pending()[k], loop::to_record(drop)); },
-        progress_line(run, "simulate", "drops"));
-  return part.finish(simulation_inputs(options), "drops");
-}
-
-/// All drops: simulated, or read from the parts of the run. Also writes the surface where that is wanted.
-void simulated_or_read(const SimulateOptions& options, const sim::SimulationConfig& config, const Run& run,
-                       const sim::DropSink& sink) {
-  std::optional<RunParts> parts;
-  if (!run.parts.empty())
-    parts.emplace(run, run_identity(run, simulation_inputs(options), {"write-surface"}), items_of(config));
-  std::optional<sim::Surface> surface;
-  if (!parts || !options.write_surface.empty())
-    surface = surface_of(options, config, progress_line(run, "surface", "asperities"));
-  if (!parts)
-    sim::simulate_each(config, *surface, numbers_of_drops(config), sink, progress_line(run, "simulate", "drops"));
-  else
-    for (std::size_t k = 0; k < parts->size(); ++k) sink(k, loop::simulated_drop_from_record(parts->record(k)));
-  if (!options.write_surface.empty())
-    write_table(run, options.write_surface, to_table(*surface), simulation_inputs(options));
 }
 
 }  // namespace
@@ -134,7 +88,6 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
 
 Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs) {
   sim::SimulationConfig config = simulation_config(options, run.common);
-  if (run.shard) return run_part(options, config, run);
   config.with_state = config.with_state || reservoirs != nullptr;
   check_files(run, simulation_inputs(options), {options.out, options.write_surface});
 
@@ -150,7 +103,10 @@ Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector
     if (!options.config.with_state) drop.impacts.states = {};
     table.add(k, to_table(drop.impacts));
   };
-  simulated_or_read(options, config, run, take);
+  const sim::Surface surface = surface_of(options, config, progress_line(run, "surface", "asperities"));
+  sim::simulate_each(config, surface, take, progress_line(run, "simulate", "drops"));
+  if (!options.write_surface.empty())
+    write_table(run, options.write_surface, to_table(surface), simulation_inputs(options));
   const sim::SimulationResult result = counts.result();
   if (reservoirs != nullptr)
     for (const std::vector<sim::Reservoir>& drop : reservoirs_of_drops)

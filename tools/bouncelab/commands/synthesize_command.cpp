@@ -5,26 +5,81 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <string_view>
+#include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/printable.hpp"
-#include "bouncelab/loop/records.hpp"
 #include "bouncelab/synthesis/hard_cases.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
-#include "files/impact_file.hpp"
 #include "files/provenance.hpp"
-#include "files/run_parts.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
 namespace {
+
+/// Whole drops from a file: rows are read in pieces that begin with a drop.
+class FileDrops {
+ public:
+  explicit FileDrops(const std::filesystem::path& path)
+      : name_(input_name(path)), reader_(open_table(path, impact_columns())) {}
+
+  bool next(Impacts& drop) {
+    while (!at_end_ && (first_ == rows_.rows.size() || rows_.rows[first_].drop == rows_.rows.back().drop)) read_more();
+    if (first_ == rows_.rows.size()) return false;
+    std::size_t last = first_;
+    while (last < rows_.rows.size() && rows_.rows[last].drop == rows_.rows[first_].drop) ++last;
+    drop = stretch(first_, last);
+    first_ = last;
+    return true;
+  }
+
+ private:
+  Impacts stretch(std::size_t first, std::size_t last) const {
+    const auto part = [&](const auto& values) {
+      return std::decay_t<decltype(values)>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                            values.begin() + static_cast<std::ptrdiff_t>(last));
+    };
+    return {part(rows_.rows), rows_.states.empty() ? std::vector<ImpactState>{} : part(rows_.states)};
+  }
+  /// Appends a piece to what is left of the one before.
+  void read_more() {
+    const Table table = reader_->next(kPiece_rows);
+    at_end_ = table.n_rows() < kPiece_rows;
+    if (table.n_rows() == 0) return;
+    const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
+    const Impacts more = impacts_from_table(table, name_, before);
+    if (before && more.states.empty() != rows_.states.empty())
+      throw FileError(name_, table.place_of(0) + ": positions, velocities and spins must be in all rows or in none");
+    if (first_ > 0) rows_ = stretch(first_, rows_.rows.size());
+    first_ = 0;
+    rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());
+    rows_.states.insert(rows_.states.end(), more.states.begin(), more.states.end());
+  }
+
+  std::string name_;
+  std::unique_ptr<TableReader> reader_;
+  Impacts rows_;
+  std::size_t first_ = 0;
+  bool at_end_ = false;
+};
+
+/// The drops of an impacts table, read in pieces as they are asked for.
+/// @throws FileError, while drops are taken
+synthesis::DropSource impact_file(const std::filesystem::path& path) {
+  return [path, drops = std::shared_ptr<FileDrops>()](std::int64_t k, Impacts& drop) mutable {
+    if (k == 0) drops = std::make_shared<FileDrops>(path);
+    return drops->next(drop);
+  };
+}
 
 audio::SampleEncoding encoding_of(const std::string& bits) {
   if (bits == "16") return audio::SampleEncoding::pcm16;
@@ -116,66 +171,16 @@ synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const sy
   }
 }
 
-void make_each_drop(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config, bool may_replace,
-                    const synthesis::DropChoice& is_wanted, const synthesis::DropFileSink& sink, const Run& run) {
+/// One recording for each drop.
+synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
+                                     TruthFiles& truth, const Run& run) {
   try {
-    synthesis::synthesize_each_drop(impact_file(options.impacts), config, options.out, may_replace, is_wanted, sink,
-                                    progress_line(run, "synthesize", "impacts"));
+    return synthesis::synthesize_each_drop(
+        impact_file(options.impacts), config, options.out, run.common.force,
+        [&](const synthesis::DropTruth& drop) { truth.add(drop); }, progress_line(run, "synthesize", "impacts"));
   } catch (const synthesis::OffThePlate& error) {
     refuse(error);
   }
-}
-
-/// The recordings of --each-drop, which are its items by their names.
-std::vector<std::string> recordings_of(const SynthesizeOptions& options) {
-  const synthesis::DropSource drops = impact_file(options.impacts);
-  std::vector<std::string> recordings;
-  Impacts drop;
-  for (std::int64_t k = 0; drops(k, drop); ++k)
-    recordings.push_back(synthesis::path_of_drop(options.out, drop.rows.front().drop).string());
-  return recordings;
-}
-
-/// The recordings of the shard, and the records of their truth in its part.
-Outcome run_part(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config, const Run& run) {
-  if (!options.each_drop)
-    throw InvalidArgument("--shard: one recording cannot be divided; --each-drop makes one of each drop");
-  const std::vector<std::string> recordings = recordings_of(options);
-  PartFile part(run, options.out, run_identity(run, {options.impacts}, {"impacts"}), recordings,
-                [](const std::string& recording, std::string_view) { return std::filesystem::exists(recording); });
-  const std::set<std::size_t> pending(part.pending().begin(), part.pending().end());
-  if (!pending.empty())
-    make_each_drop(
-        options, config, run.common.force || part.goes_on(),
-        [&](std::int64_t k) { return pending.count(static_cast<std::size_t>(k)) > 0; },
-        [&](std::int64_t k, const synthesis::DropTruth& truth, const synthesis::SynthesisResult& of_file) {
-          part.keep(static_cast<std::size_t>(k), loop::to_record(truth, of_file));
-        },
-        run);
-  return part.finish({options.impacts}, "recordings");
-}
-
-/// Each drop: synthesized, or already there from the parts of the run.
-synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
-                                     TruthFiles& truth, const Run& run) {
-  std::vector<synthesis::SynthesisResult> files;
-  const auto take = [&](std::int64_t, const synthesis::DropTruth& drop, const synthesis::SynthesisResult& of_file) {
-    truth.add(drop);
-    files.push_back(of_file);
-  };
-  if (run.parts.empty()) {
-    make_each_drop(options, config, run.common.force, {}, take, run);
-    return synthesis::all_files(files, config);
-  }
-  const std::vector<std::string> recordings = recordings_of(options);
-  RunParts parts(run, run_identity(run, {options.impacts}, {"impacts"}), recordings);
-  for (std::size_t k = 0; k < recordings.size(); ++k) {
-    if (!std::filesystem::exists(recordings[k]))
-      throw FileError(recordings[k], "is missing; run the shards again, which make what is missing");
-    const loop::SynthesizedFile file = loop::synthesized_file_from_record(parts.record(k), recordings[k]);
-    take(static_cast<std::int64_t>(k), file.truth, file.of_file);
-  }
-  return synthesis::all_files(files, config);
 }
 
 }  // namespace
@@ -199,7 +204,6 @@ synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, co
 
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
   const synthesis::SynthesisConfig config = synthesis_config(options, run.common);
-  if (run.shard) return run_part(options, config, run);
   const std::filesystem::path out = options.out;
   if (is_stream(out) && options.truth.empty())
     throw InvalidArgument("--out " + printable(options.out) + ": no truth can lie beside it; name one with --truth");

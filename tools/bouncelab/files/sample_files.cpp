@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/printable.hpp"
-#include "files/same_content.hpp"
+#include "files/several_files.hpp"
 #include "files/table_file.hpp"
 
 namespace bouncelab::cli {
@@ -24,19 +26,6 @@ struct SampleFile {
 
 RestitutionSamples read_one(const fs::path& path) {
   return samples_from_table(read_table(path, sample_columns()), input_name(path));
-}
-
-/// The files with each content once.
-std::vector<fs::path> each_once(const std::vector<fs::path>& files, int n_threads, std::vector<std::string>& warnings) {
-  const std::vector<std::size_t> same = first_of_same_content(files, n_threads);
-  std::vector<fs::path> once;
-  for (std::size_t k = 0; k < files.size(); ++k)
-    if (same[k] == k)
-      once.push_back(files[k]);
-    else
-      warnings.push_back(printable(input_name(files[k])) + ": the same samples as " +
-                         printable(input_name(files[same[k]])) + " (by content); counted once");
-  return once;
 }
 
 std::string short_name(const fs::path& path) { return path == "-" ? input_name(path) : path.filename().string(); }
@@ -61,13 +50,57 @@ std::set<std::string> ambiguous_recordings(const std::vector<SampleFile>& files)
   return ambiguous;
 }
 
+using TakeRecording = std::function<void(RestitutionSamples&&)>;
+
+/// Cuts rows, which come in pieces, into recordings.
+class Cutter {
+ public:
+  Cutter(std::string file, RecordingNames& names, TakeRecording take)
+      : file_(std::move(file)), names_(names), take_(std::move(take)) {}
+
+  void add(RestitutionSamples&& rows) {
+    for (RestitutionSample& row : rows) {
+      row.recording = names_.name(row.recording);
+      if (!recording_.empty() && recording_.front().recording != row.recording) finish();
+      recording_.push_back(std::move(row));
+    }
+  }
+  void finish() {
+    if (recording_.empty()) return;
+    const std::string& recording = recording_.front().recording;
+    if (!finished_.insert(recording).second)
+      throw FileError(file_, "the samples of recording '" + printable(recording) +
+                                 "' are not together; sort the table by recording");
+    take_(std::exchange(recording_, {}));
+  }
+
+ private:
+  std::string file_;
+  RecordingNames& names_;
+  TakeRecording take_;
+  std::set<std::string> finished_;
+  RestitutionSamples recording_;
+};
+
+void cut_file(const fs::path& path, RecordingNames& names, const TakeRecording& take) {
+  const std::string name = input_name(path);
+  Cutter cutter(name, names, take);
+  const std::unique_ptr<TableReader> reader = open_table(path, sample_columns());
+  for (bool at_end = false; !at_end;) {
+    const Table piece = reader->next(kPiece_rows);
+    at_end = piece.n_rows() < kPiece_rows;
+    cutter.add(samples_from_table(piece, name));
+  }
+  cutter.finish();
+}
+
 }  // namespace
 
 RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_threads,
                                      std::vector<std::string>& warnings) {
   if (paths.size() == 1) return read_one(paths.front());
   std::vector<SampleFile> files;
-  for (const fs::path& path : each_once(paths, n_threads, warnings)) files.push_back({path, read_one(path)});
+  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings)) files.push_back({path, read_one(path)});
   if (files.size() > 1) name_recordings(files);
   const std::set<std::string> ambiguous = ambiguous_recordings(files);
   for (const std::string& name : ambiguous)
@@ -81,6 +114,16 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
       all.push_back(std::move(s));
     }
   return all;
+}
+
+void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::vector<std::string>& warnings,
+                        const TakeRecording& take) {
+  RecordingNames names;
+  for (const fs::path& file : each_once(files, n_threads, "samples", warnings)) {
+    names.begin(file);
+    cut_file(file, names, take);
+    names.end(warnings);
+  }
 }
 
 }  // namespace bouncelab::cli

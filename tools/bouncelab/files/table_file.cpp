@@ -2,8 +2,8 @@
 #include "files/table_file.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -12,9 +12,7 @@
 #include "bouncelab/core/file_plan.hpp"
 #include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "files/hdf5_file.hpp"
 #include "files/json_lines_table.hpp"
-#include "files/table_bytes.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
@@ -30,42 +28,28 @@ class CsvTable final : public TableReader {
   CsvReader reader_;
 };
 
-/// CSV or JSON Lines.
-class TextSink final : public TableSink {
- public:
-  /// @param path  that `temporary` will be
-  TextSink(const fs::path& temporary, fs::path path)
-      : path_(std::move(path)), out_(temporary, std::ios::binary | std::ios::trunc) {}
-
-  void add(const Table& rows) override {
-    if (is_json_lines(path_))
-      write_json_lines(out_, rows);
-    else if (std::exchange(begun_, true))
-      write_csv_rows(out_, rows);
-    else
-      write_csv(out_, rows);
-  }
-  void finish() override { close_written(out_, path_); }
-
- private:
-  fs::path path_;
-  std::ofstream out_;
-  bool begun_ = false;
-};
-
-std::unique_ptr<TableSink> sink(const fs::path& temporary, const fs::path& path) {
-  if (is_hdf5(path)) return write_hdf5(temporary, path.string());
-  return std::make_unique<TextSink>(temporary, path);
+/// The k-th piece of a table as text.
+void write_piece(std::ostream& out, bool as_json_lines, std::size_t k, const Table& rows) {
+  if (as_json_lines)
+    write_json_lines(out, rows);
+  else if (k == 0)
+    write_csv(out, rows);
+  else
+    write_csv_rows(out, rows);
 }
 
 }  // namespace
 
-bool is_hdf5(const fs::path& path) { return path.extension() == ".h5" || path.extension() == ".hdf5"; }
+void refuse_hdf5(const fs::path& path) {
+  if (path.extension() == ".h5" || path.extension() == ".hdf5")
+    throw InvalidArgument(path.string() +
+                          ": bouncelab knows no HDF5; tables are .csv or .jsonl, which pandas converts");
+}
 
 bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
 
 std::unique_ptr<TableReader> open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
-  if (is_hdf5(path)) return read_hdf5(path, wanted);
+  refuse_hdf5(path);
   if (is_json_lines(path)) return json_lines_reader(path, wanted);
   return std::make_unique<CsvTable>(path, wanted);
 }
@@ -81,27 +65,33 @@ void write_table(const Run& run, const fs::path& path, const Table& table, const
 }
 
 TableWriter::TableWriter(const Run& run, const fs::path& path)
-    : run_(run), path_(path), file_(path, run.common.force), sink_(sink(file_.temporary_path(), path)) {}
+    : run_(run),
+      path_(path),
+      file_(path, run.common.force),
+      out_(file_.temporary_path(), std::ios::binary | std::ios::trunc) {
+  refuse_hdf5(path);
+}
 
 void TableWriter::add(std::size_t k, const Table& rows) {
   if (k != next_) {
-    const std::string bytes = to_bytes(rows);
+    std::ostringstream out;
+    write_piece(out, is_json_lines(path_), k, rows);
+    const std::string text = out.str();
     if (!scratch_) scratch_.emplace(folder(), path_.string());
-    waiting_[k] = {scratch_->append(bytes), bytes.size()};
+    waiting_[k] = {scratch_->append(text), text.size()};
     return;
   }
-  sink_->add(rows);
+  write_piece(out_, is_json_lines(path_), k, rows);
   ++next_;
   for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first)) {
-    sink_->add(table_from_bytes(scratch_->at(first->second.first, first->second.n)));
+    out_ << scratch_->at(first->second.first, first->second.n);
     ++next_;
   }
 }
 
 void TableWriter::finish(const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
-  sink_->finish();
-  sink_.reset();
+  close_written(out_, path_);
   const std::string origin = provenance(run_, inputs);
   file_.commit();
   write_provenance(path_, origin);
@@ -133,6 +123,8 @@ OutputFolder::~OutputFolder() {
 
 void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector<fs::path>& outputs,
                  std::vector<fs::path> beside) {
+  std::for_each(inputs.begin(), inputs.end(), refuse_hdf5);
+  std::for_each(outputs.begin(), outputs.end(), refuse_hdf5);
   inputs.emplace_back(run.common.config);
   for (const fs::path& output : outputs)
     if (!output.empty() && !is_stream(output)) beside.push_back(provenance_path(output));

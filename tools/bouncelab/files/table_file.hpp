@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,17 +17,18 @@
 #include "command.hpp"
 #include "files/provenance.hpp"
 #include "files/table_reader.hpp"
-#include "files/table_sink.hpp"
 
 namespace bouncelab::cli {
 
-/// The wanted columns of a table file, to be read in pieces; the extension chooses the format. @throws FileError
+/// The wanted columns of a table file, to be read in pieces; the extension chooses the format.
+/// @throws FileError
 std::unique_ptr<TableReader> open_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 /// All its rows at once. @throws FileError
 Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
 
-/// .h5 and .hdf5 are HDF5, .jsonl is JSON Lines, everything else CSV.
-bool is_hdf5(const std::filesystem::path& path);
+/// HDF5 is left to pandas (tools/python/README.md). @throws InvalidArgument for .h5 and .hdf5
+void refuse_hdf5(const std::filesystem::path& path);
+/// .jsonl is JSON Lines, everything else CSV.
 bool is_json_lines(const std::filesystem::path& path);
 
 /// Writes a table whole or not at all, and its provenance beside it. @throws FileError
@@ -40,7 +42,7 @@ class TableWriter {
   TableWriter(const Run& run, const std::filesystem::path& path);
   /// The next piece. @param rows  with the same columns each time
   void add(const Table& rows) { add(next_, rows); }
-  /// The k-th piece, in any order: one that cannot be written yet waits in a file without a name.
+  /// The k-th piece, in any order: one that cannot be written yet waits as text in a file without a name.
   void add(std::size_t k, const Table& rows);
   /// All pieces were added, at least one: it names the columns.
   void finish(const std::vector<std::filesystem::path>& inputs);
@@ -57,7 +59,7 @@ class TableWriter {
   const Run& run_;
   std::filesystem::path path_;
   OutputFile file_;
-  std::unique_ptr<TableSink> sink_;
+  std::ofstream out_;
   std::size_t next_ = 0;  // piece that comes next in the file
   std::map<std::size_t, Place> waiting_;
   std::optional<ScratchFile> scratch_;  // those that wait

@@ -7,8 +7,8 @@
 
 namespace bouncelab::cli {
 
-/// Rows that a command takes of a table at once, and those of a chunk of an HDF5 file: 128 kB of each column of
-/// numbers. More would not make anything faster, and some twenty columns of it are a small part of any memory.
+/// Rows that a command takes of a table at once: 128 kB of each column of numbers. More would not make anything faster,
+/// and some twenty columns of it are a small part of any memory.
 inline constexpr std::size_t kPiece_rows = 1 << 14;
 
 /// A table read a piece at a time, which may be longer than the memory.

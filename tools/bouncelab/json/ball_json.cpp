@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "json/ball_json.hpp"
 
-#include "json/balls_json.hpp"
+#include <nlohmann/json.hpp>
+
 #include "json/json_text.hpp"
 
 namespace bouncelab::cli {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "bouncelab/core/ball_catalogue.hpp"
 
@@ -11,4 +12,8 @@ namespace bouncelab::cli {
 nlohmann::ordered_json ball_json(const Ball& ball);
 /// Likewise of --plate.
 nlohmann::ordered_json plate_json(const Material& plate);
+
+/// All balls, materials and plates.
+std::string balls_json();
+
 }  // namespace bouncelab::cli

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace bouncelab::cli {
@@ -9,9 +9,13 @@ namespace bouncelab::cli {
 /// JSON as text, which is valid whatever the texts in it are: in names of files that are not UTF-8, each byte that is
 /// not becomes U+FFFD.
 /// @param indent  -1: one line
-template <class Json>
-std::string json_text(const Json& json, int indent = -1) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
+std::string json_text(const nlohmann::ordered_json& json, int indent = -1);
+
+/// What --json prints of a command that failed: {"error": ..., "exit_code": ...}.
+std::string error_json(const std::string& error, int exit_code);
+
+/// The summary of a command whose result is not usable, with the same two keys.
+/// @param json  an object, as text
+std::string with_error(const std::string& json, const std::string& error, int exit_code);
 
 }  // namespace bouncelab::cli

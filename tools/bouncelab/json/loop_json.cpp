@@ -7,7 +7,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "json/json_text.hpp"
-#include "json/scatter_json.hpp"
+#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
 namespace {

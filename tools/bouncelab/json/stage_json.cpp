@@ -125,6 +125,21 @@ Json json_of(const fit::CalibrationResult& result) {
   return {{"rows", rows}, {"n_failed", result.n_failed}};
 }
 
+Json calibration_row_json(const loop::MemoryCalibrationRow& row) {
+  Json json{{"quantity", row.quantity}, {"n", row.n}};
+  const auto put = [&](const char* name, const std::optional<double>& value) {
+    if (value) json[name] = *value;
+  };
+  put("pull_mean", row.pull_mean);
+  put("pull_sd", row.pull_sd);
+  put("coverage68", row.coverage68);
+  put("coverage95", row.coverage95);
+  put("rms_error", row.rms_error);
+  put("rms_error_independent", row.rms_error_independent);
+  put("gain", row.gain);
+  return json;
+}
+
 }  // namespace
 
 std::string simulate_json(const sim::SimulationResult& result, const Ball& ball) {
@@ -170,6 +185,42 @@ std::string analyze_json(const AnalyzeSummary& summary) {
   for (const auto& [stage, seconds] : summary.seconds) json["seconds"][stage] = seconds;
   json["warnings"] = summary.warnings;
   return json_text(json, 2);
+}
+
+std::string memory_calibration_json(const std::vector<loop::MemoryCalibrationGroup>& groups) {
+  Json all = Json::array();
+  for (const loop::MemoryCalibrationGroup& group : groups) {
+    Json rows = Json::array();
+    for (const loop::MemoryCalibrationRow& row : group.rows) rows.push_back(calibration_row_json(row));
+    all.push_back({{"family", group.family},
+                   {"name", group.name},
+                   {"n", group.n},
+                   {"n_failed", group.n_failed},
+                   {"n_holds", group.n_holds},
+                   {"rows", rows}});
+  }
+  return json_text(Json{{"n_experiments", groups.front().n}, {"n_failed", groups.front().n_failed}, {"groups", all}},
+                   2);
+}
+
+nlohmann::ordered_json scatter_json(const loop::ScatterTheory& theory) {
+  Json slopes = Json::array();
+  for (const loop::ExpectedSlopes& s : theory.slopes)
+    slopes.push_back({{"v_mps", s.v_mps}, {"n", s.n}, {"rising", s.rising}, {"falling", s.falling}});
+  Json densities = Json::array();
+  for (const loop::ExpectedDensity& d : theory.densities)
+    densities.push_back({{"v_mps", d.v_mps},
+                         {"eps", d.eps},
+                         {"density", d.density},
+                         {"n_simulated", d.n_simulated},
+                         {"simulated_counts", d.simulated_counts}});
+  return {{"q", theory.q},
+          {"contact_factor", theory.contact_factor},
+          {"offset_variance", theory.offset_variance},
+          {"slopes", slopes},
+          {"densities", densities},
+          {"n_transforms", theory.n_transforms},
+          {"transform_counts", theory.transform_counts}};
 }
 
 }  // namespace bouncelab::cli

@@ -37,7 +37,6 @@ Command add_analyze_command(CLI::App& app) {
   out->type_name("FOLDER");
   command->add_flag("--diagnostics", options->diagnostics,
                     "Details of each drop in the report: sound and marks, intervals, learned waveform, noise");
-  add_shard_option(*command);
   add_detect_options(*command, options->detect);
   add_ball_options(*command, options->restitution.world, "not known, so that drag and contact time stay open");
   add_restitution_options(*command, options->restitution);

@@ -1,10 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 
-#include "commands/balls_command.hpp"
+#include "bouncelab/core/ball_catalogue.hpp"
+#include "json/ball_json.hpp"
 #include "options/commands.hpp"
 
 namespace bouncelab::cli {
+namespace {
+
+/// "200", or "-" where it is not known.
+std::string elastic(const Material& material, double value) {
+  return material.youngs_modulus_pa > 0.0 ? fmt::format("{:.4g}", value) : "-";
+}
+
+std::string line(const BallKind& kind) {
+  std::string diameter = "any", mass = "-";
+  if (kind.diameter_m) {
+    diameter = fmt::format("{:.4g}", 1e3 * *kind.diameter_m);
+    mass = fmt::format("{:.4g}", 1e3 * mass_kg({0.5 * *kind.diameter_m, kind.material, kind.inertia_factor, {}}));
+  }
+  return fmt::format("{:<17} {:>12} {:>8} {:>16.5g} {:>8} {:>6} {:>10.3f} {:>6}  {}\n", kind.name, diameter, mass,
+                     kind.material.density_kgpm3, elastic(kind.material, 1e-9 * kind.material.youngs_modulus_pa),
+                     elastic(kind.material, kind.material.poisson_ratio), kind.inertia_factor,
+                     kind.material.hertzian ? "yes" : "no", kind.what);
+}
+
+std::string line(const PlateKind& kind) {
+  return fmt::format("{:<17} {:>16.4g} {:>8.4g} {:>6.3g} {:>11.2g} {:>6}  {}\n", kind.name, kind.material.density_kgpm3,
+                     1e-9 * kind.material.youngs_modulus_pa, kind.material.poisson_ratio, kind.loss_factor,
+                     kind.material.hertzian ? "yes" : "no", kind.what);
+}
+
+template <class Kind>
+std::string sources(const std::vector<Kind>& kinds) {
+  std::string text;
+  for (const Kind& kind : kinds) text += fmt::format("  {:<17} {}\n", kind.name, kind.source);
+  return text;
+}
+
+/// The catalogue: balls, materials of balls, plates, each with its source.
+Outcome run_balls() {
+  Outcome outcome;
+  outcome.text = fmt::format("{:<17} {:>12} {:>8} {:>16} {:>8} {:>6} {:>10} {:>6}\n", "--ball", "diameter[mm]",
+                             "mass[g]", "density[kg/m^3]", "E[GPa]", "nu", "J/(m R^2)", "Hertz");
+  for (const BallKind& kind : ball_kinds()) outcome.text += line(kind);
+  outcome.text +=
+      "\nAny size: the diameter follows, --ball steel:6mm; a radius is written --ball steel:r=3mm. Other numbers "
+      "follow "
+      "too:\n--ball steel:6mm,density=7800, or alone: --ball radius=20mm,mass=2.7g,inertia=0.65. The density of a "
+      "hollow "
+      "ball is its\nmass over its whole volume. Hertz: whether his theory gives the contact time. Where not, it is "
+      "open "
+      "unless measured:\n--ball table-tennis,contact-time=0.8ms\n\n";
+  outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
+                              "loss factor", "Hertz");
+  for (const PlateKind& kind : plate_kinds()) outcome.text += line(kind);
+  outcome.text +=
+      "\nSources of the balls\n" + sources(ball_kinds()) + "Sources of the plates\n" + sources(plate_kinds());
+  outcome.json = balls_json();
+  return outcome;
+}
+
+}  // namespace
 
 Command add_balls_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(

@@ -45,7 +45,6 @@ Command add_calibrate_command(CLI::App& app) {
   command->footer(
       "Examples: bouncelab calibrate --samples 20000 --seeds 500 --timing 8.7e-4\n"
       "          bouncelab calibrate --memory --experiments 200 --out experiments.csv");
-  add_shard_option(*command);
   add_calibrate_options(*command, *options);
   command->add_option("--out", options->out, "With --memory: table of the experiments, .csv")
       ->type_name("FILE")

@@ -46,14 +46,20 @@ const std::vector<CommandName>& all_commands() {
   static const std::string whole = "From recording, or simulation, to the answer", stages = "Step by step",
                            beside = "Beside them";
   static const std::vector<CommandName> all{
-      {"analyze", add_analyze_command, whole},    {"loop", add_loop_command, whole},
-      {"simulate", add_simulate_command, stages}, {"synthesize", add_synthesize_command, stages},
-      {"detect", add_detect_command, stages},     {"restitution", add_restitution_command, stages},
-      {"fit", add_fit_command, stages},           {"roughness", add_roughness_command, stages},
-      {"compare", add_compare_command, stages},   {"report", add_report_command, stages},
-      {"merge", add_merge_command, beside},       {"convert", add_convert_command, beside},
-      {"balls", add_balls_command, beside},       {"calibrate", add_calibrate_command, beside},
-      {"campaign", add_campaign_command, beside}, {"completion", add_completion_command, beside},
+      {"analyze", add_analyze_command, whole},
+      {"loop", add_loop_command, whole},
+      {"simulate", add_simulate_command, stages},
+      {"synthesize", add_synthesize_command, stages},
+      {"detect", add_detect_command, stages},
+      {"restitution", add_restitution_command, stages},
+      {"fit", add_fit_command, stages},
+      {"roughness", add_roughness_command, stages},
+      {"compare", add_compare_command, stages},
+      {"report", add_report_command, stages},
+      {"convert", add_convert_command, beside},
+      {"balls", add_balls_command, beside},
+      {"calibrate", add_calibrate_command, beside},
+      {"completion", add_completion_command, beside},
   };
   return all;
 }
@@ -66,14 +72,8 @@ std::optional<ConfigSection> config_section(const std::string& command, const st
   CommonOptions common;
   const Command added = named->add(app);
   add_common_options(*added.app, common);
-  ConfigSection result{ConfigSection::Use::other, config_keys(*added.app), {}};
-  if (section == command) {
-    result.use = ConfigSection::Use::own;
-  } else if (auto taken = handed_on(command, section)) {
-    result.use = ConfigSection::Use::stage;
-    result.taken = std::move(*taken);
-  }
-  return result;
+  const std::vector<std::string> known = config_keys(*added.app);
+  return ConfigSection{known, section == command ? known : handed_on(command, section)};
 }
 
 }  // namespace bouncelab::cli

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "command.hpp"
-#include "commands/loop_command.hpp"
 #include "options/config_file.hpp"
 
 namespace CLI {
@@ -36,9 +35,7 @@ Command add_calibrate_command(CLI::App& app);
 Command add_analyze_command(CLI::App& app);
 Command add_loop_command(CLI::App& app);
 Command add_completion_command(CLI::App& app);
-Command add_merge_command(CLI::App& app);
 Command add_balls_command(CLI::App& app);
-Command add_campaign_command(CLI::App& app);
 
 struct CommandName {
   std::string name;
@@ -50,20 +47,5 @@ const std::vector<CommandName>& all_commands();
 /// What `command` does with a section of its configuration file: it takes its own, and those of the commands that it
 /// runs as stages as far as it has their options. Absent where no command is called like the section.
 std::optional<ConfigSection> config_section(const std::string& command, const std::string& section);
-
-/// Checks options of a command as its configuration file would give them, values too.
-/// @param file  they stand in, for messages
-/// @return the lists that are to be run through. @throws InvalidArgument naming the line
-std::vector<loop::SweepAxis> check_options(const std::string& command, const TomlEntries& options,
-                                           const std::string& file);
-
-/// A command line of `loop` on its own.
-struct ParsedLoop {
-  LoopOptions options;
-  CommonOptions common;
-};
-/// @param arguments  those after the command's name
-/// @throws InvalidArgument saying what is wrong with them
-ParsedLoop parse_loop(const std::vector<std::string>& arguments);
 
 }  // namespace bouncelab::cli

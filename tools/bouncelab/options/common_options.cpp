@@ -2,8 +2,6 @@
 #include "options/common_options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <system_error>
 
 #include "options/numbers.hpp"
 
@@ -26,44 +24,6 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
   app.add_flag("--quiet", common.quiet, "No progress, no summary; errors only")->group(group);
   app.add_flag("--force", common.force, "Replace outputs that exist")->group(group);
   read_numbers_in_decimal(app);
-}
-
-namespace {
-
-/// @throws CLI::ValidationError
-Shard shard_from(const std::string& text) {
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto [slash, first] = std::from_chars(text.data(), end, shard.index);
-  const bool has_slash = first == std::errc() && slash != end && *slash == '/';
-  const auto [last, second] = has_slash ? std::from_chars(slash + 1, end, shard.n) : std::from_chars(end, end, shard.n);
-  if (second != std::errc() || last != end || shard.n < 1 || shard.index < 1 || shard.index > shard.n)
-    throw CLI::ValidationError("'" + text + "' is not I/N with I from 1 to N, 3/8 for instance");
-  return shard;
-}
-
-}  // namespace
-
-void add_shard_option(CLI::App& app) {
-  const auto check = [](const std::string& text) {
-    try {
-      shard_from(text);
-      return std::string();
-    } catch (const CLI::ValidationError& error) {
-      return std::string(error.what());
-    }
-  };
-  app.add_option_function<std::string>(
-         "--shard", [](const std::string&) {},
-         "Part I of N alone, kept in OUT.parts; bouncelab merge puts the parts together")
-      ->type_name("I/N")
-      ->check(CLI::Validator(check, ""));
-}
-
-std::optional<Shard> shard_of(const CLI::App& app) {
-  const CLI::Option* option = app.get_option_no_throw("--shard");
-  if (option == nullptr || option->count() == 0) return std::nullopt;
-  return shard_from(option->reduced_results().back());
 }
 
 std::vector<std::string> config_keys(const CLI::App& app) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,11 +19,6 @@ void set_option_defaults(CLI::App& app);
 /// --seed, --threads, --config, --json, --quiet, --force. To be called after all other options were added: numbers of
 /// all of them are then read in decimal.
 void add_common_options(CLI::App& app, CommonOptions& common);
-
-/// --shard I/N, of a command that takes many things.
-void add_shard_option(CLI::App& app);
-/// The part of the run that is to be done; absent: all of it.
-std::optional<Shard> shard_of(const CLI::App& app);
 
 /// The options that a configuration file may set: all but --help and --config.
 std::vector<std::string> config_keys(const CLI::App& app);

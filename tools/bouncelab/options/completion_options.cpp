@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Completion of the command line by the shells, made from the commands' own options.
-#include <fmt/format.h>
-
+// Completion of the command line by the shells: their scripts ask the program what may stand at the end of the line.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
@@ -14,157 +12,84 @@
 namespace bouncelab::cli {
 namespace {
 
-struct CompletedOption {
-  std::string name;  ///< --out
-  std::string help;
-  bool takes_value = false;
-  std::vector<std::string> choices;  ///< of its value; empty: any, a file perhaps
-};
+// where nothing is offered the shells offer files
+constexpr const char* kBash = R"sh(# bash completion of bouncelab
+_bouncelab() {
+  local IFS=$'\n'
+  COMPREPLY=($(compgen -W "$("${COMP_WORDS[0]}" completion words -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null | cut -f1)" \
+    -- "${COMP_WORDS[COMP_CWORD]}"))
+}
+complete -o default -F _bouncelab bouncelab
+)sh";
 
-struct CompletedCommand {
-  std::string name, help;
-  std::vector<CompletedOption> options;
-};
+constexpr const char* kZsh = R"sh(#compdef bouncelab
+# zsh completion of bouncelab
+_bouncelab() {
+  local -a offered
+  offered=("${(@f)$("$words[1]" completion words -- "${(@)words[2,CURRENT]}" 2>/dev/null | sed 's/:/\\:/g; s/\t/:/')}")
+  if [[ -n $offered[1] ]]; then _describe word offered; else _files; fi
+}
+if [ "$funcstack[1]" = _bouncelab ]; then _bouncelab "$@"; else compdef _bouncelab bouncelab; fi
+)sh";
 
-std::vector<CompletedCommand> completed_commands() {
-  std::vector<CompletedCommand> commands;
+constexpr const char* kFish = R"sh(# fish completion of bouncelab
+function __bouncelab_words
+  set -l typed (commandline -opc) (commandline -ct)
+  bouncelab completion words -- $typed[2..-1] 2>/dev/null
+end
+complete -c bouncelab -a '(__bouncelab_words)'
+)sh";
+
+std::string lines_of(const std::vector<std::string>& words) { return CLI::detail::join(words, "\n"); }
+
+/// What may stand in place of the last word, one a line, with its explanation behind a tab; empty: a file perhaps.
+/// @param typed  behind the program's name
+std::string offered(const std::vector<std::string>& typed) {
+  std::vector<std::string> words;
   for (const CommandName& named : all_commands()) {
     CLI::App app;
     CommonOptions common;
     set_option_defaults(app);
-    const Command command = named.add(app);
-    add_common_options(*command.app, common);
-    CompletedCommand completed{named.name, summary_of(*command.app), {}};
-    for (const CLI::Option* option : command.app->get_options())
-      for (const std::string& name : option->get_lnames()) {
-        const std::string help = option->get_description();
-        completed.options.push_back(
-            {"--" + name, help.substr(0, help.find('\n')), !value_name(*option).empty(), choices_of(*option)});
-      }
-    commands.push_back(completed);
+    CLI::App& command = *named.add(app).app;
+    if (typed.size() < 2) words.push_back(named.name + "\t" + summary_of(command));
+    if (typed.size() < 2 || named.name != typed.front()) continue;
+    add_common_options(command, common);
+    const std::string& before = typed[typed.size() - 2];
+    const CLI::Option* taker = before.starts_with("--") ? command.get_option_no_throw(before) : nullptr;
+    if (const std::string value = taker == nullptr ? "" : value_name(*taker); !value.empty())
+      return value.starts_with('{') ? lines_of(CLI::detail::split(value.substr(1, value.size() - 2), ',')) : "";
+    if (!typed.back().starts_with('-')) return "";
+    for (const CLI::Option* option : command.get_options())
+      for (const std::string& name : option->get_lnames())
+        words.push_back("--" + name + "\t" + CLI::detail::split(option->get_description(), '\n').front());
   }
-  return commands;
-}
-
-std::string without(std::string text, const std::string& characters) {
-  std::erase_if(text, [&](char c) { return characters.find(c) != std::string::npos; });
-  return text;
-}
-
-std::string joined_names(const CompletedCommand& command) {
-  std::string names;
-  for (const CompletedOption& option : command.options) names += (names.empty() ? "" : " ") + option.name;
-  return names;
-}
-
-// where it offers nothing the shell offers files
-std::string bash_completion(const std::vector<CompletedCommand>& commands) {
-  std::string names, values, options;
-  for (const CompletedCommand& command : commands) {
-    names += (names.empty() ? "" : " ") + command.name;
-    options += fmt::format("    {}) words='{}' ;;\n", command.name, joined_names(command));
-    std::string files;
-    for (const CompletedOption& option : command.options) {
-      if (!option.choices.empty())
-        values +=
-            fmt::format("    '{} {}') words='{}' ;;\n", command.name, option.name, fmt::join(option.choices, " "));
-      else if (option.takes_value)
-        files += fmt::format("{}'{} {}'", files.empty() ? "" : "|", command.name, option.name);
-    }
-    values += fmt::format("    {}) return ;;\n", files);
-  }
-  return fmt::format(R"(# bash completion of bouncelab
-_bouncelab() {{
-  local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} command=${{COMP_WORDS[1]}} words=
-  COMPREPLY=()
-  if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W '{}' -- "$cur"))
-    return
-  fi
-  case "$command $prev" in
-{}  esac
-  [ -n "$words" ] || [ "${{cur#-}}" = "$cur" ] || case "$command" in
-{}  esac
-  COMPREPLY=($(compgen -W "$words" -- "$cur"))
-}}
-complete -o default -F _bouncelab bouncelab
-)",
-                     names, values, options);
-}
-
-std::string zsh_completion(const std::vector<CompletedCommand>& commands) {
-  const std::string special = "'[]:\\`$";
-  std::string names, cases;
-  for (const CompletedCommand& command : commands) {
-    names += fmt::format("    '{}:{}'\n", command.name, without(command.help, special));
-    cases += fmt::format("    {})\n      _arguments \\\n", command.name);
-    for (const CompletedOption& option : command.options) {
-      std::string value;
-      if (!option.choices.empty())
-        value = fmt::format(":value:({})", fmt::join(option.choices, " "));
-      else if (option.takes_value)
-        value = ":value:_files";
-      cases += fmt::format("        '{}[{}]{}' \\\n", option.name, without(option.help, special), value);
-    }
-    cases += "        '*:file:_files'\n      ;;\n";
-  }
-  return fmt::format(R"(#compdef bouncelab
-# zsh completion of bouncelab
-_bouncelab() {{
-  local -a commands
-  commands=(
-{}  )
-  if (( CURRENT == 2 )); then
-    _describe command commands
-    _files
-    return
-  fi
-  local command=$words[2]
-  shift words
-  (( CURRENT-- ))
-  case $command in
-{}  esac
-}}
-if [ "$funcstack[1]" = _bouncelab ]; then _bouncelab "$@"; else compdef _bouncelab bouncelab; fi
-)",
-                     names, cases);
-}
-
-std::string fish_completion(const std::vector<CompletedCommand>& commands) {
-  std::string text = "# fish completion of bouncelab\n";
-  for (const CompletedCommand& command : commands) {
-    text += fmt::format("complete -c bouncelab -n __fish_use_subcommand -a {} -d '{}'\n", command.name,
-                        without(command.help, "'\\"));
-    for (const CompletedOption& option : command.options) {
-      std::string value;
-      if (!option.choices.empty())
-        value = fmt::format(" -x -a '{}'", fmt::join(option.choices, " "));
-      else if (option.takes_value)
-        value = " -r";
-      text += fmt::format("complete -c bouncelab -n '__fish_seen_subcommand_from {}' -l {}{} -d '{}'\n", command.name,
-                          option.name.substr(2), value, without(option.help, "'\\"));
-    }
-  }
-  return text;
+  return lines_of(words);
 }
 
 }  // namespace
 
 Command add_completion_command(CLI::App& app) {
-  auto shell = std::make_shared<std::string>();
+  struct Words {
+    std::string shell;
+    std::vector<std::string> typed;
+  };
+  auto words = std::make_shared<Words>();
   CLI::App* command =
       app.add_subcommand("completion", "A script by which bash, zsh or fish complete bouncelab's words");
-  command->add_option("shell", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  command->add_option("shell", words->shell, "bash, zsh or fish; words: what their scripts ask for")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish", "words"}));
+  command->add_option("typed", words->typed, "Of `words`: what is typed, the word to complete last");
   command->footer(
       "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
       "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
       "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)");
-  return {command, [shell](Run&) {
-            const std::vector<CompletedCommand> commands = completed_commands();
+  return {command, [words](Run&) {
             Outcome outcome;
-            outcome.text = *shell == "bash"  ? bash_completion(commands)
-                           : *shell == "zsh" ? zsh_completion(commands)
-                                             : fish_completion(commands);
+            outcome.text = words->shell == "bash"   ? kBash
+                           : words->shell == "zsh"  ? kZsh
+                           : words->shell == "fish" ? kFish
+                                                    : offered(words->typed) + "\n";
             return outcome;
           }};
 }

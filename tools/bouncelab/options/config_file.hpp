@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+/// Options from TOML files: --config.
 #pragma once
 
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
-
-#include "options/toml_entries.hpp"
 
 namespace CLI {
 class App;
@@ -16,14 +16,10 @@ namespace bouncelab::cli {
 
 /// What the command at work does with a section of a configuration file.
 struct ConfigSection {
-  enum class Use {
-    own,    ///< of the command itself: all keys are taken
-    stage,  ///< of a command that runs as a stage of it: keys are taken, and it is an error where one cannot be
-    other,  ///< of a command that does not run: keys are checked only
-  };
-  Use use = Use::other;
   std::vector<std::string> known;  ///< options of the command that the section is named for
-  std::vector<std::string> taken;  ///< of a stage: those that the command at work hands on to it
+  /// Those that the command at work takes, of itself or of a stage that it runs: it is an error where another is given.
+  /// Absent where it does not run that command: keys are checked only.
+  std::optional<std::vector<std::string>> taken;
 };
 
 /// The section with this name; absent where no command is called so.
@@ -42,10 +38,25 @@ struct ConfigOption {
 /// A key is an option's name without dashes in front; '_' and '-' are the same. Keys stand at the top level or in a
 /// section. A list is several values of an option that takes several (height = [0.09, 0.10]), and values to run through
 /// of one that takes one (snr_db = [10, 20]); a list of lists runs through the former (height = [[0.05], [0.09,
-/// 0.10]]).
+/// 0.10]]). Integers are decimal.
+/// @param text  of the file
 /// @param file  its name, for messages
-/// @throws InvalidArgument naming line and key: an unknown key or section, a key given twice, a list of no use
-std::vector<ConfigOption> config_options(const TomlEntries& toml, const std::string& file, const CLI::App& command,
+/// @throws FileError naming the line where the text is no TOML; InvalidArgument naming line and key: an unknown key or
+///         section, a key given twice, a list of no use, a value that is none of an option
+std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const CLI::App& command,
                                          const ConfigSections& sections);
+
+/// A command line with the options that its --config file adds.
+struct CommandLine {
+  std::vector<std::string> arguments;  ///< the command's name first
+  std::vector<ConfigOption> from_file;
+};
+
+/// The line with what its configuration file, of at most 1 MB, sets, but for what is typed: the command line wins.
+/// Lists to run through stay out of the arguments.
+/// @param typed  the command's name first
+/// @throws FileError, InvalidArgument naming the line of the file
+CommandLine line_with_config(const std::vector<std::string>& typed, const CLI::App& command,
+                             const ConfigSections& sections);
 
 }  // namespace bouncelab::cli

@@ -12,7 +12,7 @@ Command add_convert_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "convert",
       "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
-      "By extension: .csv, .jsonl (JSON Lines), .h5; .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+      "By extension: .csv, .jsonl (JSON Lines); .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
       "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
       "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
       "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it stands, "

@@ -34,7 +34,6 @@ Command add_detect_command(CLI::App& app) {
   command->add_option("--list", options->list, "File with more recordings, one a line")->type_name("FILE");
   command->add_option("--out", options->out, "Onsets, .csv")->type_name("FILE")->required();
   command->add_option("--labels", options->labels, "Also an Audacity label track")->type_name("FILE");
-  add_shard_option(*command);
   add_detect_options(*command, *options);
   return {command, [options](Run& run) { return run_detect(*options, run).outcome; }};
 }

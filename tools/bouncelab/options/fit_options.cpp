@@ -97,7 +97,6 @@ Command add_fit_command(CLI::App& app) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--out", options->out, "Results, .json")->type_name("FILE")->required();
   command->add_option("--table", options->table, "Also the law as a table v_mps, eps, lo95, hi95")->type_name("FILE");
-  add_shard_option(*command);
   add_ball_options(*command, options->world, "what the samples say");
   add_fit_options(*command, *options);
   return {command, [options](Run& run) { return run_fit(*options, run).outcome; }};

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/loop/paper_experiment.hpp"
+#include "bouncelab/loop/loop_score.hpp"
 #include "options/ball_options.hpp"
 #include "options/commands.hpp"
 #include "options/common_options.hpp"
@@ -29,7 +29,7 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   command
       .add_option("--preset", options.preset,
                   "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
-                  "paper: 2,320 drops of 95 impacts, through memory; killed at any moment, the same command continues")
+                  "paper: 2,320 drops of 95 impacts, through memory")
       ->check(CLI::IsMember({"quick", "paper"}));
   command.add_option("--out", options.out, "Folder for every file of the run")->type_name("FOLDER")->required();
   command.add_flag("--keep-sound", options.keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop");
@@ -40,12 +40,13 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   add_synthesize_options(command, options.synthesize);
 }
 
+namespace {
+
 ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
   ParsedLoop parsed;
   Run run;
   CLI::App app("", "loop");
   set_option_defaults(app);
-  add_shard_option(app);
   add_loop_options(app, parsed.options);
   add_common_options(app, parsed.common);
   try {
@@ -58,6 +59,8 @@ ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
   return parsed;
 }
 
+}  // namespace
+
 Command add_loop_command(CLI::App& app) {
   auto options = std::make_shared<LoopOptions>();
   CLI::App* command = app.add_subcommand(
@@ -67,11 +70,10 @@ Command add_loop_command(CLI::App& app) {
       "Examples: bouncelab loop --preset quick --out out/loop\n"
       "          bouncelab loop --preset paper --out out/paper\n"
       "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)");
-  add_shard_option(*command);
   add_loop_options(*command, *options);
   return {command, [options, command](Run& run) {
             apply_loop_preset(*command, *options, run);
-            return run_loop(*options, run);
+            return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run, parse_loop);
           }};
 }
 

@@ -32,8 +32,15 @@ Command add_restitution_command(CLI::App& app) {
   auto options = std::make_shared<RestitutionOptions>();
   CLI::App* command = app.add_subcommand(
       "restitution", "Coefficients of restitution from impact times: ratios of neighbouring intervals");
-  command->footer("Example: bouncelab restitution onsets.csv --out samples.csv");
-  command->add_option("onsets", options->onsets, "Onsets, as detect writes them; a column t_s is enough")->required();
+  command->footer(
+      "Example: bouncelab restitution onsets.csv --out samples.csv\n"
+      "         bouncelab restitution monday.csv tuesday.csv --out samples.csv");
+  command
+      ->add_option("onsets", options->onsets,
+                   "Onsets, as detect writes them; a column t_s is enough. Several files are taken in this order; rows "
+                   "without a recording are of one that is called like the file")
+      ->required()
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--out", options->out, "Samples, .csv")->type_name("FILE")->required();
   add_ball_options(*command, options->world,
                    "those of the onsets' .meta.json where they were simulated, else not known: drag and contact time "

@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bouncelab/loop/paper_experiment.hpp"
+#include "bouncelab/loop/loop_score.hpp"
 #include "commands/simulate_command.hpp"
 #include "options/ball_options.hpp"
 #include "options/commands.hpp"
@@ -80,10 +80,9 @@ Command add_simulate_command(CLI::App& app) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = app.add_subcommand("simulate", "Drop a rough ball: impact times, velocities, asperities");
   command->footer("Example: bouncelab simulate --drops 10 --asperities 100000 --out impacts.csv");
-  command->add_option("--out", options->out, "Impacts, .csv or .h5")->type_name("FILE")->required();
-  add_shard_option(*command);
+  command->add_option("--out", options->out, "Impacts, .csv or .jsonl")->type_name("FILE")->required();
   add_simulation_options(*command, *options);
-  command->add_option("--write-surface", options->write_surface, "Write the asperities, .csv or .h5")
+  command->add_option("--write-surface", options->write_surface, "Write the asperities, .csv or .jsonl")
       ->type_name("FILE");
   return {command, [options, command](Run& run) {
             if (options->preset == "paper") apply_paper_preset(*command, *options, run);

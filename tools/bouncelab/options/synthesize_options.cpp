@@ -76,19 +76,18 @@ Command add_synthesize_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("synthesize", "Impact times to sound: plate, sensor, noise; exact times beside it as truth");
   command->footer("Example: bouncelab synthesize impacts.csv --out recording.flac --snr-db 20 --hum 0.5");
-  command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.h5")->required();
+  command->add_option("impacts", options->impacts, "Impacts: FILE.csv or FILE.jsonl")->required();
   command->add_option("--out", options->out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64")
       ->type_name("FILE")
       ->required();
   command->add_option("--truth", options->truth, "True onsets (default OUT without its extension + .truth.csv)")
       ->type_name("FILE");
   command->add_flag("--each-drop", options->each_drop, "One file for each drop: NAME.0000.wav, NAME.0001.wav ...");
-  add_shard_option(*command);
   options->world = {};
   add_ball_options(*command, options->world, "those of the impacts' .meta.json, else steel:6mm on glass");
   add_synthesize_options(*command, *options);
   return {command, [options](Run& run) {
-            BallChoice& world = options->world = with_provenance(options->world, options->impacts);
+            BallChoice& world = options->world = with_provenance(options->world, {options->impacts});
             if (world.ball.empty()) world.ball = kPaperBall.ball;
             if (world.plate.empty()) world.plate = kPaperBall.plate;
             set_parameter(run.parameters, "ball", world.ball);

@@ -9,8 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .results import Fit, Onsets
-
 _MOST_POINTS = 2000
 
 
@@ -22,7 +20,7 @@ def _axes(ax: Optional[Axes]) -> Axes:
     return plt.subplots(layout="constrained")[1]
 
 
-def restitution(fit: Fit, ax: Optional[Axes] = None) -> Axes:
+def restitution(fit: Any, ax: Optional[Axes] = None) -> Axes:
     """The law eps(v) with its 95 % band, and the samples.
 
     Parameters
@@ -56,7 +54,7 @@ def restitution(fit: Fit, ax: Optional[Axes] = None) -> Axes:
     return ax
 
 
-def density(fit: Fit, window: Optional[int] = None, ax: Optional[Axes] = None) -> Axes:
+def density(fit: Any, window: Optional[int] = None, ax: Optional[Axes] = None) -> Axes:
     """The distribution of eps in one window of speeds, with the fitted density.
 
     Parameters
@@ -93,7 +91,7 @@ def density(fit: Fit, window: Optional[int] = None, ax: Optional[Axes] = None) -
     return ax
 
 
-def sound(samples: Any, rate: float, onsets: Optional[Onsets] = None, ax: Optional[Axes] = None) -> Axes:
+def sound(samples: Any, rate: float, onsets: Optional[Any] = None, ax: Optional[Axes] = None) -> Axes:
     """Sound as the extremes of 2,000 stretches of time, with a mark for each impact.
 
     Parameters

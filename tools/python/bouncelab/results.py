@@ -82,7 +82,7 @@ class Table(Mapping[str, Any]):
 
     @classmethod
     def from_csv(cls, path: Path) -> Any:
-        """Reads a table as the command line writes it: .csv, .jsonl or .h5."""
+        """Reads a table as the command line writes it: .csv or .jsonl."""
         return cls(_core.read_columns(os.fspath(path), cls._kind))
 
     def to_csv(self, path: Path, force: bool = False) -> None:
@@ -91,7 +91,7 @@ class Table(Mapping[str, Any]):
         Parameters
         ----------
         path : str or path
-            .csv, .jsonl or .h5.
+            .csv or .jsonl.
         force : bool, default False
             Replace a file that exists.
         """

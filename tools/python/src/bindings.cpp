@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
-#include "json/balls_json.hpp"
+#include "json/ball_json.hpp"
 #include "stages.hpp"
 
 namespace bouncelab::python {

@@ -9,7 +9,6 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "files/table_file.hpp"
-#include "json/calibration_json.hpp"
 #include "json/stage_json.hpp"
 #include "json/wave_json.hpp"
 #include "progress_line.hpp"

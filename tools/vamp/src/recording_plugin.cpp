@@ -2,12 +2,13 @@
 #include "recording_plugin.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <exception>
 #include <iostream>
 
 #include "bouncelab/core/units.hpp"
-#include "decimal.hpp"
 
 namespace bouncelab::vamp {
 namespace {
@@ -17,6 +18,23 @@ constexpr std::int64_t kNanosecondsASecond = 1'000'000'000;
 constexpr float kLeastRate_hz = 4e3F, kMostRate_hz = 4e6F;
 
 }  // namespace
+
+void RecordingBuffer::add(const float* block) {
+  samples_.resize(next_);  // the next block has again what the last one had beyond its step
+  samples_.insert(samples_.end(), block, block + block_);
+  next_ += step_;
+}
+
+void RecordingBuffer::clear() {
+  samples_.clear();
+  next_ = 0;
+}
+
+std::span<const float> RecordingBuffer::samples() const {
+  std::size_t n = samples_.size();
+  for (std::size_t n_zeros = 0; n > 0 && samples_[n - 1] == 0.0F && n_zeros + 1 < block_ + step_; ++n_zeros) --n;
+  return std::span(samples_).first(n);
+}
 
 RecordingPlugin::RecordingPlugin(float rate_hz)
     : Plugin(rate_hz), gravity_mps2_(static_cast<float>(kDefaultGravity_mps2)) {}
@@ -136,7 +154,24 @@ Vamp::Plugin::Feature RecordingPlugin::feature_at(double t_s) const {
   return feature;
 }
 
-double RecordingPlugin::gravity_mps2() const { return decimal_value(gravity_mps2_); }
+std::string RecordingPlugin::label_of(std::int64_t drop, std::int64_t impact, const Flags& flags) {
+  std::string label = "drop " + std::to_string(drop) + ", impact " + std::to_string(impact);
+  if (!flags.empty()) label += ", " + flags.text();
+  return label;
+}
+
+std::string RecordingPlugin::decimal(float value) {
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed).ptr;
+  return {text.data(), end};
+}
+
+double RecordingPlugin::gravity_mps2() const {
+  const std::string text = decimal(gravity_mps2_);
+  double number = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
 
 void RecordingPlugin::say(const std::string& what) const {
   std::cerr << "vamp:bouncelab:" << getIdentifier() << ": " << what << '\n';

@@ -15,7 +15,6 @@
 #include "files/json_lines_table.hpp"
 #include "files/label_track.hpp"
 #include "files/table_file.hpp"
-#include "json/error_json.hpp"
 #include "json/json_text.hpp"
 #include "options.hpp"
 #include "options/ball_options.hpp"

@@ -14,7 +14,7 @@
 #include "analysis.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
-#include "json/balls_json.hpp"
+#include "json/ball_json.hpp"
 #include "simulation.hpp"
 
 namespace bouncelab::web {

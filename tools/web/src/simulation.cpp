@@ -16,7 +16,7 @@
 #include "commands/synthesize_command.hpp"
 #include "files.hpp"
 #include "json/json_text.hpp"
-#include "json/scatter_json.hpp"
+#include "json/stage_json.hpp"
 #include "options.hpp"
 #include "options/ball_options.hpp"
 #include "options/common_options.hpp"

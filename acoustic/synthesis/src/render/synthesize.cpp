@@ -199,42 +199,30 @@ SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& confi
   return result;
 }
 
-void synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config, const std::filesystem::path& out,
-                          bool may_replace, const DropChoice& is_wanted, const DropFileSink& sink,
-                          const ProgressCallback& progress) {
+SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config,
+                                     const std::filesystem::path& out, bool may_replace, const TruthSink& truth,
+                                     const ProgressCallback& progress) {
   check_file(out, config);
   const auto instrument = make_instrument(config);
-  const Levels levels = survey(drops, config, StrikeSound(config, instrument), progress).levels;
-  std::int64_t n_impacts = 0;
+  SynthesisResult all;
+  all.levels = survey(drops, config, StrikeSound(config, instrument), progress).levels;
+  all.n_files = 0;
   Impacts drop;
-  for (std::int64_t k = 0; drops(k, drop); ++k) {
-    if (is_wanted && !is_wanted(k)) continue;
+  for (; drops(all.n_files, drop); ++all.n_files) {
     const std::int64_t number = drop.rows.front().drop;
-    const SynthesisConfig of_drop = config_of_drop(config, levels, number);
+    const SynthesisConfig of_drop = config_of_drop(config, all.levels, number);
     const StrikeSound sound(of_drop, instrument);
     const DropSource only = drops_of(drop);
     SynthesisResult of_file;
-    of_file.levels = levels;
-    DropTruth truth;
     RecordingWriter(of_drop, sound, survey(only, of_drop, sound, {}), path_of_drop(out, number), may_replace)
-        .write(
-            only, [&](const DropTruth& t) { truth = t; }, {}, of_file);
-    sink(k, truth, of_file);
-    if (progress) progress(static_cast<double>(n_impacts += of_file.n_impacts), 0.0);
+        .write(only, truth, {}, of_file);
+    all.n_impacts += of_file.n_impacts;
+    all.n_clipped += of_file.n_clipped;
+    all.n_other_sounds += of_file.n_other_sounds;
+    all.duration_s += of_file.duration_s;
+    if (progress) progress(static_cast<double>(all.n_impacts), 0.0);
   }
-}
-
-SynthesisResult all_files(const std::vector<SynthesisResult>& files, const SynthesisConfig& config) {
-  SynthesisResult all;
-  all.n_files = std::ssize(files);
-  for (const SynthesisResult& file : files) {
-    all.n_impacts += file.n_impacts;
-    all.n_clipped += file.n_clipped;
-    all.n_other_sounds += file.n_other_sounds;
-    all.duration_s += file.duration_s;
-    all.levels = file.levels;
-  }
-  summarise(all, config, *make_instrument(config));
+  summarise(all, config, *instrument);
   return all;
 }
 

@@ -51,7 +51,7 @@ struct ColumnSpec {
 /// A column of this name and type, without rows.
 Column empty_column(const ColumnSpec& spec);
 
-/// Columns of equal length: what a CSV file or an HDF5 group holds. File formats and value types both convert to and
+/// Columns of equal length: what a CSV file holds. File formats and value types both convert to and
 /// from tables; neither depends on the other.
 struct Table {
   /// A row that does not stand on the line after that of the row before, and its line, counted from 1.

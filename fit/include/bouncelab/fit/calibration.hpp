@@ -61,15 +61,6 @@ struct CalibrationResult {
   std::size_t n_failed = 0;  ///< seeds whose fit did not converge: not in the rows
 };
 
-/// What the samples of one seed say: a pure function of its arguments.
-/// @param index  of the seed, below n_seeds
-/// @return in the order of CalibrationResult::rows; empty where the search did not converge
-/// @throws InvalidArgument where a number is out of its range
-std::vector<Estimate> calibrate_seed(const CalibrationConfig& config, std::size_t index);
-
-/// @param seeds  what each of them says, in order
-CalibrationResult calibration_result(const CalibrationConfig& config, const std::vector<std::vector<Estimate>>& seeds);
-
 /// All seeds, one after the other, each on all threads.
 /// @throws InvalidArgument where a number is out of its range
 CalibrationResult calibrate(const CalibrationConfig& config, const ProgressCallback& progress = {});

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,11 +30,6 @@ enum class LawMethod {
 const char* to_string(LawKind kind);
 const char* to_string(LawMethod method);
 
-/// A replicate of the bootstrap in the coordinates of its fit; absent where its search failed.
-using Replicate = std::optional<std::vector<double>>;
-/// Gives the i-th replicate: makes it, or has it from elsewhere. Called from several threads at once.
-using ReplicateSource = std::function<Replicate(std::size_t i, const std::function<Replicate()>& make)>;
-
 struct LawFitConfig {
   LawKind kind = LawKind::series;
   std::vector<int> orders{2, 4, 5};  ///< of the series: distinct, among 2, 4, 5, ... 10
@@ -46,7 +40,6 @@ struct LawFitConfig {
   std::size_t n_scatter_terms = 0;
   std::size_t n_goodness = 0;   ///< replicates of the Anderson-Darling test; 0: none
   std::size_t n_bootstrap = 0;  ///< replicates of the bootstrap by drop; 0: none
-  ReplicateSource replicates;   ///< of the bootstrap, for a run in parts; absent: all are made
   bool compare_laws = false;    ///< fill LawFit::comparison
   std::uint64_t seed = 1;       ///< of the replicates
   /// Speeds at which eps(v) is reported [m/s]; empty: 0.25, 0.6, 1.2 where the data reach there, else within the data.

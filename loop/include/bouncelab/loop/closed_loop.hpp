@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,7 +15,6 @@
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/loop/drops.hpp"
 #include "bouncelab/loop/reservoir_check.hpp"
-#include "bouncelab/loop/run_journal.hpp"
 #include "bouncelab/loop/scatter_theory.hpp"
 #include "bouncelab/sim/energy_shares.hpp"
 #include "bouncelab/sim/experiment.hpp"
@@ -72,31 +70,9 @@ struct LoopResult {
 /// Makes the progress callback of a stage: `label` is what is done ("simulate"), `unit` what is counted ("drops").
 using StageProgress = std::function<ProgressCallback(const std::string& label, const std::string& unit)>;
 
-/// Drops that an earlier run finished, by ball.
-struct FinishedDrops {
-  std::vector<DropResult> rough, smooth;
-  /// @param record  of the journal; empty: of a drop without impacts. @throws InvalidArgument
-  void add(std::string_view record);
-};
-
 /// Runs the loop with all data in memory.
-/// @param finished  drops that are not done again
-/// @param journal   takes each drop when it is finished; null: none
 /// @throws InvalidArgument naming the setting that is out of range, FileError (disk full), what `progress` throws
-LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {}, FinishedDrops finished = {},
-                    RunJournal* journal = nullptr);
-
-/// The drops of a loop by their names in its journal: "rough 0", "rough 1" ... "smooth 0" ...
-std::vector<std::string> loop_items(const LoopConfig& config);
-
-/// Whether an item of loop_items is to be done.
-using ItemChoice = std::function<bool(const std::string& item)>;
-
-/// Simulates, records and detects some drops of a loop, for a run in several parts: run_loop does the rest when all
-/// are finished. Beside them it simulates the first drops only, which set gain and noise.
-/// @throws as run_loop
-void run_loop_drops(const LoopConfig& config, const ItemChoice& is_wanted, RunJournal& journal,
-                    const StageProgress& progress = {});
+LoopResult run_loop(const LoopConfig& config, const StageProgress& progress = {});
 
 /// How samples are made of the onsets of this experiment: its gravity, its ball.
 fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation);

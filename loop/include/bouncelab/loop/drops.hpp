@@ -3,11 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "bouncelab/core/impacts.hpp"
@@ -49,17 +47,12 @@ struct DropResult {
 /// @param ball     names the recordings, BALL.0017.flac
 DropResult run_drop(const Impacts& impacts, const std::string& ball, const DropRecording& recording);
 
-/// Takes each drop as soon as it is finished; called from any thread, from several at once.
-using DropSink = std::function<void(const DropResult&)>;
-
 /// All drops of a ball, in parallel, through memory.
-/// @param finished   drops that are not done again
 /// @param n_threads  0: all cores
 /// @param progress   in drops
-/// @return `finished` and the others, ordered by drop; the same for any number of threads
+/// @return ordered by drop; the same for any number of threads
 std::vector<DropResult> run_drops(const Impacts& impacts, const std::string& ball, const DropRecording& recording,
-                                  std::vector<DropResult> finished, int n_threads, const DropSink& sink = {},
-                                  const ProgressCallback& progress = {});
+                                  int n_threads, const ProgressCallback& progress = {});
 
 /// The detected onsets of all drops, one drop after the other.
 Onsets onsets_of(const std::vector<DropResult>& drops);
@@ -67,14 +60,5 @@ Onsets onsets_of(const std::vector<DropResult>& drops);
 Onsets true_onsets_of(const std::vector<DropResult>& drops, const std::string& ball);
 /// The truth with all its columns, recordings named likewise.
 Table truth_table_of(const std::vector<DropResult>& drops, const std::string& ball);
-
-/// A drop as one line of text (JSON) for a RunJournal, and back: bit by bit the same.
-std::string to_record(const std::string& ball, const DropResult& drop);
-struct NamedDrop {
-  std::string ball;
-  DropResult drop;
-};
-/// @throws InvalidArgument where the text is no such line
-NamedDrop drop_from_record(std::string_view record);
 
 }  // namespace bouncelab::loop

@@ -4,12 +4,8 @@
 
 #include "bouncelab/loop/closed_loop.hpp"         // the whole chain in one call
 #include "bouncelab/loop/drops.hpp"               // drops to sound and back
-#include "bouncelab/loop/loop_score.hpp"          // what went in beside what came out
+#include "bouncelab/loop/loop_score.hpp"          // what went in beside what came out; the paper's conclusions
 #include "bouncelab/loop/memory_calibration.hpp"  // the fit with memory against known truth
-#include "bouncelab/loop/paper_experiment.hpp"    // the paper's experiment and its conclusions
-#include "bouncelab/loop/records.hpp"             // results of single items as lines of text, and back
 #include "bouncelab/loop/reservoir_check.hpp"     // the reservoir from sound beside the simulated one
-#include "bouncelab/loop/run_journal.hpp"         // long runs that can be killed and continued
 #include "bouncelab/loop/scatter_theory.hpp"      // the scatter in closed form beside the simulated one
-#include "bouncelab/loop/settings.hpp"            // combinations of settings
 #include "bouncelab/loop/sweep.hpp"               // the chain for every combination of some settings

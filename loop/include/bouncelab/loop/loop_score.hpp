@@ -2,15 +2,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/detection/score.hpp"
+#include "bouncelab/fit/conclusions.hpp"
 #include "bouncelab/fit/fit.hpp"
 
 namespace bouncelab::loop {
+
+struct LoopResult;
 
 /// One quantity, measured twice: from the true impact times and from those detected in the sound.
 struct Compared {
@@ -57,5 +62,40 @@ struct LoopScore {
 /// @param sound       fitted to the detected times
 LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, const RestitutionLaw& truth,
                      const fit::FitResult& true_times, const fit::FitResult& sound);
+
+// The experiment of Montaine et al., doi:10.1103/PhysRevE.84.041306: 2,320 drops of 95 bounces are 220,400 impacts.
+constexpr std::int64_t kPaperDrops = 2320;
+constexpr std::int64_t kPaperImpacts = 95;
+// Recordings that begin and end close to the drop: 6.9 hours in all.
+constexpr double kPaperLeadIn_s = 0.1;
+constexpr double kPaperPause_s = 0.3;
+
+/// A slope of p(eps), from the simulation itself and from its sound.
+struct SlopePair {
+  fit::Estimate simulation, sound;
+  double ratio = 1.0;  ///< sound over simulation
+};
+
+struct SlopeWindow {
+  double v_mps = 0.0;
+  std::size_t n_simulation = 0, n_sound = 0;  ///< samples
+  SlopePair rising, falling;
+};
+
+/// What the experiment says of the paper's conclusions.
+struct PaperResult {
+  std::vector<fit::Conclusion> conclusions;
+  std::vector<SlopeWindow> slopes;  ///< windows of speed in which both have both slopes
+};
+
+/// @param loop  with the smooth ball; without it, the conclusion about it is left out
+PaperResult paper_result(const LoopResult& loop);
+
+// Parts of a FitResult; null where it does not have them. Speeds agree to within 1e-9 m/s.
+const fit::NodeEstimate* node_at(const fit::FitResult& fit, double v_mps);
+const fit::HistogramFit* window_at(const fit::FitResult& fit, double v_mps);
+/// The window at this speed that has both slopes.
+const fit::HistogramFit* window_with_slopes(const fit::FitResult& fit, double v_mps);
+const fit::Estimate* parameter_named(const fit::FitResult& fit, std::string_view name);
 
 }  // namespace bouncelab::loop

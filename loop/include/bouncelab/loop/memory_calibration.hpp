@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,15 +72,6 @@ struct MemoryExperiment {
 
 /// One experiment: a pure function of its arguments.
 MemoryExperiment run_memory_experiment(const MemoryConditions& conditions, std::int64_t n_impacts);
-
-/// Takes each experiment as soon as it is done, by its number; from one thread at a time, in any order.
-using ExperimentSink = std::function<void(std::size_t number, MemoryExperiment&& experiment)>;
-
-/// Some experiments, by their numbers, in parallel.
-/// @param progress  in experiments; may throw to stop
-/// @throws InvalidArgument where the configuration is out of range
-void calibrate_memory_each(const MemoryCalibrationConfig& config, const std::vector<std::size_t>& numbers,
-                           const ExperimentSink& sink, const ProgressCallback& progress = {});
 
 /// All experiments, in parallel.
 /// @param progress  in experiments; may throw to stop

@@ -4,14 +4,37 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/table.hpp"
-#include "bouncelab/loop/closed_loop.hpp"
-#include "bouncelab/loop/settings.hpp"
 
 namespace bouncelab::loop {
+
+struct LoopResult;
+
+/// A setting that runs through several values.
+struct SweepAxis {
+  std::string option;
+  std::vector<std::string> values;
+};
+
+/// Setting and value, in the order of the axes.
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+/// The most combinations of one sweep. Each is a closed loop, which takes a second or more: 10 000 are hours.
+inline constexpr std::size_t kMostCombinations = 10'000;
+
+/// How many combinations of the values there are; 1 without axes.
+/// @throws InvalidArgument where there are more than kMostCombinations
+std::size_t n_combinations(const std::vector<SweepAxis>& axes);
+
+/// A combination of the values; the last axis varies fastest.
+/// @param index  below n_combinations(axes)
+Settings combination(const std::vector<SweepAxis>& axes, std::size_t index);
+
+/// "snr-db 20, radius-law constant:1e-3"
+std::string text_of(const Settings& settings);
 
 /// A number of one point of a sweep.
 struct SweepValue {
@@ -38,14 +61,5 @@ SweepPoint sweep_point(Settings settings, const LoopResult& loop, const std::vec
 /// A column for each setting, each number, and the failure in words (named `trouble`). All points of one sweep; at
 /// least one.
 Table to_table(const std::vector<SweepPoint>& points);
-
-/// A point as one line of text (JSON) for a RunJournal, and back: bit by bit the same.
-std::string to_record(std::size_t index, const SweepPoint& point);
-struct NumberedPoint {
-  std::size_t index = 0;
-  SweepPoint point;
-};
-/// @throws InvalidArgument where the text is no such line
-NumberedPoint point_from_record(std::string_view record);
 
 }  // namespace bouncelab::loop

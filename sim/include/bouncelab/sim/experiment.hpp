@@ -98,14 +98,14 @@ struct SimulationResult {
 };
 
 /// Takes each drop once it is simulated; from one thread at a time, in any order.
-/// @param k  its place among the drops asked for
+/// @param k  its place among the drops of the configuration
 using DropSink = std::function<void(std::size_t k, DropResult&& drop)>;
 
-/// Some drops, by their numbers, in parallel: of each thread no more than kDropsInTurn are held here.
+/// The drops of the configuration, in parallel: of each thread no more than kDropsInTurn are held here.
 /// @param progress  called with drops done; may throw to stop
 /// @throws InvalidArgument as `validate` and `simulate_drop`
-void simulate_each(const SimulationConfig& config, const Surface& surface, const std::vector<std::int64_t>& drops,
-                   const DropSink& sink, const ProgressCallback& progress = {});
+void simulate_each(const SimulationConfig& config, const Surface& surface, const DropSink& sink,
+                   const ProgressCallback& progress = {});
 
 /// What is counted of drops while their impacts pass by; sums do not depend on the order of add().
 class SimulationCounts {

@@ -48,21 +48,11 @@ struct SynthesisResult {
 SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& config, const std::filesystem::path& out,
                            bool may_replace, const TruthSink& truth = {}, const ProgressCallback& progress = {});
 
-/// Receives each file that was written, in order.
-/// @param k        the drop's place in its source
-/// @param of_file  what was counted of this file alone
-using DropFileSink = std::function<void(std::int64_t k, const DropTruth& truth, const SynthesisResult& of_file)>;
-/// Whether the k-th drop of its source is to be written.
-using DropChoice = std::function<bool(std::int64_t k)>;
-
 /// One file for each drop, named by path_of_drop and configured by config_of_drop: gain and noise are those of
-/// all drops in one recording, whichever are written; the noise of each file is its own.
-/// @param is_wanted  absent: all drops
-/// @param progress   in impacts
-void synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config, const std::filesystem::path& out,
-                          bool may_replace, const DropChoice& is_wanted, const DropFileSink& sink,
-                          const ProgressCallback& progress = {});
-/// What was counted of all files, in order.
-SynthesisResult all_files(const std::vector<SynthesisResult>& files, const SynthesisConfig& config);
+/// all drops in one recording; the noise of each file is its own.
+/// @param progress  in impacts
+SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config,
+                                     const std::filesystem::path& out, bool may_replace, const TruthSink& truth,
+                                     const ProgressCallback& progress = {});
 
 }  // namespace bouncelab::synthesis

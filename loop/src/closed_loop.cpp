@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/closed_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <functional>
+#include <optional>
+
+#include "bouncelab/core/parallel.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+double processor_time_s() {
+  std::timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Runs a stage and adds its wall and processor time.
+template <class Stage>
+void timed(LoopResult& loop, const std::string& name, const Stage& stage) {
+  using Clock = std::chrono::steady_clock;
+  const double start_s = processor_time_s();
+  const auto start = Clock::now();
+  stage();
+  loop.wall_s.emplace_back(name, std::chrono::duration<double>(Clock::now() - start).count());
+  loop.processor_s.emplace_back(name, processor_time_s() - start_s);
+}
+
+std::int64_t n_smooth_drops(std::int64_t n_rough) {
+  return std::max<std::int64_t>(1, n_rough / kRoughDropsPerSmoothDrop);
+}
+
+ProgressCallback callback(const StageProgress& progress, const std::string& label, const std::string& unit) {
+  return progress ? progress(label, unit) : ProgressCallback{};
+}
+
+/// The scatter of the simulation itself, without any measurement.
+RestitutionSamples direct_samples(const Impacts& impacts) {
+  RestitutionSamples samples;
+  samples.reserve(impacts.rows.size());
+  for (const Impact& impact : impacts.rows) {
+    RestitutionSample sample;
+    sample.drop = impact.drop;
+    sample.impact = impact.impact;
+    sample.t_s = impact.t_s;
+    sample.v_mps = impact.v_mps;
+    sample.eps = impact.eps_macro;
+    samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
+sim::Surface surface_of(const LoopConfig& config, const StageProgress& progress) {
+  if (config.surface) return *config.surface;
+  return sim::make_surface(config.simulation.ball, config.n_asperities, config.radius_law, config.simulation.seed,
+                           callback(progress, "surface", "asperities"));
+}
+
+BallResult simulated(const std::string& name, const sim::SimulationConfig& config, const sim::Surface& surface,
+                     LoopResult& loop, const StageProgress& progress) {
+  sim::SimulationResult result = sim::simulate(config, surface, callback(progress, "simulate", "drops"));
+  if (config.with_state) {
+    loop.shares = sim::energy_shares(config.ball, result.impacts);
+    loop.energy = result.energy;
+    loop.reservoirs = sim::reservoirs_after(config.ball, result.impacts);
+  }
+  BallResult ball;
+  ball.name = name;
+  ball.impacts = std::move(result.impacts);
+  ball.impacts.states = {};
+  return ball;
+}
+
+void simulate_balls(const LoopConfig& config, LoopResult& loop, const StageProgress& progress) {
+  sim::SimulationConfig simulation = loop.simulation;
+  simulation.with_state = true;
+  {
+    const sim::Surface surface = surface_of(config, progress);
+    loop.section = sim::section_of(simulation.ball, surface);
+    loop.rough = simulated("rough", simulation, surface, loop, progress);
+  }
+  if (!config.with_smooth_ball) return;
+  simulation.with_state = false;
+  simulation.n_drops = n_smooth_drops(simulation.n_drops);
+  loop.smooth = simulated("smooth", simulation, sim::Surface{}, loop, progress);
+}
+
+void record_and_detect(BallResult& ball, const DropRecording& recording, int n_threads, const StageProgress& progress) {
+  ball.drops = run_drops(ball.impacts, ball.name, recording, n_threads,
+                         callback(progress, "synthesize and detect the " + ball.name + " ball", "drops"));
+  ball.score = detection::score_onsets(true_onsets_of(ball.drops, ball.name), onsets_of(ball.drops));
+}
+
+const char* const kSound = "sound";
+
+/// Synthesis and detection are one pass over the drops; the drops' own clocks tell their shares of processor time.
+void split_sound_stage(LoopResult& loop) {
+  double synthesize_s = 0.0, detect_s = 0.0;
+  for (const BallResult* ball : {&loop.rough, &loop.smooth})
+    for (const DropResult& drop : ball->drops) {
+      synthesize_s += drop.synthesize_s;
+      detect_s += drop.detect_s;
+    }
+  auto& stages = loop.processor_s;
+  const auto sound = std::find_if(stages.begin(), stages.end(), [](const auto& s) { return s.first == kSound; });
+  *sound = {"synthesize", synthesize_s};
+  stages.insert(sound + 1, {"detect", detect_s});
+}
+
+void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgress& progress) {
+  const auto samples_of = [&](const Onsets& onsets) {
+    return fit::restitution_samples(onsets, restitution_config_of(loop.simulation)).samples;
+  };
+  fit::FitConfig fit_config;
+  fit_config.law.node_speeds_mps = config.node_speeds_mps;
+  fit_config.budget = budget_config_of(loop.simulation);
+  fit_config.compare_recordings = false;  // each drop is one, all of the same ball
+  const auto fit = [&](const RestitutionSamples& samples, fit::FitResult& result, bool memory = false) {
+    fit::FitConfig this_config = fit_config;
+    if (memory) this_config.memory = fit::UseMemory::where_long;
+    result = fit::fit_all(samples, this_config);
+  };
+  if (const ProgressCallback report = callback(progress, "fit", "fits")) report(0.0, 4.0);
+  std::vector<std::function<void()>> fits{[&] {
+                                            loop.samples_sound = samples_of(onsets_of(loop.rough.drops));
+                                            fit(loop.samples_sound, loop.sound, config.with_memory);
+                                          },
+                                          [&] {
+                                            loop.samples_true =
+                                                samples_of(true_onsets_of(loop.rough.drops, loop.rough.name));
+                                            fit(loop.samples_true, loop.true_times, config.with_memory);
+                                          },
+                                          [&] {
+                                            loop.samples_direct = direct_samples(loop.rough.impacts);
+                                            fit(loop.samples_direct, loop.direct);
+                                          }};
+  if (!loop.smooth.drops.empty())
+    fits.emplace_back([&] { fit(samples_of(onsets_of(loop.smooth.drops)), loop.smooth_sound); });
+  parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
+}
+
+}  // namespace
+
+LoopResult run_loop(const LoopConfig& config, const StageProgress& progress) {
+  LoopResult loop;
+  loop.simulation = config.simulation;
+  loop.simulation.n_threads = config.n_threads;
+  timed(loop, "simulate", [&] { simulate_balls(config, loop, progress); });
+  timed(loop, kSound, [&] {
+    DropRecording recording = drop_recording(config.synthesis, loop.rough.impacts);
+    recording.folder = config.sound_folder;
+    record_and_detect(loop.rough, recording, config.n_threads, progress);
+    if (config.with_smooth_ball) record_and_detect(loop.smooth, recording, config.n_threads, progress);
+  });
+  split_sound_stage(loop);
+  timed(loop, "restitution_and_fit", [&] { fit_everything(loop, config, progress); });
+  timed(loop, "theory", [&] {
+    const sim::ContactOffset offset =
+        contact_offset_of(config.simulation.ball, config.surface ? &*config.surface : nullptr, config.radius_law,
+                          config.n_asperities, config.n_threads);
+    const auto reservoir = [&] {
+      loop.reservoir =
+          reservoir_check(loop.rough.impacts, loop.reservoirs, true_onsets_of(loop.rough.drops, loop.rough.name),
+                          onsets_of(loop.rough.drops), loop.rough.score.match, loop.samples_sound, loop.sound,
+                          loop.simulation.gravity_mps2);
+    };
+    const auto theory = [&] {
+      loop.theory = scatter_theory(loop.simulation, offset, loop.rough.impacts, loop.sound.histograms);
+    };
+    parallel_for(2, config.n_threads, [&](std::size_t k) { k == 0 ? reservoir() : theory(); });
+  });
+  return loop;
+}
+
+fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simulation) {
+  fit::RestitutionConfig config;
+  config.gravity_mps2 = simulation.gravity_mps2;
+  config.ball = simulation.ball;
+  return config;
+}
+
+fit::BudgetConfig budget_config_of(const sim::SimulationConfig& simulation) {
+  fit::BudgetConfig budget;
+  budget.ball = simulation.ball;
+  budget.gravity_mps2 = simulation.gravity_mps2;
+  if (simulation.air) budget.air = *simulation.air;
+  budget.drag = simulation.air ? fit::Effect::present : fit::Effect::absent;
+  budget.contact_time = budget.travel_time = fit::Effect::absent;
+  return budget;
+}
+
+double sound_s(const LoopResult& loop) {
+  double sum = 0.0;
+  for (const BallResult* ball : {&loop.rough, &loop.smooth})
+    for (const DropResult& drop : ball->drops) sum += drop.sound_s;
+  return sum;
+}
+
+}  // namespace bouncelab::loop

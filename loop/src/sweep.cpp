@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <sstream>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
+#include "bouncelab/loop/loop_score.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+/// A speed into a text, as printf does.
+std::string text_of(const char* format, double value) {
+  char text[100];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+/// By detection alone: missed and invented impacts. Empty: no failure.
+std::string detection_failure(const detection::OnsetScore& score) {
+  const auto n_detected = static_cast<double>(score.n_found + score.n_invented);
+  if (score.n_found == 0) return "nothing found";
+  if (static_cast<double>(score.n_found) < 0.99 * static_cast<double>(score.n_true)) return "impacts missed";
+  if (static_cast<double>(score.n_found) < 0.99 * n_detected) return "impacts invented";
+  return "";
+}
+
+/// Do the slopes of a window from sound differ by more than a tenth from those from the true times?
+bool slopes_moved(const fit::HistogramFit& exact, const fit::HistogramFit* sound) {
+  return sound == nullptr || std::abs(sound->slope_rising->value / exact.slope_rising->value - 1.0) > 0.1 ||
+         std::abs(sound->slope_falling->value / exact.slope_falling->value - 1.0) > 0.1;
+}
+
+std::string failure_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+  if (std::string failure = detection_failure(loop.rough.score); !failure.empty()) return failure;
+  for (const double v : node_speeds_mps) {
+    const fit::NodeEstimate *sound = node_at(loop.sound, v), *exact = node_at(loop.true_times, v);
+    if (sound == nullptr || exact == nullptr || !exact->eps.se) return "no law";
+    if (std::abs(sound->eps.value - exact->eps.value) > *exact->eps.se)
+      return text_of("eps(%g m/s) moved by more than its standard error", v);
+  }
+  for (const fit::HistogramFit& exact : loop.true_times.histograms)
+    if (exact.slope_rising && exact.slope_falling && slopes_moved(exact, window_with_slopes(loop.sound, exact.v_mps)))
+      return text_of("slopes at %.1f m/s moved by more than a tenth", exact.v_mps);
+  return "";
+}
+
+/// Collects the numbers of a point.
+class Values {
+ public:
+  void add(const std::string& name, std::optional<double> value) { all.push_back({name, value, false}); }
+  void add_count(const std::string& name, std::size_t n) { all.push_back({name, static_cast<double>(n), true}); }
+  void add_share(const std::string& name, std::size_t n, std::size_t of) {
+    add(name, of > 0 ? std::optional(static_cast<double>(n) / static_cast<double>(of)) : std::nullopt);
+  }
+  void add_estimate(const std::string& name, const fit::Estimate* estimate) {
+    add(name, estimate != nullptr ? std::optional(estimate->value) : std::nullopt);
+    add("se_" + name, estimate != nullptr ? estimate->se : std::nullopt);
+  }
+
+  std::vector<SweepValue> all;
+};
+
+/// Drops that made all impacts that were asked for: those of others left the plate, came to rest or ran out of time.
+std::size_t n_complete(const LoopResult& loop) {
+  std::vector<std::int64_t> n_impacts(static_cast<std::size_t>(loop.simulation.n_drops), 0);
+  for (const Impact& impact : loop.rough.impacts.rows)
+    ++n_impacts[static_cast<std::size_t>(impact.drop - loop.simulation.first_drop)];
+  return static_cast<std::size_t>(std::count(n_impacts.begin(), n_impacts.end(), loop.simulation.n_impacts_max));
+}
+
+std::vector<SweepValue> values_of(const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+  const detection::OnsetScore& score = loop.rough.score;
+  Values values;
+  values.add_count("n_impacts", score.n_true);
+  values.add_share("share_complete", n_complete(loop), static_cast<std::size_t>(loop.simulation.n_drops));
+  values.add_share("recall", score.n_found, score.n_true);
+  values.add_share("precision", score.n_found, score.n_found + score.n_invented);
+  values.add("time_rms_within_drops_s", score.rms_within_drops_s);
+  values.add("time_pull_sd", score.pull_sd);
+  values.add_count("n_samples", loop.sound.n_used);
+  for (const double v : node_speeds_mps) {
+    const std::string name = text_of("eps_%g", v);
+    values.add(name + "_truth", restitution(loop.simulation.law, v));
+    for (const auto& [suffix, fit] : {std::pair{"_true_times", &loop.true_times}, {"_sound", &loop.sound}}) {
+      const fit::NodeEstimate* node = node_at(*fit, v);
+      values.add_estimate(name + suffix, node != nullptr ? &node->eps : nullptr);
+    }
+  }
+  for (const char* name : {"A2", "A4", "A5"}) values.add_estimate(name, parameter_named(loop.sound, name));
+  for (const double v : {0.3, 0.6, 1.0})
+    for (const auto& [suffix, fit] : {std::pair{"_simulation", &loop.direct}, {"_sound", &loop.sound}}) {
+      const fit::HistogramFit* window = window_with_slopes(*fit, v);
+      values.add_estimate(text_of("slope_rising_%.1f", v) + suffix, window ? &*window->slope_rising : nullptr);
+      values.add_estimate(text_of("slope_falling_%.1f", v) + suffix, window ? &*window->slope_falling : nullptr);
+    }
+  for (const double v : {0.3, 0.6, 1.0}) {
+    const fit::HistogramFit* window = window_at(loop.direct, v);
+    values.add(text_of("p_exponentials_%.1f_simulation", v), window ? window->p_value : std::nullopt);
+  }
+  const std::optional<fit::Estimate>& exponent = loop.sound.budget.width_exponent;
+  values.add_estimate("width_exponent", exponent ? &*exponent : nullptr);
+  return values.all;
+}
+
+}  // namespace
+
+std::size_t n_combinations(const std::vector<SweepAxis>& axes) {
+  std::size_t n = 1;
+  double n_exact = 1.0;  // the product may be beyond all integers
+  for (const SweepAxis& axis : axes) {
+    n_exact *= static_cast<double>(axis.values.size());
+    n = n_exact > static_cast<double>(kMostCombinations) ? n : n * axis.values.size();
+  }
+  if (n_exact <= static_cast<double>(kMostCombinations)) return n;
+  std::ostringstream out;
+  out << "the lists have " << n_exact << " combinations; a sweep runs through at most " << kMostCombinations
+      << ", each a closed loop of a second or more: shorten the lists, or make several sweeps";
+  throw InvalidArgument(out.str());
+}
+
+Settings combination(const std::vector<SweepAxis>& axes, std::size_t index) {
+  Settings settings;
+  for (std::size_t k = axes.size(); k-- > 0;) {
+    const SweepAxis& axis = axes[k];
+    settings.emplace_back(axis.option, axis.values[index % axis.values.size()]);
+    index /= axis.values.size();
+  }
+  std::reverse(settings.begin(), settings.end());
+  return settings;
+}
+
+std::string text_of(const Settings& settings) {
+  std::string text;
+  for (const auto& [option, value] : settings) text += (text.empty() ? "" : ", ") + option + " " + value;
+  return text;
+}
+
+SweepPoint sweep_point(Settings settings, const LoopResult& loop, const std::vector<double>& node_speeds_mps) {
+  return {std::move(settings), values_of(loop, node_speeds_mps), failure_of(loop, node_speeds_mps)};
+}
+
+Table to_table(const std::vector<SweepPoint>& points) {
+  Table table;
+  const SweepPoint& first = points.front();
+  for (std::size_t k = 0; k < first.settings.size(); ++k) {
+    std::string name = first.settings[k].first;
+    std::replace(name.begin(), name.end(), '-', '_');
+    std::vector<std::string> cells;
+    for (const SweepPoint& point : points) cells.push_back(point.settings[k].second);
+    table.columns.push_back({std::move(name), std::move(cells)});
+  }
+  for (std::size_t k = 0; k < first.values.size(); ++k) {
+    std::vector<double> cells;
+    for (const SweepPoint& point : points)
+      cells.push_back(point.values[k].value.value_or(std::numeric_limits<double>::quiet_NaN()));
+    table.columns.push_back({first.values[k].name, std::move(cells)});
+  }
+  std::vector<std::string> failures;
+  for (const SweepPoint& point : points) failures.push_back(point.failure);
+  table.columns.push_back({"trouble", std::move(failures)});
+  return table;
+}
+
+}  // namespace bouncelab::loop

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `restitution` of several tables of onsets; `fit` and `compare` have tests of their own.
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+/// Rows of a drop of five impacts, as detect writes them.
+std::string drop_of(const std::string& recording, int drop, double shrink) {
+  std::ostringstream rows;
+  rows.precision(17);
+  double t_s = 1.0 + 10.0 * drop, interval_s = 0.3;
+  for (int impact = 0; impact < 5; ++impact, t_s += interval_s, interval_s *= shrink)
+    rows << recording << ',' << drop << ',' << impact << ',' << t_s << '\n';
+  return rows.str();
+}
+
+const std::string kHeader = "recording,drop,impact,t_s\n";
+
+class SeveralFiles : public ProgramTest {
+ protected:
+  std::string samples_of(const std::string& onsets, const std::string& warning = "") const {
+    const Result result = run("restitution " + onsets + " --out s.csv --force");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.empty(), warning.empty()) << result.err;
+    EXPECT_THAT(result.err, testing::HasSubstr(warning));
+    return content_of(folder_ / "s.csv");
+  }
+};
+
+TEST_F(SeveralFiles, GiveTheSamplesOfTheirConcatenation) {
+  const std::string first = drop_of("x.wav", 0, 0.9) + drop_of("x.wav", 1, 0.91), second = drop_of("y.wav", 0, 0.92);
+  write("whole.csv", kHeader + first + second);
+  write("1.csv", kHeader + first);
+  write("2.csv", kHeader);  // of a recording in which nothing bounces
+  write("3.csv", kHeader + second);
+  EXPECT_EQ(samples_of("1.csv 2.csv 3.csv"), samples_of("whole.csv"));
+}
+
+TEST_F(SeveralFiles, NameTheRecordingsThatHaveNoNameOrThatOfAnother) {
+  write("1.csv", kHeader + drop_of("x.wav", 0, 0.9));
+  write("2.csv", kHeader + drop_of("x.wav", 0, 0.95));
+  write("3.csv", "t_s\n0.1\n0.3\n0.48\n");
+  const std::string samples = samples_of("1.csv 2.csv 3.csv", "2.csv: 1 recordings have the names");
+  EXPECT_THAT(samples, testing::HasSubstr("\nx.wav,0,"));
+  EXPECT_THAT(samples, testing::HasSubstr("\nx.wav (2.csv),0,"));
+  EXPECT_THAT(samples, testing::HasSubstr("\n3.csv,0,"));
+}
+
+TEST_F(SeveralFiles, OfTheSameContentCountOnce) {
+  write("1.csv", kHeader + drop_of("x.wav", 0, 0.9));
+  write("copy.csv", kHeader + drop_of("x.wav", 0, 0.9));
+  EXPECT_EQ(samples_of("1.csv copy.csv", "copy.csv: the same onsets as 1.csv"), samples_of("1.csv"));
+}
+
+TEST_F(SeveralFiles, OfTwoBallsNeedToBeToldWhichItIs) {
+  ASSERT_EQ(run("simulate --drops 1 --impacts 5 --asperities 1000 --out 1.csv").exit_code, 0);
+  ASSERT_EQ(run("simulate --drops 1 --impacts 5 --asperities 1000 --ball glass:5mm --out 2.csv").exit_code, 0);
+  expect_one_line_error(run("restitution 1.csv 2.csv --out s.csv"), 2, {"2.csv", "--ball", "glass:5mm", "steel:6mm"});
+  EXPECT_EQ(run("restitution 1.csv 2.csv --ball steel:6mm --out s.csv").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test
