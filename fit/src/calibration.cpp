@@ -141,12 +141,12 @@ std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatt
   theta.tail(2 * kTerms) << c.col(0), c.col(1);
   const Eigen::MatrixXd white = whitening(
       likelihood.information(theta) * (static_cast<double>(config.n_samples) / static_cast<double>(n)), 1e-12);
-  const Eigen::MatrixXd covariance = (white * white.transpose()).topLeftCorner(n_law, n_law);
+  const Eigen::MatrixXd covariance = gram(white).topLeftCorner(n_law, n_law);
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(kNodeSpeeds_mps.size()) + n_law, n_law);
   rows << model.jacobian(kNodeSpeeds_mps, theta.head(n_law)), model.reported_jacobian(theta.head(n_law));
   std::vector<double> result;
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    result.push_back(std::sqrt(rows.row(i) * covariance * rows.row(i).transpose()));
+    result.push_back(std::sqrt(congruence(rows.row(i).transpose(), covariance)(0, 0)));
   return result;
 }
 
@@ -175,7 +175,7 @@ std::pair<double, double> slope_bounds(const CalibrationConfig& config, const Re
     return std::abs(s.v_mps - v_mps) < 0.5 * kWindowWidth_mps;
   }));
   const Eigen::MatrixXd white = whitening(likelihood.information(theta) * (n / kCopies), 1e-12);
-  const Eigen::VectorXd variances = (white * white.transpose()).diagonal();
+  const Eigen::VectorXd variances = gram(white).diagonal();
   return {std::sqrt(variances[1]) / sides.b_below, std::sqrt(variances[2]) / sides.b_above};
 }
 

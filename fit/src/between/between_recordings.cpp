@@ -129,7 +129,7 @@ class Pool {
   Eigen::VectorXd law() const { return design_.base + solution_.beta().head(design_.n_law); }
   /// Of direction' beta; with `more_variance` what is added to the error's square.
   Estimate estimate(double value, const Eigen::VectorXd& direction, double more_variance = 0.0) const {
-    const double variance = factor_ * direction.dot(solution_.covariance() * direction) + more_variance;
+    const double variance = factor_ * congruence(direction, solution_.covariance())(0, 0) + more_variance;
     const double se = std::sqrt(std::max(0.0, variance));
     const double n_free = errors_.degrees_of_freedom(direction, more_variance > 0.0 ? se : 0.0);
     return normal_estimate(value, se, student_t_quantile(0.8413447460685429, n_free),
@@ -140,7 +140,9 @@ class Pool {
     direction.head(design_.n_law) = law.transpose();
     return direction;
   }
-  double eps(double v_mps) const { return 1.0 + (design_.law.jacobian(std::span(&v_mps, 1), law()) * law())[0]; }
+  double eps(double v_mps) const {
+    return 1.0 + product(design_.law.jacobian(std::span(&v_mps, 1), law()), law())(0, 0);
+  }
   Estimate eps_at(double v_mps, double more_variance = 0.0) const {
     return estimate(eps(v_mps), direction_of(design_.law.jacobian(std::span(&v_mps, 1), law()).row(0)), more_variance);
   }
@@ -180,7 +182,7 @@ void describe_law(BetweenRecordings& result, const Design& design, const Pool& p
     result.parameters.push_back({names[static_cast<std::size_t>(i)], a});
   }
   const Eigen::MatrixXd covariance = pool.covariance().topLeftCorner(design.n_law, design.n_law);
-  result.correlation = to_matrix(correlation_of(rows * covariance * rows.transpose()));
+  result.correlation = to_matrix(correlation_of(congruence(rows.transpose(), covariance)));
   for (int k = 0; k < kPoints && !design.v_ends_mps.empty(); ++k) {
     const double v = design.v_ends_mps[0] * pow(design.v_ends_mps[1] / design.v_ends_mps[0], k / (kPoints - 1.0));
     const Estimate e = pool.eps_at(v);

@@ -67,8 +67,8 @@ OffsetData offsets_of(const std::vector<OwnLaw>& own, const LawModel& law, const
     data.h.row(r) = h.transpose();
     data.m[r] = m;
     data.variance[r] = 1.0 / a;
-    data.within += x.transpose() * weighted_x - a * h * h.transpose();
-    data.within_y += x.transpose() * weighted_y - a * m * h;
+    data.within += transposed_product(x, weighted_x) - a * h * h.transpose();
+    data.within_y += transposed_product(x, weighted_y) - a * m * h;
     data.within_yy += y.dot(weighted_y) - a * square(m);
   }
   return data;
@@ -83,7 +83,7 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
       LawModel law = make_law_model(LawKind::series, orders, v_mps);
       const OffsetData data = offsets_of(own, law, Eigen::VectorXd::Zero(law.n_parameters()));
       const Eigen::MatrixXd information =
-          data.within + data.h.transpose() * data.variance.cwiseInverse().asDiagonal() * data.h;
+          data.within + transposed_product(data.h, data.variance.cwiseInverse().asDiagonal() * data.h);
       if (!(least_and_rank(information).first > kDetermined)) continue;
       if (orders.size() < 3) notes.push_back("the speeds determine no more than two constants of the law, A2 and A4");
       return law;
@@ -96,9 +96,9 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
 Eigen::VectorXd law_near(const std::vector<OwnLaw>& own, const LawModel& law) {
   const OffsetData data = offsets_of(own, law, Eigen::VectorXd::Zero(law.n_parameters()));
   const Eigen::MatrixXd weighted = data.variance.cwiseInverse().asDiagonal() * data.h;
-  return cholesky(data.within + data.h.transpose() * weighted)
+  return cholesky(data.within + transposed_product(data.h, weighted))
       .value()
-      .solve(data.within_y + weighted.transpose() * data.m);
+      .solve(data.within_y + transposed_product(weighted, data.m));
 }
 
 GroupLabels labels_of(const std::vector<std::string>& name_of_row) {
@@ -249,7 +249,7 @@ void weigh_shapes(Design& design, std::size_t n_values) {
 }  // namespace
 
 bool is_determined(const OffsetData& data) {
-  return least_and_rank(data.h.transpose() * data.h + data.within * data.variance.mean()).first > 1e-8;
+  return least_and_rank(transposed_product(data.h, data.h) + data.within * data.variance.mean()).first > 1e-8;
 }
 
 double Design::plate_constant(const Eigen::VectorXd& beta, int plate) const {

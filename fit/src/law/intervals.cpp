@@ -64,9 +64,9 @@ std::optional<Others> others_of(const Eigen::MatrixXd& curvature, const Eigen::M
                                 const Eigen::VectorXd& unit) {
   const Eigen::MatrixXd across = rotation.rightCols(rotation.cols() - 1);
   if (across.cols() == 0 || !is_near_unit(curvature)) return std::nullopt;
-  const std::optional<Cholesky> root = cholesky(across.transpose() * curvature * across);
+  const std::optional<Cholesky> root = cholesky(congruence(across, curvature));
   if (!root) return std::nullopt;
-  return Others{-root->solve(across.transpose() * (curvature * unit)), *root};
+  return Others{-root->solve(transposed_product(across, product(curvature, unit))), *root};
 }
 
 /// One side (sign -1 or +1) of the profile.
@@ -103,8 +103,8 @@ class Side {
   bool add(double t) {
     const Eigen::VectorXd base = maximum_.x + t * along_;
     const LogLikelihood others = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
-      const double value = loglik_(base + across_ * x, gradient);
-      if (gradient) *gradient = (across_.transpose() * *gradient).eval();
+      const double value = loglik_(base + product(across_, x), gradient);
+      if (gradient) *gradient = transposed_product(across_, *gradient);
       return value;
     };
     Eigen::VectorXd z = t * path_ + bend_ * square(t / t_of_bend_);  // it bends like t^2
@@ -187,12 +187,12 @@ ProfileLevels profile_levels(std::size_t n, std::size_t n_location) {
 std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, const Maximum& maximum,
                                                   const Eigen::MatrixXd& white, const Eigen::VectorXd& direction,
                                                   const ProfileLevels& levels, const Eigen::MatrixXd* curvature) {
-  const Eigen::VectorXd in_y = white.transpose() * direction;
+  const Eigen::VectorXd in_y = transposed_product(white, direction);
   const double se = in_y.norm();
   if (!(se > 0.0)) return std::nullopt;
   const Eigen::MatrixXd rotation = rotation_along(in_y);
-  const Eigen::VectorXd along = white * in_y / se;
-  const Eigen::MatrixXd across = white * rotation.rightCols(direction.size() - 1);
+  const Eigen::VectorXd along = product(white, in_y) / se;
+  const Eigen::MatrixXd across = product(white, rotation.rightCols(direction.size() - 1));
   const auto others = curvature ? others_of(*curvature, rotation, in_y / se) : std::nullopt;
   Side lower(loglik, maximum, along, across, -1.0, others ? &*others : nullptr);
   Side upper(loglik, maximum, along, across, 1.0, others ? &*others : nullptr);
@@ -209,7 +209,7 @@ namespace {
 /// standard error: that far the kinks of single samples are smoothed out. Of very many samples by each sample's own
 /// differences: those by parameters take up to 30 passes.
 Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& white) {
-  if (likelihood.data().size() >= kVeryMany) return white.transpose() * likelihood.observed_information(theta) * white;
+  if (likelihood.data().size() >= kVeryMany) return congruence(white, likelihood.observed_information(theta));
   const Eigen::Index n_theta = theta.size();
   Eigen::MatrixXd h(n_theta, n_theta);
   for (Eigen::Index j = 0; j < n_theta; ++j) {
@@ -217,7 +217,7 @@ Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd
     const Eigen::VectorXd step = white.col(j);
     likelihood(theta + step, &ahead);
     likelihood(theta - step, &behind);
-    h.col(j) = 0.5 * white.transpose() * (behind - ahead);
+    h.col(j) = 0.5 * transposed_product(white, behind - ahead);
   }
   return 0.5 * (h + h.transpose());
 }
@@ -226,12 +226,12 @@ Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd
 
 Eigen::MatrixXd ErrorsByDrop::covariance() const {
   const auto n = static_cast<double>(moves.cols());
-  return (n - 1.0) / n * (moves * moves.transpose());
+  return (n - 1.0) / n * gram(moves);
 }
 
 double ErrorsByDrop::standard_error(const Eigen::VectorXd& direction) const {
   const auto n = static_cast<double>(moves.cols());
-  return std::sqrt((n - 1.0) / n) * (direction.transpose() * moves).norm();
+  return std::sqrt((n - 1.0) / n) * transposed_product(moves, direction).norm();
 }
 
 ProfileLevels ErrorsByDrop::reach() const {
@@ -240,7 +240,7 @@ ProfileLevels ErrorsByDrop::reach() const {
 }
 
 ProfileLevels ErrorsByDrop::profile_levels_of(const Eigen::VectorXd& direction, const Eigen::MatrixXd& white) const {
-  const double ratio = standard_error(direction) / (white.transpose() * direction).norm();
+  const double ratio = standard_error(direction) / transposed_product(white, direction).norm();
   const ProfileLevels levels = reach();
   return {ratio * levels.z68, ratio * levels.z95};
 }
@@ -253,14 +253,14 @@ std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, cons
   Eigen::MatrixXd observed = curvature(likelihood, theta, white);
   const std::optional<Cholesky> h = cholesky(observed);
   if (!h) return std::nullopt;
-  Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_drop(theta);
+  Eigen::MatrixXd scores = transposed_product(white, likelihood.scores_by_drop(theta));
   const std::vector<Eigen::MatrixXd> information = likelihood.information_by_drop(theta);
   for (Eigen::Index d = 0; d < scores.cols(); ++d) {
-    const Eigen::MatrixXd leverage = white.transpose() * information[static_cast<std::size_t>(d)] * white;
+    const Eigen::MatrixXd leverage = congruence(white, information[static_cast<std::size_t>(d)]);
     if (!cholesky(kMostOfOneDrop * unit - leverage)) return std::nullopt;
     scores.col(d) = cholesky(unit - leverage)->solve(scores.col(d));
   }
-  return ErrorsByDrop{-(white * h->solve(scores)), std::move(observed)};
+  return ErrorsByDrop{-product(white, h->solve(scores)), std::move(observed)};
 }
 
 std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
@@ -271,9 +271,9 @@ std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, co
   Eigen::MatrixXd observed = curvature(likelihood, theta, white);
   const std::optional<Cholesky> h = cholesky(observed);
   if (!h) return std::nullopt;
-  const Eigen::MatrixXd scores = white.transpose() * likelihood.scores_by_sample(theta);
+  const Eigen::MatrixXd scores = transposed_product(white, likelihood.scores_by_sample(theta));
   // each has p/n of what is known
-  return ErrorsByDrop{white * h->solve(scores) * (-n / (n - p)), std::move(observed)};
+  return ErrorsByDrop{product(white, h->solve(scores)) * (-n / (n - p)), std::move(observed)};
 }
 
 }  // namespace bouncelab::fit

@@ -92,7 +92,7 @@ std::vector<std::string> LawModel::names() const {
 Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::VectorXd& q) const {
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::MatrixXd::Ones(n, 1);
-  if (kind == LawKind::series) return series_terms(orders, v_mps) * a_of_q;
+  if (kind == LawKind::series) return product(series_terms(orders, v_mps), a_of_q);
   Eigen::MatrixXd rows(n, 1);
   for (Eigen::Index k = 0; k < n; ++k)
     rows(k, 0) = viscoelastic_and_slope(exp(0.5 * q[0]) * pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
@@ -102,7 +102,7 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
 Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::VectorXd& q) const {
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
-  if (kind == LawKind::series) return (series_terms(orders, v_mps) * reported(q)).array() + 1.0;
+  if (kind == LawKind::series) return product(series_terms(orders, v_mps), reported(q)).array() + 1.0;
   const double root = exp(0.5 * q[0]);
   const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
   return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), n).unaryExpr([&](double x) {
@@ -111,7 +111,7 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
 }
 
 Eigen::VectorXd LawModel::reported(const Eigen::VectorXd& q) const {
-  if (kind == LawKind::series) return a_of_q * (q.array() - 1.0).matrix();
+  if (kind == LawKind::series) return product(a_of_q, (q.array() - 1.0).matrix());
   if (kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, exp(q[0]));
   return q;
 }

@@ -5,6 +5,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "law/law_likelihood.hpp"
+#include "numerics/linalg.hpp"
 
 // What is asked of every sample or drop at the maximum: probabilities, scores, expected information.
 
@@ -139,7 +140,7 @@ Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) cons
   belongs.row(1).segment(n_law_, n_terms).setOnes();
   belongs.row(2).segment(n_law_ + (scatter_.is_two_sided() ? n_terms : 0), n_terms).setOnes();
   if (scatter_.kind == ScatterKind::normal_laplace) belongs(3, n - 1) = 1.0;
-  return belongs.transpose() * information * belongs;
+  return congruence(belongs, information);
 }
 
 void LawLikelihood::fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/quadrature.hpp"
 #include "bouncelab/core/vector_clones.hpp"
-#include "numerics/distributions.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -270,15 +270,16 @@ Eigen::Matrix4d pure_laplace_information(double b_below, double b_above) {
 /// Adds weight f score score^T at the points of one panel.
 void add_panel(double lo, double hi, const SidesBlock& sides, const Block& tau, const Block& inverse_tau,
                Eigen::Matrix4d& sum) {
-  static const std::vector<QuadratureNode> nodes = gauss_legendre_nodes(12, -1.0, 1.0);
+  static const QuadratureRule rule = gauss_legendre(12, -1.0, 1.0);
+  const std::size_t n = rule.nodes.size();
   Block d;
-  for (std::size_t i = 0; i < nodes.size(); ++i) d[i] = 0.5 * (lo + hi) + 0.5 * (hi - lo) * nodes[i].x;
+  for (std::size_t i = 0; i < n; ++i) d[i] = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.nodes[i];
   DensityBlock f;
-  normal_laplace(nodes.size(), d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
-  exp_each(std::span(f.exponent).first(nodes.size()));
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  normal_laplace(n, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
+  exp_each(std::span(f.exponent).first(n));
+  for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector4d score(f.d_location[i], f.d_log_below[i], f.d_log_above[i], f.d_log_tau[i]);
-    sum += 0.5 * (hi - lo) * nodes[i].weight * f.exponent[i] * f.factor[i] * score * score.transpose();
+    sum += 0.5 * (hi - lo) * rule.weights[i] * f.exponent[i] * f.factor[i] * score * score.transpose();
   }
 }
 

@@ -200,7 +200,7 @@ std::size_t rank_with_offsets(const LawData& data, const LawModel& model, const 
                               const Groups& groups) {
   constexpr double kIndependent = 1e-9;  // of the unit diagonal
   const Eigen::MatrixXd x = model.jacobian(data.v_mps, q);
-  Eigen::MatrixXd products = x.transpose() * x;
+  Eigen::MatrixXd products = transposed_product(x, x);
   const Eigen::VectorXd scale = products.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(x.cols(), static_cast<Eigen::Index>(groups.n_groups));
   Eigen::VectorXd n = Eigen::VectorXd::Zero(sums.cols());
@@ -211,7 +211,7 @@ std::size_t rank_with_offsets(const LawData& data, const LawModel& model, const 
     n[g] += 1.0;
   }
   n[static_cast<Eigen::Index>(groups.reference)] = 1.0;
-  products -= sums * n.cwiseInverse().asDiagonal() * sums.transpose();
+  products -= gram(sums * n.cwiseInverse().cwiseSqrt().asDiagonal());
   const Eigen::VectorXd spectrum = eigenvalues(scale.asDiagonal() * products * scale.asDiagonal());
   return groups.n_groups - 1 + static_cast<std::size_t>((spectrum.array() > kIndependent).count());
 }
@@ -241,12 +241,12 @@ double with_offsets(OffsetLikelihood& offsets, const Eigen::VectorXd& one) {
   directions(n_law, n_law) = 1.0;
   if (scatter.is_two_sided()) directions(n_law + static_cast<Eigen::Index>(scatter.n_terms), n_law) = 1.0;
   const LogLikelihood function = [&](const Eigen::VectorXd& y, Eigen::VectorXd* gradient) {
-    const double value = offsets(one + directions * y, gradient);
-    if (gradient) *gradient = (directions.transpose() * *gradient).eval();
+    const double value = offsets(one + product(directions, y), gradient);
+    if (gradient) *gradient = transposed_product(directions, *gradient);
     return value;
   };
   const Maximum maximum = maximise(function, Eigen::VectorXd::Zero(n_law + 1),
-                                   directions.transpose() * likelihood.information(one) * directions, kSearch);
+                                   congruence(directions, likelihood.information(one)), kSearch);
   function(maximum.x, nullptr);
   return maximum.loglik;
 }

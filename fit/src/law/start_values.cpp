@@ -84,7 +84,7 @@ Eigen::VectorXd least_absolute(const LawData& data, const LawModel& model) {
   Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(rows.rows()), q;
   for (int i = 0; i < kMost; ++i) {
     q = least_squares(root_weights.asDiagonal() * rows, root_weights.cwiseProduct(losses));
-    const Eigen::VectorXd distances = (losses - rows * q).cwiseAbs();
+    const Eigen::VectorXd distances = (losses - product(rows, q)).cwiseAbs();
     root_weights = distances.array().max(1e-6 * distances.mean() + 1e-12).sqrt().inverse();
   }
   return q.array() + 1.0;

@@ -99,7 +99,7 @@ Found search(MemoryLikelihood& likelihood, Eigen::VectorXd theta) {
   found.scores = likelihood.scores_by_impact(theta);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::MatrixXd fitted = found.scores.topRows(likelihood.n_parameters());
-    const Eigen::MatrixXd information = fitted * fitted.transpose() + likelihood.prior_information(theta);
+    const Eigen::MatrixXd information = gram(fitted) + likelihood.prior_information(theta);
     found.maximum = maximise([&](const Eigen::VectorXd& x, Eigen::VectorXd* g) { return likelihood(x, g); }, theta,
                              information, kTolerance);
     if (!std::isfinite(found.maximum.loglik)) return found;
@@ -136,16 +136,16 @@ constexpr double kFewestDraws = 10.0;
 Eigen::MatrixXd inverse_curvature(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta,
                                   const Eigen::MatrixXd& scores) {
   constexpr double kShare = 0.3;
-  const Eigen::MatrixXd white = whitening(scores * scores.transpose() + likelihood.prior_information(theta), 1e-12);
+  const Eigen::MatrixXd white = whitening(gram(scores) + likelihood.prior_information(theta), 1e-12);
   const Eigen::VectorXd here = scores.rowwise().sum() + likelihood.prior_gradient(theta);
   Eigen::MatrixXd h(theta.size(), theta.size());
   for (Eigen::Index j = 0; j < theta.size(); ++j) {
     Eigen::VectorXd there;
     likelihood(theta + kShare * white.col(j), &there);
-    h.col(j) = white.transpose() * (here - there) / kShare;
+    h.col(j) = transposed_product(white, here - there) / kShare;
   }
   const std::optional<Cholesky> root = cholesky(0.5 * (h + h.transpose()));
-  return root ? Eigen::MatrixXd(white * root->solve(white.transpose())) : Eigen::MatrixXd(white * white.transpose());
+  return root ? product(white, root->solve(white.transpose())) : gram(white);
 }
 
 /// Draws of the parameters that say what is known of them, each with its weight.
@@ -153,7 +153,7 @@ Posterior uncertainty(const MemoryLikelihood& likelihood, const Eigen::VectorXd&
                       const MemoryFitConfig& config) {
   const Eigen::MatrixXd by_impact = scores.topRows(likelihood.n_parameters());
   if (likelihood.chains().n_drops < kManyDrops) {
-    const Eigen::MatrixXd information = by_impact * by_impact.transpose() + likelihood.prior_information(theta);
+    const Eigen::MatrixXd information = gram(by_impact) + likelihood.prior_information(theta);
     return sample_posterior([&](const Eigen::VectorXd& x) { return likelihood.anew(x) + likelihood.log_prior(x); },
                             theta, 2.0 * inverse(information), config.n_draws, config.seed);
   }
@@ -161,8 +161,7 @@ Posterior uncertainty(const MemoryLikelihood& likelihood, const Eigen::VectorXd&
   const Eigen::MatrixXd of_curvature = inverse_curvature(likelihood, theta, by_impact);
   const Eigen::MatrixXd drops = likelihood.by_drop(by_impact);
   const auto m = static_cast<double>(drops.cols());
-  return normal_draws(theta, of_curvature * (drops * drops.transpose()) * of_curvature * (m / (m - 1.0)),
-                      config.n_draws, config.seed);
+  return normal_draws(theta, congruence(of_curvature, gram(drops)) * (m / (m - 1.0)), config.n_draws, config.seed);
 }
 
 /// Mean, standard deviation and quantiles of a function of the parameters.
@@ -180,7 +179,7 @@ Estimate estimate_of(const Posterior& posterior, const std::function<double(cons
 /// Covariance of functions of the parameters, by their derivatives at the mean.
 Eigen::MatrixXd covariance_of(const Posterior& posterior, const Eigen::MatrixXd& jacobian) {
   const Eigen::Index n = jacobian.cols();
-  return jacobian * posterior.covariance.topLeftCorner(n, n) * jacobian.transpose();
+  return congruence(jacobian.transpose(), posterior.covariance.topLeftCorner(n, n));
 }
 
 void describe_law(MemoryFit& fit, const LawModel& model, const Posterior& posterior, std::vector<double> node_speeds,
@@ -271,9 +270,8 @@ void describe(MemoryFit& fit, const MemoryLikelihood& likelihood, const Eigen::V
     fit.transform_counts[std::min<std::size_t>(19, static_cast<std::size_t>(20.0 * u))] += 1.0;
   if (config.n_goodness > 0) {
     const Eigen::MatrixXd of_fitted = scores.topRows(n);
-    const ModelTests tests =
-        tests_by_drawing(likelihood, theta, of_fitted * of_fitted.transpose() + likelihood.prior_information(theta), z,
-                         config.n_goodness, config.seed);
+    const ModelTests tests = tests_by_drawing(likelihood, theta, gram(of_fitted) + likelihood.prior_information(theta),
+                                              z, config.n_goodness, config.seed);
     fit.anderson_darling = tests.anderson_darling;
     if (fit.n_drops > 1) fit.between_drops = tests.between_drops;
     for (std::size_t j = 0; tests.score_p && j < tested.size(); ++j) tested[j]->p_value = (*tests.score_p)[j];

@@ -65,9 +65,9 @@ double two_sided(double z) { return erfc(std::abs(z) * 0.70710678118654752); }
 MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores, Eigen::Index tested) {
   const Eigen::MatrixXd fitted = scores.topRows(likelihood.n_parameters());
   const Eigen::VectorXd own = scores.row(tested).transpose();
-  const Eigen::MatrixXd white = whitening(fitted * fitted.transpose(), 1e-14);
-  const Eigen::VectorXd of_fitted = white * (white.transpose() * (fitted * own));
-  const Eigen::MatrixXd rest = own.transpose() - of_fitted.transpose() * fitted;
+  const Eigen::MatrixXd white = whitening(gram(fitted), 1e-14);
+  const Eigen::VectorXd of_fitted = product(white, transposed_product(white, product(fitted, own)));
+  const Eigen::MatrixXd rest = own.transpose() - transposed_product(of_fitted, fitted);
   const Eigen::MatrixXd by_drop = likelihood.by_drop(rest);
   const auto n = static_cast<double>(by_drop.cols());
   const bool enough = likelihood.chains().n_drops >= kFewestDrops;
@@ -85,7 +85,8 @@ double drops_over_impacts(const MemoryLikelihood& likelihood, const Eigen::Matri
   const auto n = static_cast<double>(drops.cols());
   if (n < 2.0) return 0.0;
   // about their mean: it is zero of what was fitted, and not of a sample that was drawn
-  const Eigen::MatrixXd white = whitening(information, 1e-9).transpose() * (drops.colwise() - drops.rowwise().mean());
+  const Eigen::MatrixXd white =
+      transposed_product(whitening(information, 1e-9), drops.colwise() - drops.rowwise().mean());
   return white.squaredNorm() * n / (n - 1.0) / static_cast<double>(scores.rows());
 }
 
@@ -111,7 +112,7 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
     those.plan_at(theta);
     const Eigen::MatrixXd scores = those.scores_by_impact(theta);
     const Eigen::MatrixXd fitted = scores.topRows(theta.size());
-    result.drops = drops_over_impacts(those, fitted, fitted * fitted.transpose() + those.prior_information(theta));
+    result.drops = drops_over_impacts(those, fitted, gram(fitted) + those.prior_information(theta));
     if (random == nullptr) {
       result.a2 = statistic(those, theta);
       return result;
@@ -120,8 +121,9 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
       result.z[j] = score_test(those, scores, theta.size() + static_cast<Eigen::Index>(j)).z;
     Eigen::VectorXd others(theta.size());
     for (double& x : others) x = random->normal();
-    const Eigen::VectorXd in_white = white.transpose() * fitted.rowwise().sum() + std::sqrt(1.0 - share) * others;
-    result.a2 = statistic(those, theta + white * in_white);
+    const Eigen::VectorXd in_white =
+        transposed_product(white, fitted.rowwise().sum()) + std::sqrt(1.0 - share) * others;
+    result.a2 = statistic(those, theta + product(white, in_white));
     return result;
   };
 

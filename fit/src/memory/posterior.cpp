@@ -31,7 +31,7 @@ Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre,
     for (int i = 0; i < static_cast<int>(kFreedom); ++i) chi2 += square(random.normal());
     const Eigen::VectorXd y = z / std::sqrt(chi2 / kFreedom);
     const auto column = static_cast<Eigen::Index>(k);
-    result.draws.col(column) = centre + spread * y;
+    result.draws.col(column) = centre + product(spread, y);
     const double log_proposal = -0.5 * (kFreedom + static_cast<double>(p)) * log1p(y.squaredNorm() / kFreedom);
     const double value = log_density(result.draws.col(column));
     log_weight[column] = std::isfinite(value) ? value - log_proposal : -HUGE_VAL;
@@ -43,9 +43,9 @@ Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre,
   result.weights = result.weights.cwiseMin(cut);
   result.weights /= result.weights.sum();
   result.effective = 1.0 / result.weights.squaredNorm();
-  result.mean = result.draws * result.weights;
+  result.mean = product(result.draws, result.weights);
   const Eigen::MatrixXd about = result.draws.colwise() - result.mean;
-  result.covariance = about * result.weights.asDiagonal() * about.transpose();
+  result.covariance = product(about * result.weights.asDiagonal(), about.transpose());
   return result;
 }
 
@@ -88,10 +88,10 @@ Posterior normal_draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covar
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{3} << 40U) + static_cast<std::uint64_t>(k));
     Eigen::VectorXd z(mean.size());
     for (double& value : z) value = random.normal();
-    result.draws.col(k) = mean + spread * z;
+    result.draws.col(k) = mean + product(spread, z);
   }
   // exactly the mean asked for: what is reported has no error of drawing
-  const Eigen::VectorXd shift = result.draws * result.weights - mean;
+  const Eigen::VectorXd shift = product(result.draws, result.weights) - mean;
   result.draws.colwise() -= shift;
   return result;
 }

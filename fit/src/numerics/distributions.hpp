@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
 namespace bouncelab::fit {
 
 // By GSL, which no other file of fit calls: its error handler, which would end the program, is switched off there.
@@ -14,16 +11,12 @@ double chi2_survival(double chi2, double ndf);
 /// Probability of Student's t below t, for nu > 0 degrees of freedom.
 double student_t_below(double t, double nu);
 
+double student_t_density(double t, double nu);
+
 /// Probability of Fisher's F above f, for d1 and d2 > 0 degrees of freedom. @param f  >= 0, may be infinite
 double f_survival(double f, double d1, double d2);
 
 /// The t below which it falls with probability p. @param p  in [0.5, 1)
 double student_t_quantile(double p, double nu);
-
-struct QuadratureNode {
-  double x, weight;
-};
-/// Gauss-Legendre rule of n points on [lo, hi].
-std::vector<QuadratureNode> gauss_legendre_nodes(std::size_t n, double lo, double hi);
 
 }  // namespace bouncelab::fit

@@ -11,6 +11,16 @@
 
 namespace bouncelab::fit {
 
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a * b; }
+
+Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a.transpose() * b; }
+
+Eigen::MatrixXd gram(const Eigen::MatrixXd& a) { return a * a.transpose(); }
+
+Eigen::MatrixXd congruence(const Eigen::MatrixXd& a, const Eigen::MatrixXd& m) {
+  return transposed_product(a, product(m, a));
+}
+
 std::optional<Cholesky> cholesky(const Eigen::MatrixXd& m) {
   const Eigen::LLT<Eigen::MatrixXd> llt(m);
   if (llt.info() != Eigen::Success) return std::nullopt;

@@ -6,10 +6,15 @@
 
 #include "bouncelab/fit/estimate.hpp"
 
-// Decompositions of matrices. Eigen compiles one of them anew in each file that asks for it, for several seconds; in
-// linalg.cpp they are compiled once.
+// Products and decompositions of matrices. Eigen compiles them anew in each file that asks for them, for some seconds;
+// in linalg.cpp they are compiled once.
 
 namespace bouncelab::fit {
+
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);             ///< A B
+Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);  ///< A^T B
+Eigen::MatrixXd gram(const Eigen::MatrixXd& a);                                          ///< A A^T
+Eigen::MatrixXd congruence(const Eigen::MatrixXd& a, const Eigen::MatrixXd& m);          ///< A^T M A
 
 /// M = L L^T of a symmetric, positive definite M.
 struct Cholesky {

@@ -31,7 +31,7 @@ Estimate exponential_estimate(double log_value, const QuantityError& error, doub
 QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit, const Eigen::MatrixXd& white,
                              const std::optional<ErrorsByDrop>& by_drop, const Eigen::VectorXd& direction) {
   QuantityError error;
-  error.se = (white.transpose() * direction).norm();
+  error.se = transposed_product(white, direction).norm();
   ProfileLevels reach, levels;
   if (by_drop) {
     error.se_independent = error.se;
