@@ -15,9 +15,9 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/normal_laplace.hpp"
-#include "law/ordered_samples.hpp"
 #include "law/start_values.hpp"
 
 namespace {

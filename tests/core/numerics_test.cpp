@@ -23,19 +23,6 @@ TEST(GaussLegendre, IsExactForPolynomialsUpToDegreeTwiceThePointsLessOne) {
   }
 }
 
-TEST(GaussLegendre, TheTablesAreTheRulesTheyName) {
-  // GSL's rule by eigenvalues loses some ten units in the last place; the tables have 16 digits
-  constexpr double kRounding = 4e-15;
-  const QuadratureRule six = gauss_legendre(6, 0.0, 1.0), twelve = gauss_legendre(12, -1.0, 1.0);
-  for (std::size_t k = 0; k < 6; ++k) {
-    EXPECT_NEAR(kGaussLegendre6.nodes[k], six.nodes[k], kRounding);
-    EXPECT_NEAR(kGaussLegendre6.weights[k], six.weights[k], kRounding);
-    EXPECT_NEAR(kGaussLegendre12Positive.nodes[k], twelve.nodes[6 + k], kRounding);
-    EXPECT_NEAR(kGaussLegendre12Positive.weights[k], twelve.weights[6 + k], kRounding);
-    EXPECT_NEAR(-kGaussLegendre12Positive.nodes[k], twelve.nodes[5 - k], kRounding);
-  }
-}
-
 // the standard library's own errors are a few 1e-14 at the larger arguments
 TEST(Bessel, FunctionsAreThoseOfTheStandardLibrary) {
   for (const int n : {0, 1, 2, 7, 30})

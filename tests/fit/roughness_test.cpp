@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fit with memory as users get it: within fit_all, as fit.json, as text, and as the roughness of a ball.
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/restitution_with_memory.hpp"
 #include "bouncelab/fit/json.hpp"
-#include "law/distributions.hpp"
+#include "numerics/distributions.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
 

@@ -2,7 +2,7 @@
 #include "text/json_parts.hpp"
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 
 namespace bouncelab::fit {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/fit/roughness.hpp"
-#include "law/by_drop.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+#include "law/intervals.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
 

@@ -11,7 +11,7 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/json.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "files/provenance.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"

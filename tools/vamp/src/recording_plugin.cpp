@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::vamp {
 namespace {

@@ -9,7 +9,6 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 #include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {
@@ -44,8 +43,7 @@ const KernelTable& interpolation() {
 }
 
 /// z = z e + tap, pole by pole.
-BOUNCELAB_VECTOR_CLONES void horner_step(const double* e_re, const double* e_im, double tap, std::size_t n, double* re,
-                                         double* im) {
+void horner_step(const double* e_re, const double* e_im, double tap, std::size_t n, double* re, double* im) {
   for (std::size_t p = 0; p < n; ++p) {
     const double before = re[p];
     re[p] = (before * e_re[p] - im[p] * e_im[p]) + tap;

@@ -20,8 +20,6 @@ struct NoiseWords {
   void draw(std::uint64_t seed, std::uint32_t source, std::uint64_t first_block);
 };
 
-struct NoiseWords;
-
 /// Standard normal white noise as a function of the frame number: any part can be computed, in any order.
 ///
 ///   x = r cos a, y = r sin a,   r = sqrt(-2 log u), a = 2 pi v,   u and v uniform in (0, 1)

@@ -23,7 +23,7 @@
 #include "bouncelab/core/restitution_with_memory.hpp"  // a sampler for DEM codes
 #include "bouncelab/core/samples.hpp"                  // restitution writes, fit reads
 #include "bouncelab/core/scratch_file.hpp"             // what need not stay in memory
-#include "bouncelab/core/statistics.hpp"               // medians, quantiles; of more values than the memory holds
+#include "bouncelab/core/statistics.hpp"               // medians, quantiles
 #include "bouncelab/core/table.hpp"                    // columns by name, in memory and as CSV
 #include "bouncelab/core/text.hpp"  // text from outside as messages show it; UTF-8; names that were probably meant
 #include "bouncelab/core/vector_clones.hpp"  // loops for the widest registers of the processor

@@ -1,13 +1,96 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <span>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/parallel.hpp"
 #include "law/law_likelihood.hpp"
+#include "numerics/linalg.hpp"
+
+// What is asked of every sample or drop at the maximum: probabilities, scores, expected information.
 
 namespace bouncelab::fit {
+
+std::vector<double> LawLikelihood::probabilities_of_lost(const Eigen::VectorXd& theta) const {
+  const Shape common = shape(theta);
+  std::vector<double> p(data_.size());
+  visit_all([&](SampleBlock& s) {
+    compute(theta, common, s);
+    // the density with lost ones is f (1 + odds)
+    Block inverse;
+    for (std::size_t k = 0; k < s.n; ++k) inverse[k] = -s.f.exponent[k];
+    exp_each(std::span(inverse).first(s.n));
+    for (std::size_t k = 0; k < s.n; ++k)
+      p[s.begin + k] = std::min(1.0, odds_of_lost_density_ * inverse[k] / s.f.factor[k]);
+  });
+  return p;
+}
+
+std::vector<double> LawLikelihood::probabilities_below(const Eigen::VectorXd& theta) const {
+  const Shape common = shape(theta);
+  std::vector<double> u(data_.size());
+  visit_all([&](SampleBlock& s) {
+    const NormalPart part = compute_scatter(theta, common, s);
+    double* const to = &u[s.begin];
+    if (scatter_.kind != ScatterKind::normal)
+      return normal_laplace_cdf(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, to);
+    for (std::size_t k = 0; k < s.n; ++k) to[k] = s.residual[k] / hypot(s.sides.b_below[k], part.tau[k]);
+    normal_cdf_each({to, s.n});
+  });
+  return u;
+}
+
+LawLikelihood::Derivatives LawLikelihood::derivatives(const Eigen::VectorXd& theta) const {
+  const Shape common = shape(theta);
+  Derivatives d;
+  for (std::vector<double>* column : {&d.residual, &d.by_location, &d.by_log_below, &d.by_log_above, &d.by_rho})
+    column->assign(data_.size(), 0.0);
+  if (!model_.is_linear()) d.slope.resize(data_.size());
+  visit_all([&](SampleBlock& s) {
+    const auto put = [&](const Block& block, std::vector<double>& column) {
+      std::copy_n(block.begin(), s.n, column.begin() + static_cast<std::ptrdiff_t>(s.begin));
+    };
+    compute_curve(theta, s);
+    put(s.residual, d.residual);
+    compute(theta, common, s);
+    put(s.f.d_location, d.by_location);
+    put(s.f.d_log_below, d.by_log_below);
+    put(s.f.d_log_above, d.by_log_above);
+    if (scatter_.kind == ScatterKind::normal_laplace) put(s.f.d_log_tau, d.by_rho);
+    if (!model_.is_linear()) put(s.slope[0], d.slope);
+  });
+  return d;
+}
+
+void LawLikelihood::add_score(const Derivatives& d, std::size_t k, double* gradient) const {
+  const auto add_powers = [&](double value, double* sums) {
+    for (std::size_t j = 0; j < scatter_.n_terms; ++j, value *= x_[k]) sums[j] += value;
+  };
+  const auto row = static_cast<Eigen::Index>(k);
+  for (Eigen::Index i = 0; i < n_law_; ++i)
+    gradient[i] += d.by_location[k] * (d.slope.empty() ? basis_(row, i) : d.slope[k]);
+  double* of_scales = gradient + n_law_;
+  if (!scatter_.is_two_sided()) return add_powers(d.by_log_below[k] + d.by_log_above[k], of_scales);
+  add_powers(d.by_log_below[k], of_scales);
+  add_powers(d.by_log_above[k], of_scales + scatter_.n_terms);
+  if (scatter_.kind == ScatterKind::normal_laplace) of_scales[2 * scatter_.n_terms] += d.by_rho[k];
+}
+
+Eigen::MatrixXd LawLikelihood::scores_by_drop(const Eigen::VectorXd& theta) const {
+  const Derivatives d = derivatives(theta);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(n_drops()));
+  for (std::size_t k = 0; k < data_.size(); ++k)
+    add_score(d, k, scores.col(static_cast<Eigen::Index>(data_.drop[k])).data());
+  return scores;
+}
+
+Eigen::MatrixXd LawLikelihood::scores_by_sample(const Eigen::VectorXd& theta) const {
+  const Derivatives d = derivatives(theta);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n_parameters(), static_cast<Eigen::Index>(data_.size()));
+  for (std::size_t k = 0; k < data_.size(); ++k) add_score(d, k, scores.col(static_cast<Eigen::Index>(k)).data());
+  return scores;
+}
+
 namespace {
 
 constexpr std::size_t kDrops = 16;  // in a block of parallel work
@@ -33,7 +116,7 @@ void add_weighted_square(const Eigen::MatrixXd& e, const Eigen::VectorXd& c, Eig
 Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std::size_t k) const {
   const Scales s = scales(theta, k);
   if (scatter_.kind == ScatterKind::normal) {
-    const double variance = square(s.sides.b_below) + square(s.tau), share = square(s.sides.b_below) / variance;
+    const double variance = square(s.b_below) + square(s.tau), share = square(s.b_below) / variance;
     return Eigen::Vector4d(1.0 / variance, 2.0 * share * share, 0.0, 0.0).asDiagonal();
   }
   // of the point where the exponentials join and log tau, by the parameters
@@ -46,8 +129,7 @@ Eigen::Matrix4d LawLikelihood::information_of(const Eigen::VectorXd& theta, std:
   } else {
     by_parameters.row(3).setZero();
   }
-  return by_parameters.transpose() * normal_laplace_information(s.sides.b_below, s.sides.b_above, s.tau) *
-         by_parameters;
+  return by_parameters.transpose() * normal_laplace_information(s.b_below, s.b_above, s.tau) * by_parameters;
 }
 
 Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) const {
@@ -58,7 +140,7 @@ Eigen::MatrixXd LawLikelihood::expanded(const Eigen::Matrix4d& information) cons
   belongs.row(1).segment(n_law_, n_terms).setOnes();
   belongs.row(2).segment(n_law_ + (scatter_.is_two_sided() ? n_terms : 0), n_terms).setOnes();
   if (scatter_.kind == ScatterKind::normal_laplace) belongs(3, n - 1) = 1.0;
-  return belongs.transpose() * information * belongs;
+  return congruence(belongs, information);
 }
 
 void LawLikelihood::fill_design(const Eigen::VectorXd& theta, std::size_t k, double* c) const {

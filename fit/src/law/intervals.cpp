@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/profile.hpp"
+#include "law/intervals.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/distributions.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -51,13 +49,13 @@ Crossing crossing(const std::vector<Root>& points, double z) {
 /// to where they are.
 struct Others {
   Eigen::VectorXd path;  ///< by t
-  Eigen::LLT<Eigen::MatrixXd> curvature;
+  Cholesky curvature;
 };
 
 /// Whether the curvature is that of the information by which the coordinates are whitened, to a factor of 2 in every
 /// direction. Elsewhere, as of scatter far narrower than the timing errors, it says nothing of a standard error away.
 bool is_near_unit(const Eigen::MatrixXd& curvature) {
-  const Eigen::VectorXd of = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(curvature).eigenvalues();
+  const Eigen::VectorXd of = eigenvalues(curvature);
   return of.minCoeff() > 0.5 && of.maxCoeff() < 2.0;
 }
 
@@ -66,10 +64,9 @@ std::optional<Others> others_of(const Eigen::MatrixXd& curvature, const Eigen::M
                                 const Eigen::VectorXd& unit) {
   const Eigen::MatrixXd across = rotation.rightCols(rotation.cols() - 1);
   if (across.cols() == 0 || !is_near_unit(curvature)) return std::nullopt;
-  Others others{{}, Eigen::LLT<Eigen::MatrixXd>(across.transpose() * curvature * across)};
-  if (others.curvature.info() != Eigen::Success) return std::nullopt;
-  others.path = -others.curvature.solve(across.transpose() * (curvature * unit));
-  return others;
+  const std::optional<Cholesky> root = cholesky(congruence(across, curvature));
+  if (!root) return std::nullopt;
+  return Others{-root->solve(transposed_product(across, product(curvature, unit))), *root};
 }
 
 /// One side (sign -1 or +1) of the profile.
@@ -106,8 +103,8 @@ class Side {
   bool add(double t) {
     const Eigen::VectorXd base = maximum_.x + t * along_;
     const LogLikelihood others = [&](const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
-      const double value = loglik_(base + across_ * x, gradient);
-      if (gradient) *gradient = (across_.transpose() * *gradient).eval();
+      const double value = loglik_(base + product(across_, x), gradient);
+      if (gradient) *gradient = transposed_product(across_, *gradient);
       return value;
     };
     Eigen::VectorXd z = t * path_ + bend_ * square(t / t_of_bend_);  // it bends like t^2
@@ -190,12 +187,12 @@ ProfileLevels profile_levels(std::size_t n, std::size_t n_location) {
 std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, const Maximum& maximum,
                                                   const Eigen::MatrixXd& white, const Eigen::VectorXd& direction,
                                                   const ProfileLevels& levels, const Eigen::MatrixXd* curvature) {
-  const Eigen::VectorXd in_y = white.transpose() * direction;
+  const Eigen::VectorXd in_y = transposed_product(white, direction);
   const double se = in_y.norm();
   if (!(se > 0.0)) return std::nullopt;
-  const Eigen::MatrixXd rotation = Eigen::HouseholderQR<Eigen::MatrixXd>(in_y).householderQ();
-  const Eigen::VectorXd along = white * in_y / se;
-  const Eigen::MatrixXd across = white * rotation.rightCols(direction.size() - 1);
+  const Eigen::MatrixXd rotation = rotation_along(in_y);
+  const Eigen::VectorXd along = product(white, in_y) / se;
+  const Eigen::MatrixXd across = product(white, rotation.rightCols(direction.size() - 1));
   const auto others = curvature ? others_of(*curvature, rotation, in_y / se) : std::nullopt;
   Side lower(loglik, maximum, along, across, -1.0, others ? &*others : nullptr);
   Side upper(loglik, maximum, along, across, 1.0, others ? &*others : nullptr);
@@ -204,6 +201,79 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
   const auto above = upper.ends(levels);
   if (!below || !above) return std::nullopt;
   return ProfileIntervals{{-se * below->first, se * above->first}, {-se * below->second, se * above->second}};
+}
+
+namespace {
+
+/// Curvature of the log-likelihood in whitened coordinates, sign reversed, by differences of the gradient over one
+/// standard error: that far the kinks of single samples are smoothed out. Of very many samples by each sample's own
+/// differences: those by parameters take up to 30 passes.
+Eigen::MatrixXd curvature(const LawLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::MatrixXd& white) {
+  if (likelihood.data().size() >= kVeryMany) return congruence(white, likelihood.observed_information(theta));
+  const Eigen::Index n_theta = theta.size();
+  Eigen::MatrixXd h(n_theta, n_theta);
+  for (Eigen::Index j = 0; j < n_theta; ++j) {
+    Eigen::VectorXd ahead, behind;
+    const Eigen::VectorXd step = white.col(j);
+    likelihood(theta + step, &ahead);
+    likelihood(theta - step, &behind);
+    h.col(j) = 0.5 * transposed_product(white, behind - ahead);
+  }
+  return 0.5 * (h + h.transpose());
+}
+
+}  // namespace
+
+Eigen::MatrixXd ErrorsByDrop::covariance() const {
+  const auto n = static_cast<double>(moves.cols());
+  return (n - 1.0) / n * gram(moves);
+}
+
+double ErrorsByDrop::standard_error(const Eigen::VectorXd& direction) const {
+  const auto n = static_cast<double>(moves.cols());
+  return std::sqrt((n - 1.0) / n) * transposed_product(moves, direction).norm();
+}
+
+ProfileLevels ErrorsByDrop::reach() const {
+  const double n_free = static_cast<double>(moves.cols()) - 1.0;
+  return {student_t_quantile(0.8413447460685429, n_free), student_t_quantile(0.975, n_free)};
+}
+
+ProfileLevels ErrorsByDrop::profile_levels_of(const Eigen::VectorXd& direction, const Eigen::MatrixXd& white) const {
+  const double ratio = standard_error(direction) / transposed_product(white, direction).norm();
+  const ProfileLevels levels = reach();
+  return {ratio * levels.z68, ratio * levels.z95};
+}
+
+std::optional<ErrorsByDrop> errors_by_drop(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                           const Eigen::MatrixXd& white) {
+  constexpr double kMostOfOneDrop = 0.9;
+  if (likelihood.n_drops() < kFewestDrops) return std::nullopt;
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(theta.size(), theta.size());
+  Eigen::MatrixXd observed = curvature(likelihood, theta, white);
+  const std::optional<Cholesky> h = cholesky(observed);
+  if (!h) return std::nullopt;
+  Eigen::MatrixXd scores = transposed_product(white, likelihood.scores_by_drop(theta));
+  const std::vector<Eigen::MatrixXd> information = likelihood.information_by_drop(theta);
+  for (Eigen::Index d = 0; d < scores.cols(); ++d) {
+    const Eigen::MatrixXd leverage = congruence(white, information[static_cast<std::size_t>(d)]);
+    if (!cholesky(kMostOfOneDrop * unit - leverage)) return std::nullopt;
+    scores.col(d) = cholesky(unit - leverage)->solve(scores.col(d));
+  }
+  return ErrorsByDrop{-product(white, h->solve(scores)), std::move(observed)};
+}
+
+std::optional<ErrorsByDrop> errors_by_sample(const LawLikelihood& likelihood, const Eigen::VectorXd& theta,
+                                             const Eigen::MatrixXd& white) {
+  constexpr double kSamplesPerParameter = 30.0;
+  const auto n = static_cast<double>(likelihood.data().size()), p = static_cast<double>(theta.size());
+  if (n < kSamplesPerParameter * p) return std::nullopt;
+  Eigen::MatrixXd observed = curvature(likelihood, theta, white);
+  const std::optional<Cholesky> h = cholesky(observed);
+  if (!h) return std::nullopt;
+  const Eigen::MatrixXd scores = transposed_product(white, likelihood.scores_by_sample(theta));
+  // each has p/n of what is known
+  return ErrorsByDrop{product(white, h->solve(scores)) * (-n / (n - p)), std::move(observed)};
 }
 
 }  // namespace bouncelab::fit

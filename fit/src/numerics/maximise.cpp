@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/maximise.hpp"
+#include "numerics/maximise.hpp"
 
 #include <ceres/first_order_function.h>
 #include <ceres/gradient_problem.h>
@@ -8,10 +8,11 @@
 #include <glog/logging.h>
 #endif
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <mutex>
+
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -40,9 +41,9 @@ class WhitenedCost final : public ceres::FirstOrderFunction {
     if (last_.y != y) {
       Eigen::VectorXd by_x;
       ++n_;
-      const double value = loglik_(start_ + whitening_ * y, &by_x);
+      const double value = loglik_(start_ + product(whitening_, y), &by_x);
       if (!std::isfinite(value) || !by_x.allFinite()) return false;
-      last_ = {y, whitening_.transpose() * by_x, value};
+      last_ = {y, transposed_product(whitening_, by_x), value};
       if (value > best_.loglik) best_ = last_;
     }
     *cost = at_start_ - last_.loglik;
@@ -104,14 +105,6 @@ ceres::GradientProblemSolver::Options solver_options(double tolerance) {
 
 }  // namespace
 
-Eigen::MatrixXd whitening(const Eigen::MatrixXd& m, double floor) {
-  Eigen::VectorXd scale = m.diagonal();
-  for (double& s : scale) s = s > 0.0 ? 1.0 / std::sqrt(s) : 1.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * m * scale.asDiagonal());
-  const Eigen::VectorXd roots = eigen.eigenvalues().cwiseMax(floor).cwiseSqrt().cwiseInverse();
-  return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
-}
-
 Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
                  double tolerance) {
   Maximum result;
@@ -122,7 +115,7 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   if (!std::isfinite(result.loglik)) return result;
   const Eigen::MatrixXd white = whitening(information, 1e-6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(start.size());
-  Evaluated last{y, white.transpose() * gradient, result.loglik};
+  Evaluated last{y, transposed_product(white, gradient), result.loglik};
   Evaluated best = last;
   const WhitenedCost cost(loglik, start, white, result.loglik, last, best, result.n_evaluations);
   ceres::GradientProblem problem(new WhitenedCost(cost));
@@ -131,7 +124,7 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
   ceres::Solve(solver_options(tolerance), problem, y.data(), &summary);
   // a search that fails, as where steps end in the impossible, gives nothing of what it found
   if (!summary.IsSolutionUsable()) y = best.y;
-  result.x = start + white * y;
+  result.x = start + product(white, y);
   if (double ignored = 0.0; last.y != y && !cost.Evaluate(y.data(), &ignored, nullptr)) return result;
   result.loglik = last.loglik;
   result.gain_left = 0.5 * last.gradient_by_y.squaredNorm();
@@ -146,7 +139,7 @@ namespace {
 void update(Eigen::MatrixXd& inverse, const Eigen::VectorXd& step, const Eigen::VectorXd& fall_of_gradient) {
   const double along = step.dot(fall_of_gradient);
   if (!(along > 0.0)) return;
-  const Eigen::VectorXd moved = inverse * fall_of_gradient;
+  const Eigen::VectorXd moved = product(inverse, fall_of_gradient);
   inverse += ((1.0 + fall_of_gradient.dot(moved) / along) / along) * (step * step.transpose()) -
              (moved * step.transpose() + step * moved.transpose()) / along;
 }
@@ -160,9 +153,9 @@ Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& star
   best.x = start;
   best.loglik = -HUGE_VAL;
   best.gain_left = HUGE_VAL;
-  const Eigen::LLT<Eigen::MatrixXd> llt(information);
-  if (llt.info() != Eigen::Success) return best;
-  Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(start.size(), start.size()));
+  const std::optional<Cholesky> root = cholesky(information);
+  if (!root) return best;
+  Eigen::MatrixXd inverse = root->inverse();
   Eigen::VectorXd gradient, step = Eigen::VectorXd::Zero(start.size());
   double last_gain = 0.0;
   for (int k = 0; k < kMostSteps; ++k) {
@@ -173,7 +166,7 @@ Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& star
     if (!(value >= best.loglik) || !gradient_here.allFinite()) return best;
     if (k > 0) update(inverse, step, gradient - gradient_here);
     gradient = gradient_here;
-    step = inverse * gradient;
+    step = product(inverse, gradient);
     const double gain = 0.5 * gradient.dot(step);
     best.x = x;
     best.loglik = value;

@@ -33,8 +33,4 @@ Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, cons
 /// @return the best point met; not converged where a step led down or steps did not suffice
 Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information);
 
-/// Inverse square root L of a positive semidefinite matrix: L L^T = M^-1, with eigenvalues of the scaled matrix below
-/// `floor` lifted to it. M is scaled to a unit diagonal first.
-Eigen::MatrixXd whitening(const Eigen::MatrixXd& m, double floor);
-
 }  // namespace bouncelab::fit
