@@ -10,7 +10,6 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/vector_clones.hpp"
-#include "timing/near_lags.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -72,19 +71,13 @@ Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sou
   const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest_, n / 2 - 2);
   values_.reserve(static_cast<std::size_t>(highest - lowest_ + 3));
   values_.push_back(-INFINITY);
-  if (n_lags >= NearLags::kShortest && std::max(-lowest_, highest) <= NearLags::reach(n_lags)) {
-    NearLags::of_length(n_lags).append_inverse_of_product_conj(
-        filter.spectrum(), sound, std::min(filter.n_filled(), sound.size()), lowest_, highest, values_);
-  } else {
-    audio::RealFft twice(n_lags);
-    const std::span<const float> products = twice.inverse_of_product_conj(filter.spectrum(), sound);
-    // negative shifts are at the end
-    if (lowest_ < 0)
-      values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));
-    if (highest >= 0)
-      values_.insert(values_.end(), products.begin() + std::max<std::int64_t>(0, lowest_),
-                     products.begin() + highest + 1);
-  }
+  const std::vector<float> products = audio::RealFft(n_lags).inverse(audio::product_conj(filter.spectrum(), sound));
+  // negative shifts are at the end
+  if (lowest_ < 0)
+    values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));
+  if (highest >= 0)
+    values_.insert(values_.end(), products.begin() + std::max<std::int64_t>(0, lowest_),
+                   products.begin() + highest + 1);
   values_.push_back(-INFINITY);
   top_ = place_of_largest(values_);
 }

@@ -126,9 +126,7 @@ void describe_waveform(TemplateEstimation& e) {
     audio::read_padded(e.white.source(), impact.window.first, x);
     e.fourier.forward(x, spectrum);
     audio::phase_shift(spectrum, learned.filter.omega() * impact.position, moved);
-    const std::size_t n_bins = e.window.n_window / 2;
-    const std::span<const float> y =
-        e.fourier.inverse(std::span(moved.re).first(n_bins), std::span(moved.im).first(n_bins));
+    const std::vector<float> y = e.fourier.inverse(moved);
     add_with_squares(y.data(), 1.0 / impact.estimate.amplitude, sum.data(), squares.data(), sum.size());
     n += 1.0;
   }

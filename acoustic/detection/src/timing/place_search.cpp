@@ -33,7 +33,7 @@ double share_at_quarter(const MatchedFilter& filter) {
 /// The template's correlation with itself half a sample later, or where it is largest from one, one and a half ... on.
 std::vector<float> alike_later(const MatchedFilter& filter, double between_steps) {
   audio::RealFft twice(2 * filter.n_window());
-  const std::span<const float> products = twice.inverse_of_product_conj(filter.spectrum(), filter.spectrum());
+  const std::vector<float> products = twice.inverse(audio::product_conj(filter.spectrum(), filter.spectrum()));
   std::vector<float> alike(products.begin(), products.begin() + static_cast<std::ptrdiff_t>(filter.n_window()));
   const double scale = std::sqrt(between_steps) / std::max(1e-30F, alike.front());
   float largest = 0.0F;

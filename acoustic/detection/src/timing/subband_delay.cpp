@@ -12,7 +12,6 @@
 #include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/units.hpp"
 #include "bouncelab/core/vector_clones.hpp"
-#include "timing/product_moments.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -43,6 +42,32 @@ BOUNCELAB_VECTOR_CLONES double weighted_power(const double* running, const float
   }
   for (; k < n; ++k) sums[0] += (running[k + 1] - running[k]) * static_cast<double>(re[k] * re[k] + im[k] * im[k]);
   return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
+/// In-phase and quadrature sums of each sub-band, with the products P = conj(W) Y of a template and a sound:
+///
+///   z_j(s) = sum_k P_k e^(i omega k s),   in_phase = Re z_j,   quadrature = Re dz_j / ds
+struct SubbandSums {
+  std::array<double, kMaxSubbands> in_phase{};
+  std::array<double, kMaxSubbands> quadrature{};
+};
+
+/// @param products  of the filter's size; receives P_k e^(i omega k s)
+SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
+                    audio::Spectrum& products) {
+  const std::size_t n = std::min(filter.n_filled(), sound.size());
+  audio::product_conj(filter.spectrum(), sound, n, filter.omega() * shift, products.re.data(), products.im.data());
+  SubbandSums sums;
+  for (std::size_t j = 0; j < subbands.n(); ++j) {
+    double in_phase = 0.0, quadrature = 0.0;
+    for (std::size_t k = subbands.edge[j]; k < std::min(n, subbands.edge[j + 1]); ++k) {
+      in_phase += static_cast<double>(products.re[k]);
+      quadrature -= static_cast<double>(k) * static_cast<double>(products.im[k]);
+    }
+    sums.in_phase[j] = in_phase;
+    sums.quadrature[j] = filter.omega() * quadrature;
+  }
+  return sums;
 }
 
 /// Amplitude in one sub-band, shrunk towards the common one where its signal-to-noise ratio is low.
@@ -188,13 +213,13 @@ SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise
 
 DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start) {
-  ProductMoments products(filter, subbands, sound);
+  audio::Spectrum products = filter.spectrum();  // for its size
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;
   double last_move = 0.0;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const SubbandSums sums = products.sums_at(r.shift);
+    const SubbandSums sums = sums_at(r.shift, filter, subbands, sound, products);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
     r.amplitude = in_phase / filter.energy();
     r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / filter.energy() : 0.0;

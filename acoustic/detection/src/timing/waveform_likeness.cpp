@@ -71,7 +71,7 @@ double log_odds_of_pair(const WhiteSound& a, const WhiteSound& b, std::int64_t r
   // allow are free
   const double sigma = std::sqrt(in_frequency * concentration(a.envelope, b.envelope) / n_window);
   if (!(most > 3.0 * sigma)) return 0.0;  // noise is all that can be compared
-  const std::span<const float> products = fourier.inverse_of_product_conj(a.spectrum, b.spectrum);
+  const std::vector<float> products = fourier.inverse(audio::product_conj(a.spectrum, b.spectrum));
   const auto n = static_cast<std::int64_t>(products.size());
   float largest = 0.0F;
   for (std::int64_t lag = -reach; lag <= reach; ++lag)
