@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "channel_tracks.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "bouncelab/audio/dsp/decimate.hpp"
-#include "timing/waveform_likeness.hpp"
+#include "template/waveform_likeness.hpp"
 #include "tracking/first_arrivals.hpp"
 
 namespace bouncelab::detection {

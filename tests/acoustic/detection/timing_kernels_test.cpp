@@ -17,10 +17,10 @@
 #include "contact/pulse_spectrum.hpp"
 #include "support/direct_fourier.hpp"
 #include "support/modal_sound.hpp"
-#include "timing/coherence_weight.hpp"
-#include "timing/correlation_peaks.hpp"
-#include "timing/subband_delay.hpp"
-#include "timing/subband_jitter.hpp"
+#include "template/correlation_peaks.hpp"
+#include "template/subband_delay.hpp"
+#include "template/subband_errors.hpp"
+#include "template/template_training.hpp"
 
 namespace bouncelab::detection {
 namespace {

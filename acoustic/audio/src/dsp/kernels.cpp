@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
 constexpr std::size_t kDotBlock = kLanes * kChains;
 
-BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
+void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
   std::array<Lanes, kChains> sum{};
   for (std::size_t k = 0; k < n; k += kDotBlock)
     for (std::size_t c = 0; c < kChains; ++c) {
@@ -33,7 +33,7 @@ BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size
 }
 
 /// Side by side, or each comparison waits for the one before.
-BOUNCELAB_VECTOR_CLONES float largest_of(const float* x, std::size_t n) {
+float largest_of(const float* x, std::size_t n) {
   std::array<float, 16> lanes;
   lanes.fill(-INFINITY);
   std::size_t k = 0;
@@ -100,7 +100,7 @@ double dot(std::span<const float> a, std::span<const float> b) {
   return sum;
 }
 
-BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
+double dot(const double* a, const double* b, std::size_t n) {
   constexpr std::size_t kSums = 8;
   std::array<double, kSums> sums{};
   std::size_t k = 0;
@@ -112,11 +112,11 @@ BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t
 
 float largest(std::span<const float> x) { return largest_of(x.data(), x.size()); }
 
-BOUNCELAB_VECTOR_CLONES void add_scaled(float* to, float factor, const float* x, std::size_t n) {
+void add_scaled(float* to, float factor, const float* x, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
 }
 
-BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
+void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
 }
 
@@ -127,7 +127,7 @@ BOUNCELAB_VECTOR_CLONES void add_four_scaled(double* to, const double factors[4]
     to[k] += (factors[0] * a[k] + factors[1] * b[k]) + (factors[2] * c[k] + factors[3] * d[k]);
 }
 
-BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
+void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) product[k] = a[k] * b[k];
 }
 

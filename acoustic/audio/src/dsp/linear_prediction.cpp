@@ -2,7 +2,6 @@
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <memory>

@@ -9,7 +9,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -95,9 +94,8 @@ float log_ratio_of_scatters() {
 }
 
 /// @param power, share  of octave 0 of b; those of octave k lie k n_all further on
-BOUNCELAB_VECTOR_CLONES void weigh_row(const BandEnergies& first, const float* __restrict power,
-                                       const float* __restrict share, std::size_t n_all, float log_ratio,
-                                       float* __restrict weights, std::size_t n) {
+void weigh_row(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
+               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) {
   const BandEnergies a = first;
   for (std::size_t j = 0; j < n; ++j) {
     const float log_odds = log_odds_of_same_source(

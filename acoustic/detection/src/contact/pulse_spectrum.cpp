@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/pulse_spectrum.hpp"
 
-#include <cmath>
-
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/units.hpp"

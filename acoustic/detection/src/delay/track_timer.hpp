@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "candidates/candidates.hpp"
+#include "delay/timed_impact.hpp"
+#include "delay/track_search.hpp"
+#include "template/impact_template.hpp"
+#include "tracking/tracker.hpp"
+
+namespace bouncelab::detection {
+
+/// Times the impacts of one track with the template, in this order:
+///
+/// 1. each candidate, in time order, the ringing of the impacts before it subtracted; where impacts are missing between
+///    two candidates they are searched for at the times that a geometric series of intervals predicts (fill_gap);
+/// 2. impacts at the end that the template does not support are removed (trim_tail);
+/// 3. the track is continued beyond its last impact as long as the sound supports the next one (extend);
+/// 4. of the places where each impact may have been the most probable is chosen (delay_posterior.hpp); the others'
+///    probabilities add to its variance.
+///
+/// @param end_s  the next track, or the end of the recording: impacts are searched for up to it [s]
+std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& track,
+                                    const std::vector<Candidate>& candidates, double end_s);
+
+/// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
+/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place.
+/// The sound then decides between all of them. In turns, since what is expected follows from the neighbours.
+/// @param track  in time order
+void add_predicted_places(const Search& search, std::vector<TimedImpact>& track);
+
+}  // namespace bouncelab::detection
