@@ -65,9 +65,9 @@ template <std::size_t n_out>
     Taps tap;
     std::memcpy(&tap, taps + k, sizeof tap);
     for (std::size_t n = 0; n < n_out; ++n) {
-      Taps here;
-      std::memcpy(&here, x + n * factor + k, sizeof here);
-      sum[n] += tap * here;
+      Taps samples;
+      std::memcpy(&samples, x + n * factor + k, sizeof samples);
+      sum[n] += tap * samples;
     }
   }
   const Four a = folded(sum[0]), b = folded(sum[1]), c = folded(sum[2]), d = folded(sum[3]);

@@ -157,12 +157,12 @@ SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sound
 }
 
 BandEnergies SameSource::operator[](std::size_t k) const {
-  BandEnergies here;
+  BandEnergies energies;
   for (std::size_t octave = 0; octave < kEnergyBands; ++octave) {
-    here.log_power[octave] = power_[octave * n_sounds_ + k];
-    here.added_share[octave] = share_[octave * n_sounds_ + k];
+    energies.log_power[octave] = power_[octave * n_sounds_ + k];
+    energies.added_share[octave] = share_[octave * n_sounds_ + k];
   }
-  return here;
+  return energies;
 }
 
 void SameSource::weigh(std::size_t k, std::size_t first, std::span<float> weights) const {

@@ -14,11 +14,11 @@ float square(float x) { return x * x; }
 
 bool is_in_memory(const audio::AudioSource& sound) { return !sound.resident.empty(); }
 
-std::uint64_t bits_over(const double* before, const double* here, const double* after, double factor, double least,
+std::uint64_t bits_over(const double* before, const double* at, const double* after, double factor, double least,
                         std::int64_t n) {
   std::uint64_t bits = 0;
   for (std::int64_t k = 0; k < n; ++k)
-    bits |= static_cast<std::uint64_t>(factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0) << k;
+    bits |= static_cast<std::uint64_t>(factor * (after[k] - at[k]) >= least * (at[k] - before[k]) ? 1 : 0) << k;
   return bits;
 }
 
@@ -48,8 +48,8 @@ void InnovationEnergy::load(std::int64_t first_hop, std::int64_t n_hops) {
 
 std::uint64_t InnovationEnergy::rises(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor,
                                       double least) const {
-  const double* here = running_.data() + (first - first_hop_);
-  return bits_over(here - factor * after_hops, here, here + after_hops, static_cast<double>(factor), least, n);
+  const double* at = running_.data() + (first - first_hop_);
+  return bits_over(at - factor * after_hops, at, at + after_hops, static_cast<double>(factor), least, n);
 }
 
 std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t last) const {

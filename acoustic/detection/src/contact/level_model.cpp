@@ -214,18 +214,19 @@ void fit_amplitudes(LevelModel& model) {
   BandTable weighted(n_impacts, n_bands);
   for (std::size_t k = 0; k < n_impacts; ++k)
     audio::multiply(model.weight[k], model.level_over_pulse[k], weighted[k], n_bands);
-  const Values of_row = sums_of_rows(model.weight);
-  const Values of_column = sums_of_columns(model.weight);
+  const Values weight_of_row = sums_of_rows(model.weight);
+  const Values weight_of_column = sums_of_columns(model.weight);
   for (int round = 0; round < 3; ++round) {
     const Values one_over_response = inverse(model.response);
     Values sums(n_bands, 0.0);
     for (std::size_t k = 0; k < n_impacts; ++k) {
       double& c = model.amplitude[k];
-      c = std::max(audio::dot(weighted[k], one_over_response.data(), n_bands) / (of_row[k] + 1e-300), 0.1 * c);
+      c = std::max(audio::dot(weighted[k], one_over_response.data(), n_bands) / (weight_of_row[k] + 1e-300), 0.1 * c);
       audio::add_scaled(sums.data(), 1.0 / c, weighted[k], n_bands);
     }
     for (std::size_t m = 0; m < n_bands; ++m)
-      if (model.is_active[m]) model.response[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * model.response[m]);
+      if (model.is_active[m])
+        model.response[m] = std::max(sums[m] / (weight_of_column[m] + 1e-300), 0.1 * model.response[m]);
   }
 }
 

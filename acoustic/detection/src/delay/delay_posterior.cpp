@@ -76,9 +76,9 @@ class ChainDensity {
   double by_sound(std::size_t k, std::size_t h) const { return by_sound_[k][h]; }
 
   /// Of the two intervals that meet at impact k.
-  double smoothness(std::size_t k, std::size_t before, std::size_t here, std::size_t after) const {
+  double smoothness(std::size_t k, std::size_t before, std::size_t own, std::size_t after) const {
     if (expected_[k].width == 0.0) return 1.0;
-    const std::optional<double> eps = log_eps(t_s_[k - 1][before], t_s_[k][here], t_s_[k + 1][after]);
+    const std::optional<double> eps = log_eps(t_s_[k - 1][before], t_s_[k][own], t_s_[k + 1][after]);
     if (!eps) return kDisordered;
     return student4((*eps - expected_[k].centre) / expected_[k].width);
   }

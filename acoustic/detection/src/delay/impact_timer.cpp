@@ -61,8 +61,6 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 
 }  // namespace
 
-double log_odds_margin(double best, double other, double variance) { return (best - other) / variance; }
-
 ImpactTimer::ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned)
     : sound_(white.source()),
       learned_(learned),
@@ -278,8 +276,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   const std::vector<CorrelationPeak> peaks =
       products.peaks(products.highest().log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance);
   for (std::size_t k = 1; k < peaks.size(); ++k) {
-    const double margin =
-        log_odds_margin(peaks[0].log_likelihood_ratio, peaks[k].log_likelihood_ratio, fit.disturbance);
+    const double margin = (peaks[0].log_likelihood_ratio - peaks[k].log_likelihood_ratio) / fit.disturbance;
     if (margin < kUnambiguousLogOdds) fit.alternatives.push_back({time_of(peaks[k].shift), margin});
   }
   return fit;

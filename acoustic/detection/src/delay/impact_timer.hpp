@@ -15,10 +15,6 @@
 
 namespace bouncelab::detection {
 
-/// Log odds of one place of an impact against another, by their log likelihood ratios.
-/// @param variance  of what disturbs the product with the template there, that of the noise being 1
-double log_odds_margin(double best, double other, double variance);
-
 /// Times single impacts by maximum likelihood, the ringing of known ones subtracted.
 ///
 /// Model of a window of whitened sound: y(t) = sum_i A_i w(t - t_i) + A w(t - t_0) + white noise, with the template w,

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDefaultEps = 0.97;
 constexpr double kMinEpsReach = 0.015;
-constexpr double kMaxEpsReach = 0.06;  // four times the scatter that bounce_model.cpp starts from
+constexpr double kMaxEpsReach = 0.06;  // four times TrackingModel::scatter
 constexpr std::size_t kMaxRatios = 9;
 constexpr std::size_t kMinRatiosForReach = 7;
 constexpr std::size_t kMaxAmplitudes = 15;
@@ -61,9 +61,9 @@ ImpactFit find_impact(Search& search, double t_s, double reach_s, double until_s
   ImpactFit best = search.timer.time(t_s, reach_s, until_s);
   if (reach_s < step_s) return best;
   for (double from_s = t_s - reach_s; from_s < t_s + reach_s; from_s += step_s) {
-    std::optional<ImpactFit> here = search.timer.time_if_over(best.log_likelihood_ratio, from_s, step_s, until_s);
-    if (here && here->log_likelihood_ratio > best.log_likelihood_ratio && std::abs(here->t_s - t_s) <= reach_s)
-      best = *std::move(here);
+    std::optional<ImpactFit> fit = search.timer.time_if_over(best.log_likelihood_ratio, from_s, step_s, until_s);
+    if (fit && fit->log_likelihood_ratio > best.log_likelihood_ratio && std::abs(fit->t_s - t_s) <= reach_s)
+      best = *std::move(fit);
   }
   return best;
 }

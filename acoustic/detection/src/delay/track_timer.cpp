@@ -42,11 +42,11 @@ ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& n
     return fit.log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance;
   };
   ImpactFit far = near;
-  const auto add = [&](double t_s, double here_reach_s) {
-    std::optional<ImpactFit> here = search.timer.time_if_over(least(far), t_s, here_reach_s, until_s);
-    if (!here) return;
-    std::erase_if(here->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
-    if (here->t_s >= from_s) far = merged(far, *here, same_s);
+  const auto add = [&](double t_s, double reach_of_window_s) {
+    std::optional<ImpactFit> fit = search.timer.time_if_over(least(far), t_s, reach_of_window_s, until_s);
+    if (!fit) return;
+    std::erase_if(fit->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
+    if (fit->t_s >= from_s) far = merged(far, *fit, same_s);
   };
   const double step_s = search_step_s(search);
   if (const auto places =
@@ -277,10 +277,10 @@ std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTempla
       {},
       {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
-    const TrackImpact& here = tracked.impacts[k];
-    const Candidate& c = candidates[here.candidate];
-    if (k > 0 && here.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, here.impact, c.t_s);
-    add_candidate(track, candidates, here, next_time(tracked, candidates, k));
+    const TrackImpact& impact = tracked.impacts[k];
+    const Candidate& c = candidates[impact.candidate];
+    if (k > 0 && impact.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, impact.impact, c.t_s);
+    add_candidate(track, candidates, impact, next_time(tracked, candidates, k));
   }
   trim_tail(track, tracked, candidates);
   extend(track, end_s);

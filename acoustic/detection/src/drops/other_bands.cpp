@@ -25,8 +25,8 @@ using TimedImpacts = std::vector<TimedImpact>;
 
 /// An impact that both bands show.
 struct Shared {
-  std::size_t here = 0, there = 0;
-  double later_s = 0.0;  // here
+  std::size_t own = 0, theirs = 0;
+  double later_s = 0.0;  // in the own band
 };
 
 double shorter_interval(const TimedImpacts& impacts, std::size_t k) {
@@ -36,16 +36,16 @@ double shorter_interval(const TimedImpacts& impacts, std::size_t k) {
 }
 
 /// Pairs of impacts that are nearest to each other, less than a quarter of the intervals and reach_s from later_s.
-std::vector<Shared> shared_impacts(const TimedImpacts& here, const TimedImpacts& there, double later_s,
+std::vector<Shared> shared_impacts(const TimedImpacts& own, const TimedImpacts& theirs, double later_s,
                                    double reach_s) {
   std::vector<Shared> shared;
   std::size_t j = 0;
-  for (std::size_t k = 0; k < here.size(); ++k) {
-    const auto off_s = [&](std::size_t other) { return here[k].fit.t_s - there[other].fit.t_s - later_s; };
-    while (j + 1 < there.size() && std::abs(off_s(j + 1)) < std::abs(off_s(j))) ++j;
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const auto off_s = [&](std::size_t other) { return own[k].fit.t_s - theirs[other].fit.t_s - later_s; };
+    while (j + 1 < theirs.size() && std::abs(off_s(j + 1)) < std::abs(off_s(j))) ++j;
     const double most_s =
-        std::min(reach_s, kOfInterval * std::min(shorter_interval(here, k), shorter_interval(there, j)));
-    if (std::abs(off_s(j)) > most_s || (!shared.empty() && shared.back().there == j)) continue;
+        std::min(reach_s, kOfInterval * std::min(shorter_interval(own, k), shorter_interval(theirs, j)));
+    if (std::abs(off_s(j)) > most_s || (!shared.empty() && shared.back().theirs == j)) continue;
     shared.push_back({k, j, off_s(j) + later_s});
   }
   return shared;
@@ -57,12 +57,12 @@ double median_later_s(const std::vector<Shared>& shared) {
   return upper_median(std::move(later_s));
 }
 
-std::vector<Shared> shared_impacts(const TimedImpacts& here, const TimedImpacts& there) {
-  if (here.empty() || there.empty()) return {};
-  const std::vector<Shared> rough = shared_impacts(here, there, 0.0, kMaxDelay_s);
+std::vector<Shared> shared_impacts(const TimedImpacts& own, const TimedImpacts& theirs) {
+  if (own.empty() || theirs.empty()) return {};
+  const std::vector<Shared> rough = shared_impacts(own, theirs, 0.0, kMaxDelay_s);
   if (rough.size() < kMinShared) return {};
-  std::vector<Shared> shared = shared_impacts(here, there, median_later_s(rough), kMinInterval_s);
-  if (shared.size() < kMinShared || 2 * shared.size() < std::min(here.size(), there.size())) return {};
+  std::vector<Shared> shared = shared_impacts(own, theirs, median_later_s(rough), kMinInterval_s);
+  if (shared.size() < kMinShared || 2 * shared.size() < std::min(own.size(), theirs.size())) return {};
   return shared;
 }
 
@@ -73,15 +73,15 @@ struct Transfer {
 };
 
 /// By the shared impacts nearest to number `next`, the first after it.
-Transfer transfer_at(const std::vector<Shared>& shared, std::size_t next, const TimedImpacts& here,
-                     const TimedImpacts& there) {
+Transfer transfer_at(const std::vector<Shared>& shared, std::size_t next, const TimedImpacts& own,
+                     const TimedImpacts& theirs) {
   const std::size_t n = std::min(kNearestShared, shared.size());
   const std::size_t first = std::min(next > n / 2 ? next - n / 2 : 0, shared.size() - n);
   std::vector<double> later_s, gain, off_s;
   for (std::size_t k = first; k < first + n; ++k) {
     later_s.push_back(shared[k].later_s);
-    const double amplitude = there[shared[k].there].fit.amplitude;
-    if (amplitude > 0.0) gain.push_back(here[shared[k].here].fit.amplitude / amplitude);
+    const double amplitude = theirs[shared[k].theirs].fit.amplitude;
+    if (amplitude > 0.0) gain.push_back(own[shared[k].own].fit.amplitude / amplitude);
   }
   Transfer transfer;
   transfer.later_s = upper_median(later_s);
@@ -94,11 +94,11 @@ Transfer transfer_at(const std::vector<Shared>& shared, std::size_t next, const 
 
 /// Number of the other band's impact j in this one; absent where the shared impacts on either side disagree.
 std::optional<std::int64_t> number_of(const std::vector<Shared>& shared, std::size_t next, std::size_t j,
-                                      const TimedImpacts& here, const TimedImpacts& there) {
-  const auto more = [&](std::size_t k) { return here[shared[k].here].impact - there[shared[k].there].impact; };
+                                      const TimedImpacts& own, const TimedImpacts& theirs) {
+  const auto more = [&](std::size_t k) { return own[shared[k].own].impact - theirs[shared[k].theirs].impact; };
   const bool is_after_one = next > 0, is_before_one = next < shared.size();
   if (is_after_one && is_before_one && more(next - 1) != more(next)) return {};
-  return there[j].impact + more(is_after_one ? next - 1 : next);
+  return theirs[j].impact + more(is_after_one ? next - 1 : next);
 }
 
 /// Time of one flight between two impacts of known numbers, if they are there.
@@ -124,26 +124,26 @@ bool insert(const TimedImpact& impact, double before_s, double after_s, TimedImp
 }  // namespace
 
 std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, double end_s, TimedDrop& drop) {
-  const TimedImpacts& there = other.impacts;
-  const TimedImpacts here = drop.impacts;
-  const std::vector<Shared> shared = shared_impacts(here, there);
+  const TimedImpacts& theirs = other.impacts;
+  const TimedImpacts own = drop.impacts;
+  const std::vector<Shared> shared = shared_impacts(own, theirs);
   if (shared.empty()) return 0;
   const bool may_infer = is_reliable(other.correlation) && !is_reliable(drop.correlation);
   std::size_t n_added = 0, next = 0;
-  for (std::size_t j = 0; j < there.size(); ++j) {
-    while (next < shared.size() && shared[next].there < j) ++next;
-    if (next < shared.size() && shared[next].there == j) continue;
-    if (there[j].inferred && !may_infer) continue;
-    const std::optional<std::int64_t> number = number_of(shared, next, j, here, there);
+  for (std::size_t j = 0; j < theirs.size(); ++j) {
+    while (next < shared.size() && shared[next].theirs < j) ++next;
+    if (next < shared.size() && shared[next].theirs == j) continue;
+    if (theirs[j].inferred && !may_infer) continue;
+    const std::optional<std::int64_t> number = number_of(shared, next, j, own, theirs);
     if (!number) continue;
-    const Transfer transfer = transfer_at(shared, next, here, there);
-    TimedImpact impact = there[j];
+    const Transfer transfer = transfer_at(shared, next, own, theirs);
+    TimedImpact impact = theirs[j];
     impact.impact = *number;
     impact.fit.t_s += transfer.later_s;
     impact.fit.sigma_s = hypot(impact.fit.sigma_s, transfer.sigma_s);
     impact.fit.amplitude *= transfer.gain;
     impact.v_mps = 0.0;
-    const double before_s = j > 0 ? flight_s(there, j - 1, j) : 0.0, after_s = flight_s(there, j, j + 1);
+    const double before_s = j > 0 ? flight_s(theirs, j - 1, j) : 0.0, after_s = flight_s(theirs, j, j + 1);
     if (!(impact.fit.t_s - before_s > begin_s && impact.fit.t_s + after_s < end_s)) continue;
     if (insert(impact, before_s, after_s, drop.impacts)) ++n_added;
   }
@@ -156,16 +156,16 @@ std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, do
 std::size_t doubt_what_other_band_contradicts(const TimedDrop& other, TimedDrop& drop) {
   constexpr double kContradicts = 4.0;  // standard errors
   if (!is_reliable(other.correlation)) return 0;
-  const TimedImpacts here = drop.impacts;
-  const std::vector<Shared> shared = shared_impacts(here, other.impacts);
+  const TimedImpacts own = drop.impacts;
+  const std::vector<Shared> shared = shared_impacts(own, other.impacts);
   std::size_t n_doubted = 0;
   for (std::size_t k = 0; k < shared.size(); ++k) {
-    const TimedImpact& there = other.impacts[shared[k].there];
-    TimedImpact& impact = drop.impacts[shared[k].here];
-    if (there.doubtful || there.inferred) continue;
-    const Transfer transfer = transfer_at(shared, k, here, other.impacts);
-    const double variance = square(impact.fit.sigma_s) + square(impact.doubt_s) + square(there.fit.sigma_s) +
-                            square(there.doubt_s) + square(transfer.sigma_s);
+    const TimedImpact& theirs = other.impacts[shared[k].theirs];
+    TimedImpact& impact = drop.impacts[shared[k].own];
+    if (theirs.doubtful || theirs.inferred) continue;
+    const Transfer transfer = transfer_at(shared, k, own, other.impacts);
+    const double variance = square(impact.fit.sigma_s) + square(impact.doubt_s) + square(theirs.fit.sigma_s) +
+                            square(theirs.doubt_s) + square(transfer.sigma_s);
     const double off_s = shared[k].later_s - transfer.later_s;
     if (square(off_s) < square(kContradicts) * variance) continue;
     impact.doubt_s = std::sqrt(square(impact.doubt_s) + square(off_s) - variance);

@@ -25,13 +25,13 @@ audio::Spectrum template_at_speed(const MatchedFilter& filter, double rate_hz, d
   audio::Spectrum w = filter.spectrum();
   if (!(tau_1_s > 0.0) || !(scaling > 0.0) || !(template_scaling > 0.0)) return w;
   const double bin_hz = rate_hz / static_cast<double>(filter.n_window());
-  std::vector<float> here(w.size()), reference(w.size()), slope(w.size());
-  PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * scaling, here, slope);
+  std::vector<float> own(w.size()), reference(w.size()), slope(w.size());
+  PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * scaling, own, slope);
   PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * template_scaling, reference, slope);
   constexpr auto least = static_cast<float>(kMinPulse);
   float ratio = 1.0F;
   for (std::size_t b = 0; b < w.size(); ++b) {
-    if (here[b] > least && reference[b] > least) ratio = here[b] / reference[b];  // beyond, the last one known
+    if (own[b] > least && reference[b] > least) ratio = own[b] / reference[b];  // beyond, the last one known
     w.re[b] *= ratio;
     w.im[b] *= ratio;
   }

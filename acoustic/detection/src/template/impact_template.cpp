@@ -223,9 +223,9 @@ double recorded_rms_frequency(const ImpactTemplate& learned) {
   const std::vector<double> gain = gain2(learned);
   double power = 0.0, squares = 0.0;
   for (std::size_t k = 1; k < gain.size(); ++k) {
-    const double here = learned.filter.energy(k, k + 1) / (gain[k] + 1e-30);
-    power += here;
-    squares += here * square(static_cast<double>(k));
+    const double recorded = learned.filter.energy(k, k + 1) / (gain[k] + 1e-30);
+    power += recorded;
+    squares += recorded * square(static_cast<double>(k));
   }
   return std::max(1e-6, std::sqrt(squares / (power + 1e-300)) / static_cast<double>(learned.filter.n_window()));
 }

@@ -52,9 +52,9 @@ double jitter_of(const std::vector<double>& squares, const std::vector<double>& 
   double hi = *std::max_element(squares.begin(), squares.end());  // at which no ratio is above 1
   double jitter2 = std::accumulate(squares.begin(), squares.end(), 0.0) / n;
   for (int step = 0; step < kMostSteps && hi - lo > kTolerance * hi; ++step) {
-    const Ratios here = ratios_at(jitter2, squares, noise);
-    (here.sum > n ? lo : hi) = jitter2;
-    const double next = jitter2 + here.sum * (here.sum - n) / (n * -here.slope);
+    const Ratios ratios = ratios_at(jitter2, squares, noise);
+    (ratios.sum > n ? lo : hi) = jitter2;
+    const double next = jitter2 + ratios.sum * (ratios.sum - n) / (n * -ratios.slope);
     const double last = jitter2;
     jitter2 = next > lo && next < hi ? next : 0.5 * (lo + hi);
     if (std::abs(jitter2 - last) <= kTolerance * jitter2) break;

@@ -33,8 +33,8 @@ void count(float density, bool is_stronger, int octave, float share, Neighbours&
 }
 
 /// Densities that the sounds of these log amplitudes contribute at one.
-void density_row(const double* log_amplitude, double here, double width, float* __restrict density, std::size_t n) {
-  for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - here, width));
+void density_row(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) {
+  for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - centre, width));
 }
 
 /// As many as fill registers of 512 bits: what is left over of a row takes as long as several of them.
