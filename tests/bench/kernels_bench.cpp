@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// kernels_bench: the hand-made loops of bouncelab::audio against plain ones compiled alike, FFTW's real transform and
-/// libsndfile's decoder. Prints seconds of one call of each; they take turns, and the least of many counts.
-#include <fftw3.h>
+/// kernels_bench: the hand-made loops of bouncelab::audio against plain ones compiled alike and libsndfile's decoder.
+/// Prints seconds of one call of each; they take turns, and the least of many counts.
 #include <sndfile.h>
 #include <unistd.h>
 
@@ -112,67 +111,7 @@ void print_filter() {
   }
 }
 
-/// FFTW's transform of real signals, from and to what RealFft takes and gives.
-class OfFftw {
- public:
-  explicit OfFftw(std::size_t n)
-      : n_(n),
-        real_(fftwf_alloc_real(n)),
-        complex_(fftwf_alloc_complex(n / 2 + 1)),
-        forward_(fftwf_plan_dft_r2c_1d(static_cast<int>(n), real_, complex_, FFTW_ESTIMATE)),
-        inverse_(fftwf_plan_dft_c2r_1d(static_cast<int>(n), complex_, real_, FFTW_ESTIMATE)) {}
-  OfFftw(const OfFftw&) = delete;
-  OfFftw& operator=(const OfFftw&) = delete;
-  ~OfFftw() {
-    fftwf_destroy_plan(forward_);
-    fftwf_destroy_plan(inverse_);
-    fftwf_free(real_);
-    fftwf_free(complex_);
-  }
-  Spectrum forward(const Floats& x) {
-    std::copy(x.begin(), x.end(), real_);
-    fftwf_execute(forward_);
-    Spectrum spectrum{Floats(n_ / 2 + 1), Floats(n_ / 2 + 1)};
-    const float scale = std::sqrt(2.0F / static_cast<float>(n_));
-    for (std::size_t k = 0; k <= n_ / 2; ++k) {
-      spectrum.re[k] = scale * complex_[k][0];
-      spectrum.im[k] = scale * complex_[k][1];
-    }
-    return spectrum;
-  }
-  Floats inverse(const Spectrum& spectrum) {
-    const float scale = std::sqrt(0.5F / static_cast<float>(n_));
-    for (std::size_t k = 0; k <= n_ / 2; ++k) {
-      complex_[k][0] = scale * spectrum.re[k];
-      complex_[k][1] = scale * spectrum.im[k];
-    }
-    fftwf_execute(inverse_);
-    return {real_, real_ + n_};
-  }
-
- private:
-  std::size_t n_;
-  float* real_;
-  fftwf_complex* complex_;
-  fftwf_plan forward_, inverse_;
-};
-
-void print_transforms() {
-  for (const std::size_t n : {1024, 2048, 4096}) {
-    RealFft ours(n);
-    OfFftw theirs(n);
-    Floats x = noise<float>(n);
-    Spectrum spectrum = ours.forward(x);
-    char name[40];
-    std::snprintf(name, sizeof name, "RealFft::forward, %zu", n);
-    print_row(
-        name, "FFTW's r2c, planned by estimate", [&] { spectrum = ours.forward(x); },
-        [&] { spectrum = theirs.forward(x); });
-    std::snprintf(name, sizeof name, "RealFft::inverse, %zu", n);
-    print_row(
-        name, "FFTW's c2r, planned by estimate", [&] { x = ours.inverse(spectrum); },
-        [&] { x = theirs.inverse(spectrum); });
-  }
+void print_phase_shift() {
   const Spectrum a{noise<float>(2049), noise<float>(2049)};
   Spectrum out = a;
   print_row(
@@ -213,7 +152,7 @@ int main() {
   print_sums();
   print_products();
   print_filter();
-  print_transforms();
+  print_phase_shift();
   print_decoding(SampleEncoding::pcm16, "AudioReader::read, 2e6 of 16 bits");
   print_decoding(SampleEncoding::pcm24, "AudioReader::read, 2e6 of 24 bits");
 }

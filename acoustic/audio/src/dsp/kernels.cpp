@@ -10,10 +10,6 @@
 #include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
-// What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the
-// loop one would write, compiled alike: dot 12 (floats) and 4 (doubles), largest 7, add_scaled 3,
-// multiply 2. correlate() is in correlate.cpp.
-
 namespace bouncelab::audio {
 namespace {
 
