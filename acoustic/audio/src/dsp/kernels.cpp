@@ -7,12 +7,13 @@
 #include <cmath>
 #include <cstring>
 
-#include "bouncelab/core/lanes.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
+using Lanes = float __attribute__((vector_size(32)));  // one wide register, or two narrow ones
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
 constexpr std::size_t kDotBlock = kLanes * kChains;
 
