@@ -11,6 +11,19 @@
 namespace bouncelab::detection {
 namespace {
 
+std::vector<double> sums_of_rows(const BandTable& x) {
+  const std::vector<double> ones(x.n_bands(), 1.0);
+  std::vector<double> sums(x.n_impacts());
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = audio::dot(x[k], ones.data(), x.n_bands());
+  return sums;
+}
+
+std::vector<double> sums_of_columns(const BandTable& x) {
+  std::vector<double> sums(x.n_bands(), 0.0);
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) audio::add_scaled(sums.data(), 1.0, x[k], x.n_bands());
+  return sums;
+}
+
 /// One round: subtracts weighted means of rows, then of columns.
 /// @param per_row, per_column  1 / sum of the weights
 /// @return sum of squares of the means of columns
@@ -140,19 +153,6 @@ void estimate_row_inflation(LevelModel& model) {
 }
 
 }  // namespace
-
-std::vector<double> sums_of_rows(const BandTable& x) {
-  const std::vector<double> ones(x.n_bands(), 1.0);
-  std::vector<double> sums(x.n_impacts());
-  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = audio::dot(x[k], ones.data(), x.n_bands());
-  return sums;
-}
-
-std::vector<double> sums_of_columns(const BandTable& x) {
-  std::vector<double> sums(x.n_bands(), 0.0);
-  for (std::size_t k = 0; k < x.n_impacts(); ++k) audio::add_scaled(sums.data(), 1.0, x[k], x.n_bands());
-  return sums;
-}
 
 void demean_two_way(BandTable& x, const BandTable& weight) {
   constexpr int kMaxRounds = 12;

@@ -26,9 +26,6 @@ class BandTable {
   std::vector<double> values_;
 };
 
-std::vector<double> sums_of_rows(const BandTable& x);
-std::vector<double> sums_of_columns(const BandTable& x);
-
 /// Weighted two-way demeaning: subtracts weighted means of rows and of columns in turns, until those of the columns
 /// have fallen to 1e-4 of the first, at most twelve times. What is left is orthogonal to row and column effects (the
 /// within transformation of a two-way fixed-effects regression).

@@ -37,7 +37,7 @@ ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& n
                           double most_before_s, double most_after_s, double until_s) {
   const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
   const double same_s = 1.0 / search.white.source().rate_hz;
-  // what is less likely than that adds no place (merged_fit.hpp)
+  // what is less likely than that adds no place (merged())
   const auto least = [](const ImpactFit& fit) {
     return fit.log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance;
   };
@@ -268,6 +268,15 @@ bool add_places_once(const Search& search, TimedImpacts& track) {
   return has_moved;
 }
 
+/// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
+/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place.
+/// The sound then decides between all of them. In turns, since what is expected follows from the neighbours.
+/// @param track  in time order
+void add_predicted_places(const Search& search, std::vector<TimedImpact>& track) {
+  for (int turn = 0; turn < kMaxTurns && add_places_once(search, track); ++turn) {
+  }
+}
+
 }  // namespace
 
 std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
@@ -289,11 +298,6 @@ std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTempla
   set_probabilities_of_inferred(candidates, timed);
   end_where_improbable(timed);
   return timed;
-}
-
-void add_predicted_places(const Search& search, std::vector<TimedImpact>& track) {
-  for (int turn = 0; turn < kMaxTurns && add_places_once(search, track); ++turn) {
-  }
 }
 
 }  // namespace bouncelab::detection

@@ -5,7 +5,6 @@
 
 #include "candidates/candidates.hpp"
 #include "delay/timed_impact.hpp"
-#include "delay/track_search.hpp"
 #include "template/impact_template.hpp"
 #include "tracking/tracker.hpp"
 
@@ -23,11 +22,5 @@ namespace bouncelab::detection {
 /// @param end_s  the next track, or the end of the recording: impacts are searched for up to it [s]
 std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& track,
                                     const std::vector<Candidate>& candidates, double end_s);
-
-/// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
-/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place.
-/// The sound then decides between all of them. In turns, since what is expected follows from the neighbours.
-/// @param track  in time order
-void add_predicted_places(const Search& search, std::vector<TimedImpact>& track);
 
 }  // namespace bouncelab::detection

@@ -28,7 +28,7 @@ struct Observation {
   double t_s = 0.0;
   double sigma_s = 0.0;  ///< error of the time
   double log_amplitude = 0.0;
-  double log_rise_odds = 0.0;  ///< that it is an event at all (rise_odds.hpp)
+  double log_rise_odds = 0.0;  ///< that it is an event at all (log_rise_odds())
   Neighbours neighbours;
 };
 
