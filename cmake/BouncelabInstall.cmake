@@ -9,7 +9,7 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config-ve
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config-version.cmake
         DESTINATION ${package_dir} COMPONENT core)
-set(BOUNCELAB_PC_REQUIRES "sleef")
+set(BOUNCELAB_PC_REQUIRES "sleef gsl")
 set(BOUNCELAB_PC_LIBS)
 foreach(module IN ITEMS loop fit detection synthesis audio sim core)
   if(TARGET bouncelab_${module})

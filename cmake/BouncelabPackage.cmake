@@ -56,7 +56,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libbouncelab-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libfftw3-dev, libeigen3-dev, libsndfile1-dev, libpugixml-dev, libceres-dev, libsleef-dev")
+    "libfftw3-dev, libeigen3-dev, libsndfile1-dev, libpugixml-dev, libceres-dev, libgsl-dev, libsleef-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Headers and static libraries of bouncelab: simulation of a rough ball,
 synthesis and detection of its sound, fits of the law of restitution; for
 find_package(bouncelab) of CMake, and pkg-config.")

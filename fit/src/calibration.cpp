@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/calibration.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -13,7 +12,7 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "law/law_likelihood.hpp"
-#include "law/maximise.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -46,6 +45,10 @@ std::vector<int> orders_of(const SeriesLaw& law) {
   return orders;
 }
 
+struct Sides {
+  double b_below, b_above;
+};
+
 /// Mean distances from the peak at given speed, averaged over the heights of release.
 class Scatter {
  public:
@@ -67,7 +70,7 @@ class Scatter {
     }
   }
 
-  LaplaceSides at(double v_mps) const {
+  Sides at(double v_mps) const {
     const double unit =
         no_slip_factor(config_.inertia_factor) * (1.0 + restitution(config_.law, v_mps)) * config_.offset_variance;
     double below = 0.0, above = 0.0, n = 0.0;
@@ -78,7 +81,7 @@ class Scatter {
       above += unit * (root - 1.0);
       n += 1.0;
     }
-    return laplace_sides(below / n, above / n);
+    return {below / n, above / n};
   }
 
  private:
@@ -121,7 +124,7 @@ std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatt
   Eigen::MatrixXd powers(n, kTerms), log_b(n, 2);
   for (Eigen::Index k = 0; k < n; ++k) {
     const double v = data.v_mps[static_cast<std::size_t>(k)];
-    const LaplaceSides sides = scatter.at(v);
+    const Sides sides = scatter.at(v);
     for (Eigen::Index i = 0; i < kTerms; ++i) powers(k, i) = power(log(v), static_cast<int>(i));
     log_b.row(k) << log(sides.b_below), log(sides.b_above);
     data.eps.push_back(restitution(config.law, v));
@@ -134,16 +137,16 @@ std::vector<double> bounds(const CalibrationConfig& config, const Scatter& scatt
   Eigen::VectorXd theta(likelihood.n_parameters());
   for (Eigen::Index j = 0; j < n_law; ++j)
     theta[j] = restitution(config.law, model.node_v_mps[static_cast<std::size_t>(j)]);
-  const Eigen::MatrixXd c = powers.colPivHouseholderQr().solve(log_b);
+  const Eigen::MatrixXd c = least_squares(powers, log_b);
   theta.tail(2 * kTerms) << c.col(0), c.col(1);
   const Eigen::MatrixXd white = whitening(
       likelihood.information(theta) * (static_cast<double>(config.n_samples) / static_cast<double>(n)), 1e-12);
-  const Eigen::MatrixXd covariance = (white * white.transpose()).topLeftCorner(n_law, n_law);
+  const Eigen::MatrixXd covariance = gram(white).topLeftCorner(n_law, n_law);
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(kNodeSpeeds_mps.size()) + n_law, n_law);
   rows << model.jacobian(kNodeSpeeds_mps, theta.head(n_law)), model.reported_jacobian(theta.head(n_law));
   std::vector<double> result;
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    result.push_back(std::sqrt(rows.row(i) * covariance * rows.row(i).transpose()));
+    result.push_back(std::sqrt(congruence(rows.row(i).transpose(), covariance)(0, 0)));
   return result;
 }
 
@@ -159,7 +162,7 @@ std::vector<double> windows_of(const CalibrationConfig& config) {
 /// Cramer-Rao bounds of rising and falling slope in a window if samples were independent, peak and both slopes unknown,
 /// the drift inside it known.
 std::pair<double, double> slope_bounds(const CalibrationConfig& config, const RestitutionSamples& samples,
-                                       const LaplaceSides& sides, double v_mps) {
+                                       const Sides& sides, double v_mps) {
   // as many as make the prior on the sides' ratio negligible
   constexpr std::size_t kCopies = 4000;
   const LawData data{std::vector(kCopies, v_mps), std::vector(kCopies, restitution(config.law, v_mps)),
@@ -172,7 +175,7 @@ std::pair<double, double> slope_bounds(const CalibrationConfig& config, const Re
     return std::abs(s.v_mps - v_mps) < 0.5 * kWindowWidth_mps;
   }));
   const Eigen::MatrixXd white = whitening(likelihood.information(theta) * (n / kCopies), 1e-12);
-  const Eigen::VectorXd variances = (white * white.transpose()).diagonal();
+  const Eigen::VectorXd variances = gram(white).diagonal();
   return {std::sqrt(variances[1]) / sides.b_below, std::sqrt(variances[2]) / sides.b_above};
 }
 
@@ -212,7 +215,7 @@ std::vector<CalibrationRow> rows_of(const CalibrationConfig& config) {
   const std::vector<double> of_law = bounds(config, scatter, samples);
   for (std::size_t j = 0; j < rows.size(); ++j) rows[j].bound_independent = of_law[j];
   for (const double v : windows_of(config)) {
-    const LaplaceSides sides = scatter.at(v);
+    const Sides sides = scatter.at(v);
     const auto [rising, falling] = slope_bounds(config, samples, sides, v);
     const std::string speed = "(" + std::to_string(v).substr(0, 3) + ")";
     rows.push_back({"rising" + speed, 1.0 / sides.b_below, rising});

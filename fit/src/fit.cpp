@@ -2,8 +2,8 @@
 #include "bouncelab/fit/fit.hpp"
 
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/fit/roughness.hpp"
-#include "law/ordered_samples.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+#include "law/law_data.hpp"
 #include "text/findings.hpp"
 #include "usable_samples.hpp"
 

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"

@@ -11,13 +11,13 @@
 
 #include "../fit/synthetic_samples.hpp"
 #include "bench_lines.hpp"
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/fit.hpp"
+#include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/normal_laplace.hpp"
-#include "law/ordered_samples.hpp"
 #include "law/start_values.hpp"
 
 namespace {

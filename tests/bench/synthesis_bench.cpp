@@ -8,8 +8,9 @@
 
 #include "bench_lines.hpp"
 #include "bouncelab/acoustic/acoustic.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/restitution_law.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 /// Names of files that break what is not careful with them.
 #include <nlohmann/json.hpp>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/table.hpp"
 #include "program.hpp"
 #include "wav.hpp"
 

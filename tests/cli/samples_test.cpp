@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "program.hpp"
 

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab::cli {

@@ -9,9 +9,8 @@
 #include <set>
 #include <string>
 
-#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/nearest_name.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {

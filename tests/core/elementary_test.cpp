@@ -36,28 +36,13 @@ TEST(Elementary, ErrorsAreAsStated) {
                 f(exp), [](long double x) { return std::exp(x); }, -40.0, 40.0),
             1.0);
   EXPECT_LT(largest_error_ulp(
-                f(expm1), [](long double x) { return std::expm1(x); }, -3.0, 3.0),
-            1.0);
-  EXPECT_LT(largest_error_ulp(
                 f(log), [](long double x) { return std::log(x); }, 1e-9, 20.0),
-            1.0);
-  EXPECT_LT(largest_error_ulp(
-                f(log1p), [](long double x) { return std::log1p(x); }, -0.9, 5.0),
-            1.0);
-  EXPECT_LT(largest_error_ulp(
-                f(log10), [](long double x) { return std::log10(x); }, 1e-9, 20.0),
             1.0);
   EXPECT_LT(largest_error_ulp(
                 f(sin), [](long double x) { return std::sin(x); }, -30.0, 30.0),
             1.0);
   EXPECT_LT(largest_error_ulp(
                 f(cos), [](long double x) { return std::cos(x); }, -30.0, 30.0),
-            1.0);
-  EXPECT_LT(largest_error_ulp(
-                f(erfc), [](long double x) { return std::erfc(x); }, -3.0, 6.0),
-            1.5);
-  EXPECT_LT(largest_error_ulp(
-                f(log_gamma), [](long double x) { return std::lgamma(x); }, 3.0, 500.0),
             1.0);
   EXPECT_LT(largest_error_ulp([](double x) { return pow(x, 0.1); },
                               [](long double x) { return std::pow(x, static_cast<long double>(0.1)); }, 1e-3, 9.0),
@@ -67,13 +52,10 @@ TEST(Elementary, ErrorsAreAsStated) {
             1.0 + 3.0 * 0.687 * 6.9);
 }
 
-TEST(Elementary, PairsGiveTheBitsOfTheSingleFunctions) {
+TEST(Elementary, SineAndCosineTogetherAreThoseOfTheSingleFunctions) {
   Random random(1, RandomStream::test, 78);
   for (int k = 0; k < kArguments; ++k) {
-    const double x = random.uniform(-20.0, 20.0), y = random.uniform(-800.0, 800.0);
-    const Pair both = exp(Pair{x, y});
-    EXPECT_EQ(both.first, exp(x));
-    EXPECT_EQ(both.second, exp(y));
+    const double x = random.uniform(-20.0, 20.0);  // to a unit in the last place of 1
     EXPECT_NEAR(sin_cos(x).sin, sin(x), 2.3e-16);
     EXPECT_NEAR(sin_cos(x).cos, cos(x), 2.3e-16);
   }
@@ -88,16 +70,12 @@ TEST(Elementary, ManyAtOnceGiveTheBitsOfTheSingleFunctions) {
       y[k] = exp(x[k]);
     }
     if (n > 10) x[3] = INFINITY, x[5] = -INFINITY, x[8] = 0.0;
-    std::vector<double> exponentials = x, logarithms = y, complements = x;
-    for (double& one : complements) one *= 0.03;  // beyond 27 it is 0
-    const std::vector<double> z = complements;
+    std::vector<double> exponentials = x, logarithms = y;
     exp_each(exponentials);
     log_each(logarithms);
-    erfc_each(complements);
     for (std::size_t k = 0; k < n; ++k) {
       EXPECT_EQ(exponentials[k], exp(x[k])) << x[k];
       EXPECT_EQ(logarithms[k], log(y[k])) << y[k];
-      EXPECT_EQ(complements[k], erfc(z[k])) << z[k];
     }
   }
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab {
 namespace {

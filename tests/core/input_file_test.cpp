@@ -9,9 +9,9 @@
 #include <string>
 #include <thread>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
+#include "bouncelab/core/table.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace bouncelab {

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 
 namespace bouncelab {
 namespace {

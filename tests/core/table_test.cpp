@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"

@@ -3,47 +3,35 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "bouncelab/core/error.hpp"
 #include "support/sanitizers.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
-/// 60 seeds: pull mean good to 0.13, sd to 0.09, 68 % to 6, 95 % to 2.8; tolerances are three and a bit of these.
-///
-/// At 1.2 m/s, near the release, the width falls to zero faster than the fit's polynomials: the rough ball's own bias
-/// of some -1.2e-5, one standard error of 30 drops, which the constants share.
-void expect_calibrated(const CalibrationConfig& config) {
+TEST(Calibration, TheFitKeepsItsWord) {
+  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
+  // 40 seeds: pull mean good to 0.16, sd to 0.11, 68 % to 7.4, 95 % to 3.4; tolerances are three and a bit of these. At
+  // 1.2 m/s, near the release, the width falls to zero faster than the fit's polynomials: the rough ball's own bias of
+  // some -1.2e-5, one standard error of 30 drops, which the constants share.
+  CalibrationConfig config;
+  config.n_samples = 3000;
+  config.n_seeds = 40;
   const auto result = calibrate(config);
   EXPECT_EQ(result.n_failed, 0u);
   ASSERT_EQ(result.rows.size(), 12u);
   for (const auto& row : result.rows) {
     SCOPED_TRACE(row.name);
     const bool is_biased = row.name == "eps(1.20)" || row.name[0] == 'A';
-    EXPECT_NEAR(row.pull_mean, 0.0, is_biased ? 1.5 : 0.6);
-    EXPECT_NEAR(row.pull_sd, 1.0, 0.3);
-    EXPECT_NEAR(row.mean_se / row.spread, 1.0, 0.35);
+    EXPECT_NEAR(row.pull_mean, 0.0, is_biased ? 1.6 : 0.6);
+    EXPECT_NEAR(row.pull_sd, 1.0, 0.36);
+    EXPECT_NEAR(row.mean_se / row.spread, 1.0, 0.4);
     if (is_biased) continue;
-    EXPECT_NEAR(row.coverage68, 0.683, 0.19);
-    EXPECT_GT(row.coverage95, 0.86);
+    EXPECT_NEAR(row.coverage68, 0.683, 0.24);
+    EXPECT_GT(row.coverage95, 0.84);
   }
-}
-
-TEST(Calibration, TheFitKeepsItsWord) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  CalibrationConfig config;
-  config.n_samples = 3000;
-  config.n_seeds = 60;
-  expect_calibrated(config);
-}
-
-TEST(Calibration, TheFitKeepsItsWordUnderTimingNoise) {
-  if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  CalibrationConfig config;
-  config.n_samples = 6000;
-  config.n_seeds = 60;
-  config.sigma_eps_at_1mps = 5e-4;
-  expect_calibrated(config);
 }
 
 TEST(Calibration, BoundIsThatOfThePaperSizedRun) {
@@ -53,15 +41,16 @@ TEST(Calibration, BoundIsThatOfThePaperSizedRun) {
   // unknown it is the same for equal sides (var 2 b^2/n against a spread of sqrt(2) b). Scatter falls with speed, so
   // only the order is compared.
   CalibrationConfig config;
-  config.n_samples = 220000;
+  config.n_samples = 22000;
   config.n_seeds = 2;
   config.offset_variance = 1.3e-4;  // a spread of .005 at 0.6 m/s
   config.intervals = IntervalMethod::covariance;
   const auto rows = calibrate(config).rows;
   const double paper[3] = {0.0013, 0.0061, 0.013};
   for (int i = 0; i < 3; ++i) {
-    EXPECT_GT(rows[3 + i].bound_independent, 0.5 * paper[i]);
-    EXPECT_LT(rows[3 + i].bound_independent, 2.0 * paper[i]);
+    const double bound = rows[3 + i].bound_independent / std::sqrt(10.0);  // of ten times as many samples
+    EXPECT_GT(bound, 0.5 * paper[i]);
+    EXPECT_LT(bound, 2.0 * paper[i]);
   }
 }
 
@@ -84,15 +73,15 @@ TEST(Calibration, DrawsTheSlopesOfTheClosedForm) {
 
 TEST(Calibration, SlopesMissTheBoundOfIndependentSamples) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // impacts of one drop share the velocity gained sideways: 1.65 times at .3 m/s; 40 seeds know it to 11 %
+  // impacts of one drop share the velocity gained sideways: 1.65 times at .3 m/s; 20 seeds know the spread to 16 %
   CalibrationConfig config;
   config.n_samples = 6000;
-  config.n_seeds = 40;
+  config.n_seeds = 20;
   config.intervals = IntervalMethod::covariance;
   const auto rows = calibrate(config).rows;
   ASSERT_EQ(rows[6].name, "rising(0.3)");
   EXPECT_GT(rows[6].mean_se, 1.3 * rows[6].bound_independent);
-  EXPECT_GT(rows[6].spread, 1.2 * rows[6].bound_independent);
+  EXPECT_GT(rows[6].spread, 1.1 * rows[6].bound_independent);
 }
 
 TEST(Calibration, RejectsNonsense) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/fit/restitution.hpp"
 

@@ -64,13 +64,13 @@ TEST(Emission, DerivativesAreThoseOfTheDensity) {
   const double unit = 2.0 * kQ * (1.0 + kEps) * kSpeed;
   for (const double reservoir : {2e-5, 3e-4, 5e-3})
     for (const double y : {-4e-4, -5e-5, 1e-5}) {
-      EmissionInput<Jet<4>> in{};
-      in.y = Jet<4>(y, 0);
-      in.reservoir = Jet<4>(reservoir, 1);
-      in.noise_variance = Jet<4>(square(unit), 2);
-      in.a = Jet<4>(kQ * square(1.0 + kEps), 3);
-      in.b = Jet<4>(unit);
-      const Emission<Jet<4>> found = emission(in);
+      EmissionInput<Jet> in{};
+      in.y = Jet(y, 0);
+      in.reservoir = Jet(reservoir, 1);
+      in.noise_variance = Jet(square(unit), 2);
+      in.a = Jet(kQ * square(1.0 + kEps), 3);
+      in.b = Jet(unit);
+      const Emission<Jet> found = emission(in);
       const auto difference = [&](auto&& change, double step) {
         EmissionInput<double> up = input(y, reservoir, unit), down = up;
         change(up, step);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "synthetic_samples.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/core/random.hpp"
-#include "law/mode_offset.hpp"
+#include "law/normal_laplace.hpp"
 
 namespace bouncelab::testing {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/restitution.hpp"

@@ -66,21 +66,21 @@ LawFitConfig quick() {
 
 TEST(LawFit, RecoversTheConstantsWithStandardNormalPulls) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  const auto pulls = study({}, 4000, 0.0, quick(), 100);
+  const auto pulls = study({}, 4000, 0.0, quick(), 40);
   for (int j = 0; j < 3; ++j) {
-    // 100 pulls: mean good to 0.1, sd to 0.07; three standard errors
-    expect_calibrated(pulls.node[j], 0.3, 0.21, "node");
-    expect_calibrated(pulls.parameter[j], 0.3, 0.21, "A");
+    // 40 pulls: mean good to 0.16, sd to 0.11; three standard errors
+    expect_calibrated(pulls.node[j], 0.48, 0.33, "node");
+    expect_calibrated(pulls.parameter[j], 0.48, 0.33, "A");
   }
 }
 
 TEST(LawFit, IsUnbiasedAndCalibratedUnderTimingNoiseThatDoublesTheWidth) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // scatter at 1 m/s 4e-4 / 3e-4: sd 5e-4; noise of 8.7e-4 doubles it. 60 pulls: mean good to 0.13, sd to 0.09
-  const auto pulls = study({}, 8000, 8.7e-4, quick(), 60);
+  // scatter at 1 m/s 4e-4 / 3e-4: sd 5e-4; noise of 8.7e-4 doubles it. 30 pulls: mean good to 0.18, sd to 0.13
+  const auto pulls = study({}, 8000, 8.7e-4, quick(), 30);
   for (int j = 0; j < 3; ++j) {
-    expect_calibrated(pulls.node[j], 0.39, 0.27, "node");
-    expect_calibrated(pulls.parameter[j], 0.39, 0.27, "A");
+    expect_calibrated(pulls.node[j], 0.55, 0.39, "node");
+    expect_calibrated(pulls.parameter[j], 0.55, 0.39, "A");
   }
 }
 
@@ -177,16 +177,14 @@ TEST(LawFit, ViscoelasticLawFindsGamma) {
 
 TEST(LawFit, ErrorsHoldWhereTheScatterIsNotAsModelled) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // 84 drops of independent samples. 40 pulls: mean good to 0.16, sd to 0.11
-  for (const Scatter scatter : {Scatter::normal, Scatter::student_t3}) {
-    SyntheticRun run;
-    run.scatter = scatter;
-    const auto pulls = study(run, 8000, 0.0, quick(), 40);
-    for (int j = 0; j < 3; ++j) {
-      EXPECT_NEAR(pulls.node[j].mean(), 0.0, 0.64);
-      EXPECT_LT(pulls.node[j].sd(), 1.4);
-      EXPECT_LT(pulls.parameter[j].sd(), 1.4);
-    }
+  // 84 drops of independent samples. 30 pulls: mean good to 0.18, sd to 0.13; three standard errors
+  SyntheticRun run;
+  run.scatter = Scatter::student_t3;
+  const auto pulls = study(run, 8000, 0.0, quick(), 30);
+  for (int j = 0; j < 3; ++j) {
+    EXPECT_NEAR(pulls.node[j].mean(), 0.0, 0.55);
+    EXPECT_LT(pulls.node[j].sd(), 1.4);
+    EXPECT_LT(pulls.parameter[j].sd(), 1.4);
   }
 }
 
@@ -210,10 +208,10 @@ TEST(LawFit, OnOneShortDropSaysThatAIsNotIdentifiable) {
 
 TEST(LawFit, IntervalsOfOneDropOfFiftyImpactsCover) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // as above over 150 seeds, noise and scatter alike in size: 95 % good to 1.8, 68 % to 3.8; three standard errors. Not
+  // as above over 60 seeds, noise and scatter alike in size: 95 % good to 2.8, 68 % to 6.0; three standard errors. Not
   // bounded above: errors of neighbouring times compensate, which the likelihood does not know.
   double in95 = 0.0, in68 = 0.0, n = 0.0;
-  for (int seed = 1; seed <= 150; ++seed) {
+  for (int seed = 1; seed <= 60; ++seed) {
     SyntheticRun run;
     run.n_drops = 1;
     run.n_impacts = 50;
@@ -229,8 +227,8 @@ TEST(LawFit, IntervalsOfOneDropOfFiftyImpactsCover) {
       n += 1.0;
     }
   }
-  EXPECT_GT(in95 / n, 0.895);
-  EXPECT_GT(in68 / n, 0.57);
+  EXPECT_GT(in95 / n, 0.865);
+  EXPECT_GT(in68 / n, 0.50);
 }
 
 TEST(LawFit, LeavesGrossOutliersOutAndCountsThem) {
@@ -275,15 +273,15 @@ TEST(LawFit, OfFewSamplesGivesTheLawTheyCanTell) {
 
 TEST(LawFit, IntervalsOfFewSamplesCoverWhateverTheScatter) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
-  // the short version of tests/bench/few_samples_coverage: 60 replicates, three speeds whose errors go together by a
-  // half: a share of .95 is known to .02, so .95 -+ three of them; pulls' sd to .07
+  // the short version of tests/bench/few_samples_coverage: 40 replicates, three speeds whose errors go together by a
+  // half: a share of .95 is known to .028, so .95 less three of them; pulls' sd to .09
   const std::vector<double> speeds_mps{0.12, 0.3, 0.7};
-  for (const std::size_t n : {8u, 12u, 40u, 150u})
+  for (const std::size_t n : {8u, 40u})
     for (const testing::FewScatter scatter :
          {testing::FewScatter::normal, testing::FewScatter::laplace, testing::FewScatter::asymmetric,
           testing::FewScatter::student_t3, testing::FewScatter::one_lost}) {
       Study at[3];
-      for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+      for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         LawFitConfig config;
         config.node_speeds_mps = speeds_mps;
         const auto fit = fit_law(testing::few_samples(scatter, n, seed), config);
@@ -291,7 +289,7 @@ TEST(LawFit, IntervalsOfFewSamplesCoverWhateverTheScatter) {
         for (std::size_t j = 0; j < 3; ++j) at[j].add(fit.nodes[j].eps, testing::few_samples_eps(speeds_mps[j]));
       }
       const double in95 = (at[0].in95 + at[1].in95 + at[2].in95) / (at[0].n + at[1].n + at[2].n);
-      EXPECT_GT(in95, 0.89) << n << " " << testing::to_string(scatter);
+      EXPECT_GT(in95, 0.865) << n << " " << testing::to_string(scatter);
       if (n >= 40) {
         EXPECT_NEAR((at[0].sd() + at[1].sd() + at[2].sd()) / 3.0, 1.0, 0.28) << n << " " << testing::to_string(scatter);
       }
@@ -299,7 +297,7 @@ TEST(LawFit, IntervalsOfFewSamplesCoverWhateverTheScatter) {
 }
 
 TEST(LawFit, OneLostBounceInFortyMovesTheCurveByLessThanAFifthOfItsError) {
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     RestitutionSamples samples = testing::few_samples(testing::FewScatter::normal, 40, seed);
     const auto before = fit_law(samples, {});
     RestitutionSample lost = samples[(7 * seed) % 40];

@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "bouncelab/core/random.hpp"
+#include "law/law_data.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -201,10 +203,31 @@ TEST(LawLikelihood, OnlyTheLostBounceIsProbablyLost) {
   theta << 0.949, 0.946, std::log(0.0015), std::log(0.0015);
   const std::vector<double> p = likelihood.probabilities_of_lost(theta);
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const double odds = 0.01 / 0.99 / 2.0 * std::exp(-likelihood.density(theta, k).log_density());
-    // rounding of an exponent of at most 100
-    EXPECT_NEAR(p[k], odds, 1e-13) << k;
+    EXPECT_GE(p[k], 0.0) << k;
+    EXPECT_LE(p[k], 1.0) << k;
     EXPECT_EQ(p[k] > 0.5, k == 20) << k;
+  }
+}
+
+TEST(LawLikelihood, ScoreOfTheLocationOfSomeSamplesIsTheSumOfTheirs) {
+  const LawData data = few_samples();
+  const LawModel model = make_law_model(LawKind::constant, {}, data.v_mps);
+  std::vector<std::size_t> some;
+  for (std::size_t k = 0; k < data.size(); k += 3) some.push_back(k);
+  for (const ScatterKind kind : {ScatterKind::normal_laplace, ScatterKind::asymmetric_laplace, ScatterKind::normal}) {
+    const LawLikelihood likelihood(data, model, {kind, 1, 0.3, kind == ScatterKind::normal ? 0.0 : 0.01});
+    Eigen::VectorXd theta = Eigen::VectorXd::Constant(likelihood.n_parameters(), std::log(0.0015));
+    theta[0] = 0.946;
+    if (kind == ScatterKind::normal_laplace) theta[theta.size() - 1] = 0.2;
+    const double offset = 0.001;
+    const auto found = likelihood.location_score(likelihood.gathered(theta, some), offset);
+    theta[0] += offset;
+    const std::vector<double> by_location = likelihood.derivatives(theta).by_location;
+    double sum = 0.0, squares = 0.0;
+    for (const std::size_t k : some) sum += by_location[k], squares += by_location[k] * by_location[k];
+    // sums of 20 terms in another order, residuals rounded
+    EXPECT_NEAR(found.sum, sum, 1e-10 * std::sqrt(squares));
+    EXPECT_NEAR(found.squares, squares, 1e-10 * squares);
   }
 }
 
@@ -239,6 +262,45 @@ TEST(LawLikelihood, InformationIsTheMeanSquareOfTheScores) {
                   expected(i, j) / std::sqrt(expected(i, i) * expected(j, j)), 0.05)
           << i << j;
   }
+}
+
+const std::vector<double> kSpeeds{0.01, 0.25, 0.6, 1.0, 1.2, 3.7, 20.0};
+
+TEST(Columns, AreWhatOneSampleAfterTheOtherGives) {
+  // exponentials of logarithms below 10: some ten units in the last place
+  constexpr double kRounding = 3e-15;
+  const std::vector<double> powers = powers_of(kSpeeds, 0.4);
+  ScatterModel scatter;
+  scatter.v_ref_mps = 0.5;
+  scatter.log_below = {-7.0, -1.2, 0.1};
+  scatter.log_above = {-7.1, -1.0};
+  const ScaleColumns b = scales_at(scatter, kSpeeds);
+  for (std::size_t k = 0; k < kSpeeds.size(); ++k) {
+    EXPECT_NEAR(powers[k] / std::pow(kSpeeds[k], 0.4), 1.0, kRounding);
+    EXPECT_NEAR(b.below[k] / scatter.below(kSpeeds[k]), 1.0, kRounding);
+    EXPECT_NEAR(b.above[k] / scatter.above(kSpeeds[k]), 1.0, kRounding);
+  }
+  for (const RestitutionLaw& law :
+       {RestitutionLaw(SeriesLaw{}), RestitutionLaw(ViscoelasticLaw{0.02}), RestitutionLaw(ConstantLaw{0.9}),
+        RestitutionLaw(TableLaw{{0.1, 1.0}, {0.99, 0.9}})}) {
+    const std::vector<double> eps = restitutions(law, kSpeeds);
+    for (std::size_t k = 0; k < kSpeeds.size(); ++k) EXPECT_NEAR(eps[k], restitution(law, kSpeeds[k]), kRounding);
+  }
+}
+
+TEST(Columns, DropsAreNumberedAsTheyAreMet) {
+  DropNumbers numbers;
+  const auto number_of = [&](const RestitutionSample& sample) { return numbers.of(sample); };
+  RestitutionSample a, b, c;
+  a.drop = 7;
+  b.drop = 3;
+  c.drop = 7;
+  c.recording = "other";
+  EXPECT_EQ(number_of(a), 0u);
+  EXPECT_EQ(number_of(a), 0u);
+  EXPECT_EQ(number_of(b), 1u);
+  EXPECT_EQ(number_of(c), 2u);
+  EXPECT_EQ(number_of(a), 0u);
 }
 
 }  // namespace

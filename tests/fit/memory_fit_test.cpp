@@ -158,7 +158,7 @@ TEST(MemoryFit, SeesARelease) {
 TEST(MemoryFit, ASmallReleaseIsInTheErrorsThoughItsTestNeedNotSeeIt) {
   if (test::kSanitizer != nullptr) GTEST_SKIP() << test::kRepetitions;
   double sum = 0.0;
-  constexpr int kSets = 5;
+  constexpr int kSets = 3;
   Drops drops;
   drops.n = 5;
   drops.impacts = 40;
@@ -171,9 +171,9 @@ TEST(MemoryFit, ASmallReleaseIsInTheErrorsThoughItsTestNeedNotSeeIt) {
     const double z = z_of(fit.nodes[1].eps, restitution(SeriesLaw{}, 1.2)), z_q = z_of(fit.roughness.q, drops.q);
     sum += z * z + z_q * z_q;
   }
-  // chi-square of 10 degrees of freedom: outside these once in 5,000 on either side
-  EXPECT_LT(sum, 34.0);
-  EXPECT_GT(sum, 0.8);
+  // chi-square of 6 degrees of freedom: outside these once in 5,000 on either side
+  EXPECT_LT(sum, 26.0);
+  EXPECT_GT(sum, 0.3);
 }
 
 TEST(MemoryFit, AllDropsMayBeReleasedWithTheSameSpin) {
@@ -226,13 +226,12 @@ TEST(MemoryFit, ABallThatIsRougherForSlowImpactsFailsItsTest) {
 
 TEST(MemoryFit, DropsThatDifferAreSeenInTheirScores) {
   Drops drops;
-  drops.n = 20;
   drops.impacts = 92;
   const auto ratio = [&](std::uint64_t seed) {
     const MemoryFit fit = fitted(drawn(drops, seed), 60, 1).memory;
     return fit.between_drops ? fit.between_drops->ratio : 0.0;
   };
-  // mean of 8 chi-squares of 19 degrees of freedom over 19: standard deviation .12 and, scores not being normal, more
+  // mean of 8 chi-squares of 11 degrees of freedom over 11: standard deviation .15 and, scores not being normal, more
   EXPECT_NEAR(ratio(17), 1.0, 0.6);
   drops.spread = 0.003;  // some 1e-4 of eps
   EXPECT_GT(ratio(17), 1.8);

@@ -9,8 +9,6 @@
 #include <tuple>
 #include <vector>
 
-#include "law/normal_laplace_block.hpp"
-
 namespace bouncelab::fit {
 namespace {
 
@@ -37,19 +35,50 @@ double convolved(double d, double below, double above, double tau) {
   return sum;
 }
 
+/// Of one sample, from a block that has others beside it.
+struct Density {
+  double log_density, d_location, d_log_below, d_log_above;
+};
+constexpr std::size_t kPlace = 5, kSome = 7;  // of so many, not a multiple of any register's width
+
+Density density(double d, double below, double above, double tau, double background = 0.0) {
+  SidesBlock sides;
+  sides.fill(below, above);
+  Block ds, taus, inverse_taus;
+  for (std::size_t k = 0; k < kBlockSize; ++k) ds[k] = d + (static_cast<double>(k) - kPlace) * tau;
+  ds[kPlace] = d;
+  taus.fill(tau);
+  inverse_taus.fill(1.0 / tau);
+  DensityBlock f;
+  normal_laplace(kSome, ds.data(), sides, taus.data(), inverse_taus.data(), background, f);
+  return {f.exponent[kPlace] + std::log(f.factor[kPlace]), f.d_location[kPlace], f.d_log_below[kPlace],
+          f.d_log_above[kPlace]};
+}
+
+double cdf(double d, double below, double above, double tau) {
+  SidesBlock sides;
+  sides.fill(below, above);
+  const double inverse_tau = 1.0 / tau;
+  double result = 0.0;
+  normal_laplace_cdf(1, &d, sides, &tau, &inverse_tau, &result);
+  return result;
+}
+
 const std::vector<std::tuple<double, double, double>> kShapes{{1.0, 1.0, 0.01}, {1.0, 1.0, 1.0}, {1.0, 0.3, 0.5},
                                                               {0.2, 2.0, 1.0},  {1.0, 1.5, 8.0}, {0.05, 0.08, 1.0}};
 
-TEST(ScaledErfc, AgreesWithTheStandardLibrary) {
-  for (double x = 0.0; x < 25.0; x += 0.0173)
-    // erfc itself is good to a few ulp, exp(x^2) loses x^2 ulp
-    EXPECT_NEAR(scaled_erfc(x) / (std::exp(x * x) * std::erfc(x)), 1.0, 1e-15 * (4.0 + 2.0 * x * x)) << x;
+TEST(MillsRatio, AgreesWithTheStandardLibrary) {
+  for (double u = 0.0; u < 35.0; u += 0.0173) {
+    const double expected = std::sqrt(M_PI / 2) * std::exp(0.5 * u * u) * std::erfc(u * std::sqrt(0.5));
+    // erfc itself is good to a few ulp, exp(u^2/2) loses u^2/2 ulp
+    EXPECT_NEAR(mills_ratio(u) / expected, 1.0, 1e-15 * (4.0 + u * u)) << u;
+  }
 }
 
-TEST(ScaledErfc, HasItsAsymptote) {
-  // 1/(x sqrt pi) (1 - 1/(2x^2) + 3/(4x^4)): next term 15/(8 x^6) = 2e-18
-  const double x = 1000.0, y = 1.0 / (x * x);
-  EXPECT_NEAR(scaled_erfc(x) * x * std::sqrt(M_PI), 1.0 - 0.5 * y + 0.75 * y * y, 4e-16);
+TEST(MillsRatio, HasItsAsymptote) {
+  // (1 - 1/u^2 + 3/u^4) / u: next term 15/u^6 = 2e-17
+  const double u = 1000.0, y = 1.0 / (u * u);
+  EXPECT_NEAR(mills_ratio(u) * u, 1.0 - y + 3.0 * y * y, 4e-16);
 }
 
 TEST(NormalLaplace, IsTheConvolutionByBruteForce) {
@@ -57,7 +86,7 @@ TEST(NormalLaplace, IsTheConvolutionByBruteForce) {
     for (const double d : {-6.0, -1.7, -0.2, 0.0, 0.03, 0.9, 5.0}) {
       const double expected = convolved(d, below, above, tau);
       if (expected < 1e-25) continue;  // Simpson's own range of +-12 sigma ends there
-      EXPECT_NEAR(std::exp(normal_laplace(d, below, above, tau).log_density()) / expected, 1.0, 1e-9)
+      EXPECT_NEAR(std::exp(density(d, below, above, tau).log_density) / expected, 1.0, 1e-9)
           << d << " " << below << " " << above << " " << tau;
     }
 }
@@ -65,12 +94,12 @@ TEST(NormalLaplace, IsTheConvolutionByBruteForce) {
 TEST(NormalLaplace, DerivativesAreThoseOfItsLogarithm) {
   for (const auto& [below, above, tau] : kShapes)
     for (const double d : {-30.0, -1.7, -0.2, 0.0, 0.03, 0.9, 40.0}) {
-      const auto f = normal_laplace(d, below, above, tau);
-      const auto at = [tau = tau](double x, double b, double a) { return normal_laplace(x, b, a, tau).log_density(); };
+      const auto f = density(d, below, above, tau);
+      const auto at = [tau = tau](double x, double b, double a) { return density(x, b, a, tau).log_density; };
       const double h = 1e-5 * std::min(tau, std::min(below, above));
       const double g = 1e-5;
       // central differences: error h^2 f''' / 6 plus rounding 1e-16 |log f| / h
-      const double tolerance = 1e-5 * (1.0 + std::abs(f.log_density()));
+      const double tolerance = 1e-5 * (1.0 + std::abs(f.log_density));
       EXPECT_NEAR(f.d_location, -(at(d + h, below, above) - at(d - h, below, above)) / (2 * h),
                   tolerance / std::min(below, above));
       EXPECT_NEAR(f.d_log_below, (at(d, below * (1 + g), above) - at(d, below * (1 - g), above)) / (2 * g), tolerance);
@@ -80,12 +109,10 @@ TEST(NormalLaplace, DerivativesAreThoseOfItsLogarithm) {
 
 TEST(NormalLaplace, IsAPureLaplaceFarFromThePeakAndForSmallTau) {
   // a convolved exponential tail is the tail times exp(tau^2 / (2 b^2))
-  EXPECT_NEAR(normal_laplace(50.0, 1.0, 0.7, 0.2).log_density(), std::log(laplace(50.0, 1.0, 0.7)) + 0.5 * 0.04 / 0.49,
-              1e-12);
-  EXPECT_NEAR(normal_laplace(-50.0, 1.0, 0.7, 0.2).log_density(), std::log(laplace(-50.0, 1.0, 0.7)) + 0.5 * 0.04,
-              1e-12);
+  EXPECT_NEAR(density(50.0, 1.0, 0.7, 0.2).log_density, std::log(laplace(50.0, 1.0, 0.7)) + 0.5 * 0.04 / 0.49, 1e-12);
+  EXPECT_NEAR(density(-50.0, 1.0, 0.7, 0.2).log_density, std::log(laplace(-50.0, 1.0, 0.7)) + 0.5 * 0.04, 1e-12);
   for (const double d : {-2.0, -0.1, 0.1, 2.0})
-    EXPECT_NEAR(normal_laplace(d, 1.0, 0.7, 1e-9).log_density(), normal_laplace(d, 1.0, 0.7, 0.0).log_density(), 1e-12);
+    EXPECT_NEAR(density(d, 1.0, 0.7, 1e-9).log_density, std::log(laplace(d, 1.0, 0.7)), 1e-12);
 }
 
 TEST(NormalLaplace, IsNormalWhereTheTimingErrorDominates) {
@@ -93,15 +120,15 @@ TEST(NormalLaplace, IsNormalWhereTheTimingErrorDominates) {
   const double tau = 1.0, b = 1e-3;
   for (const double d : {-5.0, -1.0, 0.0, 3.0}) {
     const double normal = -0.5 * d * d - 0.5 * std::log(2.0 * M_PI);
-    EXPECT_NEAR(normal_laplace(d, b, b, tau).log_density(), normal, 30e-6) << d;
+    EXPECT_NEAR(density(d, b, b, tau).log_density, normal, 30e-6) << d;
   }
 }
 
 TEST(NormalLaplace, NeverOverflows) {
-  for (const double tau : {0.0, 1e-12, 1e-6, 1.0, 1e6})
+  for (const double tau : {1e-12, 1e-6, 1.0, 1e6})
     for (const double d : {-1e6, -1.0, 0.0, 1e-12, 1.0, 1e6}) {
-      const auto f = normal_laplace(d, 1e-4, 1e-3, tau);
-      EXPECT_TRUE(std::isfinite(f.log_density())) << tau << " " << d;
+      const auto f = density(d, 1e-4, 1e-3, tau);
+      EXPECT_TRUE(std::isfinite(f.log_density)) << tau << " " << d;
       EXPECT_TRUE(std::isfinite(f.d_location) && std::isfinite(f.d_log_below) && std::isfinite(f.d_log_above));
     }
 }
@@ -110,13 +137,12 @@ TEST(NormalLaplaceCdf, DifferentiatesToTheDensity) {
   for (const auto& [below, above, tau] : kShapes)
     for (const double d : {-4.0, -0.5, 0.01, 0.7, 3.0}) {
       const double h = 1e-4 * std::min(tau, std::min(below, above));
-      const double slope =
-          (normal_laplace_cdf(d + h, below, above, tau) - normal_laplace_cdf(d - h, below, above, tau)) / (2 * h);
+      const double slope = (cdf(d + h, below, above, tau) - cdf(d - h, below, above, tau)) / (2 * h);
       // h^2 relative curvature 1e-8, rounding 1e-16/h = 1e-10
-      EXPECT_NEAR(slope, std::exp(normal_laplace(d, below, above, tau).log_density()), 1e-7);
+      EXPECT_NEAR(slope, std::exp(density(d, below, above, tau).log_density), 1e-7);
     }
-  EXPECT_NEAR(normal_laplace_cdf(100.0, 1.0, 2.0, 0.5), 1.0, 1e-15);
-  EXPECT_NEAR(normal_laplace_cdf(-100.0, 1.0, 2.0, 0.5), 0.0, 1e-15);
+  EXPECT_NEAR(cdf(100.0, 1.0, 2.0, 0.5), 1.0, 1e-15);
+  EXPECT_NEAR(cdf(-100.0, 1.0, 2.0, 0.5), 0.0, 1e-15);
 }
 
 TEST(NormalLaplaceInformation, TendsToTheClosedFormOfTheKink) {
@@ -142,29 +168,10 @@ TEST(NormalLaplaceInformation, IsTheMeanCurvature) {
     for (double d = -span; d < span; d += h) {
       const double g = 1e-4 * tau;
       const double second =
-          (normal_laplace(d + g, below, above, tau).d_location - normal_laplace(d - g, below, above, tau).d_location) /
-          (2 * g);
-      curvature += h * std::exp(normal_laplace(d, below, above, tau).log_density()) * second;
+          (density(d + g, below, above, tau).d_location - density(d - g, below, above, tau).d_location) / (2 * g);
+      curvature += h * std::exp(density(d, below, above, tau).log_density) * second;
     }
     EXPECT_NEAR(normal_laplace_information(below, above, tau)(0, 0) / curvature, 1.0, 1e-4) << tau;
-  }
-}
-
-TEST(NormalLaplace, BlocksGiveTheDistributionFunctionOfSingleSamples) {
-  for (const auto& [below, above, tau] : kShapes) {
-    SidesBlock sides;
-    sides.b_below.fill(below);
-    sides.b_above.fill(above);
-    complete_sides(kBlockSize, sides);
-    Block d, taus, inverse_taus, cdf;
-    taus.fill(tau);
-    inverse_taus.fill(1.0 / tau);
-    for (std::size_t k = 0; k < kBlockSize; ++k) d[k] = (static_cast<double>(k) - 31.0) * 0.3 * (below + above + tau);
-    constexpr std::size_t kSome = kBlockSize - 3;  // not a multiple of any register's width
-    normal_laplace_cdf(kSome, d.data(), sides, taus.data(), inverse_taus.data(), cdf.data());
-    for (std::size_t k = 0; k < kSome; ++k)
-      // three terms of at most 1, rounded
-      EXPECT_NEAR(cdf[k], normal_laplace_cdf(d[k], below, above, tau), 2e-15) << d[k] << " " << below << " " << above;
   }
 }
 
@@ -180,35 +187,46 @@ TEST(NormalLaplace, DistributionFunctionOfTheNormalIsThatOfTheStandardLibrary) {
   }
 }
 
-TEST(NormalLaplace, BlocksGiveTheBitsOfSingleSamples) {
-  for (const double background : {0.0, 0.005}) {
-    for (const double tau : {1e-4, 0.1, 1.0, 30.0}) {
-      SidesBlock sides;
-      Block d, taus, inverse_taus;
-      for (std::size_t k = 0; k < kBlockSize; ++k) {
-        const double x = static_cast<double>(k) - 31.0;
-        d[k] = 0.003 * x * std::abs(x) * std::abs(x);  // both tails, the peak, and what has vanished
-        sides.b_below[k] = 0.7 + 0.01 * static_cast<double>(k);
-        sides.b_above[k] = 1.3 - 0.015 * static_cast<double>(k);
-        taus[k] = tau;
-        inverse_taus[k] = 1.0 / tau;
-      }
-      constexpr std::size_t kSome = kBlockSize - 3;  // not a multiple of any register's width
-      complete_sides(kSome, sides);
-      DensityBlock block;
-      normal_laplace(kSome, d.data(), sides, taus.data(), inverse_taus.data(), background, block);
-      for (std::size_t k = 0; k < kSome; ++k) {
-        const NormalLaplace one =
-            normal_laplace(d[k], laplace_sides(sides.b_below[k], sides.b_above[k]), tau, inverse_taus[k], background);
-        EXPECT_EQ(block.exponent[k], one.exponent) << k;
-        EXPECT_EQ(block.factor[k], one.factor) << k;
-        EXPECT_EQ(block.d_location[k], one.d_location) << k;
-        EXPECT_EQ(block.d_log_below[k], one.d_log_below) << k;
-        EXPECT_EQ(block.d_log_above[k], one.d_log_above) << k;
-        EXPECT_EQ(block.d_log_tau[k], one.d_log_tau) << k;
-      }
-    }
+TEST(NormalLaplace, ABackgroundIsAddedToTheDensity) {
+  constexpr double kBackground = 0.005;
+  for (const double d : {-60.0, -4.0, 0.1, 3.0, 900.0}) {
+    const Density alone = density(d, 1.0, 0.7, 0.2), both = density(d, 1.0, 0.7, 0.2, kBackground);
+    const double f = std::exp(alone.log_density), sum = f + kBackground;
+    // rounding of an exponent of at most 700
+    EXPECT_NEAR(std::exp(both.log_density) / sum, 1.0, 1e-13) << d;
+    EXPECT_NEAR(both.d_location, alone.d_location * f / sum, 1e-13) << d;
+    EXPECT_NEAR(both.d_log_above, alone.d_log_above * f / sum, 1e-12) << d;
   }
+}
+
+TEST(ModeOffset, IsWhereTheDensityIsHighest) {
+  for (const double rho : {-5.0, -1.0, 0.0, 1.0, 4.0})
+    for (const double asymmetry : {-3.0, -0.4, 0.0, 0.3, 2.0}) {
+      const double at = mode_offset(asymmetry, rho).value, tau = std::exp(rho);
+      const double below = std::exp(-0.5 * asymmetry), above = std::exp(0.5 * asymmetry);
+      // d log f / dd is 0 there; rounding of two Mills ratios of 1/tau each
+      EXPECT_NEAR(density(at, below, above, tau).d_location * tau, 0.0, 1e-9) << rho << " " << asymmetry;
+    }
+}
+
+TEST(ModeOffset, GoesFromTheJointOfTheExponentialsToTheirMean) {
+  EXPECT_NEAR(mode_offset(0.5, -12.0).value, 0.0, 1e-4);  // of order tau
+  // next order of the asymptotic series of Mills' ratio: 1/tau^2 of the offset
+  EXPECT_NEAR(mode_offset(0.5, 6.0).value / (2.0 * std::sinh(0.25)), 1.0, 1e-4);
+  EXPECT_NEAR(mode_offset(0.5, 20.0).value / (2.0 * std::sinh(0.25)), 1.0, 1e-6);
+  EXPECT_EQ(mode_offset(0.0, 0.3).value, 0.0);
+}
+
+TEST(ModeOffset, DerivativesAreThoseOfItsValue) {
+  constexpr double h = 1e-5;  // central differences: error h^2, rounding 1e-16 / h
+  for (const double rho : {-4.0, -0.5, 0.0, 2.0})
+    for (const double asymmetry : {-2.0, 0.0, 0.7}) {
+      const ModeOffset offset = mode_offset(asymmetry, rho);
+      EXPECT_NEAR(offset.d_asymmetry,
+                  (mode_offset(asymmetry + h, rho).value - mode_offset(asymmetry - h, rho).value) / (2 * h), 1e-8);
+      EXPECT_NEAR(offset.d_rho,
+                  (mode_offset(asymmetry, rho + h).value - mode_offset(asymmetry, rho - h).value) / (2 * h), 1e-8);
+    }
 }
 
 }  // namespace

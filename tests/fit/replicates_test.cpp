@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/replicates.hpp"
+#include "law/goodness.hpp"
 
 #include <gtest/gtest.h>
 

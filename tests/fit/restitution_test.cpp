@@ -10,10 +10,10 @@
 #include <sstream>
 #include <tuple>
 
-#include "bouncelab/core/ball_catalogue.hpp"
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/table.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -262,6 +262,92 @@ TEST(RestitutionInPieces, GivesTheSameSamplesAndCountsHoweverTheOnsetsAreCut) {
     travel.position_m[{onset.drop, onset.impact}] = {1e-3 * static_cast<double>(onset.impact), 0.0};
   corrected.travel_time = travel;
   expect_the_same_in_pieces(corrected);
+}
+
+RestitutionSample sample(const std::string& recording, std::int64_t drop, std::int64_t impact, double v_mps) {
+  RestitutionSample s;
+  s.recording = recording;
+  s.drop = drop;
+  s.impact = impact;
+  s.v_mps = v_mps;
+  s.eps = 0.8;
+  return s;
+}
+
+TEST(PredictIntervals, AreTheFlightBeforeTimesTheCoefficientOfRestitutionOfThatDropOnly) {
+  RestitutionSamples samples{sample("a.wav", 0, 1, 1.0), sample("a.wav", 1, 1, 1.0), sample("a.wav", 1, 2, 0.5),
+                             sample("b.wav", 1, 1, 1.0)};
+  samples[2].sigma_eps = 1e-3;
+  const auto intervals = predict_intervals(samples, "a.wav", 1, ConstantLaw{0.9}, 10.0);
+  ASSERT_EQ(intervals.size(), 2u);
+  EXPECT_EQ(intervals[1].impact, 2);
+  // 2 v / g = 0.1 s; products of two doubles
+  EXPECT_DOUBLE_EQ(intervals[1].measured_s, 0.08);
+  EXPECT_DOUBLE_EQ(*intervals[1].predicted_s, 0.09);
+  EXPECT_DOUBLE_EQ(*intervals[1].sigma_s, 1e-4);
+  EXPECT_FALSE(intervals[0].sigma_s);
+}
+
+TEST(PredictIntervals, PredictNothingWithoutALaw) {
+  const auto intervals = predict_intervals({sample("a.wav", 0, 1, 1.0)}, "a.wav", 0, std::nullopt, 9.81);
+  ASSERT_EQ(intervals.size(), 1u);
+  EXPECT_FALSE(intervals[0].predicted_s);
+}
+
+/// A ball that wanders: a new random velocity at each impact, detected through a plate.
+struct Wandering {
+  Onsets true_times, detected;
+  TravelTime travel{2500.0, 0.1, 0.05, {}};
+};
+Wandering wandering_ball() {
+  testing::SyntheticRun run;
+  run.n_drops = 5;
+  Wandering w;
+  w.true_times = w.detected = synthetic_onsets(run);
+  Random random(3, RandomStream::test, 0);
+  double x = 0.0, y = 0.0;
+  for (Onset& onset : w.detected) {
+    if (onset.impact == 0) x = y = 0.0;
+    x += 0.002 * random.normal();
+    y += 0.002 * random.normal();
+    w.travel.position_m[{onset.drop, onset.impact}] = {x, y};
+    onset.t_s += std::hypot(x - 0.1, y - 0.05) / 2500.0;
+  }
+  return w;
+}
+
+TEST(TravelTime, CorrectionGivesBackTheTimesAtThePlate) {
+  const Wandering w = wandering_ball();
+  const Onsets at_plate = without_travel_time(w.detected, w.travel);
+  for (std::size_t k = 0; k < at_plate.size(); ++k) EXPECT_NEAR(at_plate[k].t_s, w.true_times[k].t_s, 1e-12);
+}
+
+TEST(TravelTime, SamplesAreThoseOfTheTrueTimesAndTheCorrectionIsShown) {
+  const Wandering w = wandering_ball();
+  RestitutionConfig config;
+  config.travel_time = w.travel;
+  const auto corrected = restitution_samples(w.detected, config), truth = restitution_samples(w.true_times, {});
+  ASSERT_EQ(corrected.samples.size(), truth.samples.size());
+  for (std::size_t k = 0; k < truth.samples.size(); ++k)
+    EXPECT_NEAR(corrected.samples[k].eps, truth.samples[k].eps, 1e-10);
+  // steps of 2 mm along the line of sight are 0.8 us; sqrt(1 + (1+e)^2 ...) of them over intervals of 40 to 270 ms
+  EXPECT_GT(*corrected.counts.rms_shift_travel_time, 5e-6);
+  EXPECT_LT(*corrected.counts.rms_shift_travel_time, 1e-4);
+}
+
+TEST(TravelTime, AnImpactWithoutAPositionBreaksTheChainThereAndNowhereElse) {
+  Wandering w = wandering_ball();
+  w.travel.position_m.erase({2, 40});
+  RestitutionConfig config;
+  config.travel_time = w.travel;
+  const auto result = restitution_samples(w.detected, config);
+  EXPECT_EQ(result.counts.breaks.at(Flag::no_position), 1u);
+  EXPECT_EQ(result.samples.size(), restitution_samples(w.true_times, {}).samples.size() - 3);
+}
+
+TEST(TravelTime, RejectsASpeedThatIsNone) {
+  TravelTime travel;
+  EXPECT_THROW(without_travel_time({}, travel), InvalidArgument);
 }
 
 }  // namespace

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::testing {
 namespace {

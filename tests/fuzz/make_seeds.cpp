@@ -13,11 +13,11 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/surface.hpp"
 #include "files/json_lines_table.hpp"
 

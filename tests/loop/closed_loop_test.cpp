@@ -7,6 +7,7 @@
 #include <set>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
 #include "short_loop.hpp"

@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bouncelab/core/ball_catalogue.hpp"
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 #include "brute_force.hpp"
 
 namespace bouncelab::sim::reference {

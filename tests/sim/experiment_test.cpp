@@ -9,8 +9,8 @@
 #include <sstream>
 #include <vector>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/table.hpp"
 
 namespace bouncelab::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact/patch.hpp"
+#include "bouncelab/sim/flight.hpp"
 
 #include <gtest/gtest.h>
 

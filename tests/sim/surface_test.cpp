@@ -5,9 +5,8 @@
 
 #include <cmath>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
-#include "bouncelab/sim/section.hpp"
 
 namespace bouncelab::sim {
 namespace {

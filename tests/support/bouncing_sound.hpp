@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "support/modal_sound.hpp"
 
 namespace bouncelab::test {

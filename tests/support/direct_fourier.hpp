@@ -5,7 +5,7 @@
 #include <complex>
 #include <vector>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab {
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::test {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "hosted_plugin.hpp"

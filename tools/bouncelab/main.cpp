@@ -20,10 +20,9 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/nearest_name.hpp"
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "json/json_text.hpp"
@@ -193,8 +192,10 @@ struct WrongUsage : std::runtime_error {
 }
 
 int run(const std::vector<std::string>& line) {
-  CLI::App app{"bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.",
-               "bouncelab"};
+  CLI::App app{
+      "bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.\n"
+      "bouncelab RECORDING... gives the answer, and a report beside the recording; bouncelab COMMAND --help says more.",
+      "bouncelab"};
   app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")", "Version and commit");
   app.formatter(std::make_shared<HelpFormat>());
   app.require_subcommand(1);

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/loop/closed_loop.hpp"
 #include "command.hpp"
 

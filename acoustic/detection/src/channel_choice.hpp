@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "channel_tracks.hpp"
 
 namespace bouncelab::detection {

@@ -18,7 +18,7 @@
 #include "bouncelab/core/file_plan.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/core/ball.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 
@@ -49,6 +53,85 @@ double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mp
 double hertz_patch_radius_m(const Ball& ball, const Material& plate, double v_mps) {
   if (v_mps == 0.0) return 0.0;
   return std::sqrt(ball.radius_m * pow(hertz_scale(ball, plate) * v_mps * v_mps, 0.4));
+}
+
+namespace {
+
+/// Half the contact time in units of (largest indentation)/v: integral of dx / sqrt(1 - x^(5/2)) from 0 to 1,
+/// = (2/5) B(2/5, 1/2).
+constexpr double kHalfDuration = 1.4716375921623523;
+
+double acceleration(double x) { return x > 0.0 ? -1.25 * x * std::sqrt(x) : 0.0; }
+
+/// Indentation on a grid over the first half of the contact, by Runge-Kutta, read by cubic Hermite interpolation.
+class Indentation {
+ public:
+  Indentation() {
+    double x = 0.0, v = 1.0;
+    for (std::size_t k = 0; k <= kSteps; ++k) {
+      x_[k] = x;
+      v_[k] = v;
+      const double a1 = acceleration(x), a2 = acceleration(x + 0.5 * step_ * v),
+                   a3 = acceleration(x + 0.5 * step_ * v + 0.25 * step_ * step_ * a1),
+                   a4 = acceleration(x + step_ * v + 0.5 * step_ * step_ * a2);
+      x += step_ * v + step_ * step_ / 6.0 * (a1 + a2 + a3);
+      v += step_ / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    }
+  }
+  /// @param t  in [0, kHalfDuration]
+  double operator()(double t) const {
+    const double position = t / step_;
+    const auto k = std::min(static_cast<std::size_t>(position), kSteps - 1);
+    const double u = position - static_cast<double>(k), w = 1.0 - u;
+    return w * w * ((1.0 + 2.0 * u) * x_[k] + u * step_ * v_[k]) +
+           u * u * ((1.0 + 2.0 * w) * x_[k + 1] - w * step_ * v_[k + 1]);
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 1024;
+  const double step_ = kHalfDuration / static_cast<double>(kSteps);
+  std::array<double, kSteps + 1> x_{}, v_{};
+};
+
+}  // namespace
+
+double hertz_force(double s) {
+  if (s <= 0.0 || s >= 1.0) return 0.0;
+  static const Indentation indentation;
+  const double x = std::max(0.0, indentation(2.0 * kHalfDuration * std::min(s, 1.0 - s)));
+  // Newton: the impulse is 2 (there and back at speed 1) and the force 5/4 x^(3/2) per unit mass
+  return 1.25 * x * std::sqrt(x) * kHalfDuration;
+}
+
+namespace {
+
+/// n - 1 nodes.
+PointImpulses impulses_of_order(int n) {
+  PointImpulses points;
+  double total = 0.0;
+  for (int k = 1; k < n; ++k) {
+    const double theta = std::numbers::pi * k / n;
+    points.nodes.push_back(0.5 * (1.0 - cos(theta)));
+    points.weights.push_back(sin(theta) * hertz_force(points.nodes.back()));
+    total += points.weights.back();
+  }
+  for (double& weight : points.weights) weight /= total;
+  return points;
+}
+
+constexpr int kFewest = 12;  // 12 + 0.95 d of a contact of d samples
+
+}  // namespace
+
+PointImpulses hertz_impulses(double duration_samples) {
+  constexpr int kMostKept = 48;  // a recording has thousands of contacts, of few orders: those of up to 37 samples
+  static const std::array<PointImpulses, kMostKept - kFewest + 1> kept = [] {
+    std::array<PointImpulses, kMostKept - kFewest + 1> all;
+    for (int n = kFewest; n <= kMostKept; ++n) all[static_cast<std::size_t>(n - kFewest)] = impulses_of_order(n);
+    return all;
+  }();
+  const int n = static_cast<int>(std::ceil(kFewest + 0.95 * duration_samples));
+  return n >= kFewest && n <= kMostKept ? kept[static_cast<std::size_t>(n - kFewest)] : impulses_of_order(n);
 }
 
 }  // namespace bouncelab

@@ -7,11 +7,10 @@
 #include <map>
 #include <string_view>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/nearest_name.hpp"
-#include "bouncelab/core/printable.hpp"
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {

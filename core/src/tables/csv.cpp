@@ -1,19 +1,157 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/table.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <limits>
+#include <ostream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "tables/csv_row.hpp"
 
 namespace bouncelab {
 namespace {
+
+constexpr std::size_t kBlock_bytes = 1 << 16;
+
+bool is_utf16(const char* at, const char* end) {
+  return end - at >= 2 && (std::memcmp(at, "\xFF\xFE", 2) == 0 || std::memcmp(at, "\xFE\xFF", 2) == 0);
+}
+
+}  // namespace
+
+LineReader::LineReader(std::istream& in, std::string name) : in_(&in), name_(std::move(name)), block_(kBlock_bytes) {}
+
+bool LineReader::fill() {
+  const bool at_begin = at_ == nullptr;
+  in_->read(block_.data(), static_cast<std::streamsize>(block_.size()));
+  if (in_->bad()) throw FileError(name_, "reading failed; is the disk or the network drive all right?");
+  at_ = block_.data();
+  end_ = at_ + in_->gcount();
+  if (at_begin && is_utf16(at_, end_)) throw FileError(name_, "is UTF-16; save it as UTF-8");
+  return at_ != end_;
+}
+
+void LineReader::append(const char* end, std::string& line) {
+  const auto refuse = [&](const std::string& what) {
+    throw FileError(name_, "line " + std::to_string(number_) + what + "; a table of text is needed");
+  };
+  const auto n = static_cast<std::size_t>(end - at_);
+  if (std::memchr(at_, 0, n) != nullptr) refuse(" holds a byte 0");
+  if (line.size() + n > kLongestRow_bytes) refuse(" is longer than " + std::to_string(kLongestRow_bytes) + " bytes");
+  line.append(at_, n);
+  at_ = end;
+}
+
+bool LineReader::next(std::string& line) {
+  line.clear();
+  if (at_ == end_ && !fill()) return false;
+  ++number_;
+  do {
+    const auto* found = static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+    append(found != nullptr ? found : end_, line);
+    if (found == nullptr) continue;
+    ++at_;
+    return true;
+  } while (fill());
+  return true;
+}
+
+std::ifstream open_text(const std::filesystem::path& path) {
+  std::ifstream in(readable(path), std::ios::binary);
+  if (!in) throw FileError(input_name(path), "cannot be opened for reading; check its permissions");
+  return in;
+}
+
+namespace {
+
+/// Splits the lines of a CSV file into rows of cells.
+class CsvRows {
+ public:
+  explicit CsvRows(LineReader lines) : lines_(std::move(lines)) {}
+  /// The next row that is not blank, over several lines where a quoted cell holds line breaks; false after the last.
+  /// @throws FileError naming the line
+  bool next(std::vector<std::string>& cells);
+  /// On which the row begins, counted from 1.
+  std::size_t line() const { return line_; }
+  const std::string& name() const { return lines_.name(); }
+
+ private:
+  enum class State { begin_of_cell, bare, quoted, after_quote };
+
+  std::size_t take(std::string_view text, std::vector<std::string>& cells);
+  void split(std::string_view text, std::vector<std::string>& cells);
+  [[noreturn]] void refuse(const std::string& what) const;
+
+  LineReader lines_;
+  std::string text_;
+  State state_ = State::begin_of_cell;
+  std::size_t line_ = 0;
+};
+
+void CsvRows::refuse(const std::string& what) const {
+  throw FileError(name(), "line " + std::to_string(lines_.number()) + ": " + what);
+}
+
+/// Takes what belongs together and says how many bytes that were.
+std::size_t CsvRows::take(std::string_view text, std::vector<std::string>& cells) {
+  if (text[0] == ',' && state_ != State::quoted) {
+    cells.emplace_back();
+    state_ = State::begin_of_cell;
+    return 1;
+  }
+  if (text[0] == '"' && (state_ == State::begin_of_cell || state_ == State::after_quote)) {
+    if (state_ == State::after_quote) cells.back() += '"';  // a doubled one
+    state_ = State::quoted;
+    return 1;
+  }
+  if (text[0] == '"' && state_ == State::quoted) {
+    state_ = State::after_quote;
+    return 1;
+  }
+  if (state_ == State::after_quote)
+    refuse("text follows the closing quote of a cell; double the quotes within a cell, as in \"12\"\" plate.wav\"");
+  if (state_ == State::begin_of_cell) state_ = State::bare;
+  const std::size_t n = std::min(text.find(state_ == State::quoted ? '"' : ','), text.size());
+  if (state_ == State::bare && text.substr(0, n).find('\r') != std::string_view::npos)
+    refuse("a carriage return outside of quotes; end the lines with LF or CRLF");
+  cells.back() += text.substr(0, n);
+  return n;
+}
+
+void CsvRows::split(std::string_view text, std::vector<std::string>& cells) {
+  const bool has_return = !text.empty() && text.back() == '\r';
+  if (has_return) text.remove_suffix(1);
+  while (!text.empty()) text.remove_prefix(take(text, cells));
+  if (state_ == State::quoted) cells.back() += has_return ? "\r\n" : "\n";
+}
+
+bool CsvRows::next(std::vector<std::string>& cells) {
+  do
+    if (!lines_.next(text_)) return false;
+  while (text_.empty() || text_ == "\r");
+  line_ = lines_.number();
+  if (line_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
+  cells.assign(1, {});
+  state_ = State::begin_of_cell;
+  for (std::size_t size = text_.size();; size += text_.size() + 1) {
+    split(text_, cells);
+    if (state_ != State::quoted) return true;
+    if (size > kLongestRow_bytes)
+      refuse("the row that begins on line " + std::to_string(line_) + " is longer than " +
+             std::to_string(kLongestRow_bytes) + " bytes; is a quote not closed?");
+    if (!lines_.next(text_))
+      refuse("the file ends within the quotes of a cell that the row of line " + std::to_string(line_) + " opens");
+  }
+}
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -149,6 +287,86 @@ Table read_csv(std::istream& in, const std::string& name, const std::vector<Colu
 
 Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted) {
   return CsvReader(path, wanted).next(std::numeric_limits<std::size_t>::max());
+}
+
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+bool needs_quotes(std::string_view text) {
+  return text.find_first_of(",\"\r\n") != std::string_view::npos ||
+         (!text.empty() && (is_blank(text.front()) || is_blank(text.back())));
+}
+
+void write_cell(std::string& out, std::string_view text) {
+  if (!needs_quotes(text)) {
+    out += text;
+    return;
+  }
+  out += '"';
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  out += '"';
+}
+
+/// Cells of rows as text.
+struct Writer {
+  std::string& out;
+  bool alone;  // in its row: an empty cell would be a blank line, which is skipped on reading
+
+  template <class T>
+  void number(T value) {
+    char buffer[32];
+    const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
+    out.append(buffer, result.ptr);
+  }
+  void nothing() {
+    if (alone) out += "\"\"";
+  }
+  void cell(double value) {
+    if (std::isnan(value))
+      nothing();
+    else
+      number(value);
+  }
+  void cell(std::int64_t value) { number(value); }
+  void cell(const std::string& text) {
+    if (text.empty())
+      nothing();
+    else
+      write_cell(out, text);
+  }
+};
+
+}  // namespace
+
+void write_csv(std::ostream& out, const Table& table) {
+  std::string header;
+  for (std::size_t k = 0; k < table.columns.size(); ++k) {
+    if (k) header += ',';
+    write_cell(header, table.columns[k].name);
+  }
+  out << header << '\n';
+  write_csv_rows(out, table);
+}
+
+void write_csv_rows(std::ostream& out, const Table& table) {
+  constexpr std::size_t kPiece = 65536;  // bytes: a stream takes longer for a cell than its digits do
+  std::string text;
+  Writer writer{text, table.columns.size() == 1};
+  for (std::size_t row = 0; row < table.n_rows(); ++row) {
+    for (std::size_t k = 0; k < table.columns.size(); ++k) {
+      if (k) text += ',';
+      std::visit([&](const auto& values) { writer.cell(values[row]); }, table.columns[k].values);
+    }
+    text += '\n';
+    if (text.size() < kPiece) continue;
+    out << text;
+    text.clear();
+  }
+  out << text;
 }
 
 }  // namespace bouncelab

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "tables/optional_cells.hpp"

@@ -2,19 +2,116 @@
 #include "bouncelab/fit/between_recordings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
 
 #include "between/design.hpp"
-#include "between/outlying.hpp"
 #include "between/variance_components.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "law/distributions.hpp"
-#include "law/result_matrix.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
+
+/// The model on the rows that are no outliers, and every row against it.
+struct Judged {
+  std::vector<Eigen::Index> kept;  ///< rows
+  OffsetData data;                 ///< of these
+  Deviations deviations{};
+  struct Row {
+    double standardised = 0.0;
+    double p_value = 1.0;  ///< times the number of rows, at most 1
+    bool is_outlier = false;
+  };
+  std::vector<Row> rows;  ///< of all
+};
+
+constexpr double kLevel = 0.05;
+
+std::array<int, 2> levels_of(const OffsetData& data, Eigen::Index r) {
+  std::array<int, 2> level{-1, -1};
+  for (std::size_t g = 0; g < 2; ++g)
+    if (data.n_levels[g] > 0) level[g] = data.level[g][static_cast<std::size_t>(r)];
+  return level;
+}
+
+/// Fits the rows that are not out, and judges all.
+Judged judged(const OffsetData& data, const std::vector<bool>& out) {
+  Judged result;
+  for (Eigen::Index r = 0; r < data.n(); ++r)
+    if (!out[static_cast<std::size_t>(r)]) result.kept.push_back(r);
+  result.data = rows_of(data, result.kept);
+  result.deviations = restricted_maximum(result.data);
+  const OffsetSolution solution(result.data, result.deviations, true);
+  const auto n = static_cast<double>(data.n());
+  const ErrorsOfErrors errors(result.data, result.deviations);
+  const double near = student_t_quantile(1.0 - 0.5 / n, 1e9);  // of so many rows one is so far off: p = 1
+  Eigen::Index k = 0;
+  for (Eigen::Index r = 0; r < data.n(); ++r) {
+    const bool is_out = out[static_cast<std::size_t>(r)];
+    const OffsetSolution::Residual residual =
+        is_out ? solution.of_another(data.h.row(r), data.m[r], data.variance[r], levels_of(data, r))
+               : solution.without(k++);
+    Judged::Row row;
+    if (residual.se > 0.0) row.standardised = residual.value / residual.se;
+    if (std::abs(row.standardised) > near) {
+      const double n_free = errors.degrees_of_freedom_of_a_recording(residual.se);
+      row.p_value = std::min(1.0, 2.0 * n * student_t_below(-std::abs(row.standardised), n_free));
+    }
+    row.is_outlier = is_out;
+    result.rows.push_back(row);
+  }
+  return result;
+}
+
+/// The row furthest off among those that are in.
+std::size_t furthest(const Judged& all, const std::vector<bool>& out) {
+  std::size_t furthest = out.size();
+  for (std::size_t r = 0; r < out.size(); ++r)
+    if (!out[r] &&
+        (furthest == out.size() || std::abs(all.rows[r].standardised) > std::abs(all.rows[furthest].standardised)))
+      furthest = r;
+  return furthest;
+}
+
+bool may_leave_out(const OffsetData& data, const std::vector<bool>& out) {
+  std::vector<Eigen::Index> kept;
+  for (std::size_t r = 0; r < out.size(); ++r)
+    if (!out[r]) kept.push_back(static_cast<Eigen::Index>(r));
+  return 4 * (out.size() - kept.size()) <= out.size() && static_cast<Eigen::Index>(kept.size()) > data.n_fixed() + 1 &&
+         is_determined(rows_of(data, kept));
+}
+
+/// Outliers are rows whose distance from what the others predict, with the standard deviations of the others, has
+/// p < 0.05 by Student's t after Bonferroni's correction for the number of rows. They are left out, and all are judged
+/// anew, until none changes: rows beyond the level although they widen the standard deviations themselves at once, and
+/// of the others that which is furthest off, by a fit without it. No more than a quarter of the rows become outliers.
+Judged judge(const OffsetData& data) {
+  constexpr int kMostRounds = 25;
+  std::vector<bool> out(static_cast<std::size_t>(data.n()), false);
+  Judged all = judged(data, out);
+  for (int round = 0; round < kMostRounds; ++round) {
+    std::vector<bool> next = out;
+    for (std::size_t r = 0; r < out.size(); ++r) next[r] = all.rows[r].p_value < kLevel;
+    if (!may_leave_out(data, next)) next = out;
+    std::vector<bool> trial = next;
+    const std::size_t worst = furthest(all, next);
+    if (worst < trial.size()) trial[worst] = true;
+    Judged without = trial != next && may_leave_out(data, trial) ? judged(data, trial) : Judged{};
+    if (!without.rows.empty() && without.rows[worst].p_value < kLevel) {
+      out = trial;
+      all = std::move(without);
+      continue;
+    }
+    if (next == out) break;
+    out = next;
+    all = judged(data, out);
+  }
+  return all;
+}
 
 /// The fitted model and what its errors are made of.
 class Pool {
@@ -32,7 +129,7 @@ class Pool {
   Eigen::VectorXd law() const { return design_.base + solution_.beta().head(design_.n_law); }
   /// Of direction' beta; with `more_variance` what is added to the error's square.
   Estimate estimate(double value, const Eigen::VectorXd& direction, double more_variance = 0.0) const {
-    const double variance = factor_ * direction.dot(solution_.covariance() * direction) + more_variance;
+    const double variance = factor_ * congruence(direction, solution_.covariance())(0, 0) + more_variance;
     const double se = std::sqrt(std::max(0.0, variance));
     const double n_free = errors_.degrees_of_freedom(direction, more_variance > 0.0 ? se : 0.0);
     return normal_estimate(value, se, student_t_quantile(0.8413447460685429, n_free),
@@ -43,7 +140,9 @@ class Pool {
     direction.head(design_.n_law) = law.transpose();
     return direction;
   }
-  double eps(double v_mps) const { return 1.0 + (design_.law.jacobian(std::span(&v_mps, 1), law()) * law())[0]; }
+  double eps(double v_mps) const {
+    return 1.0 + product(design_.law.jacobian(std::span(&v_mps, 1), law()), law())(0, 0);
+  }
   Estimate eps_at(double v_mps, double more_variance = 0.0) const {
     return estimate(eps(v_mps), direction_of(design_.law.jacobian(std::span(&v_mps, 1), law()).row(0)), more_variance);
   }
@@ -83,7 +182,7 @@ void describe_law(BetweenRecordings& result, const Design& design, const Pool& p
     result.parameters.push_back({names[static_cast<std::size_t>(i)], a});
   }
   const Eigen::MatrixXd covariance = pool.covariance().topLeftCorner(design.n_law, design.n_law);
-  result.correlation = to_matrix(correlation_of(rows * covariance * rows.transpose()));
+  result.correlation = to_matrix(correlation_of(congruence(rows.transpose(), covariance)));
   for (int k = 0; k < kPoints && !design.v_ends_mps.empty(); ++k) {
     const double v = design.v_ends_mps[0] * pow(design.v_ends_mps[1] / design.v_ends_mps[0], k / (kPoints - 1.0));
     const Estimate e = pool.eps_at(v);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "between/design.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,7 +8,8 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/distributions.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
 #include "text/format.hpp"
 
 namespace bouncelab::fit {
@@ -25,7 +23,7 @@ constexpr std::size_t kFewestRepeats = 5;  // recordings that are not the first 
 struct OwnLaw {
   std::vector<double> v_mps;
   Eigen::VectorXd y;
-  Eigen::LLT<Eigen::MatrixXd> covariance;
+  Cholesky covariance;
 };
 
 OwnLaw own_law(const RecordingSummary& summary) {
@@ -37,15 +35,13 @@ OwnLaw own_law(const RecordingSummary& summary) {
     own.y[i] = summary.eps[k] - 1.0;
     for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) = summary.covariance[k][static_cast<std::size_t>(j)];
   }
-  own.covariance.compute(covariance);
+  own.covariance = cholesky(covariance).value();  // summarize_recording() has seen to it
   return own;
 }
 
 /// Least eigenvalue of a matrix scaled to a unit diagonal, and how many are not zero.
 std::pair<double, double> least_and_rank(const Eigen::MatrixXd& m) {
-  const Eigen::VectorXd scale = m.diagonal().array().max(1e-300).sqrt().inverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues();
+  const Eigen::VectorXd values = scaled_eigenvalues(m);
   return {values.minCoeff(), static_cast<double>((values.array() > 1e-10).count())};
 }
 
@@ -71,8 +67,8 @@ OffsetData offsets_of(const std::vector<OwnLaw>& own, const LawModel& law, const
     data.h.row(r) = h.transpose();
     data.m[r] = m;
     data.variance[r] = 1.0 / a;
-    data.within += x.transpose() * weighted_x - a * h * h.transpose();
-    data.within_y += x.transpose() * weighted_y - a * m * h;
+    data.within += transposed_product(x, weighted_x) - a * h * h.transpose();
+    data.within_y += transposed_product(x, weighted_y) - a * m * h;
     data.within_yy += y.dot(weighted_y) - a * square(m);
   }
   return data;
@@ -87,7 +83,7 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
       LawModel law = make_law_model(LawKind::series, orders, v_mps);
       const OffsetData data = offsets_of(own, law, Eigen::VectorXd::Zero(law.n_parameters()));
       const Eigen::MatrixXd information =
-          data.within + data.h.transpose() * data.variance.cwiseInverse().asDiagonal() * data.h;
+          data.within + transposed_product(data.h, data.variance.cwiseInverse().asDiagonal() * data.h);
       if (!(least_and_rank(information).first > kDetermined)) continue;
       if (orders.size() < 3) notes.push_back("the speeds determine no more than two constants of the law, A2 and A4");
       return law;
@@ -100,7 +96,9 @@ LawModel law_of(const std::vector<OwnLaw>& own, const std::vector<double>& v_mps
 Eigen::VectorXd law_near(const std::vector<OwnLaw>& own, const LawModel& law) {
   const OffsetData data = offsets_of(own, law, Eigen::VectorXd::Zero(law.n_parameters()));
   const Eigen::MatrixXd weighted = data.variance.cwiseInverse().asDiagonal() * data.h;
-  return (data.within + data.h.transpose() * weighted).llt().solve(data.within_y + weighted.transpose() * data.m);
+  return cholesky(data.within + transposed_product(data.h, weighted))
+      .value()
+      .solve(data.within_y + transposed_product(weighted, data.m));
 }
 
 GroupLabels labels_of(const std::vector<std::string>& name_of_row) {
@@ -238,7 +236,7 @@ void weigh_shapes(Design& design, std::size_t n_values) {
     data.within_yy = 0.0;
     return;
   }
-  const Eigen::VectorXd best = within.completeOrthogonalDecomposition().solve(data.within_y.head(design.n_law));
+  const Eigen::VectorXd best = least_squares(within, data.within_y.head(design.n_law));
   const double explained = best.dot(data.within_y.head(design.n_law));
   design.shapes.chi2 = std::max(0.0, data.within_yy - explained);
   design.shapes.p_value = chi2_survival(design.shapes.chi2, design.shapes.ndf);
@@ -251,7 +249,7 @@ void weigh_shapes(Design& design, std::size_t n_values) {
 }  // namespace
 
 bool is_determined(const OffsetData& data) {
-  return least_and_rank(data.h.transpose() * data.h + data.within * data.variance.mean()).first > 1e-8;
+  return least_and_rank(transposed_product(data.h, data.h) + data.within * data.variance.mean()).first > 1e-8;
 }
 
 double Design::plate_constant(const Eigen::VectorXd& beta, int plate) const {

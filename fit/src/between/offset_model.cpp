@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "between/offset_model.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
 
 #include "bouncelab/core/elementary.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -14,10 +14,9 @@ namespace {
 Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& m, double& log_det) {
   const Eigen::VectorXd scale = m.diagonal().array().max(1e-300).sqrt().inverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> llt(scaled);
-  for (Eigen::Index i = 0; i < m.rows(); ++i) log_det += 2.0 * log(llt.matrixLLT()(i, i) / scale[i]);
-  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(m.rows(), m.cols());
-  return scale.asDiagonal() * llt.solve(unit) * scale.asDiagonal();
+  const Cholesky root = cholesky(scaled).value();
+  log_det += root.log_determinant() - 2.0 * scale.array().unaryExpr([](double s) { return log(s); }).sum();
+  return scale.asDiagonal() * root.inverse() * scale.asDiagonal();
 }
 
 }  // namespace
@@ -52,12 +51,12 @@ OffsetSolution::OffsetSolution(const OffsetData& data, const Deviations& deviati
   eliminate(t, d, pairs);
   if (predicts) invert_diagonal();
   for (std::size_t g = 0; g < 2; ++g)
-    if (active_[g]) products -= t[g].transpose() * u_[g];
+    if (active_[g]) products -= transposed_product(t[g], u_[g]);
   const Eigen::MatrixXd information = products.topLeftCorner(n_fixed, n_fixed) + data.within;
   const Eigen::VectorXd right = products.topRightCorner(n_fixed, 1) + data.within_y;
   double log_det_information = 0.0;
   covariance_ = inverse_of_positive(0.5 * (information + information.transpose()), log_det_information);
-  beta_ = covariance_ * right;
+  beta_ = product(covariance_, right);
   sum_of_squares_ = products(n_fixed, n_fixed) + data.within_yy - beta_.dot(right);
   minus_two_log_likelihood_ = log_det_ + log_det_information + sum_of_squares_;
 }
@@ -125,7 +124,7 @@ void OffsetSolution::eliminate(const std::array<Eigen::MatrixXd, 2>& t, const st
     }
   }
   schur_inverse_ = schur.size() > 0 ? inverse_of_positive(schur, log_det_) : schur;
-  u_[1] = schur_inverse_ * right;
+  u_[1] = product(schur_inverse_, right);
   u_[0] = t[0];
   for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
     for (const Entry& a : sparse_[static_cast<std::size_t>(i)]) u_[0].row(i) -= a.value * u_[1].row(a.column);
@@ -169,7 +168,8 @@ OffsetSolution::Residual OffsetSolution::without(Eigen::Index r) const {
   row *= weights_[r];  // of V^-1 f
   const Eigen::RowVectorXd of_h = row.head(n_fixed);
   // diagonal of P and element of P m: the offset of a recording with a parameter of its own is their ratio
-  const double p = weights_[r] - square(weights_[r]) * inverse_of(level) - of_h * covariance_ * of_h.transpose();
+  const double p =
+      weights_[r] - square(weights_[r]) * inverse_of(level) - congruence(of_h.transpose(), covariance_)(0, 0);
   const double p_m = row[n_fixed] - of_h.dot(beta_);
   return p > 1e-9 * weights_[r] ? Residual{p_m / p, 1.0 / std::sqrt(p)} : Residual{};
 }
@@ -186,7 +186,7 @@ OffsetSolution::Residual OffsetSolution::of_another(const Eigen::RowVectorXd& h,
   const double of_new_levels = (data_.n_levels[0] > 0 && !has(0, level[0]) ? square(deviations_[1]) : 0.0) +
                                (data_.n_levels[1] > 0 && !has(1, level[1]) ? square(deviations_[2]) : 0.0);
   return {value, std::sqrt(variance + square(deviations_[0]) + of_new_levels + inverse_of(level) +
-                           (row * covariance_).dot(row))};
+                           congruence(row.transpose(), covariance_)(0, 0))};
 }
 
 }  // namespace bouncelab::fit

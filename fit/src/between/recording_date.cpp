@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/recording_date.hpp"
+#include "bouncelab/fit/between_recordings.hpp"
 
 #include <chrono>
 #include <cmath>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/recording_summary.hpp"
+#include "bouncelab/fit/between_recordings.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "between/design.hpp"
 #include "bouncelab/fit/law_fit.hpp"
+#include "numerics/linalg.hpp"
 #include "usable_samples.hpp"
 
 namespace bouncelab::fit {
@@ -47,7 +47,7 @@ bool has_inverse(const RecordingSummary& summary) {
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j)
       covariance(i, j) = summary.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  return Eigen::LLT<Eigen::MatrixXd>(covariance).info() == Eigen::Success;
+  return cholesky(covariance).has_value();
 }
 
 }  // namespace

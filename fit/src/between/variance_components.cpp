@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "between/variance_components.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/distributions.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -164,11 +164,11 @@ ErrorsOfErrors::ErrorsOfErrors(const OffsetData& data, const Deviations& best)
       curvature(a, b) = curvature(b, a) = 0.5 * second / square(kStep);
     }
   }
-  const Eigen::LLT<Eigen::MatrixXd> llt(curvature);
-  if (n == 0 || llt.info() != Eigen::Success)
-    derivatives_.clear();
+  const std::optional<Cholesky> root = n > 0 ? cholesky(curvature) : std::nullopt;
+  if (root)
+    covariance_of_logs_ = root->inverse();
   else
-    covariance_of_logs_ = llt.solve(Eigen::MatrixXd::Identity(n, n));
+    derivatives_.clear();
 }
 
 double ErrorsOfErrors::satterthwaite(const Eigen::VectorXd& gradient, double variance) const {

@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 #include "law/law_likelihood.hpp"
 
 // Second derivatives of the log-likelihood, sample by sample.
@@ -14,22 +15,6 @@ namespace {
 
 constexpr std::size_t kMostQuantities = 4;  // location, log b_below, log b_above, rho
 using Scores = std::array<Block, kMostQuantities>;
-
-BOUNCELAB_VECTOR_CLONES void subtract(std::size_t n, const double* a, const double* b, double factor, double* to) {
-  for (std::size_t k = 0; k < n; ++k) to[k] = (a[k] - b[k]) * factor;
-}
-
-BOUNCELAB_VECTOR_CLONES void mean_of_two(std::size_t n, const double* a, const double* b, double* to) {
-  for (std::size_t k = 0; k < n; ++k) to[k] = 0.5 * (a[k] + b[k]);
-}
-
-BOUNCELAB_VECTOR_CLONES void divide(std::size_t n, const double* by, double* x) {
-  for (std::size_t k = 0; k < n; ++k) x[k] /= by[k];
-}
-
-BOUNCELAB_VECTOR_CLONES void multiply(std::size_t n, const double* a, const double* b, double* to) {
-  for (std::size_t k = 0; k < n; ++k) to[k] = a[k] * b[k];
-}
 
 }  // namespace
 
@@ -75,7 +60,7 @@ class LawLikelihood::CurvatureSum {
         displaced_(displaced),
         n_law_(static_cast<std::size_t>(likelihood.n_law_)),
         n_terms_(displaced.quantities.size(), likelihood.scatter_.n_terms),
-        sum_(n_sums(likelihood)) {
+        sums_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n_sums(likelihood)))) {
     if (likelihood.scatter_.kind == ScatterKind::normal_laplace) n_terms_.back() = 1;
   }
 
@@ -86,10 +71,8 @@ class LawLikelihood::CurvatureSum {
     return n_law * (n_law + 1) / 2 + n_scales * n_law * n_terms + n_scales * (n_scales + 1) / 2 * 2 * n_terms + 1;
   }
 
-  void add(std::size_t begin, std::size_t n) {
-    SampleBlock s;
-    s.begin = begin;
-    s.n = n;
+  void add(SampleBlock& s) {
+    const std::size_t n = s.n;
     std::array<Scores, kMostQuantities> by;  // by[q][i]: of score i by quantity q
     Block width;
     for (std::size_t q = 0; q < displaced_.quantities.size(); ++q) {
@@ -98,21 +81,23 @@ class LawLikelihood::CurvatureSum {
       likelihood_.compute(pair.behind.theta, pair.behind.shape, s, pair.behind.location);
       for (std::size_t i = 0; i < displaced_.quantities.size(); ++i) behind[i] = score(s, i);
       likelihood_.compute(pair.ahead.theta, pair.ahead.shape, s, pair.ahead.location);
-      for (std::size_t i = 0; i < displaced_.quantities.size(); ++i)
-        subtract(n, behind[i].data(), score(s, i).data(), pair.factor, by[q][i].data());
+      for (std::size_t i = 0; i < displaced_.quantities.size(); ++i) {
+        const Block& ahead = score(s, i);
+        for (std::size_t k = 0; k < n; ++k) by[q][i][k] = (behind[i][k] - ahead[k]) * pair.factor;
+      }
       if (q == 0) width = s.width;
     }
-    for (std::size_t i = 0; i < displaced_.quantities.size(); ++i) divide(n, width.data(), by[0][i].data());
-    set_law_rows(s);
-    std::size_t kind = 0;
+    for (std::size_t i = 0; i < displaced_.quantities.size(); ++i)
+      for (std::size_t k = 0; k < n; ++k) by[0][i][k] /= width[k];
+    Eigen::Index kind = 0;
     for (std::size_t q = 0; q < displaced_.quantities.size(); ++q)
       for (std::size_t i = 0; i <= q; ++i) {
-        mean_of_two(n, by[q][i].data(), by[i][q].data(), by[q][i].data());
+        for (std::size_t k = 0; k < n; ++k) by[q][i][k] = 0.5 * (by[q][i][k] + by[i][q][k]);
         kind = add_pair(q, i, by[q][i], s, kind);
       }
   }
 
-  void put(double* sums) const { sum_.put(sums); }
+  const Eigen::VectorXd& sums() const { return sums_; }
 
   /// The matrix that sums of add() make.
   Eigen::MatrixXd expanded(const double* sums) const {
@@ -152,29 +137,24 @@ class LawLikelihood::CurvatureSum {
     return i == 2 ? s.f.d_log_above : s.f.d_log_tau;
   }
 
-  void set_law_rows(const SampleBlock& s) {
-    const auto first = static_cast<Eigen::Index>(s.begin);
-    for (std::size_t a = 0; a < n_law_; ++a)
-      rows_[a] =
-          likelihood_.model_.is_linear() ? &likelihood_.basis_(first, static_cast<Eigen::Index>(a)) : s.slope[a].data();
-  }
-
   /// @return the number of the next sum
-  std::size_t add_pair(std::size_t q, std::size_t i, const Block& curvature, const SampleBlock& s, std::size_t kind) {
+  Eigen::Index add_pair(std::size_t q, std::size_t i, const Block& curvature, const SampleBlock& s, Eigen::Index kind) {
     const double* x = &likelihood_.x_[s.begin];
     if (i > 0) {
       const std::size_t n_powers = n_terms_[q] + n_terms_[i] - 1;
-      sum_.add_powers(kind, n_powers, s.n, curvature.data(), x);
-      return kind + n_powers;
+      add_powers(s.n, curvature.data(), x, n_powers, &sums_[kind]);
+      return kind + static_cast<Eigen::Index>(n_powers);
     }
     for (std::size_t a = 0; a < n_law_; ++a) {
       Block weighted;
-      multiply(s.n, curvature.data(), rows_[a], weighted.data());
+      const double* const slope = likelihood_.slope_of(s, a);
+      for (std::size_t k = 0; k < s.n; ++k) weighted[k] = curvature[k] * slope[k];
       if (q == 0) {
-        for (std::size_t b = 0; b <= a; ++b) sum_.add_products(kind++, s.n, weighted.data(), rows_[b]);
+        for (std::size_t b = 0; b <= a; ++b)
+          sums_[kind++] += sum_of_products(s.n, weighted.data(), likelihood_.slope_of(s, b));
       } else {
-        sum_.add_powers(kind, n_terms_[q], s.n, weighted.data(), x);
-        kind += n_terms_[q];
+        add_powers(s.n, weighted.data(), x, n_terms_[q], &sums_[kind]);
+        kind += static_cast<Eigen::Index>(n_terms_[q]);
       }
     }
     return kind;
@@ -184,41 +164,33 @@ class LawLikelihood::CurvatureSum {
   const Displaced& displaced_;
   std::size_t n_law_;
   std::vector<std::size_t> n_terms_;  ///< by quantity
-  std::array<const double*, kMostLawParameters> rows_{};
-  GradientSum sum_;
+  Eigen::VectorXd sums_;
 };
 
 double LawLikelihood::bend_of_curve(const Eigen::VectorXd& theta) const {
   if (model_.is_linear()) return 0.0;
   constexpr double kStep = 1e-3;  // of log gamma: the slopes' difference is good to 1e-6
   const Derivatives here = derivatives(theta);
-  Eigen::VectorXd ahead = theta, behind = theta;
-  ahead[0] += kStep;
-  behind[0] -= kStep;
+  const double ahead = exp(0.5 * (theta[0] + kStep)), behind = exp(0.5 * (theta[0] - kStep));
   double sum = 0.0;
   for (std::size_t k = 0; k < data_.size(); ++k) {
-    const auto at = static_cast<Eigen::Index>(k);
-    const double slope_ahead = viscoelastic_of_log_gamma(ahead[0], basis_(at, 0)).second;
-    const double slope_behind = viscoelastic_of_log_gamma(behind[0], basis_(at, 0)).second;
-    sum += here.by_location[k] * (slope_ahead - slope_behind) / (2.0 * kStep);
+    const double x = basis_(static_cast<Eigen::Index>(k), 0);
+    const double difference = viscoelastic_and_slope(ahead * x).second - viscoelastic_and_slope(behind * x).second;
+    sum += here.by_location[k] * difference / (2.0 * kStep);
   }
   return sum;
 }
 
 Eigen::MatrixXd LawLikelihood::observed_information(const Eigen::VectorXd& theta) const {
   const Displaced places = displaced(theta);
-  const std::size_t n_blocks = (data_.size() + kParallel - 1) / kParallel;
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(CurvatureSum::n_sums(*this)),
-                                               static_cast<Eigen::Index>(n_blocks));
-  parallel_for(n_blocks, 0, [&](std::size_t block) {
+  std::vector<Eigen::VectorXd> sums(n_parts());
+  parallel_for(n_parts(), 0, [&](std::size_t part) {
     CurvatureSum sum(*this, places);
-    const std::size_t end = std::min(data_.size(), (block + 1) * kParallel);
-    for (std::size_t begin = block * kParallel; begin < end; begin += kBlockSize)
-      sum.add(begin, std::min(kBlockSize, end - begin));
-    sum.put(sums.col(static_cast<Eigen::Index>(block)).data());
+    visit_part(part, [&](SampleBlock& s) { sum.add(s); });
+    sums[part] = sum.sums();
   });
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(sums.rows());
-  for (Eigen::Index block = 0; block < sums.cols(); ++block) sum += sums.col(block);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(sums.front().size());
+  for (const Eigen::VectorXd& of_part : sums) sum += of_part;
   Eigen::MatrixXd h = CurvatureSum(*this, places).expanded(sum.data());
   if (!model_.is_linear()) h(0, 0) -= bend_of_curve(theta);
   add_penalty_curvature(theta, h);

@@ -10,12 +10,12 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "law/goodness.hpp"
+#include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
 #include "law/law_result.hpp"
 #include "law/law_search.hpp"
-#include "law/maximise.hpp"
-#include "law/ordered_samples.hpp"
-#include "law/replicates.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -1,32 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/law_likelihood.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
+#include <span>
+#include <tuple>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/parallel.hpp"
-#include "law/columns.hpp"
+#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
 constexpr std::size_t kKnots = 64;  // of the peak's offset: a cubic between them is good to 1e-7 of the scale
-
-NormalLaplace normal_density(double d, double s, double tau) {
-  const double variance = s * s + tau * tau;
-  const double ratio = d * d / variance;
-  return {-0.5 * ratio, 1.0 / std::sqrt(2.0 * std::numbers::pi * variance),
-          d / variance, (ratio - 1.0) * s * s / variance,
-          0.0,          0.0};
-}
-
-bool is_of(const std::shared_ptr<const LawBasis>& basis, const LawModel& model) {
-  return basis && basis->kind == model.kind && basis->orders == model.orders && basis->node_v_mps == model.node_v_mps;
-}
 
 double polynomial(const double* c, std::size_t n, double x) {
   double sum = 0.0;
@@ -34,33 +20,90 @@ double polynomial(const double* c, std::size_t n, double x) {
   return sum;
 }
 
+BOUNCELAB_VECTOR_CLONES void add_scaled(std::size_t n, const double* x, double factor, double* sum) {
+  for (std::size_t k = 0; k < n; ++k) sum[k] += x[k] * factor;
+}
+
+/// By Horner's rule; then between the least and the largest log scale.
+BOUNCELAB_VECTOR_CLONES void log_scales(std::size_t n, const double* x, const double* c, std::size_t n_terms,
+                                        Block& __restrict value) {
+  value.fill(0.0);
+  for (std::size_t j = n_terms; j-- > 0;)
+    for (std::size_t k = 0; k < n; ++k) value[k] = value[k] * x[k] + c[j];
+  for (std::size_t k = 0; k < n; ++k) value[k] = std::clamp(value[k], kLogScaleMin, kLogScaleMax);
+}
+
+void normal_densities(SampleBlock& s, const double* tau) {
+  for (std::size_t k = 0; k < s.n; ++k) {
+    const double b = s.sides.b_below[k], d = s.residual[k];
+    const double variance = b * b + tau[k] * tau[k], ratio = d * d / variance;
+    s.f.exponent[k] = -0.5 * ratio;
+    s.f.factor[k] = 1.0 / std::sqrt(2.0 * std::numbers::pi * variance);
+    s.f.d_location[k] = d / variance;
+    s.f.d_log_below[k] = (ratio - 1.0) * b * b / variance;
+    s.f.d_log_above[k] = 0.0;
+  }
+}
+
+/// Normal part and timing error together, and the distance from the point where the exponentials join.
+BOUNCELAB_VECTOR_CLONES void add_normal_part(SampleBlock& s, double square_of_ratio, const double* tau) {
+  for (std::size_t k = 0; k < s.n; ++k) {
+    const double square_of_size = s.sides.b_below[k] * s.sides.b_above[k];
+    const double normal = square_of_ratio * square_of_size;
+    const double all = normal + tau[k] * tau[k];
+    s.tau[k] = std::sqrt(all);
+    s.inverse_tau[k] = 1.0 / s.tau[k];
+    s.normal_share[k] = normal / all;
+    s.size[k] = std::sqrt(square_of_size);
+    s.residual[k] += s.size[k] * s.peak[k];
+  }
+}
+
+/// @param location  in widths of the scatter
+void displace(SampleBlock& s, const double* tau, double location) {
+  for (std::size_t k = 0; k < s.n; ++k) {
+    const double b = 0.5 * (s.sides.b_below[k] + s.sides.b_above[k]);
+    s.width[k] = std::sqrt(b * b + tau[k] * tau[k]);
+    s.residual[k] -= location * s.width[k];
+  }
+}
+
+/// Derivatives by the scales, with the normal part and the peak's offset going along, and by rho.
+BOUNCELAB_VECTOR_CLONES void derive_with_normal_part(SampleBlock& s) {
+  for (std::size_t k = 0; k < s.n; ++k) {
+    const double by_ratio = s.f.d_log_tau[k] * s.normal_share[k], by_offset = -s.f.d_location[k] * s.size[k];
+    const double of_both = 0.5 * (by_ratio + by_offset * s.peak[k]);
+    s.f.d_log_below[k] += of_both - by_offset * s.peak_by_asymmetry[k];
+    s.f.d_log_above[k] += of_both + by_offset * s.peak_by_asymmetry[k];
+    s.f.d_log_tau[k] = by_ratio + by_offset * s.peak_by_rho[k];
+  }
+}
+
+double sum_of_log_densities(std::size_t n, DensityBlock& f) {
+  log_each(std::span(f.factor).first(n));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < n; ++k) sum += f.exponent[k] + f.factor[k];
+  return sum;
+}
+
+Eigen::Map<const Eigen::ArrayXd> array_of(std::size_t n, const double* x) { return {x, static_cast<Eigen::Index>(n)}; }
+
 }  // namespace
+
+double sum_of_products(std::size_t n, const double* a, const double* b) {
+  return (array_of(n, a) * array_of(n, b)).sum();
+}
+
+void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_powers, double* sums) {
+  Eigen::Array<double, Eigen::Dynamic, 1, 0, kBlockSize, 1> term = array_of(n, a);
+  for (std::size_t j = 0; j < n_powers; ++j) {
+    if (j > 0) term *= array_of(n, x);
+    sums[j] += term.sum();
+  }
+}
 
 Eigen::Index ScatterFamily::n_parameters() const {
   return static_cast<Eigen::Index>((is_two_sided() ? 2 : 1) * n_terms + (kind == ScatterKind::normal_laplace ? 1 : 0));
-}
-
-std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps) {
-  if (model.is_linear())
-    return std::make_shared<LawBasis>(LawBasis{model.kind, model.orders, model.node_v_mps,
-                                               model.jacobian(v_mps, Eigen::VectorXd::Ones(model.n_parameters()))});
-  const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
-  return std::make_shared<LawBasis>(
-      LawBasis{model.kind,
-               model.orders,
-               {},
-               Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), static_cast<Eigen::Index>(tenth_powers.size()))});
-}
-
-LawData thinned(const LawData& all, std::size_t stride) {
-  LawData data;
-  for (std::size_t k = stride / 2; k < all.size(); k += stride) {
-    data.v_mps.push_back(all.v_mps[k]);
-    data.eps.push_back(all.eps[k]);
-    data.tau.push_back(all.tau[k]);
-    data.drop.push_back(all.drop[k]);
-  }
-  return data;
 }
 
 LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter)
@@ -68,7 +111,7 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
       model_(model),
       scatter_(scatter),
       n_law_(model.n_parameters()),
-      held_(is_of(data.basis, model) ? data.basis : make_law_basis(model, data.v_mps)),
+      held_(basis_of(data, model)),
       basis_(held_->rows) {
   constexpr double kRangeOfLost = 2.0;
   odds_of_lost_density_ = scatter.lost_share / kRangeOfLost / (1.0 - scatter.lost_share);
@@ -84,7 +127,7 @@ LawLikelihood::LawLikelihood(const LawData& data, const LawModel& model, const S
 double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double* row) const {
   const auto basis = basis_.row(static_cast<Eigen::Index>(k));
   if (!model_.is_linear()) {
-    const auto [eps, slope] = viscoelastic_of_log_gamma(theta[0], basis[0]);
+    const auto [eps, slope] = viscoelastic_and_slope(exp(0.5 * theta[0]) * basis[0]);
     if (row) *row = slope;
     return eps;
   }
@@ -94,28 +137,13 @@ double LawLikelihood::eps_of(const Eigen::VectorXd& theta, std::size_t k, double
   return eps;
 }
 
-LaplaceSides LawLikelihood::sides(const Eigen::VectorXd& theta, double x) const {
-  const double* c = theta.data() + n_law_;
-  const double log_below = polynomial(c, scatter_.n_terms, x);
-  if (!scatter_.is_two_sided()) {
-    const double b = exp(std::clamp(log_below, kLogScaleMin, kLogScaleMax));
-    return laplace_sides(b, b);
-  }
-  const double log_above = polynomial(c + scatter_.n_terms, scatter_.n_terms, x);
-  const Pair b =
-      exp(Pair{std::clamp(log_below, kLogScaleMin, kLogScaleMax), std::clamp(log_above, kLogScaleMin, kLogScaleMax)});
-  return laplace_sides(b.first, b.second);
-}
-
 double LawLikelihood::square_of_normal_ratio(const Eigen::VectorXd& theta) const {
   if (scatter_.kind != ScatterKind::normal_laplace) return 0.0;
   return exp(2.0 * std::clamp(theta[theta.size() - 1], kLogScaleMin, -kLogScaleMin));
 }
 
 LawLikelihood::Shape LawLikelihood::shape(const Eigen::VectorXd& theta) const {
-  Shape shape;
-  shape.square_of_ratio = square_of_normal_ratio(theta);
-  if (scatter_.n_terms == 1) shape.sides = sides(theta, 0.0);
+  Shape shape{square_of_normal_ratio(theta), {}};
   if (scatter_.kind != ScatterKind::normal_laplace) return shape;
   // one knot beyond the data on each side
   double near = 0.0;
@@ -133,71 +161,224 @@ ModeOffset LawLikelihood::peak(const Eigen::VectorXd& theta, double x, double ne
   return mode_offset(std::clamp(asymmetry, kLogScaleMin, -kLogScaleMin), theta[theta.size() - 1], near);
 }
 
-LawLikelihood::KnotPlace LawLikelihood::place_between_knots(double x) const {
-  const double at = (x - x_.front()) / knot_distance_ + 1.0;
-  const std::size_t j = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, kKnots - 3);
-  return {j, at - static_cast<double>(j)};
-}
-
-LawLikelihood::Scales LawLikelihood::scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak,
-                                            std::size_t k) const {
-  if (!(square_of_ratio > 0.0)) return {sides, data_.tau[k], inverse_tau_[k], 0.0, 0.0, {}};
-  const double square_of_size = sides.b_below * sides.b_above;
-  const double normal = square_of_ratio * square_of_size;
-  const double all = normal + square(data_.tau[k]);
-  const double tau = std::sqrt(all);
-  return {sides, tau, 1.0 / tau, normal / all, std::sqrt(square_of_size), peak};
-}
-
 LawLikelihood::Scales LawLikelihood::scales(const Eigen::VectorXd& theta, std::size_t k) const {
-  return scales(sides(theta, x_[k]), square_of_normal_ratio(theta), peak(theta, x_[k]), k);
+  const double* c = theta.data() + n_law_;
+  const auto scale = [&](const double* of) {
+    return exp(std::clamp(polynomial(of, scatter_.n_terms, x_[k]), kLogScaleMin, kLogScaleMax));
+  };
+  Scales s;
+  s.b_below = scale(c);
+  s.b_above = scatter_.is_two_sided() ? scale(c + scatter_.n_terms) : s.b_below;
+  const double square_of_size = s.b_below * s.b_above, normal = square_of_normal_ratio(theta) * square_of_size;
+  const double all = normal + square(data_.tau[k]);
+  s.tau = std::sqrt(all);
+  s.normal_share = normal / all;
+  s.size = std::sqrt(square_of_size);
+  s.peak = peak(theta, x_[k]);
+  return s;
 }
 
-NormalLaplace LawLikelihood::density_at(double d, const Scales& s) const {
-  if (scatter_.kind == ScatterKind::normal) return normal_density(d, s.sides.b_below, s.tau);
-  NormalLaplace f = normal_laplace(d + s.size * s.peak.value, s.sides, s.tau, s.inverse_tau, odds_of_lost_density_);
-  if (scatter_.kind != ScatterKind::normal_laplace) return f;
-  // by the scales with the normal part and the peak's offset going along; d_log_tau is by rho from here on
-  const double by_ratio = f.d_log_tau * s.normal_share, by_offset = -f.d_location * s.size;
-  const double of_both = 0.5 * (by_ratio + by_offset * s.peak.value);
-  f.d_log_below += of_both - by_offset * s.peak.d_asymmetry;
-  f.d_log_above += of_both + by_offset * s.peak.d_asymmetry;
-  f.d_log_tau = by_ratio + by_offset * s.peak.d_rho;
-  return f;
+std::vector<SampleBlock> LawLikelihood::gathered(const Eigen::VectorXd& theta,
+                                                 const std::vector<std::size_t>& samples) const {
+  std::vector<SampleBlock> blocks((samples.size() + kBlockSize - 1) / kBlockSize);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    SampleBlock& block = blocks[i / kBlockSize];
+    const Scales s = scales(theta, samples[i]);
+    const std::size_t k = block.n++;
+    block.residual[k] = data_.eps[samples[i]] - eps_of(theta, samples[i]) + s.size * s.peak.value;
+    block.sides.b_below[k] = s.b_below;
+    block.sides.b_above[k] = s.b_above;
+    block.tau[k] = s.tau;
+    block.inverse_tau[k] = 1.0 / s.tau;
+  }
+  for (SampleBlock& block : blocks) block.sides.complete(block.n);
+  return blocks;
+}
+
+LawLikelihood::LocationScore LawLikelihood::location_score(const std::vector<SampleBlock>& samples,
+                                                           double offset) const {
+  LocationScore score;
+  DensityBlock f;
+  for (const SampleBlock& s : samples) {
+    Block d;
+    for (std::size_t k = 0; k < s.n; ++k) d[k] = s.residual[k] - offset;
+    if (scatter_.kind == ScatterKind::normal)
+      for (std::size_t k = 0; k < s.n; ++k) f.d_location[k] = d[k] / (square(s.sides.b_below[k]) + square(s.tau[k]));
+    else
+      normal_laplace(s.n, d.data(), s.sides, s.tau.data(), s.inverse_tau.data(), odds_of_lost_density_, f);
+    for (std::size_t k = 0; k < s.n; ++k) {
+      score.sum += f.d_location[k];
+      score.squares += square(f.d_location[k]);
+    }
+  }
+  return score;
+}
+
+void LawLikelihood::compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) const {
+  const auto first = static_cast<Eigen::Index>(s.begin);
+  if (model_.is_linear()) {
+    s.residual.fill(1.0);
+    for (Eigen::Index i = 0; i < n_law_; ++i) add_scaled(s.n, &basis_(first, i), theta[i] - 1.0, s.residual.data());
+  } else {
+    const double root = exp(0.5 * theta[0]);
+    for (std::size_t k = 0; k < s.n; ++k)
+      std::tie(s.residual[k], s.slope[0][k]) =
+          viscoelastic_and_slope(root * basis_(first + static_cast<Eigen::Index>(k), 0));
+  }
+  for (std::size_t k = 0; k < s.n; ++k) s.residual[k] = data_.eps[s.begin + k] - s.residual[k];
+}
+
+void LawLikelihood::compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const {
+  const double* c = theta.data() + n_law_;
+  if (scatter_.n_terms == 1) {
+    const double below = exp(std::clamp(c[0], kLogScaleMin, kLogScaleMax));
+    return s.sides.fill(below, scatter_.is_two_sided() ? exp(std::clamp(c[1], kLogScaleMin, kLogScaleMax)) : below);
+  }
+  const double* x = &x_[s.begin];
+  log_scales(s.n, x, c, scatter_.n_terms, s.sides.b_below);
+  exp_each(std::span(s.sides.b_below).first(s.n));
+  if (scatter_.is_two_sided()) {
+    log_scales(s.n, x, c + scatter_.n_terms, scatter_.n_terms, s.sides.b_above);
+    exp_each(std::span(s.sides.b_above).first(s.n));
+  } else {
+    s.sides.b_above = s.sides.b_below;
+  }
+  s.sides.complete(s.n);
+}
+
+/// By Lagrange's cubic through four knots.
+void LawLikelihood::compute_peaks(const Shape& shape, SampleBlock& s) const {
+  if (shape.peaks.size() < 2) {
+    s.peak.fill(shape.peaks.front().value);
+    s.peak_by_asymmetry.fill(shape.peaks.front().d_asymmetry);
+    s.peak_by_rho.fill(shape.peaks.front().d_rho);
+    return;
+  }
+  for (std::size_t k = 0; k < s.n; ++k) {
+    const double at = (x_[s.begin + k] - x_.front()) / knot_distance_ + 1.0;
+    const std::size_t second = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, kKnots - 3);
+    const double u = at - static_cast<double>(second);  // in distances of knots
+    const std::array<double, 4> weights{-u * (u - 1.0) * (u - 2.0) / 6.0, (u + 1.0) * (u - 1.0) * (u - 2.0) / 2.0,
+                                        -(u + 1.0) * u * (u - 2.0) / 2.0, (u + 1.0) * u * (u - 1.0) / 6.0};
+    ModeOffset peak;
+    for (std::size_t j = 0; j < weights.size(); ++j) {
+      const ModeOffset& knot = shape.peaks[second - 1 + j];
+      peak.value += weights[j] * knot.value;
+      peak.d_asymmetry += weights[j] * knot.d_asymmetry;
+      peak.d_rho += weights[j] * knot.d_rho;
+    }
+    s.peak[k] = peak.value;
+    s.peak_by_asymmetry[k] = peak.d_asymmetry;
+    s.peak_by_rho[k] = peak.d_rho;
+  }
+}
+
+LawLikelihood::NormalPart LawLikelihood::compute_scatter(const Eigen::VectorXd& theta, const Shape& shape,
+                                                         SampleBlock& s) const {
+  compute_curve(theta, s);
+  compute_sides(theta, s);
+  const double* tau = &data_.tau[s.begin];
+  if (!(shape.square_of_ratio > 0.0)) return {tau, &inverse_tau_[s.begin]};
+  compute_peaks(shape, s);
+  add_normal_part(s, shape.square_of_ratio, tau);
+  return {s.tau.data(), s.inverse_tau.data()};
+}
+
+void LawLikelihood::compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s, double location) const {
+  const NormalPart part = compute_scatter(theta, shape, s);
+  if (location != 0.0) displace(s, part.tau, location);
+  if (scatter_.kind == ScatterKind::normal) return normal_densities(s, part.tau);
+  normal_laplace(s.n, s.residual.data(), s.sides, part.tau, part.inverse_tau, odds_of_lost_density_, s.f);
+  if (shape.square_of_ratio > 0.0) derive_with_normal_part(s);
+}
+
+void LawLikelihood::add_scores(SampleBlock& s, double* sums) const {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n_law_); ++i)
+    *sums++ += sum_of_products(s.n, s.f.d_location.data(), slope_of(s, i));
+  const double* x = &x_[s.begin];
+  if (!scatter_.is_two_sided())
+    for (std::size_t k = 0; k < s.n; ++k) s.f.d_log_below[k] += s.f.d_log_above[k];
+  add_powers(s.n, s.f.d_log_below.data(), x, scatter_.n_terms, sums);
+  if (!scatter_.is_two_sided()) return;
+  add_powers(s.n, s.f.d_log_above.data(), x, scatter_.n_terms, sums + scatter_.n_terms);
+  if (scatter_.kind == ScatterKind::normal_laplace)
+    add_powers(s.n, s.f.d_log_tau.data(), x, 1, sums + 2 * scatter_.n_terms);
 }
 
 double LawLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
   if (!theta.allFinite()) return -HUGE_VAL;
   const Shape common = shape(theta);
-  // blocks of fixed size, added in order: the same sum for any number of threads
-  const std::size_t n_blocks = (data_.size() + kParallel - 1) / kParallel;
-  std::vector<double> sums(n_blocks, 0.0);
-  Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, static_cast<Eigen::Index>(n_blocks));
-  parallel_for(n_blocks, 0, [&](std::size_t block) {
-    LogSum sum;
-    GradientSum of_block(gradient ? static_cast<std::size_t>(n_parameters()) : 0);
-    SampleBlock samples;
-    const std::size_t end = std::min(data_.size(), (block + 1) * kParallel);
-    for (samples.begin = block * kParallel; samples.begin < end; samples.begin += samples.n) {
-      samples.n = std::min(kBlockSize, end - samples.begin);
-      compute(theta, common, samples);
-      sum.add(samples.n, samples.f);
-      if (gradient) add_scores(samples, of_block);
-    }
-    if (gradient) of_block.put(gradients.col(static_cast<Eigen::Index>(block)).data());
-    sums[block] = sum.value();
+  // parts of fixed size, added in order: the same sum for any number of threads
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n_parts()));
+  Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(gradient ? n_parameters() : 0, values.size());
+  parallel_for(n_parts(), 0, [&](std::size_t part) {
+    const auto column = static_cast<Eigen::Index>(part);
+    visit_part(part, [&](SampleBlock& s) {
+      compute(theta, common, s);
+      values[column] += sum_of_log_densities(s.n, s.f);
+      if (gradient) add_scores(s, gradients.col(column).data());
+    });
   });
   double sum = 0.0;
-  for (const double s : sums) sum += s;
+  for (const double value : values) sum += value;
   if (gradient) {
     gradient->setZero(n_parameters());
-    for (std::size_t block = 0; block < n_blocks; ++block) *gradient += gradients.col(static_cast<Eigen::Index>(block));
+    for (Eigen::Index part = 0; part < values.size(); ++part) *gradient += gradients.col(part);
   }
   return sum - penalty(theta, gradient);
 }
 
-NormalLaplace LawLikelihood::density(const Eigen::VectorXd& theta, std::size_t k) const {
-  return density_at(data_.eps[k] - eps_of(theta, k, nullptr), scales(theta, k));
+namespace {
+
+constexpr double kPrecisionOfRatio = 0.25;  // of rho: a factor 7 either way is one standard deviation
+
+/// Precision of the sides' log ratio, its term of the k-th power of log speed: a variance of 1/2, 1/8 ...
+double precision_of_asymmetry(Eigen::Index k) { return std::ldexp(1.0, 2 * static_cast<int>(k) + 1); }
+
+}  // namespace
+
+double LawLikelihood::penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {
+  if (!scatter_.is_two_sided()) return 0.0;
+  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
+  double sum = 0.0;
+  if (scatter_.log_size) {
+    const double weight = 1.0 / static_cast<double>(data_.size());
+    const double more = *scatter_.log_size - 0.5 * (theta[n_law_] + theta[n_law_ + n_terms]);
+    const double ratio = exp(std::min(2.0 * more, 600.0));
+    sum += weight * (ratio - 1.0 - 2.0 * more);
+    if (gradient) {
+      (*gradient)[n_law_] += weight * (ratio - 1.0);
+      (*gradient)[n_law_ + n_terms] += weight * (ratio - 1.0);
+    }
+  }
+  if (scatter_.kind == ScatterKind::normal_laplace) {
+    const double rho = theta[theta.size() - 1];
+    sum += 0.5 * kPrecisionOfRatio * rho * rho;
+    if (gradient) (*gradient)[theta.size() - 1] -= kPrecisionOfRatio * rho;
+  }
+  for (Eigen::Index k = 0; k < n_terms; ++k) {
+    const double d = theta[n_law_ + n_terms + k] - theta[n_law_ + k];
+    sum += 0.5 * precision_of_asymmetry(k) * d * d;
+    if (!gradient) continue;
+    (*gradient)[n_law_ + k] += precision_of_asymmetry(k) * d;
+    (*gradient)[n_law_ + n_terms + k] -= precision_of_asymmetry(k) * d;
+  }
+  return sum;
+}
+
+void LawLikelihood::add_penalty_curvature(const Eigen::VectorXd& theta, Eigen::MatrixXd& information) const {
+  if (!scatter_.is_two_sided()) return;
+  if (scatter_.kind == ScatterKind::normal_laplace)
+    information(theta.size() - 1, theta.size() - 1) += kPrecisionOfRatio;
+  const auto n_terms = static_cast<Eigen::Index>(scatter_.n_terms);
+  for (Eigen::Index k = 0; k < n_terms; ++k) {
+    const Eigen::Index below = n_law_ + k, above = below + n_terms;
+    const double curvature = precision_of_asymmetry(k);
+    information(below, below) += curvature;
+    information(above, above) += curvature;
+    information(below, above) -= curvature;
+    information(above, below) -= curvature;
+  }
 }
 
 ScatterModel LawLikelihood::scatter_model(const Eigen::VectorXd& theta) const {

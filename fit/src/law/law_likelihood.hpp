@@ -2,14 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "law/law_block.hpp"
-#include "law/law_model.hpp"
-#include "law/mode_offset.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "law/law_data.hpp"
 #include "law/normal_laplace.hpp"
 
 namespace bouncelab::fit {
@@ -18,31 +18,6 @@ namespace bouncelab::fit {
 inline constexpr double kLogScaleMin = -30.0, kLogScaleMax = 3.0;
 
 inline constexpr std::size_t kParallel = 4096;  ///< samples of one piece of parallel work, a multiple of kBlockSize
-
-/// From here on a fit costs as many seconds as it takes passes over all samples.
-inline constexpr std::size_t kVeryMany = 20000;
-
-/// What the curve of a law is made of at each speed.
-struct LawBasis {
-  LawKind kind = LawKind::series;
-  std::vector<int> orders;
-  std::vector<double> node_v_mps;
-  Eigen::MatrixXd rows;  ///< a row a sample: d eps / d q of a linear model, v^(1/10) of the viscoelastic one
-};
-std::shared_ptr<const LawBasis> make_law_basis(const LawModel& model, std::span<const double> v_mps);
-
-/// What is fitted: columns of equal length, sorted by speed.
-struct LawData {
-  std::vector<double> v_mps, eps;
-  std::vector<double> tau;        ///< standard deviation of the normal part: timing error, > 0
-  std::vector<std::size_t> drop;  ///< number of the drop each sample belongs to, from 0, none left out
-  /// Of the speeds, for one law: many likelihoods of the same samples take it from here. Goes with the speeds alone.
-  std::shared_ptr<const LawBasis> basis = nullptr;
-  std::size_t size() const { return v_mps.size(); }
-};
-
-/// Every n-th sample, from half of `stride` on.
-LawData thinned(const LawData& all, std::size_t stride);
 
 /// Density of the scatter about the curve.
 enum class ScatterKind {
@@ -64,6 +39,26 @@ struct ScatterFamily {
   Eigen::Index n_parameters() const;
 };
 
+inline constexpr std::size_t kMostLawParameters = 8;  ///< orders 2, 4, 5 ... 10
+
+/// Some samples: what is computed of them on the way to their likelihood.
+struct SampleBlock {
+  std::size_t begin = 0, n = 0;                 ///< successive ones from begin on
+  Block residual;                               ///< from the curve; with a normal part from where the exponentials join
+  std::array<Block, kMostLawParameters> slope;  ///< of the curve by q, where the model is not linear
+  SidesBlock sides;
+  Block tau, inverse_tau;                      ///< normal part and timing error together
+  Block normal_share, size;                    ///< of the normal part in tau^2; sqrt(b_below b_above)
+  Block peak, peak_by_asymmetry, peak_by_rho;  ///< in units of size
+  Block width;  ///< of scatter and timing errors, where the curve is displaced by a part of it
+  DensityBlock f;
+};
+
+/// The sum of a[k] b[k].
+double sum_of_products(std::size_t n, const double* a, const double* b);
+/// Adds the sum of a[k] x[k]^j to sums[j], j < n_powers.
+void add_powers(std::size_t n, const double* a, const double* x, std::size_t n_powers, double* sums);
+
 /// Log-likelihood of the curve and the scatter together: theta = (q, c_below[, c_above[, rho]]).
 ///
 /// The law is the density's peak, of the scatter alone without the timing errors (mode_offset): with two exponentials
@@ -74,8 +69,8 @@ struct ScatterFamily {
 ///   v_ref, and varying slowly with speed;
 /// - rho: normal about 0 with standard deviation 2, a factor 7 either way;
 /// - the scale's size, where there was a first look: b^2 as from n samples and one more of that look. Without it the
-/// likelihood has no bound: a
-///   curve through some samples, all others lost. Source: Chen, Tan & Zhang, Statistica Sinica 18, 443 (2008).
+///   likelihood has no bound: a curve through some samples, all others lost. Source: Chen, Tan & Zhang, Statistica
+///   Sinica 18, 443 (2008).
 class LawLikelihood {
  public:
   LawLikelihood(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
@@ -92,8 +87,14 @@ class LawLikelihood {
   /// evaluations for each of these, however many parameters they have.
   Eigen::MatrixXd observed_information(const Eigen::VectorXd& theta) const;
 
-  /// Of sample k: density of its residual, with derivatives by location and log scales.
-  NormalLaplace density(const Eigen::VectorXd& theta, std::size_t k) const;
+  /// These samples with their scatter, for location_score().
+  std::vector<SampleBlock> gathered(const Eigen::VectorXd& theta, const std::vector<std::size_t>& samples) const;
+  /// Derivative of their log-likelihood by the curve's location, and the sum of the squares of the samples' own.
+  struct LocationScore {
+    double sum = 0.0, squares = 0.0;
+  };
+  /// @param offset  of the samples from the curve, which is taken out
+  LocationScore location_score(const std::vector<SampleBlock>& samples, double offset) const;
   /// Of each sample to be a lost bounce, not one of the scatter.
   std::vector<double> probabilities_of_lost(const Eigen::VectorXd& theta) const;
   /// Distribution function of the scatter at each sample.
@@ -124,31 +125,21 @@ class LawLikelihood {
  private:
   /// Scales of one sample's scatter.
   struct Scales {
-    LaplaceSides sides;
-    double tau = 0.0, inverse_tau = 0.0;  ///< normal part and timing error together
-    double normal_share = 0.0;            ///< of the normal part in tau^2
-    double size = 0.0;                    ///< sqrt(b_below b_above)
-    ModeOffset peak;                      ///< in units of size
+    double b_below = 1.0, b_above = 1.0;
+    double tau = 0.0;           ///< normal part and timing error together
+    double normal_share = 0.0;  ///< of the normal part in tau^2
+    double size = 0.0;          ///< sqrt(b_below b_above)
+    ModeOffset peak;            ///< in units of size
   };
   /// What the scatter of all samples has in common at one theta.
   struct Shape {
-    double square_of_ratio = 0.0;       ///< of the normal part over sqrt(b_below b_above)
-    std::vector<ModeOffset> peaks;      ///< at knots of log speed
-    std::optional<LaplaceSides> sides;  ///< where they do not depend on the speed
+    double square_of_ratio = 0.0;   ///< of the normal part over sqrt(b_below b_above)
+    std::vector<ModeOffset> peaks;  ///< at knots of log speed; one where it does not depend on the speed
   };
   Shape shape(const Eigen::VectorXd& theta) const;
   Scales scales(const Eigen::VectorXd& theta, std::size_t k) const;
-  Scales scales(const LaplaceSides& sides, double square_of_ratio, const ModeOffset& peak, std::size_t k) const;
-  LaplaceSides sides(const Eigen::VectorXd& theta, double x) const;
   ModeOffset peak(const Eigen::VectorXd& theta, double x, double near = 0.0) const;
-  /// After which knot a speed lies, and how far, in distances of knots.
-  struct KnotPlace {
-    std::size_t knot;
-    double t;
-  };
-  KnotPlace place_between_knots(double x) const;
   double square_of_normal_ratio(const Eigen::VectorXd& theta) const;
-  NormalLaplace density_at(double d, const Scales& scales) const;
   /// Of s.n samples from s.begin on: densities with their derivatives.
   /// @param location  the curve's displacement, in widths of the scatter and timing errors together
   void compute(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s, double location = 0.0) const;
@@ -163,13 +154,30 @@ class LawLikelihood {
     const double *tau, *inverse_tau;
   };
   NormalPart compute_scatter(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
-  /// Calls compute(samples) for all blocks of samples, on all threads.
-  template <class Compute>
-  void in_blocks(const Compute& compute) const;
+  /// Calls visit(samples) for the blocks of samples of one part; threads share the parts.
+  template <class Visit>
+  void visit_part(std::size_t part, const Visit& visit) const {
+    SampleBlock s;
+    const std::size_t end = std::min(data_.size(), (part + 1) * kParallel);
+    for (s.begin = part * kParallel; s.begin < end; s.begin += s.n) {
+      s.n = std::min(kBlockSize, end - s.begin);
+      visit(s);
+    }
+  }
+  std::size_t n_parts() const { return (data_.size() + kParallel - 1) / kParallel; }
+  template <class Visit>
+  void visit_all(const Visit& visit) const {
+    parallel_for(n_parts(), 0, [&](std::size_t part) { visit_part(part, visit); });
+  }
+  /// The curve's derivatives by q at the samples of a block.
+  const double* slope_of(const SampleBlock& s, std::size_t i) const {
+    return model_.is_linear() ? &basis_(static_cast<Eigen::Index>(s.begin), static_cast<Eigen::Index>(i))
+                              : s.slope[i].data();
+  }
   void compute_curve(const Eigen::VectorXd& theta, SampleBlock& s) const;
-  void compute_sides(const Eigen::VectorXd& theta, const Shape& shape, SampleBlock& s) const;
+  void compute_sides(const Eigen::VectorXd& theta, SampleBlock& s) const;
   void compute_peaks(const Shape& shape, SampleBlock& s) const;
-  void add_scores(SampleBlock& s, GradientSum& sum) const;
+  void add_scores(SampleBlock& s, double* sums) const;
   /// Adds sample k's score to a gradient.
   void add_score(const Derivatives& d, std::size_t k, double* gradient) const;
   double penalty(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const;

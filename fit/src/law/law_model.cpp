@@ -3,17 +3,39 @@
 
 #include <ceres/jet.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <variant>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "law/columns.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
+
+/// 1 + sum_i C_i A_i x^i of each x = v^(1/10), in its place.
+void evaluate(const SeriesLaw& law, std::span<double> tenth_powers) {
+  std::vector<double> terms(std::min(law.a.size(), kViscoelasticC.size()), 0.0);
+  for (std::size_t i = 1; i < terms.size(); ++i) terms[i] = kViscoelasticC[i] * law.a[i];
+  for (double& x : tenth_powers) {
+    double sum = 0.0;
+    for (std::size_t i = terms.size(); i-- > 1;) sum = (sum + terms[i]) * x;
+    x = 1.0 + sum;
+  }
+}
+
+std::vector<double> scales_of(const std::vector<double>& c, const std::vector<double>& x) {
+  std::vector<double> scales(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    double sum = 0.0;
+    for (std::size_t j = c.size(); j-- > 0;) sum = sum * x[k] + c[j];
+    scales[k] = sum;
+  }
+  exp_each(scales);
+  return scales;
+}
 
 /// Rows C_i v^(i/10): eps = 1 + rows A.
 Eigen::MatrixXd series_terms(const std::vector<int>& orders, std::span<const double> v_mps) {
@@ -48,11 +70,10 @@ double log_gamma_through(double v_mps, double eps) {
   return lo;
 }
 
-std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power) {
-  const double value = exp(0.5 * log_gamma) * tenth_power;
-  ceres::Jet<double, 1> x(value);
-  x.v[0] = 0.5 * value;
-  const auto eps = viscoelastic_restitution(x);
+std::pair<double, double> viscoelastic_and_slope(double x) {
+  ceres::Jet<double, 1> jet(x);
+  jet.v[0] = 0.5 * x;
+  const auto eps = viscoelastic_restitution(jet);
   return {eps.a, eps.v[0]};
 }
 
@@ -71,17 +92,17 @@ std::vector<std::string> LawModel::names() const {
 Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::VectorXd& q) const {
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::MatrixXd::Ones(n, 1);
-  if (kind == LawKind::series) return series_terms(orders, v_mps) * a_of_q;
+  if (kind == LawKind::series) return product(series_terms(orders, v_mps), a_of_q);
   Eigen::MatrixXd rows(n, 1);
   for (Eigen::Index k = 0; k < n; ++k)
-    rows(k, 0) = viscoelastic_of_log_gamma(q[0], pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
+    rows(k, 0) = viscoelastic_and_slope(exp(0.5 * q[0]) * pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
   return rows;
 }
 
 Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::VectorXd& q) const {
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
-  if (kind == LawKind::series) return (series_terms(orders, v_mps) * reported(q)).array() + 1.0;
+  if (kind == LawKind::series) return product(series_terms(orders, v_mps), reported(q)).array() + 1.0;
   const double root = exp(0.5 * q[0]);
   const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
   return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), n).unaryExpr([&](double x) {
@@ -90,7 +111,7 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
 }
 
 Eigen::VectorXd LawModel::reported(const Eigen::VectorXd& q) const {
-  if (kind == LawKind::series) return a_of_q * (q.array() - 1.0).matrix();
+  if (kind == LawKind::series) return product(a_of_q, (q.array() - 1.0).matrix());
   if (kind == LawKind::viscoelastic) return Eigen::VectorXd::Constant(1, exp(q[0]));
   return q;
 }
@@ -132,8 +153,47 @@ LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<
   check_orders(orders);
   model.orders = orders;
   model.node_v_mps = spread_speeds(v_mps, orders.size());
-  model.a_of_q = series_terms(orders, model.node_v_mps).fullPivLu().inverse();
+  model.a_of_q = inverse(series_terms(orders, model.node_v_mps));
   return model;
+}
+
+std::vector<double> powers_of(std::span<const double> v_mps, double exponent) {
+  std::vector<double> x(v_mps.begin(), v_mps.end());
+  log_each(x);
+  for (double& one : x) one *= exponent;
+  exp_each(x);
+  return x;
+}
+
+std::vector<double> restitutions(const RestitutionLaw& law, std::span<const double> v_mps) {
+  std::vector<double> eps;
+  if (const auto* series = std::get_if<SeriesLaw>(&law)) {
+    eps = powers_of(v_mps, 0.1);
+    evaluate(*series, eps);
+    return eps;
+  }
+  eps.reserve(v_mps.size());
+  for (const double v : v_mps) eps.push_back(restitution(law, v));
+  return eps;
+}
+
+std::vector<double> residuals_from(const RestitutionLaw& law, const RestitutionSamples& samples) {
+  std::vector<double> v_mps;
+  v_mps.reserve(samples.size());
+  for (const RestitutionSample& s : samples) v_mps.push_back(s.v_mps);
+  std::vector<double> residuals = restitutions(law, v_mps);
+  for (std::size_t k = 0; k < samples.size(); ++k) residuals[k] = samples[k].eps - residuals[k];
+  return residuals;
+}
+
+ScaleColumns scales_at(const ScatterModel& scatter, std::span<const double> v_mps) {
+  std::vector<double> x;
+  x.reserve(v_mps.size());
+  for (const double v : v_mps) x.push_back(v / scatter.v_ref_mps);
+  log_each(x);
+  ScaleColumns scales{scales_of(scatter.log_below, x), {}};
+  scales.above = scatter.log_above == scatter.log_below ? scales.below : scales_of(scatter.log_above, x);
+  return scales;
 }
 
 }  // namespace bouncelab::fit

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
 namespace bouncelab::fit {
@@ -44,10 +45,27 @@ LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<
 /// log gamma of the viscoelastic law that has this eps at this speed. @param eps  in (0, 1)
 double log_gamma_through(double v_mps, double eps);
 
-/// eps and d eps / d log gamma. @param tenth_power  v^(1/10)
-std::pair<double, double> viscoelastic_of_log_gamma(double log_gamma, double tenth_power);
+/// eps and d eps / d log gamma. @param x  sqrt(gamma) v^(1/10)
+std::pair<double, double> viscoelastic_and_slope(double x);
 
 /// n speeds for nodes: 0.25, 0.6, 1.2 where n = 3 and the data span them, else evenly in log v within the data.
 std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n);
+
+// Functions of many samples at once: exponentials and logarithms one by one are most of the time that they take.
+
+/// v^exponent of each. @param v_mps  >= 0
+std::vector<double> powers_of(std::span<const double> v_mps, double exponent);
+
+/// eps(v) of each, as restitution() to a few units in the last place.
+std::vector<double> restitutions(const RestitutionLaw& law, std::span<const double> v_mps);
+
+/// eps - eps(v) of each.
+std::vector<double> residuals_from(const RestitutionLaw& law, const RestitutionSamples& samples);
+
+/// Scales of both sides at each speed.
+struct ScaleColumns {
+  std::vector<double> below, above;
+};
+ScaleColumns scales_at(const ScatterModel& scatter, std::span<const double> v_mps);
 
 }  // namespace bouncelab::fit

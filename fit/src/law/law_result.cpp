@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/law_result.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/by_drop.hpp"
 #include "law/goodness.hpp"
-#include "law/profile.hpp"
-#include "law/result_matrix.hpp"
+#include "law/intervals.hpp"
+#include "numerics/linalg.hpp"
 #include "text/format.hpp"
 
 namespace bouncelab::fit {
@@ -32,8 +30,8 @@ struct ParameterCovariance {
 
   /// Value with errors of a function whose gradient by q is `row`.
   Estimate estimate(double value, const Eigen::RowVectorXd& row) const {
-    Estimate e = normal_estimate(value, std::sqrt(row * covariance * row.transpose()), reach.z68, reach.z95);
-    if (independent) e.se_independent = std::sqrt(row * *independent * row.transpose());
+    Estimate e = normal_estimate(value, std::sqrt(congruence(row.transpose(), covariance)(0, 0)), reach.z68, reach.z95);
+    if (independent) e.se_independent = std::sqrt(congruence(row.transpose(), *independent)(0, 0));
     return e;
   }
 };
@@ -74,7 +72,7 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   const LawModel& model = likelihood.model();
   const Eigen::VectorXd& q = known.q;
   const Eigen::MatrixXd j = model.reported_jacobian(q);
-  const Eigen::MatrixXd covariance = j * known.covariance * j.transpose();
+  const Eigen::MatrixXd covariance = congruence(j.transpose(), known.covariance);
   const Eigen::MatrixXd correlation = correlation_of(covariance);
   const Eigen::VectorXd values = model.reported(q);
   const auto& v = likelihood.data().v_mps;
@@ -97,8 +95,8 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   }
   fit.covariance = to_matrix(covariance);
   fit.correlation = to_matrix(correlation);
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues();
-  if (eigenvalues.minCoeff() > 0.0) fit.condition_number = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
+  const Eigen::VectorXd spectrum = eigenvalues(correlation);
+  if (spectrum.minCoeff() > 0.0) fit.condition_number = spectrum.maxCoeff() / spectrum.minCoeff();
   if (!unknown.empty()) {
     fit.status = FitStatus::not_identifiable;
     fit.message = unknown + (unknown.find(',') == std::string::npos ? " is" : " are") +
@@ -112,7 +110,7 @@ void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const Paramete
   const Eigen::VectorXd& q = known.q;
   const LawModel& model = likelihood.model();
   const Eigen::MatrixXd node_rows = model.jacobian(node_speeds_mps, q);
-  const Eigen::MatrixXd node_covariance = node_rows * known.covariance * node_rows.transpose();
+  const Eigen::MatrixXd node_covariance = congruence(node_rows.transpose(), known.covariance);
   const Eigen::VectorXd node_eps = model.eps(node_speeds_mps, q);
   for (Eigen::Index j = 0; j < node_eps.size(); ++j)
     fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)], known.estimate(node_eps[j], node_rows.row(j))});
@@ -195,7 +193,7 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
   const double inflation = small_sample_inflation(fit);
   ParameterCovariance known{
-      maximum.x.head(n_law), inflation * (white * white.transpose()).topLeftCorner(n_law, n_law), std::nullopt, {}};
+      maximum.x.head(n_law), inflation * gram(white).topLeftCorner(n_law, n_law), std::nullopt, {}};
   std::optional<ErrorsByDrop> by_drop = errors_by_drop(likelihood, maximum.x, white);
   fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
   if (likelihood.n_drops() < kFewestDrops && (by_drop = errors_by_sample(likelihood, maximum.x, white)))

@@ -5,7 +5,7 @@
 
 #include "bouncelab/fit/law_fit.hpp"
 #include "law/law_likelihood.hpp"
-#include "law/maximise.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 

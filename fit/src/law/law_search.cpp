@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/columns.hpp"
+#include "law/law_data.hpp"
 #include "law/start_values.hpp"
 
 namespace bouncelab::fit {

@@ -10,11 +10,11 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "law/distributions.hpp"
 #include "law/law_likelihood.hpp"
-#include "law/maximise.hpp"
-#include "law/offsets.hpp"
 #include "law/start_values.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -23,6 +23,13 @@ constexpr std::size_t kFewestOfRecording = 3;
 constexpr std::size_t kFewestBetweenDrops = 10;  // degrees of freedom; below, F would have next to no power
 constexpr std::size_t kManyRecordings = 100;     // recordings: rows in a third of the time from there on
 constexpr double kSearch = 0.02;                 // of the whitened gradient: the likelihood ratio is good to 1e-3
+
+/// Samples in groups. The curve is that of the reference group; every other one has a constant offset in eps from it.
+struct Groups {
+  std::vector<std::size_t> of_sample;  ///< 0 ... n_groups - 1, none empty
+  std::size_t n_groups = 0;
+  std::size_t reference = 0;
+};
 
 /// Samples of the recordings that can be compared, in order of speed.
 struct Compared {
@@ -81,6 +88,134 @@ Compared compared(const std::vector<RestitutionSamples>& recordings) {
   return result;
 }
 
+/// Likelihood of curve and scatter with these offsets at their best for every theta (profile likelihood).
+class OffsetLikelihood {
+ public:
+  OffsetLikelihood(const LawData& data, const Groups& groups, const LawModel& model, const ScatterFamily& scatter);
+  OffsetLikelihood(const OffsetLikelihood&) = delete;
+  OffsetLikelihood& operator=(const OffsetLikelihood&) = delete;
+
+  /// The gradient is that at fixed offsets: where they are at their best, they do not add to it.
+  double operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient);
+
+  /// At the theta of the last call.
+  struct Offset {
+    double value = 0.0;
+    double se = 0.0;  ///< curve and scatter known; from the squares of the scores. Of the reference likewise
+  };
+  const std::vector<Offset>& offsets() const { return offsets_; }
+  const LawLikelihood& likelihood() const { return likelihood_; }
+
+ private:
+  Offset best_offset(const Eigen::VectorXd& theta, std::size_t group);
+
+  const LawData& data_;
+  LawData shifted_;  ///< less the offsets
+  LawLikelihood likelihood_;
+  std::size_t reference_;
+  std::vector<std::vector<std::size_t>> members_;
+  std::vector<Offset> offsets_;
+};
+
+constexpr double kCloseEnough = 1e-3;  // of a standard error: costs 1e-6 of the log-likelihood
+constexpr int kMostSteps = 60;
+
+struct Point {
+  double x = 0.0;
+  LawLikelihood::LocationScore score;
+};
+
+/// Where the score is 0. It falls but for samples so far off that they count as lost: from `start`, which is amidst
+/// the samples, steps of at most twice their scatter find a change of sign, regula falsi (Illinois) the place.
+template <class Function>
+Point root_of(const Function& score_at, double start, double n) {
+  Point a{start, score_at(start)}, b = a;
+  const auto is_close = [](const Point& p) {
+    return std::abs(p.score.sum) <= kCloseEnough * std::sqrt(p.score.squares);
+  };
+  for (int k = 0; k < kMostSteps && a.score.sum * b.score.sum >= 0.0; ++k) {
+    if (is_close(b) || !(b.score.squares > 0.0)) return b;
+    a = b;
+    const double most = 2.0 * std::sqrt(n / a.score.squares);
+    b.x = a.x + std::clamp(a.score.sum / a.score.squares, -most, most);
+    b.score = score_at(b.x);
+  }
+  double at_a = a.score.sum, at_b = b.score.sum;
+  for (int k = 0; k < kMostSteps && !is_close(b); ++k) {
+    if (std::abs(b.x - a.x) * std::sqrt(b.score.squares) < kCloseEnough) break;
+    Point c;
+    c.x = b.x - at_b * (b.x - a.x) / (at_b - at_a);
+    c.score = score_at(c.x);
+    if (c.score.sum * at_b < 0.0) {
+      a = b;
+      at_a = at_b;
+    } else {
+      at_a *= 0.5;
+    }
+    b = c;
+    at_b = c.score.sum;
+  }
+  return b;
+}
+
+OffsetLikelihood::OffsetLikelihood(const LawData& data, const Groups& groups, const LawModel& model,
+                                   const ScatterFamily& scatter)
+    : data_(data),
+      shifted_(data),
+      likelihood_(shifted_, model, scatter),
+      reference_(groups.reference),
+      members_(groups.n_groups),
+      offsets_(groups.n_groups) {
+  for (std::size_t k = 0; k < groups.of_sample.size(); ++k) members_[groups.of_sample[k]].push_back(k);
+}
+
+OffsetLikelihood::Offset OffsetLikelihood::best_offset(const Eigen::VectorXd& theta, std::size_t group) {
+  const std::vector<std::size_t>& members = members_[group];
+  std::vector<double> residuals;
+  for (const std::size_t k : members) {
+    shifted_.eps[k] = data_.eps[k];
+    residuals.push_back(data_.eps[k] - likelihood_.eps_of(theta, k));
+  }
+  const std::vector<SampleBlock> samples = likelihood_.gathered(theta, members);
+  const auto score_at = [&](double offset) { return likelihood_.location_score(samples, offset); };
+  if (group == reference_) return {0.0, 1.0 / std::sqrt(score_at(0.0).squares)};
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  const Point best = root_of(score_at, *middle, static_cast<double>(members.size()));
+  return {best.x, 1.0 / std::sqrt(best.score.squares)};
+}
+
+double OffsetLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) {
+  if (!theta.allFinite()) return -HUGE_VAL;
+  parallel_for(members_.size(), 0, [&](std::size_t g) {
+    offsets_[g] = best_offset(theta, g);
+    for (const std::size_t k : members_[g]) shifted_.eps[k] = data_.eps[k] - offsets_[g].value;
+  });
+  return likelihood_(theta, gradient);
+}
+
+/// Degrees of freedom that the curve and the offsets take together: the rank of the derivatives by q and of a constant
+/// for each group but the reference.
+std::size_t rank_with_offsets(const LawData& data, const LawModel& model, const Eigen::VectorXd& q,
+                              const Groups& groups) {
+  constexpr double kIndependent = 1e-9;  // of the unit diagonal
+  const Eigen::MatrixXd x = model.jacobian(data.v_mps, q);
+  Eigen::MatrixXd products = transposed_product(x, x);
+  const Eigen::VectorXd scale = products.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(x.cols(), static_cast<Eigen::Index>(groups.n_groups));
+  Eigen::VectorXd n = Eigen::VectorXd::Zero(sums.cols());
+  for (std::size_t k = 0; k < groups.of_sample.size(); ++k) {
+    if (groups.of_sample[k] == groups.reference) continue;
+    const auto g = static_cast<Eigen::Index>(groups.of_sample[k]);
+    sums.col(g) += x.row(static_cast<Eigen::Index>(k)).transpose();
+    n[g] += 1.0;
+  }
+  n[static_cast<Eigen::Index>(groups.reference)] = 1.0;
+  products -= gram(sums * n.cwiseInverse().cwiseSqrt().asDiagonal());
+  const Eigen::VectorXd spectrum = eigenvalues(scale.asDiagonal() * products * scale.asDiagonal());
+  return groups.n_groups - 1 + static_cast<std::size_t>((spectrum.array() > kIndependent).count());
+}
+
 ScatterFamily family_of(const LawFit& pooled) {
   const ScatterKind kind = pooled.method == LawMethod::asymmetric_laplace ? ScatterKind::normal_laplace
                            : pooled.method == LawMethod::least_absolute   ? ScatterKind::symmetric_laplace
@@ -106,12 +241,12 @@ double with_offsets(OffsetLikelihood& offsets, const Eigen::VectorXd& one) {
   directions(n_law, n_law) = 1.0;
   if (scatter.is_two_sided()) directions(n_law + static_cast<Eigen::Index>(scatter.n_terms), n_law) = 1.0;
   const LogLikelihood function = [&](const Eigen::VectorXd& y, Eigen::VectorXd* gradient) {
-    const double value = offsets(one + directions * y, gradient);
-    if (gradient) *gradient = (directions.transpose() * *gradient).eval();
+    const double value = offsets(one + product(directions, y), gradient);
+    if (gradient) *gradient = transposed_product(directions, *gradient);
     return value;
   };
   const Maximum maximum = maximise(function, Eigen::VectorXd::Zero(n_law + 1),
-                                   directions.transpose() * likelihood.information(one) * directions, kSearch);
+                                   congruence(directions, likelihood.information(one)), kSearch);
   function(maximum.x, nullptr);
   return maximum.loglik;
 }

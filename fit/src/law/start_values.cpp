@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "law/start_values.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/statistics.hpp"
-#include "law/columns.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -47,7 +46,7 @@ Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& 
     eps[static_cast<Eigen::Index>(j)] = bins[j].median_eps;
   }
   const Eigen::MatrixXd rows = model.jacobian(v, {});
-  const Eigen::VectorXd above_one = rows.colPivHouseholderQr().solve((eps.array() - 1.0).matrix());
+  const Eigen::VectorXd above_one = least_squares(rows, (eps.array() - 1.0).matrix());
   return above_one.array() + 1.0;
 }
 
@@ -84,8 +83,8 @@ Eigen::VectorXd least_absolute(const LawData& data, const LawModel& model) {
   const Eigen::VectorXd losses = Eigen::Map<const Eigen::VectorXd>(data.eps.data(), rows.rows()).array() - 1.0;
   Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(rows.rows()), q;
   for (int i = 0; i < kMost; ++i) {
-    q = (root_weights.asDiagonal() * rows).colPivHouseholderQr().solve(root_weights.cwiseProduct(losses));
-    const Eigen::VectorXd distances = (losses - rows * q).cwiseAbs();
+    q = least_squares(root_weights.asDiagonal() * rows, root_weights.cwiseProduct(losses));
+    const Eigen::VectorXd distances = (losses - product(rows, q)).cwiseAbs();
     root_weights = distances.array().max(1e-6 * distances.mean() + 1e-12).sqrt().inverse();
   }
   return q.array() + 1.0;
@@ -134,9 +133,8 @@ Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter
     for (Eigen::Index j = 0; j < powers.rows(); ++j)
       for (Eigen::Index i = 0; i < n_terms; ++i)
         powers(j, i) = power(log(look.v_mps[static_cast<std::size_t>(j)] / scatter.v_ref_mps), static_cast<int>(i));
-    const auto solver = powers.colPivHouseholderQr();
-    below = solver.solve(look.log_below);
-    above = solver.solve(look.log_above);
+    below = least_squares(powers, look.log_below);
+    above = least_squares(powers, look.log_above);
   }
   Eigen::VectorXd theta(law.size() + scatter.n_parameters());
   if (scatter.kind == ScatterKind::normal_laplace) {
@@ -164,12 +162,6 @@ Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const Scat
   theta[n_law] -= kHalf;
   theta[n_law + static_cast<Eigen::Index>(scatter.n_terms)] -= kHalf;
   return theta;
-}
-
-void widen(LawData& data, const ScatterModel& scatter, double width) {
-  const ScaleColumns b = scales_at(scatter, data.v_mps);
-  for (std::size_t k = 0; k < data.size(); ++k)
-    data.tau[k] = hypot(data.tau[k], width * (0.5 * (b.below[k] + b.above[k])));
 }
 
 }  // namespace bouncelab::fit

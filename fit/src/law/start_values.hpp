@@ -27,7 +27,4 @@ Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const S
 /// Of two exponentials half of the variance to a normal part: both can be seen from there.
 Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter, Eigen::Index n_law);
 
-/// Widens every sample's timing error, in quadrature, to width * b, b the mean of both sides' scales at its speed.
-void widen(LawData& data, const ScatterModel& scatter, double width);
-
 }  // namespace bouncelab::fit

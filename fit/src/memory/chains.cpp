@@ -6,7 +6,6 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -1,12 +1,70 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
-#include <cmath>
+#include <ceres/jet.h>
 
-#include "memory/jets.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "bouncelab/core/elementary.hpp"
+#include "memory/chains.hpp"
 
 namespace bouncelab::fit {
+
+/// The law's coordinates at most, log q, keep, log M, slip; then what is tested.
+inline constexpr int kMostMemoryLawParameters = 5, kTestedParameters = 2;
+
+/// A number that carries its derivatives (automatic differentiation). Of one size: each size is compiled anew.
+using Jet = ceres::Jet<double, kMostMemoryLawParameters + 3 + static_cast<int>(kSlipTimes) + kTestedParameters>;
+
+inline double value_of(double x) { return x; }
+inline double value_of(const Jet& x) { return x.a; }
+
+template <class T>
+T square_of(const T& x) {
+  return x * x;
+}
+
+/// max(x, 0) with its corner rounded over +-width: (x + sqrt(x^2 + width^2)) / 2, without cancellation below 0.
+/// @param square  of the width, > 0
+template <class T>
+T rounded_positive(const T& x, const T& square) {
+  using std::sqrt;
+  const T r = sqrt(x * x + square);
+  if (value_of(x) >= 0.0) return 0.5 * (x + r);
+  return 0.5 * square / (r - x);
+}
+
+/// The law at one impact.
+template <class T>
+struct LawAt {
+  T eps;
+  T slope;  ///< d eps / d v [s/m]
+};
+
+/// What all impacts have in common.
+template <class T>
+struct MemoryParameters {
+  T q;        ///< variance of the contacts' offset, per component (docs/physics.md)
+  T keep;     ///< share of the reservoir that outlasts a bounce, long after the release
+  T release;  ///< mean reservoir at the release; less than 0 where first ones are less than impacts make [m^2/s^2]
+  /// Of the logarithm of the reservoir: what slip at the contact takes soon after a release, by each decay, in all.
+  std::array<T, kSlipTimes> slip;
+  /// What the model says has one value, to be tested by the derivative there.
+  T ratio;  ///< 1; of the mean of |t|^2 to 2 q: both effects of the offset agree
+  T power;  ///< 0; d log q / d log v: the ball is as rough at every speed
+};
+
+/// Share of the reservoir that outlasts an impact. Until the contact of a ball that was released with spin rolls,
+/// friction turns spin into sideways motion and heat, unseen by vertical speeds.
+template <class T>
+T kept(const MemoryParameters<T>& p, const ChainImpact& m) {
+  T lost(0.0);
+  for (std::size_t j = 0; j < kSlipTimes; ++j) lost += p.slip[j] * m.soon[j];
+  return p.keep * exp(T(-lost));
+}
 
 /// One impact of a ball whose reservoir w is known to within a normal error: v r plus the normal error of what was
 /// measured, in m/s. Without error v r = (1 + e)(f t_x sqrt(w) - v |t|^2), t two components of variance q.
@@ -33,7 +91,7 @@ struct Emission {
   T variance;                ///< second derivative of the cumulant generating function at the saddlepoint
   double saddlepoint = 0.0;  ///< s [s/m]
 
-  T log_density() const { return exponent + logarithm(factor); }
+  T log_density() const { return exponent + log(factor); }
 };
 
 /// Cumulant generating function of y and its derivatives by s: given w
@@ -65,8 +123,7 @@ struct Cumulants {
   }
 };
 
-template <int N>
-EmissionInput<double> values_of(const EmissionInput<Jet<N>>& in) {
+inline EmissionInput<double> values_of(const EmissionInput<Jet>& in) {
   return {in.y.a, in.noise_mean.a, in.noise_variance.a, in.reservoir.a, in.reservoir_variance.a, in.covariance.a,
           in.a.a, in.b.a};
 }
@@ -116,6 +173,7 @@ inline Saddlepoint saddlepoint(const EmissionInput<double>& in) {
 /// an exponential (w = 0). Source: Daniels, Ann. Math. Stat. 25, 631 (1954), doi:10.1214/aoms/1177728652.
 template <class T>
 Emission<T> emission(const EmissionInput<T>& in) {
+  using std::sqrt;
   Emission<T> out;
   const Saddlepoint found = saddlepoint(values_of(in));
   // one step with derivatives: of the solution by all it depends on
@@ -125,7 +183,7 @@ Emission<T> emission(const EmissionInput<T>& in) {
   const T inverse = 1.0 / c.k2, skew = c.k3 * inverse * inverse;
   constexpr double kInverseRootTwoPi = 0.3989422804014327;
   out.exponent = c.rest - s * in.y + 0.125 * c.k4 * inverse * inverse - (5.0 / 24.0) * skew * skew * c.k2;
-  out.factor = kInverseRootTwoPi / (c.u * root(c.k2));
+  out.factor = kInverseRootTwoPi / (c.u * sqrt(c.k2));
   out.by_noise = s + 0.5 * skew;
   out.curvature_by_noise = -inverse;
   // s moves by -A' / K'' with the reservoir
@@ -155,10 +213,11 @@ double probability_below(const EmissionInput<T>& in, const Emission<T>& em) {
 /// @param y_by_v  y / (v (1 + e))
 template <class T>
 T mean_offset_square(const T& w, const T& reach, const T& y_by_v, const T& q) {
-  const T centre = root(reach * w);
-  const T radius = root(rounded_positive<T>(reach * w - y_by_v, square_of(1e-2 * q)));
+  using std::sqrt;
+  const T centre = sqrt(reach * w);
+  const T radius = sqrt(rounded_positive<T>(reach * w - y_by_v, square_of(1e-2 * q)));
   const T kappa = centre * radius / q;
-  const T r = root(kappa * kappa + 2.25);
+  const T r = sqrt(kappa * kappa + 2.25);
   // 1 - I1/I0, to 3 %: Amos, Math. Comp. 28, 239 (1974), doi:10.1090/S0025-5718-1974-0333287-7
   const T rest = (0.5 + 2.25 / (r + kappa)) / (0.5 + r);
   return square_of(centre - radius) + 2.0 * centre * radius * rest;

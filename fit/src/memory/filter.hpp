@@ -1,20 +1,173 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "memory/chains.hpp"
-#include "memory/component_sum.hpp"
 #include "memory/emission.hpp"
 #include "memory/first_reservoir.hpp"
-#include "memory/measurement_errors.hpp"
-#include "memory/memory_parameters.hpp"
 
 namespace bouncelab::fit {
+
+/// For each component the number of the one it is carried on in, or kDropped. Parts of one are neighbours.
+using Targets = std::vector<std::uint8_t>;
+inline constexpr std::uint8_t kDropped = 255;
+
+/// Neighbours that are nearly one are carried on as one; those without weight no more. Nearly one: compared with how
+/// far they are from the least book that later impacts allow.
+template <class T>
+Targets targets_of(const std::vector<Component<T>>& components, double least_book) {
+  constexpr double kNarrow = 0.005;
+  constexpr double kWithoutWeight = 1e-6;
+  Targets target(components.size(), kDropped);
+  int last = -1;
+  double weight = 0.0, mean = 0.0, spread = 0.0;
+  for (std::size_t k = 0; k < components.size(); ++k) {
+    const Component<T>& c = components[k];
+    const double w = value_of(c.weight);
+    if (!(w > kWithoutWeight)) continue;
+    const double book = value_of(c.book), own = value_of(c.variance);
+    const double both = weight + w, joint = (weight * mean + w * book) / both;
+    const double joint_spread = (weight * (spread + square(mean - joint)) + w * (own + square(book - joint))) / both;
+    const double room = joint - least_book;
+    const bool together = last >= 0 && room > 0.0 && joint_spread < kNarrow * square(room);
+    if (together) {
+      weight = both;
+      mean = joint;
+      spread = joint_spread;
+    } else {
+      ++last;
+      weight = w;
+      mean = book;
+      spread = own;
+    }
+    target[k] = static_cast<std::uint8_t>(last);
+  }
+  return target;
+}
+
+/// One normal distribution of the same weight, mean and variance as these together.
+template <class T>
+Component<T> joint_component(const std::vector<const Component<T>*>& parts) {
+  if (parts.size() == 1) return *parts.front();
+  const T origin = parts.front()->book;
+  T weight(0.0), mean(0.0), spread(0.0);
+  for (const Component<T>* c : parts) {
+    const T book = c->book - origin, weighed = c->weight * book;
+    weight += c->weight;
+    mean += weighed;
+    spread += c->weight * c->variance + weighed * book;
+  }
+  if (!(value_of(weight) > 0.0)) return *parts.front();
+  const T inverse = 1.0 / weight;
+  mean *= inverse;
+  return {weight, origin + mean, spread * inverse - mean * mean};
+}
+
+/// Joins what has the same target.
+/// @param joined, parts  storage, used again from impact to impact
+template <class T>
+void join(std::vector<Component<T>>& components, const Targets& target, std::vector<Component<T>>& joined,
+          std::vector<const Component<T>*>& parts) {
+  joined.clear();
+  parts.clear();
+  std::uint8_t current = kDropped;
+  for (std::size_t k = 0; k < components.size(); ++k) {
+    if (target[k] == kDropped) continue;
+    if (target[k] != current && !parts.empty()) {
+      joined.push_back(joint_component(parts));
+      parts.clear();
+    }
+    current = target[k];
+    parts.push_back(&components[k]);
+  }
+  if (!parts.empty()) joined.push_back(joint_component(parts));
+  std::swap(components, joined);
+}
+
+/// Normal errors of what a chain measures, along the chain: d of the speed before an impact, of the height H of its
+/// contact and of its time D, and of height H' and time D' of the next; all in m/s. Impacts share them, for an interval
+/// has two ends:
+///
+///   d = H_before + D_before - H - D,   and after a bounce   d' = H/e + D - H' - D'.
+template <class T>
+class MeasurementErrors {
+ public:
+  /// Before the first impact of a chain. @param height_variance  of the heights of contacts [m^2]
+  void begin(const ChainImpact& first, const T& height_variance) {
+    const T height = square_of(T(first.height_mps)) * height_variance;
+    mean_.setZero();
+    covariance_.setZero();
+    covariance_(0, 0) = 2.0 * height + first.timing_before + first.timing;
+    covariance_(1, 1) = height;
+    covariance_(2, 2) = T(first.timing);
+    covariance_(0, 1) = covariance_(1, 0) = -height;
+    covariance_(0, 2) = covariance_(2, 0) = T(-first.timing);
+  }
+
+  /// The next height and time join, and with them the speed after the impact is measured.
+  void measure(const ChainImpact& m, const LawAt<T>& law, const T& height_variance) {
+    inverse_e_ = 1.0 / law.eps;
+    by_d_ = law.eps + m.v_mps * law.slope;
+    covariance_(3, 3) = square_of(T(m.height_mps)) * height_variance * square_of(inverse_e_);
+    covariance_(4, 4) = T(m.timing_after);
+    with_y_ = covariance_.col(0) * by_d_ + covariance_.col(1) * inverse_e_ - covariance_.col(2) - covariance_.col(3) +
+              covariance_.col(4);
+    with_speed_ = covariance_.col(0) + covariance_.col(1) + covariance_.col(1);
+  }
+
+  /// Error of y = v' - e v: (e + v e') d + H/e - D - H' + D' [m/s].
+  T y_mean() const { return in_y(mean_); }
+  T y_variance() const { return in_y(with_y_); }
+  /// d + 2 H: 2 v times it is what errors add to the book of energies [m/s].
+  T speed_mean() const { return in_speed(mean_); }
+  T speed_variance() const { return in_speed(with_speed_); }
+  T covariance() const { return in_speed(with_y_); }
+
+  /// What y says of the errors: derivatives of the log of its density by the means of both errors, and the second one
+  /// by that of y.
+  void update(const T& by_y, const T& by_speed, const T& curvature_by_y) {
+    mean_ += by_y * with_y_ + by_speed * with_speed_;
+    const Vector bent = with_y_ * curvature_by_y;
+    covariance_ += bent * with_y_.transpose();
+  }
+
+  /// To before the next impact.
+  void carry_on() {
+    const T d_mean = mean_(1) * inverse_e_ + mean_(2) - mean_(3) - mean_(4);
+    const Vector with_d =
+        covariance_.col(1) * inverse_e_ + covariance_.col(2) - covariance_.col(3) - covariance_.col(4);
+    const T d_variance = with_d(1) * inverse_e_ + with_d(2) - with_d(3) - with_d(4);
+    const T height = covariance_(3, 3), both = covariance_(3, 4), time = covariance_(4, 4);
+    const T height_mean = mean_(3), time_mean = mean_(4);
+    mean_ << d_mean, height_mean, time_mean, T(0.0), T(0.0);
+    covariance_.setZero();
+    covariance_(0, 0) = d_variance;
+    covariance_(0, 1) = covariance_(1, 0) = with_d(3);
+    covariance_(0, 2) = covariance_(2, 0) = with_d(4);
+    covariance_(1, 1) = height;
+    covariance_(1, 2) = covariance_(2, 1) = both;
+    covariance_(2, 2) = time;
+  }
+
+ private:
+  using Vector = Eigen::Matrix<T, 5, 1>;
+
+  T in_y(const Vector& x) const { return by_d_ * x(0) + inverse_e_ * x(1) - x(2) - x(3) + x(4); }
+  static T in_speed(const Vector& x) { return x(0) + 2.0 * x(1); }
+
+  Vector mean_;
+  Eigen::Matrix<T, 5, 5> covariance_;
+  T by_d_, inverse_e_;
+  Vector with_y_, with_speed_;  ///< covariances of all errors with these two
+};
 
 /// What a search keeps fixed, so that the likelihood is a smooth function of the parameters: where the first reservoirs
 /// of a chain are, and which are carried on together.
@@ -94,7 +247,7 @@ class ChainFilter {
     T sum(0.0);
     for (const Component<T>& c : components_) sum += c.weight;
     for (Component<T>& c : components_) c.weight *= 1.0 / sum;
-    log_start_ += logarithm(sum);
+    log_start_ += log(sum);
     errors_.begin(chain_.impacts.front(), height_variance_);
   }
 
@@ -149,7 +302,7 @@ class ChainFilter {
       c.book -= lost * (c.book - error_after);
       c.variance *= square_of(share);
     }
-    return all.log_density + logarithm(flux);
+    return all.log_density + log(flux);
   }
 
   /// Log density of all components, and its derivatives.
@@ -171,7 +324,7 @@ class ChainFilter {
     for (std::size_t k = 0; k < components_.size(); ++k) {
       const Emission<T>& em = emissions_[k];
       const T& before = components_[k].weight;
-      const T weight = value_of(before) > 0.0 ? T(before * em.factor * exponential(em.exponent - highest)) : T(0.0);
+      const T weight = value_of(before) > 0.0 ? T(before * em.factor * exp(em.exponent - highest)) : T(0.0);
       components_[k].weight = weight;
       sum += weight;
       gain += weight * em.by_noise;
@@ -185,7 +338,7 @@ class ChainFilter {
       if (!(value_of(c.weight) > kNoWeight)) c.weight = T(0.0);
     }
     gain *= inverse_sum;
-    return {highest + logarithm(sum), gain, gain2 * inverse_sum - gain * gain, by_reservoir * inverse_sum,
+    return {highest + log(sum), gain, gain2 * inverse_sum - gain * gain, by_reservoir * inverse_sum,
             variance / value_of(sum)};
   }
 

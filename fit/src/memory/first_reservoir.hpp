@@ -9,11 +9,17 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "memory/chains.hpp"
-#include "memory/component_sum.hpp"
-#include "memory/jets.hpp"
-#include "memory/memory_parameters.hpp"
+#include "memory/emission.hpp"
 
 namespace bouncelab::fit {
+
+/// One normal distribution of a sum: of the book of energies, given one first reservoir.
+template <class T>
+struct Component {
+  T weight;
+  T book;      ///< mean [m^2/s^2]
+  T variance;  ///< [m^4/s^4]
+};
 
 /// First reservoirs that a chain is followed from.
 struct FirstNodes {
@@ -78,8 +84,7 @@ class FirstReservoir {
     const T all_mean = mean(), inverse_mean = 1.0 / all_mean;
     components.clear();
     const auto add = [&](double from_least, double width) {
-      components.push_back(
-          {T(width) * inverse_mean * exponential(-from_least * inverse_mean), least + from_least, T(0.0)});
+      components.push_back({T(width) * inverse_mean * exp(-from_least * inverse_mean), least + from_least, T(0.0)});
     };
     const std::vector<double> below = widths(nodes.below_least), above = widths(nodes.above_least);
     for (std::size_t k = below.size(); k-- > 0;) add(-nodes.below_least[k], below[k]);

@@ -2,6 +2,8 @@
 #include "memory/memory_likelihood.hpp"
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -92,15 +94,14 @@ void MemoryLikelihood::plan_at(const Eigen::VectorXd& theta) {
   parallel_for(plans_.size(), 0, [&](std::size_t c) { filter(c, p).plan(law_values(c, theta), plans_[c]); });
 }
 
-template <int N>
-void MemoryLikelihood::score_by_jets(std::size_t chain, const Eigen::VectorXd& theta, double& loglik,
-                                     Eigen::VectorXd* gradient, Eigen::MatrixXd* by_impact) const {
+void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
+                             Eigen::MatrixXd* by_impact) const {
   const LawRows rows = law_rows(chain, theta);
-  std::vector<LawAt<Jet<N>>> law(static_cast<std::size_t>(rows.eps.size()));
+  std::vector<LawAt<Jet>> law(static_cast<std::size_t>(rows.eps.size()));
   for (std::size_t k = 0; k < law.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    law[k].eps = Jet<N>(rows.eps[i]);
-    law[k].slope = Jet<N>(rows.slope[i]);
+    law[k].eps = Jet(rows.eps[i]);
+    law[k].slope = Jet(rows.slope[i]);
     for (int j = 0; j < n_law_; ++j) {
       law[k].eps.v[j] = rows.eps_row(j, i);
       law[k].slope.v[j] = rows.slope_row(j, i);
@@ -108,9 +109,9 @@ void MemoryLikelihood::score_by_jets(std::size_t chain, const Eigen::VectorXd& t
   }
   const MemoryParameters<double> values = parameters(theta);
   const int n = static_cast<int>(n_law_);
-  MemoryParameters<Jet<N>> p{Jet<N>(values.q),       Jet<N>(values.keep),
-                             Jet<N>(values.release), {Jet<N>(values.slip[0]), Jet<N>(values.slip[1])},
-                             Jet<N>(values.ratio),   Jet<N>(values.power)};
+  MemoryParameters<Jet> p{Jet(values.q),       Jet(values.keep),
+                          Jet(values.release), {Jet(values.slip[0]), Jet(values.slip[1])},
+                          Jet(values.ratio),   Jet(values.power)};
   p.q.v[n] = values.q;
   p.keep.v[n + 1] = 1.0;
   p.release.v[n] = -first_at_rest_m2ps2(values.q);
@@ -120,8 +121,8 @@ void MemoryLikelihood::score_by_jets(std::size_t chain, const Eigen::VectorXd& t
     const int tested = static_cast<int>(n_parameters());
     p.ratio.v[tested] = p.power.v[tested + 1] = 1.0;
   }
-  std::vector<Jet<N>> densities;
-  const Jet<N> sum = filter(chain, p).loglik(law, plans_[chain], by_impact ? &densities : nullptr);
+  std::vector<Jet> densities;
+  const Jet sum = filter(chain, p).loglik(law, plans_[chain], by_impact ? &densities : nullptr);
   loglik = sum.a;
   if (gradient) *gradient = sum.v.head(n_parameters());
   if (!by_impact) return;
@@ -129,18 +130,6 @@ void MemoryLikelihood::score_by_jets(std::size_t chain, const Eigen::VectorXd& t
   by_impact->resize(n_rows, static_cast<Eigen::Index>(densities.size()));
   for (std::size_t k = 0; k < densities.size(); ++k)
     by_impact->col(static_cast<Eigen::Index>(k)) = densities[k].v.head(n_rows);
-}
-
-void MemoryLikelihood::score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
-                             Eigen::MatrixXd* by_impact) const {
-#ifndef BOUNCELAB_ONE_JET_SIZE  // the page loads the code of each size
-  const Eigen::Index n = n_parameters() + (by_impact ? kTestedParameters : 0);
-  if (n <= 6) return score_by_jets<6>(chain, theta, loglik, gradient, by_impact);
-  if (n <= 8) return score_by_jets<8>(chain, theta, loglik, gradient, by_impact);
-  if (n <= 10) return score_by_jets<10>(chain, theta, loglik, gradient, by_impact);
-#endif
-  constexpr int kAll = kMostMemoryLawParameters + 3 + static_cast<int>(kSlipTimes) + kTestedParameters;
-  score_by_jets<kAll>(chain, theta, loglik, gradient, by_impact);
 }
 
 double MemoryLikelihood::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd* gradient) const {

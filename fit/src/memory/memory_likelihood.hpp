@@ -11,8 +11,6 @@
 
 namespace bouncelab::fit {
 
-inline constexpr int kMostMemoryLawParameters = 5;
-
 /// Log-likelihood of all chains: theta = (law's coordinates, log q, keep, log M, slip). M is the mean of the reservoir
 /// before the first impact of the chain that begins earliest in its drop [m^2/s^2]: what the release left and what the
 /// impacts before that one added, which needs not be known apart. It is free whether or not the release was clean.
@@ -63,13 +61,9 @@ class MemoryLikelihood {
   ChainFilter<T> filter(std::size_t chain, const MemoryParameters<T>& parameters) const {
     return {chains_.chains[chain], chains_.height_sd_m(parameters.q), parameters};
   }
-  /// Of one chain: its log-likelihood, and the gradient or the rows of scores_by_impact() of its impacts, by jets of
-  /// the least size compiled that holds the derivatives. Each derivative is the same number by jets of any size.
+  /// Of one chain: its log-likelihood, and the gradient or the rows of scores_by_impact() of its impacts.
   void score(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
              Eigen::MatrixXd* by_impact) const;
-  template <int N>
-  void score_by_jets(std::size_t chain, const Eigen::VectorXd& theta, double& loglik, Eigen::VectorXd* gradient,
-                     Eigen::MatrixXd* by_impact) const;
   Eigen::VectorXd gradient_by_first(const Eigen::VectorXd& theta) const;
   double rest_over_first_squared(const Eigen::VectorXd& theta) const;
   LawRows law_rows(std::size_t chain, const Eigen::VectorXd& theta) const;

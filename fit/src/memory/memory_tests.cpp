@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/memory_tests.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,17 +8,51 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "law/by_drop.hpp"
-#include "law/distributions.hpp"
-#include "law/maximise.hpp"
-#include "law/replicates.hpp"
-#include "memory/memory_draws.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/restitution_with_memory.hpp"
+#include "law/goodness.hpp"
+#include "law/intervals.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
 /// Impacts that the test is made of at most.
 constexpr std::size_t kMostImpacts = 4000;
+
+/// A chain as the model would have it: the first speed and all errors as in `like`; the first reservoir, impacts
+/// (restitution_with_memory), heights of contacts and timing errors drawn. Heights are exponential and independent.
+/// @param height_sd_m  their standard deviation, Chains::height_sd_m
+Chain draw_chain(const Chain& like, const RestitutionLaw& law, const MemoryParameters<double>& parameters,
+                 double height_sd_m, Random& random) {
+  Chain chain = like;
+  const auto eps = [&](double v_mps) { return restitution(law, v_mps); };
+  const auto draw_height_m = [&] { return -height_sd_m * random.exponential(); };
+  const auto draw_timing = [&](double variance) { return std::sqrt(variance) * random.normal(); };
+  const ChainImpact& first = like.impacts.front();
+  double w = (2.0 * parameters.q * like.s_before + parameters.release) * random.exponential(), v = first.v_mps;
+  double height_before = draw_height_m(), height = draw_height_m();
+  double timing_before = draw_timing(first.timing_before), timing = draw_timing(first.timing);
+  // errors are those of `like`: the drawn speeds differ too little to scale them anew
+  for (ChainImpact& m : chain.impacts) {
+    m.v_mps = v + m.height_mps * (height - height_before) + timing - timing_before;
+    const double z1 = random.normal(), z2 = random.normal();
+    const double eps_drawn = restitution_with_memory(v, eps, parameters.q, z1, z2, w), v_after = eps_drawn * v;
+    w *= kept(parameters, m);
+    // a next contact that is higher by this, in speed, is met earlier and at twice as much less
+    const double height_next = draw_height_m(), timing_next = draw_timing(m.timing_after);
+    const double rise = m.height_mps / eps_drawn * (height_next - height);
+    m.v_after_mps = v_after - rise + timing_next - timing;
+    v = v_after - 2.0 * rise;
+    height_before = height;
+    height = height_next;
+    timing_before = timing;
+    timing = timing_next;
+  }
+  return chain;
+}
 
 double statistic(const MemoryLikelihood& likelihood, const Eigen::VectorXd& theta) {
   return anderson_darling(likelihood.transforms(theta));
@@ -32,8 +65,9 @@ double two_sided(double z) { return erfc(std::abs(z) * 0.70710678118654752); }
 MemoryTest score_test(const MemoryLikelihood& likelihood, const Eigen::MatrixXd& scores, Eigen::Index tested) {
   const Eigen::MatrixXd fitted = scores.topRows(likelihood.n_parameters());
   const Eigen::VectorXd own = scores.row(tested).transpose();
-  const Eigen::VectorXd of_fitted = (fitted * fitted.transpose()).ldlt().solve(fitted * own);
-  const Eigen::MatrixXd rest = own.transpose() - of_fitted.transpose() * fitted;
+  const Eigen::MatrixXd white = whitening(gram(fitted), 1e-14);
+  const Eigen::VectorXd of_fitted = product(white, transposed_product(white, product(fitted, own)));
+  const Eigen::MatrixXd rest = own.transpose() - transposed_product(of_fitted, fitted);
   const Eigen::MatrixXd by_drop = likelihood.by_drop(rest);
   const auto n = static_cast<double>(by_drop.cols());
   const bool enough = likelihood.chains().n_drops >= kFewestDrops;
@@ -51,7 +85,8 @@ double drops_over_impacts(const MemoryLikelihood& likelihood, const Eigen::Matri
   const auto n = static_cast<double>(drops.cols());
   if (n < 2.0) return 0.0;
   // about their mean: it is zero of what was fitted, and not of a sample that was drawn
-  const Eigen::MatrixXd white = whitening(information, 1e-9).transpose() * (drops.colwise() - drops.rowwise().mean());
+  const Eigen::MatrixXd white =
+      transposed_product(whitening(information, 1e-9), drops.colwise() - drops.rowwise().mean());
   return white.squaredNorm() * n / (n - 1.0) / static_cast<double>(scores.rows());
 }
 
@@ -77,7 +112,7 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
     those.plan_at(theta);
     const Eigen::MatrixXd scores = those.scores_by_impact(theta);
     const Eigen::MatrixXd fitted = scores.topRows(theta.size());
-    result.drops = drops_over_impacts(those, fitted, fitted * fitted.transpose() + those.prior_information(theta));
+    result.drops = drops_over_impacts(those, fitted, gram(fitted) + those.prior_information(theta));
     if (random == nullptr) {
       result.a2 = statistic(those, theta);
       return result;
@@ -86,8 +121,9 @@ ModelTests tests_by_drawing(const MemoryLikelihood& likelihood, const Eigen::Vec
       result.z[j] = score_test(those, scores, theta.size() + static_cast<Eigen::Index>(j)).z;
     Eigen::VectorXd others(theta.size());
     for (double& x : others) x = random->normal();
-    const Eigen::VectorXd in_white = white.transpose() * fitted.rowwise().sum() + std::sqrt(1.0 - share) * others;
-    result.a2 = statistic(those, theta + white * in_white);
+    const Eigen::VectorXd in_white =
+        transposed_product(white, fitted.rowwise().sum()) + std::sqrt(1.0 - share) * others;
+    result.a2 = statistic(those, theta + product(white, in_white));
     return result;
   };
 

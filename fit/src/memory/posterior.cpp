@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/posterior.hpp"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,12 +9,17 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
-#include "law/maximise.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
 
 constexpr double kFreedom = 5.0;
+
+/// R with R R^T the covariance, in whatever units.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
+  return whitening(gram(whitening(covariance, 1e-15)), 1e-12);
+}
 
 /// One round: draws about a centre, weighed by the density.
 Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre, const Eigen::MatrixXd& spread,
@@ -33,7 +36,7 @@ Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre,
     for (int i = 0; i < static_cast<int>(kFreedom); ++i) chi2 += square(random.normal());
     const Eigen::VectorXd y = z / std::sqrt(chi2 / kFreedom);
     const auto column = static_cast<Eigen::Index>(k);
-    result.draws.col(column) = centre + spread * y;
+    result.draws.col(column) = centre + product(spread, y);
     const double log_proposal = -0.5 * (kFreedom + static_cast<double>(p)) * log1p(y.squaredNorm() / kFreedom);
     const double value = log_density(result.draws.col(column));
     log_weight[column] = std::isfinite(value) ? value - log_proposal : -HUGE_VAL;
@@ -45,9 +48,9 @@ Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre,
   result.weights = result.weights.cwiseMin(cut);
   result.weights /= result.weights.sum();
   result.effective = 1.0 / result.weights.squaredNorm();
-  result.mean = result.draws * result.weights;
+  result.mean = product(result.draws, result.weights);
   const Eigen::MatrixXd about = result.draws.colwise() - result.mean;
-  result.covariance = about * result.weights.asDiagonal() * about.transpose();
+  result.covariance = product(about * result.weights.asDiagonal(), about.transpose());
   return result;
 }
 
@@ -85,15 +88,15 @@ Posterior normal_draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covar
   result.effective = static_cast<double>(n_draws);
   result.weights = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n_draws));
   result.draws.resize(mean.size(), n);
-  const Eigen::MatrixXd spread = whitening(covariance.inverse(), 1e-12);
+  const Eigen::MatrixXd spread = root_of(covariance);
   for (Eigen::Index k = 0; k < n; ++k) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{3} << 40U) + static_cast<std::uint64_t>(k));
     Eigen::VectorXd z(mean.size());
     for (double& value : z) value = random.normal();
-    result.draws.col(k) = mean + spread * z;
+    result.draws.col(k) = mean + product(spread, z);
   }
   // exactly the mean asked for: what is reported has no error of drawing
-  const Eigen::VectorXd shift = result.draws * result.weights - mean;
+  const Eigen::VectorXd shift = product(result.draws, result.weights) - mean;
   result.draws.colwise() -= shift;
   return result;
 }
@@ -104,10 +107,9 @@ Posterior sample_posterior(const LogDensity& log_density, const Eigen::VectorXd&
   constexpr double kEnough = 0.15;  // of the draws: the round's mean and covariance are good enough to draw by
   Eigen::VectorXd about = centre;
   Eigen::MatrixXd spread = covariance;
-  const auto root = [](const Eigen::MatrixXd& m) { return whitening(m.inverse(), 1e-12); };
   for (int round = 0; round < kMostRounds; ++round) {
     const Posterior here =
-        round_of(log_density, about, root(spread), n_draws / 3, seed, static_cast<std::uint64_t>(round));
+        round_of(log_density, about, root_of(spread), n_draws / 3, seed, static_cast<std::uint64_t>(round));
     const auto n = static_cast<double>(here.draws.cols());
     const double few = static_cast<double>(4 * about.size());
     about = here.mean;
@@ -116,7 +118,7 @@ Posterior sample_posterior(const LogDensity& log_density, const Eigen::VectorXd&
     spread = (trust * here.covariance + (1.0 - trust) * spread).eval();
     if (round > 0 && here.effective > kEnough * n) break;
   }
-  return round_of(log_density, about, root(spread), n_draws, seed, kMostRounds);
+  return round_of(log_density, about, root_of(spread), n_draws, seed, kMostRounds);
 }
 
 }  // namespace bouncelab::fit

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -16,10 +16,10 @@ struct Leg {
 /// From rest to speed v or back; drag helps to stop on the way up (sign +1) and holds up on the way down (-1).
 Leg leg(const Ball& ball, const Air& air, double v_mps, double gravity_mps2, double sign) {
   Leg result;
-  for (std::size_t k = 0; k < kGaussLegendre6.nodes.size(); ++k) {
-    const double v = v_mps * kGaussLegendre6.nodes[k];
-    const double weight =
-        v_mps * kGaussLegendre6.weights[k] / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
+  static const QuadratureRule rule = gauss_legendre(6, 0.0, 1.0);
+  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+    const double v = v_mps * rule.nodes[k];
+    const double weight = v_mps * rule.weights[k] / (gravity_mps2 + sign * drag_deceleration_mps2(ball, air, v));
     result.duration_s += weight;
     result.height_m += weight * v;
   }

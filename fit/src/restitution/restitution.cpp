@@ -5,8 +5,9 @@
 #include <cmath>
 #include <iterator>
 #include <span>
+#include <string>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/statistics.hpp"
@@ -279,6 +280,53 @@ Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& c
   result.counts = pieces.counts();
   result.counts.eps_median = median_eps(result.samples);
   return result;
+}
+
+Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {
+  if (!(travel.wave_speed_mps > 0.0) || !std::isfinite(travel.wave_speed_mps))
+    throw InvalidArgument("speed of the sound " + std::to_string(travel.wave_speed_mps) + " m/s: must be positive");
+  for (Onset& onset : onsets) {
+    const auto found = travel.position_m.find({onset.drop, onset.impact});
+    if (found == travel.position_m.end()) {
+      onset.flags.add(Flag::no_position);
+      continue;
+    }
+    const auto& [x_m, y_m] = found->second;
+    onset.t_s -= hypot(x_m - travel.sensor_x_m, y_m - travel.sensor_y_m) / travel.wave_speed_mps;
+  }
+  return onsets;
+}
+
+std::vector<ColumnSpec> position_columns() {
+  constexpr Range kPlates_m{-1e3, 1e3};
+  return {{"drop", ColumnType::integer, true, kIndexRange},
+          {"impact", ColumnType::integer, true, kIndexRange},
+          {"x_m", ColumnType::real, true, kPlates_m},
+          {"y_m", ColumnType::real, true, kPlates_m}};
+}
+
+TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m) {
+  TravelTime travel{wave_speed_mps, sensor_x_m, sensor_y_m, {}};
+  const auto &drops = *positions.integers("drop"), &impacts = *positions.integers("impact");
+  const auto &x = *positions.reals("x_m"), &y = *positions.reals("y_m");
+  for (std::size_t k = 0; k < positions.n_rows(); ++k)
+    if (std::isfinite(x[k]) && std::isfinite(y[k])) travel.position_m[{drops[k], impacts[k]}] = {x[k], y[k]};
+  return travel;
+}
+
+std::vector<IntervalPrediction> predict_intervals(const RestitutionSamples& samples, const std::string& recording,
+                                                  std::int64_t drop, const std::optional<RestitutionLaw>& law,
+                                                  double gravity_mps2) {
+  std::vector<IntervalPrediction> intervals;
+  for (const RestitutionSample& s : samples) {
+    if (s.recording != recording || s.drop != drop) continue;
+    const double before_s = 2.0 * s.v_mps / gravity_mps2;
+    IntervalPrediction interval{s.impact, s.eps * before_s, std::nullopt, std::nullopt};
+    if (law) interval.predicted_s = restitution(*law, s.v_mps) * before_s;
+    if (s.sigma_eps) interval.sigma_s = *s.sigma_eps * before_s;
+    intervals.push_back(interval);
+  }
+  return intervals;
 }
 
 }  // namespace bouncelab::fit

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
 #include "text/format.hpp"
 

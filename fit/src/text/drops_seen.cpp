@@ -4,7 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/fit/plain_answer.hpp"
 
 namespace bouncelab::fit {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
 

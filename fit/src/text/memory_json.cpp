@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "text/json_parts.hpp"
 
-#include "bouncelab/core/ball_catalogue.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 
 namespace bouncelab::fit {
 

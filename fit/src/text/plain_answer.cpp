@@ -7,7 +7,7 @@
 #include <map>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "text/format.hpp"
 

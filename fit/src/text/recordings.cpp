@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "text/format.hpp"
 
 namespace bouncelab::fit {

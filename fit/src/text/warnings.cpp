@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bouncelab/core/ball_catalogue.hpp"
-#include "bouncelab/fit/roughness.hpp"
-#include "law/by_drop.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+#include "law/intervals.hpp"
 #include "text/findings.hpp"
 #include "text/format.hpp"
 

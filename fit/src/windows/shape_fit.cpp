@@ -10,10 +10,11 @@
 #include <span>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/distributions.hpp"
 #include "law/goodness.hpp"
-#include "law/maximise.hpp"
-#include "law/normal_laplace_block.hpp"
+#include "law/normal_laplace.hpp"
+#include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -142,7 +143,7 @@ Eigen::VectorXd gumbel(const Eigen::VectorXd& x, const Blur& blur, double sign) 
 /// By Simpson's rule in each cell: faster than its distribution function.
 Eigen::VectorXd student_t(const Eigen::VectorXd& x, const Blur& blur) {
   const double scale = exp(x[1]), nu = exp(std::clamp(x[2], -0.7, 7.0));
-  const double norm = exp(log_gamma(0.5 * (nu + 1.0)) - log_gamma(0.5 * nu)) / std::sqrt(nu * std::numbers::pi) / scale;
+  const double norm = student_t_density(0.0, nu) / scale;
   const auto density = [&](const Eigen::ArrayXd& eps) -> Eigen::ArrayXd {
     return norm * exp_of(-0.5 * (nu + 1.0) * log_of(1.0 + ((eps - x[0]) / scale).square() / nu));
   };
@@ -211,19 +212,19 @@ struct BinnedLikelihood {
   double operator()(const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const {
     if (!x.allFinite()) return -HUGE_VAL;
     const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
-    if (gradient) *gradient = derivatives(x).transpose() * counts.cwiseQuotient(p);
+    if (gradient) *gradient = transposed_product(derivatives(x), counts.cwiseQuotient(p));
     return counts.dot(p.unaryExpr([](double share) { return log(share); }));
   }
   Eigen::MatrixXd information(const Eigen::VectorXd& x) const {
     const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
     const Eigen::MatrixXd d = derivatives(x);
-    return counts.sum() * d.transpose() * p.cwiseMax(1e-12).cwiseInverse().asDiagonal() * d;
+    return counts.sum() * transposed_product(d, p.cwiseMax(1e-12).cwiseInverse().asDiagonal() * d);
   }
   /// The same from the counts found: a metric for the search also where the shape is far from them.
   Eigen::MatrixXd observed_information(const Eigen::VectorXd& x) const {
     const Eigen::VectorXd p = blur.bins_of(model.cells(x, blur));
     const Eigen::MatrixXd d = p.cwiseInverse().asDiagonal() * derivatives(x);
-    return d.transpose() * counts.asDiagonal() * d;
+    return transposed_product(d, counts.asDiagonal() * d);
   }
 };
 
@@ -261,7 +262,7 @@ ShapeFit fit_shape(const ShapeModel& model, const Blur& blur, const Eigen::Vecto
   fit.status = maximum.converged ? FitStatus::ok : FitStatus::not_converged;
   fit.loglik = maximum.loglik;
   const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
-  const Eigen::VectorXd se = (white * white.transpose()).diagonal().cwiseSqrt();
+  const Eigen::VectorXd se = gram(white).diagonal().cwiseSqrt();
   fit.parameters.push_back({model.parameter_names[0], normal_estimate(maximum.x[0], se[0])});
   for (Eigen::Index i = 1; i < maximum.x.size(); ++i) {
     const auto j = static_cast<std::size_t>(i);

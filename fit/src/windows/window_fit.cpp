@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
-#include "law/by_drop.hpp"
-#include "law/profile.hpp"
+#include "law/intervals.hpp"
 #include "law/start_values.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -31,7 +31,7 @@ Estimate exponential_estimate(double log_value, const QuantityError& error, doub
 QuantityError quantity_error(const LogLikelihood& function, const WindowFit& fit, const Eigen::MatrixXd& white,
                              const std::optional<ErrorsByDrop>& by_drop, const Eigen::VectorXd& direction) {
   QuantityError error;
-  error.se = (white.transpose() * direction).norm();
+  error.se = transposed_product(white, direction).norm();
   ProfileLevels reach, levels;
   if (by_drop) {
     error.se_independent = error.se;
@@ -105,19 +105,27 @@ std::vector<double> probabilities_below(const LawData& data, const Eigen::Vector
 }
 
 std::vector<CurvePoint> density_curve(const LawData& data, const Eigen::VectorXd& theta, const Bins& bins) {
-  constexpr std::size_t kPoints = 161, kTaus = 64;
-  std::vector<double> taus = data.tau;
-  std::sort(taus.begin(), taus.end());
-  const std::size_t n_taus = std::min(kTaus, taus.size());
+  constexpr std::size_t kPoints = 161;
+  std::vector<double> sorted = data.tau;
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t n_taus = std::min(kBlockSize, sorted.size());
+  SidesBlock sides;
+  sides.fill(exp(theta[1]), exp(theta[2]));
+  Block tau, inverse_tau;
+  for (std::size_t j = 0; j < n_taus; ++j) {
+    tau[j] = sorted[(2 * j + 1) * sorted.size() / (2 * n_taus)];
+    inverse_tau[j] = 1.0 / tau[j];
+  }
   std::vector<CurvePoint> curve;
   for (std::size_t k = 0; k < kPoints; ++k) {
     const double eps = bins.eps_edges.front() +
                        (bins.eps_edges.back() - bins.eps_edges.front()) * static_cast<double>(k) / (kPoints - 1);
+    Block d;
+    d.fill(eps - theta[0]);
+    DensityBlock f;
+    normal_laplace(n_taus, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
     double sum = 0.0;
-    for (std::size_t j = 0; j < n_taus; ++j)
-      sum += exp(
-          normal_laplace(eps - theta[0], exp(theta[1]), exp(theta[2]), taus[(2 * j + 1) * taus.size() / (2 * n_taus)])
-              .log_density());
+    for (std::size_t j = 0; j < n_taus; ++j) sum += f.factor[j] * exp(f.exponent[j]);
     curve.push_back({eps, sum / static_cast<double>(n_taus), std::nullopt});
   }
   return curve;

@@ -7,7 +7,7 @@
 
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "law/law_likelihood.hpp"
-#include "law/maximise.hpp"
+#include "numerics/maximise.hpp"
 
 namespace bouncelab::fit {
 

@@ -1,16 +1,199 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/sim/contact.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "contact/mobility.hpp"
-#include "contact/stronge.hpp"
+#include "bouncelab/sim/vector3.hpp"
 
 namespace bouncelab::sim {
 namespace {
+
+/// Response of the contact point's velocity to an impulse: K = a I - r r^T / J, a = 1/m + |r|^2/J.
+struct Mobility {
+  Mobility(const Ball& ball, Vector3 lever_m)
+      : r(lever_m), m(mass_kg(ball)), j(moment_of_inertia_kgm2(ball)), a(1.0 / m + norm2(r) / j) {}
+
+  Vector3 velocity_change(Vector3 impulse) const { return a * impulse - (dot(r, impulse) / j) * r; }
+  Vector3 impulse_for(Vector3 change) const { return (1.0 / a) * (change + (m / j * dot(r, change)) * r); }
+
+  Vector3 r;
+  double m, j, a;
+};
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// The slip turns no more than this in a step [rad].
+constexpr double kMostTurn_rad = 0.02;
+/// A slip that turns by no more than this while it falls by a factor of e stops without turning [rad].
+constexpr double kStraight = 1e-3;
+/// Slip below this share of the approach stops at once: what it can still turn moves the impulse by as much.
+constexpr double kSlow = 1e-6;
+/// Slip below this share of the approach is none.
+constexpr double kNoSlip = 1e-15;
+
+/// Tangential quantities along the principal axes of K: e, the lever's tangential direction, and that across it.
+struct Tangential {
+  double e = 0.0, across = 0.0;
+};
+Tangential operator+(Tangential a, Tangential b) { return {a.e + b.e, a.across + b.across}; }
+Tangential operator-(Tangential a, Tangential b) { return {a.e - b.e, a.across - b.across}; }
+Tangential operator*(double s, Tangential a) { return {s * a.e, s * a.across}; }
+double dot(Tangential a, Tangential b) { return a.e * b.e + a.across * b.across; }
+double length(Tangential a) { return hypot(a.e, a.across); }
+
+/// A step: constant tangential force per normal one, for this much normal impulse.
+struct Step {
+  Tangential f;
+  double dp = kInfinity;
+  bool stops = false;  ///< the slip is 0 at its end
+};
+
+/// One collision, in the axes of K; velocities in m/s, impulses in N s.
+class StrongeCollision {
+ public:
+  StrongeCollision(const Mobility& k, Vector3 v, double mu, double eps)
+      : mu_(mu), eps_(eps), rho_(hypot(k.r.x, k.r.y)), approach_mps_(-v.z), v_mps_(v.z) {
+    if (rho_ > 0.0) axis_ = {k.r.x / rho_, k.r.y / rho_};
+    along_ = 1.0 / k.m + k.r.z * k.r.z / k.j;
+    across_ = k.a;
+    coupling_ = -rho_ * k.r.z / k.j;
+    normal_ = 1.0 / k.m + rho_ * rho_ / k.j;
+    slip_ = {axis_.x * v.x + axis_.y * v.y, axis_.x * v.y - axis_.y * v.x};
+  }
+
+  Vector3 run() {
+    while (!is_over_) {
+      Step step = next_step();
+      is_over_ = impulse_left(step.f) < step.dp;
+      if (is_over_) {
+        // the last step of a slip that turns is shorter than planned: its mean slip is another
+        if (std::isfinite(step.dp)) step.f = -mu_ * mean_direction(impulse_left(step.f));
+        step.dp = std::min(impulse_left(step.f), 2.0 * step.dp);
+      }
+      advance(step.f, step.dp);
+      if (step.stops && !is_over_) slip_ = {};
+    }
+    return {axis_.x * impulse_.e - axis_.y * impulse_.across, axis_.y * impulse_.e + axis_.x * impulse_.across,
+            normal_impulse_};
+  }
+
+ private:
+  /// The tangential force of sticking: no change of slip.
+  Tangential sticking() const { return {-coupling_ / along_, 0.0}; }
+  Tangential slip_rate(Tangential f) const { return {along_ * f.e + coupling_, across_ * f.across}; }
+  double normal_rate(Tangential f) const { return normal_ + coupling_ * f.e; }
+
+  Step next_step() const {
+    if (mu_ == 0.0) return {};
+    const double speed = length(slip_);
+    if (speed <= kNoSlip * approach_mps_) {
+      // the coupling accelerates the contact along e; friction holds it, or lets it slip that way
+      const Tangential f = sticking();
+      return {-f.e <= mu_ ? f : Tangential{-mu_, 0.0}, kInfinity, false};
+    }
+    const Tangential d = (1.0 / speed) * slip_, rate = slip_rate(-mu_ * d);
+    const double gain = dot(d, rate), turn = std::abs(d.e * rate.across - d.across * rate.e);
+    if (gain < 0.0 && (turn <= kStraight * -gain || speed < kSlow * approach_mps_))
+      if (const Step stop = stopping(); stop.stops) return stop;
+    double dp = turn > 0.0 ? kMostTurn_rad * speed / turn : kInfinity;
+    if (gain < 0.0) dp = std::min(dp, 0.5 * speed / -gain);
+    return {-mu_ * mean_direction(dp), dp, false};
+  }
+
+  /// The step that brings the slip to 0: f = f_s - x K_t^-1 slip with |f| = mu, x = 1/dp.
+  Step stopping() const {
+    const Tangential q{slip_.e / along_, slip_.across / across_}, hold = sticking();
+    const double a = dot(q, q), b = dot(hold, q), c = dot(hold, hold) - mu_ * mu_, root2 = b * b - a * c;
+    if (!(root2 >= 0.0)) return {};
+    const double x = b > 0.0 ? (b + std::sqrt(root2)) / a : -c / (std::sqrt(root2) - b);
+    const Tangential f = hold - x * q;
+    return {f, 1.0 / x, x > 0.0 && dot(f, slip_) <= 0.0};
+  }
+
+  /// Direction d of the mean slip of a step: |w| d = slip + dp/2 (K_t (-mu d) + k). In components d = c/(|w| + h), and
+  /// |d| = 1 is one equation for |w|, convex and falling; Newton's method rises to its root from below.
+  Tangential mean_direction(double dp) const {
+    if (!std::isfinite(dp)) return (1.0 / length(slip_)) * slip_;  // without turn: coupling and slip are parallel
+    const Tangential c = slip_ + Tangential{0.5 * dp * coupling_, 0.0};
+    const double h_e = 0.5 * dp * mu_ * along_, h_across = 0.5 * dp * mu_ * across_;
+    double w = std::max(0.0, length(c) - std::max(h_e, h_across));
+    for (int k = 0; k < 20; ++k) {
+      const double x = c.e / (w + h_e), y = c.across / (w + h_across);
+      const double excess = x * x + y * y - 1.0;
+      const double next = w + 0.5 * excess / (x * x / (w + h_e) + y * y / (w + h_across));
+      if (!(next > w)) break;
+      w = next;
+    }
+    const Tangential d{c.e / (w + h_e), c.across / (w + h_across)};
+    return (1.0 / length(d)) * d;
+  }
+
+  /// Normal impulse until restitution has done its work, if f stays; infinite where v_z does not get there.
+  double impulse_left(Tangential f) const {
+    const double rate = normal_rate(f);
+    double compression = compression_, v = v_mps_, restitution = restitution_, dp = 0.0;
+    if (v < 0.0) {
+      if (!(rate > 0.0)) return kInfinity;
+      dp = -v / rate;
+      compression += 0.5 * v * v / rate;
+      v = 0.0;
+    }
+    const double work = std::max(0.0, eps_ * eps_ * compression - restitution), root2 = v * v + 2.0 * rate * work;
+    if (work == 0.0) return dp;
+    return root2 > 0.0 ? dp + 2.0 * work / (v + std::sqrt(root2)) : kInfinity;
+  }
+
+  void advance(Tangential f, double dp) {
+    const double rate = normal_rate(f), v = v_mps_ + rate * dp;
+    // v_z is linear in p and changes its sign at most once
+    const double crossing = v_mps_ * v < 0.0 ? -v_mps_ / rate : 0.0;
+    for (const double work :
+         {0.5 * crossing * v_mps_, 0.5 * (crossing > 0.0 ? (dp - crossing) * v : dp * (v_mps_ + v))})
+      (work < 0.0 ? compression_ : restitution_) += std::abs(work);
+    slip_ = slip_ + dp * slip_rate(f);
+    v_mps_ = v;
+    impulse_ = impulse_ + dp * f;
+    normal_impulse_ += dp;
+  }
+
+  double mu_, eps_, rho_, approach_mps_;
+  Vector3 axis_{1, 0, 0};                         ///< e; z unused
+  double along_, across_;                         ///< K tangentially, along e and across it
+  double coupling_;                               ///< K between e and the normal, >= 0 where the ball is above
+  double normal_;                                 ///< K along the normal
+  Tangential slip_;                               ///< now
+  double v_mps_;                                  ///< v_z now
+  double compression_ = 0.0, restitution_ = 0.0;  ///< normal work so far, each >= 0 [J]
+  Tangential impulse_;
+  double normal_impulse_ = 0.0;
+  bool is_over_ = false;
+};
+
+/// Impulse of a rigid collision with Coulomb friction and energetic restitution, followed in the normal impulse p:
+///
+///   dv/dp = K (f, 1),   slip: f = -mu s/|s|,   stick: f keeps s = 0 (while |f| <= mu),   s: v without its normal part
+///
+/// until restitution has done eps^2 of the normal work of compression,
+///
+///   int_{v_z > 0} v_z dp = -eps^2 int_{v_z < 0} v_z dp
+///
+/// The slip turns while it lasts. f is constant within a step and opposes the step's mean slip (implicit midpoint
+/// rule), so that each step's work is known exactly: friction's is never positive, at any length of step, and the
+/// normal work is what restitution asks for, to rounding. Steps are so short that the slip turns by 0.02 rad; a slip of
+/// constant direction takes one step to its end. Error of the impulse: 3e-4 of mu P_n in 99 of 100 approaches, at most
+/// 2e-3.
+/// @param v    velocity of the contact point before, v.z < 0 [m/s]
+/// @param mu   >= 0
+/// @param eps  energetic coefficient of restitution, >= 0
+/// Source: Stronge, Proc. R. Soc. A 431, 169 (1990), doi:10.1098/rspa.1990.0125; Impact Mechanics (2nd ed., 2018).
+Vector3 stronge_impulse(const Mobility& k, Vector3 v, double mu, double eps) {
+  return StrongeCollision(k, v, mu, eps).run();
+}
 
 constexpr Vector3 kNormal{0, 0, 1};
 

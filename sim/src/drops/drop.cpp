@@ -1,18 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "drops/drop.hpp"
+#include "bouncelab/sim/experiment.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "contact/patch.hpp"
+#include "bouncelab/core/random.hpp"
+#include "flight/contact_search.hpp"
+#include "flight/path.hpp"
 
 namespace bouncelab::sim {
+namespace {
+
+/// Uniform on the rotations (Shoemake, Graphics Gems III (1992), 124).
+Quaternion random_orientation(Random& random) {
+  const double u = random.uniform();
+  const double p = 2.0 * std::numbers::pi * random.uniform(), q = 2.0 * std::numbers::pi * random.uniform();
+  const double a = std::sqrt(1.0 - u), b = std::sqrt(u);
+  return normalized(Quaternion{a * sin(p), a * cos(p), b * sin(q), b * cos(q)});
+}
+
+}  // namespace
+
+BallState release(const SimulationConfig& config, std::int64_t drop) {
+  Random random(config.seed, RandomStream::drop_start, static_cast<std::uint64_t>(drop));
+  BallState state;
+  state.clearance_m = random.uniform(config.drop_height_min_m, config.drop_height_max_m);
+  state.orientation = random_orientation(random);
+  state.x_m = config.start_position_m[0];
+  state.y_m = config.start_position_m[1];
+  state.motion.velocity_mps = {config.start_velocity_mps[0], config.start_velocity_mps[1], 0.0};
+  state.motion.spin_radps = {config.start_spin_radps[0], config.start_spin_radps[1], config.start_spin_radps[2]};
+  return state;
+}
+
 namespace {
 
 Vector3 gravity(const SimulationConfig& config) {
@@ -70,6 +102,40 @@ Vector3 lever_of(const SimulationConfig& config, const Envelope& envelope, const
 bool is_on_plate(const SimulationConfig& config, const BallState& state) {
   return std::abs(state.x_m) <= 0.5 * config.plate_size_m[0] && std::abs(state.y_m) <= 0.5 * config.plate_size_m[1];
 }
+
+/// One drop, an impact after the other; each in the steps of its search, so that drops can take turns.
+class Drop {
+ public:
+  /// @param config, envelope  must outlive the drop
+  /// @throws InvalidArgument where the ball starts inside the plate
+  Drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t number);
+
+  bool is_over() const { return is_over_; }
+  void begin_flight();
+  /// @return whether it is found
+  bool find_leaf();
+  /// To the impact and through it, or to the end of the drop.
+  void end_flight();
+
+  DropResult result() &&;
+
+ private:
+  using Search = std::variant<ContactSearch<Parabola>, ContactSearch<DraggedPath>>;
+
+  std::optional<DropEnd> end_before(const FirstContact& contact, double t_s) const;
+  void collide_at(const FirstContact& contact);
+
+  const SimulationConfig* config_;
+  const Envelope* envelope_;
+  Vector3 gravity_mps2_;
+  std::int64_t number_, n_impacts_ = 0;
+  double t_s_ = 0.0;
+  BallState state_;
+  std::optional<std::int64_t> left_;  ///< what the ball touches
+  std::optional<Search> search_;
+  DropResult result_;
+  bool is_over_ = false;
+};
 
 }  // namespace
 
@@ -141,6 +207,43 @@ void Drop::collide_at(const FirstContact& contact) {
 DropResult Drop::result() && {
   result_.energy.remaining_j = energy_j(*config_, state_);
   return std::move(result_);
+}
+
+namespace {
+
+/// Drops that take turns, until all are over.
+void simulate_in_turn(const SimulationConfig& config, const Envelope& envelope, std::span<const std::int64_t> numbers,
+                      std::vector<DropResult>& results) {
+  std::vector<Drop> drops;
+  drops.reserve(numbers.size());
+  for (const std::int64_t number : numbers) drops.emplace_back(config, envelope, number);
+  std::vector<Drop*> flying, searching;
+  for (Drop& drop : drops) flying.push_back(&drop);
+  while (!flying.empty()) {
+    for (Drop* drop : flying) drop->begin_flight();
+    searching = flying;
+    while (!searching.empty()) std::erase_if(searching, [](Drop* drop) { return drop->find_leaf(); });
+    for (Drop* drop : flying) drop->end_flight();
+    std::erase_if(flying, [](const Drop* drop) { return drop->is_over(); });
+  }
+  for (Drop& drop : drops) results.push_back(std::move(drop).result());
+}
+
+}  // namespace
+
+std::vector<DropResult> simulate_drops(const SimulationConfig& config, const Envelope& envelope,
+                                       std::span<const std::int64_t> numbers) {
+  std::vector<DropResult> results;
+  results.reserve(numbers.size());
+  for (std::size_t first = 0; first < numbers.size(); first += kDropsInTurn) {
+    const auto some = numbers.subspan(first, std::min(kDropsInTurn, numbers.size() - first));
+    simulate_in_turn(config, envelope, some, results);
+  }
+  return results;
+}
+
+DropResult simulate_drop(const SimulationConfig& config, const Envelope& envelope, std::int64_t drop) {
+  return std::move(simulate_drops(config, envelope, std::array{drop}).front());
 }
 
 }  // namespace bouncelab::sim

@@ -5,8 +5,75 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
+
+#include "envelope/cube_cell.hpp"
 
 namespace bouncelab::sim {
+namespace {
+
+/// Range of patches along an edge of the cube, [first, last].
+struct PatchRange {
+  int first = 0, last = -1;
+};
+
+/// Patches whose regions a cap around u meets along one coordinate of a face: its outline is touched by the planes
+/// y = a x with (u.y - a u.x)^2 = s^2 (1 + a^2), s the sine of the cap's half-angle.
+PatchRange patches_met(double along, double normal, double s, int n_side) {
+  const double below = normal * normal - s * s;
+  if (normal <= s || below < 1e-6) return {0, n_side - 1};
+  const double spread = s * std::sqrt(std::max(0.0, below + along * along));
+  const double lo = (normal * along - spread) / below, hi = (normal * along + spread) / below;
+  const double margin = kRegionMargin - 1.0;
+  const auto index = [n_side](double a, double shift) {
+    return static_cast<int>(std::floor(std::clamp((a + 1.0) * 0.5 * n_side + shift, -1.0, n_side + 1.0)));
+  };
+  return {std::max(0, index(lo, -0.5 * margin)), std::min(n_side - 1, index(hi, 0.5 * margin))};
+}
+
+/// Does a cap around u stay outside the regions of all patches of a face, by the plane through the ball's centre and
+/// the region's outermost edge? Where this is not sure it says no.
+bool is_surely_outside(double along, double normal, double s, double outermost) {
+  return std::abs(along) - outermost * normal > (s + 1e-6) * std::sqrt(1.0 + outermost * outermost) &&
+         normal > s + 1e-3;
+}
+
+/// Calls with every patch in whose region an asperity rises above the envelope's least elevation (and a few more).
+/// @param rise  of the asperity above that elevation
+template <class Function>
+void for_each_patch(const Asperity& asperity, double rise, int n_side, const Function& function) {
+  if (rise < 0.0) return;
+  // |n - u| = sqrt(2 rise) = 2 sin(angle / 2)
+  const double s = std::sqrt(2.0 * rise * (1.0 - 0.5 * rise));
+  const double outermost = 1.0 + (kRegionMargin - 1.0) / n_side;
+  for (int face = 0; face < 6; ++face) {
+    const Vector3 u = to_face(face, asperity.direction);
+    if (u.x < 0.4 - s) continue;  // no region reaches farther from its face's centre than this
+    if (is_surely_outside(u.y, u.x, s, outermost) || is_surely_outside(u.z, u.x, s, outermost)) continue;
+    const PatchRange a = patches_met(u.y, u.x, s, n_side), b = patches_met(u.z, u.x, s, n_side);
+    for (int ib = b.first; ib <= b.last; ++ib)
+      for (int ia = a.first; ia <= a.last; ++ia) function(patch_index(face, ia, ib, n_side));
+  }
+}
+
+}  // namespace
+
+Distribution distribute(const Ball& ball, const Surface& surface, int n_side, double least_elevation) {
+  Distribution d;
+  d.begin.assign(patch_index(6, 0, 0, n_side) + 1, 0);
+  const auto visit = [&](const auto& function) {
+    for (std::size_t j = 0; j < surface.asperities.size(); ++j)
+      for_each_patch(surface.asperities[j], surface.asperities[j].radius_m / ball.radius_m - least_elevation, n_side,
+                     [&](std::size_t patch) { function(patch, static_cast<std::uint32_t>(j)); });
+  };
+  visit([&](std::size_t patch, std::uint32_t) { ++d.begin[patch + 1]; });
+  std::partial_sum(d.begin.begin(), d.begin.end(), d.begin.begin());
+  d.asperities.resize(d.begin.back());
+  std::vector<std::size_t> next(d.begin.begin(), d.begin.end() - 1);
+  visit([&](std::size_t patch, std::uint32_t j) { d.asperities[next[patch]++] = j; });
+  return d;
+}
+
 namespace {
 
 using Node = Envelope::Node;
@@ -88,6 +155,78 @@ std::uint32_t PatchBuilder::add_site(int face, const Contenders& list, std::size
   sites_.push_back({from_face(face, {list.x[i], list.y[i], list.z[i]}), list.height[i]});
   asperities_.push_back(given_[list.site[i]]);
   return place;
+}
+
+namespace {
+
+/// Squares of a patch: at the most 2^6 squared.
+constexpr int kMaxStartDepth = 6;
+
+/// Above it a search may take another two accesses to memory for most leaves, instead of as much memory again.
+constexpr std::size_t kLarge_bytes = std::size_t{1} << 30U;
+
+class StartWriter {
+ public:
+  StartWriter(const StartGrid& grid, int face, std::span<const std::uint16_t> lists, std::span<Envelope::Node> nodes,
+              std::span<Envelope::Start> starts)
+      : grid_(grid), face_(face), lists_(lists), nodes_(nodes), starts_(starts) {}
+
+  /// The node covers n_side squares each way from (ia, ib) on; n_side = 0: it lies within one, whose start leads to it.
+  void write(std::uint32_t number, std::uint32_t depth, int ia, int ib, int n_side) {
+    Envelope::Node& node = nodes_[number];
+    const bool fits = n_side > 0 && !is_inner(node) && node.n_list <= Envelope::Start::kMostListed;
+    Envelope::Start start{node, depth, {}};
+    if (fits) std::copy_n(lists_.begin() + node.first, node.n_list, start.list.begin());
+    if (!fits && !is_inner(node)) start.node.first = node.first = keep_list(node);
+    if (n_side == 1 || (n_side > 1 && !is_inner(node)))
+      for (int jb = ib; jb < ib + n_side; ++jb)
+        std::fill_n(starts_.begin() + static_cast<std::ptrdiff_t>(grid_.index(face_, ia, jb)), n_side, start);
+    if (!is_inner(node)) return;
+    const int half = n_side / 2;
+    for (std::uint32_t child = 0; child < 4; ++child)
+      write(node.first + child, depth + 1, ia + static_cast<int>(child & 1U) * half,
+            ib + static_cast<int>(child >> 1U) * half, half);
+  }
+
+  std::vector<std::uint16_t> kept() { return std::move(kept_); }
+
+ private:
+  std::uint32_t keep_list(const Envelope::Node& node) {
+    const auto begin = lists_.begin() + node.first;
+    const auto first = static_cast<std::uint32_t>(kept_.size());
+    kept_.insert(kept_.end(), begin, begin + node.n_list);
+    return first;
+  }
+
+  const StartGrid& grid_;
+  int face_;
+  std::span<const std::uint16_t> lists_;
+  std::span<Envelope::Node> nodes_;
+  std::span<Envelope::Start> starts_;
+  std::vector<std::uint16_t> kept_;
+};
+
+}  // namespace
+
+StartGrid start_grid_for(const std::vector<Envelope::Patch>& patches, int n_side) {
+  std::size_t n_leaves = 0;
+  for (const Envelope::Patch& patch : patches) n_leaves += 1 + 3 * (patch.nodes.size() / 4);
+  StartGrid grid{0, n_side};
+  const auto is_too_coarse = [n_leaves](std::size_t n_squares) {
+    const bool is_next_large = 4 * n_squares * sizeof(Envelope::Start) > kLarge_bytes;
+    return (is_next_large ? 2.0 : 1.5) * static_cast<double>(n_squares) < static_cast<double>(n_leaves);
+  };
+  while (grid.depth < kMaxStartDepth && is_too_coarse(grid.index(6, 0, 0))) grid = {grid.depth + 1, 2 * grid.n_side};
+  return grid;
+}
+
+std::vector<std::uint16_t> write_starts(const StartGrid& grid, int face, int ia, int ib,
+                                        std::span<const std::uint16_t> lists, std::span<Envelope::Node> nodes,
+                                        std::span<Envelope::Start> starts) {
+  const int n = 1 << grid.depth;
+  StartWriter writer(grid, face, lists, nodes, starts);
+  writer.write(0, 0, ia * n, ib * n, n);
+  return writer.kept();
 }
 
 }  // namespace bouncelab::sim

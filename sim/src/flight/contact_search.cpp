@@ -7,9 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "flight/dragged_path.hpp"
-#include "flight/parabola.hpp"
+#include "bouncelab/sim/flight.hpp"
+#include "flight/path.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -189,5 +190,52 @@ std::int64_t ContactSearch<Path>::index_of(const Envelope::Site* site) const {
 
 template class ContactSearch<Parabola>;
 template class ContactSearch<DraggedPath>;
+
+namespace {
+
+template <class Path>
+FirstContact contact_on(Path path, const Ball& ball, const Envelope& envelope, const BallState& start,
+                        std::optional<std::int64_t> left) {
+  ContactSearch<Path> search(ball, envelope, start, std::move(path), left);
+  while (!search.find_leaf()) {
+  }
+  return search.find_contact();
+}
+
+}  // namespace
+
+FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
+                                Vector3 gravity_mps2, std::optional<std::int64_t> left, const std::optional<Air>& air) {
+  if (!(gravity_mps2.z < 0.0))
+    throw InvalidArgument("flight: gravity must pull towards the plate, its normal part is " +
+                          std::to_string(gravity_mps2.z) + " m/s^2; tilt the plate less");
+  if (air) return contact_on(DraggedPath(ball, *air, start, gravity_mps2), ball, envelope, start, left);
+  return contact_on(Parabola(start, gravity_mps2), ball, envelope, start, left);
+}
+
+Vector3 mean_gradient(const Envelope& envelope, Vector3 n, double alpha_rad) {
+  constexpr int kCirclePoints = 256;
+  // any two axes across n; the smallest component of n is furthest from parallel
+  const Vector3 helper = std::abs(n.x) < 0.6 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
+  const Vector3 e1 = normalized(cross(n, helper)), e2 = cross(n, e1);
+  const SinCos alpha = sin_cos(alpha_rad);
+  Vector3 sum;
+  for (int k = 0; k < kCirclePoints; ++k) {
+    const SinCos phi = sin_cos(2.0 * kPi * k / kCirclePoints);
+    const Vector3 outwards = phi.cos * e1 + phi.sin * e2;
+    sum = sum + envelope.support(normalized(alpha.cos * n + alpha.sin * outwards)).elevation * outwards;
+  }
+  return (2.0 / (kCirclePoints * alpha.sin)) * sum;
+}
+
+Vector3 patch_lever_m(const Ball& ball, const Material& plate, const Envelope& envelope, const FirstContact& contact) {
+  const double speed_mps = std::abs(contact.state.motion.velocity_mps.z);
+  const double alpha_rad = hertz_patch_radius_m(ball, plate, speed_mps) / ball.radius_m;
+  if (!(alpha_rad > 0.0)) return contact.lever_m;
+  const Quaternion q = contact.state.orientation;
+  const Vector3 n = normalized(rotate(conjugate(q), {0, 0, -1}));
+  const Vector3 offset = rotate(q, mean_gradient(envelope, n, alpha_rad));
+  return {ball.radius_m * offset.x, ball.radius_m * offset.y, contact.lever_m.z};
+}
 
 }  // namespace bouncelab::sim

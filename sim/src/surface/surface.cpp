@@ -1,16 +1,108 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/sim/surface.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <sstream>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
-#include "surface/radius_law.hpp"
 
 namespace bouncelab::sim {
+namespace {
+
+double draw(const ConstantRadii& law, Random&) { return law.radius; }
+double draw(const UniformRadii& law, Random& random) { return random.uniform(law.lo, law.hi); }
+double draw(const NormalRadii& law, Random& random) {
+  double radius = 0.0;
+  do radius = law.mean + law.sd * random.normal();
+  while (radius <= 0.0);
+  return radius;
+}
+double draw(const LognormalRadii& law, Random& random) { return law.median * exp(law.sigma * random.normal()); }
+double draw(const ExponentialRadii& law, Random& random) { return law.mean * random.exponential(); }
+
+bool is_good(const ConstantRadii& law) { return law.radius > 0.0 && law.radius < 1.0; }
+bool is_good(const UniformRadii& law) { return law.lo > 0.0 && law.lo < law.hi && law.hi < 1.0; }
+bool is_good(const NormalRadii& law) { return law.mean > 0.0 && law.mean < 1.0 && law.sd > 0.0 && law.sd < 1.0; }
+bool is_good(const LognormalRadii& law) {
+  return law.median > 0.0 && law.median < 1.0 && law.sigma > 0.0 && law.sigma < 10.0;
+}
+bool is_good(const ExponentialRadii& law) { return law.mean > 0.0 && law.mean < 1.0; }
+
+/// Name and the two parameters by address: one description for reading and writing.
+struct Description {
+  const char* name;
+  std::vector<double*> parameters;
+};
+Description describe(ConstantRadii& law) { return {"constant", {&law.radius}}; }
+Description describe(UniformRadii& law) { return {"uniform", {&law.lo, &law.hi}}; }
+Description describe(NormalRadii& law) { return {"normal", {&law.mean, &law.sd}}; }
+Description describe(LognormalRadii& law) { return {"lognormal", {&law.median, &law.sigma}}; }
+Description describe(ExponentialRadii& law) { return {"exponential", {&law.mean}}; }
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const auto comma = text.find(',');
+    parts.push_back(text.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+[[noreturn]] void refuse(std::string_view text) {
+  throw InvalidArgument("radius law '" + std::string(text) +
+                        "': may be constant:R, uniform:LO,HI, normal:MEAN,SD, lognormal:MEDIAN,SIGMA or "
+                        "exponential:MEAN, radii in units of the ball's radius, between 0 and 1");
+}
+
+void read_parameters(const Description& law, std::string_view parameters, std::string_view text) {
+  const auto parts = split(parameters);
+  if (parts.size() != law.parameters.size()) refuse(text);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const char* end = parts[k].data() + parts[k].size();
+    const auto read = std::from_chars(parts[k].data(), end, *law.parameters[k]);
+    if (read.ec != std::errc{} || read.ptr != end) refuse(text);
+  }
+}
+
+}  // namespace
+
+void validate(const RadiusLaw& law) {
+  if (!std::visit([](const auto& l) { return is_good(l); }, law)) refuse(to_text(law));
+}
+
+RadiusLaw radius_law_from_text(std::string_view text) {
+  const auto colon = text.find(':');
+  const std::string_view name = text.substr(0, colon);
+  for (RadiusLaw law : {RadiusLaw{ConstantRadii{}}, RadiusLaw{UniformRadii{}}, RadiusLaw{NormalRadii{}},
+                        RadiusLaw{LognormalRadii{}}, RadiusLaw{ExponentialRadii{}}}) {
+    const Description description = std::visit([](auto& l) { return describe(l); }, law);
+    if (name != description.name) continue;
+    if (colon != std::string_view::npos) read_parameters(description, text.substr(colon + 1), text);
+    if (!std::visit([](const auto& l) { return is_good(l); }, law)) refuse(text);
+    return law;
+  }
+  refuse(text);
+}
+
+std::string to_text(const RadiusLaw& law) {
+  RadiusLaw copy = law;
+  const Description description = std::visit([](auto& l) { return describe(l); }, copy);
+  std::string text = description.name;
+  char buffer[32];
+  for (std::size_t k = 0; k < description.parameters.size(); ++k) {
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, *description.parameters[k]).ptr;
+    text += (k == 0 ? ':' : ',') + std::string(buffer, end);
+  }
+  return text;
+}
+
 namespace {
 
 Vector3 random_direction(Random& random) {
@@ -33,7 +125,7 @@ Surface make_surface(const Ball& ball, std::int64_t n_asperities, const RadiusLa
     if (progress && j % 100'000 == 0) progress(static_cast<double>(j), static_cast<double>(n_asperities));
     Random random(seed, RandomStream::surface, static_cast<std::uint64_t>(j));
     const Vector3 direction = random_direction(random);
-    const double radius = draw_radius(law, random);
+    const double radius = std::visit([&](const auto& l) { return draw(l, random); }, law);
     if (!(radius < 1.0))
       throw InvalidArgument("surface: asperity " + std::to_string(j) + " drew a radius of " + std::to_string(radius) +
                             " R by the law " + to_text(law) + "; radii must stay below R, choose smaller ones");
@@ -80,6 +172,25 @@ Surface surface_from_table(const Table& table, const std::string& name, const Ba
     surface.asperities.push_back({(1.0 / length) * direction, radius_m[k]});
   }
   return surface;
+}
+
+BallSection section_of(const Ball& ball, const Surface& surface) {
+  constexpr double kCut = 10.0;  // told apart at the width of a page
+  BallSection section{ball.radius_m, surface.asperities.size(), 0.0, kPi / 4, {}};
+  if (surface.asperities.empty()) return section;
+  double sum_m = 0.0;
+  for (const Asperity& a : surface.asperities) sum_m += a.radius_m;
+  section.mean_asperity_radius_m = sum_m / static_cast<double>(surface.asperities.size());
+  section.half_angle_rad = std::min(kPi / 4, kPi * kCut * ball.radius_m / sum_m);
+  for (const Asperity& a : surface.asperities) {
+    const double square_m2 = square(a.radius_m) - square(a.direction.y * ball.radius_m);
+    if (!(square_m2 > 0.0)) continue;  // nearly all
+    const double angle_rad = std::atan2(a.direction.x, a.direction.z);
+    if (std::abs(angle_rad) <= section.half_angle_rad) section.circles.push_back({angle_rad, std::sqrt(square_m2)});
+  }
+  std::sort(section.circles.begin(), section.circles.end(),
+            [](const SectionCircle& a, const SectionCircle& b) { return a.angle_rad < b.angle_rad; });
+  return section;
 }
 
 }  // namespace bouncelab::sim

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 

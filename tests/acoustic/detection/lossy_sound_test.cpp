@@ -10,12 +10,12 @@
 
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "support/modal_sound.hpp"
-#include "timing/impact_template.hpp"
-#include "timing/impact_whitener.hpp"
+#include "template/impact_template.hpp"
+#include "template/impact_whitener.hpp"
 
 namespace bouncelab::detection {
 namespace {

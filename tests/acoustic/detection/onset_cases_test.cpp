@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/detection/score.hpp"
 

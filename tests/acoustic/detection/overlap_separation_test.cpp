@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Impacts that follow so closely that each rings into the next ones.
-#include "timing/overlap_separation.hpp"
+#include "drops/overlap_separation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "contact/pulse_spectrum.hpp"
 #include "support/modal_sound.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "timing/recorded_spectrum.hpp"
+#include "template/impact_template.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "support/modal_sound.hpp"
 
 namespace bouncelab::detection {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "support/modal_sound.hpp"

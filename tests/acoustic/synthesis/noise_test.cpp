@@ -11,9 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
-#include "scene/noise_words.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

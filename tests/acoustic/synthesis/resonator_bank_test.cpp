@@ -7,11 +7,10 @@
 #include <cmath>
 #include <complex>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/units.hpp"
 #include "excitation/cramer_rao.hpp"
 #include "excitation/ringing_transform.hpp"
 #include "sensor/converter.hpp"

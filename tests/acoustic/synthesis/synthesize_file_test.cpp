@@ -10,10 +10,10 @@
 #include <iterator>
 #include <limits>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
-#include "bouncelab/synthesis/hard_cases.hpp"
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "few_impacts.hpp"
 #include "support/temporary_folder.hpp"
 

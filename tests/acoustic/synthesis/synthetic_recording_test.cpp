@@ -10,10 +10,10 @@
 #include <limits>
 
 #include "bouncelab/audio/audio_writer.hpp"
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
-#include "bouncelab/core/units.hpp"
 #include "few_impacts.hpp"
 #include "sensor/reverberation.hpp"
 #include "support/direct_fourier.hpp"

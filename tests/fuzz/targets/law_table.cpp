@@ -4,8 +4,8 @@
 #include <sstream>
 #include <string>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/restitution_law.hpp"
+#include "bouncelab/core/table.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {

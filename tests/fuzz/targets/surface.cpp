@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "bouncelab/core/csv.hpp"
+#include "bouncelab/core/table.hpp"
 #include "tables.hpp"
 #include "target.hpp"
 

@@ -10,7 +10,7 @@
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
-#include "bouncelab/fit/interval_prediction.hpp"
+#include "bouncelab/fit/restitution.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"

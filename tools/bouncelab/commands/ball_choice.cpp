@@ -2,7 +2,7 @@
 #include "commands/ball_choice.hpp"
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/provenance.hpp"
 
 namespace bouncelab::cli {

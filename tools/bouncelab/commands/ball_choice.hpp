@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 
 namespace bouncelab::cli {
 

@@ -12,7 +12,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"

@@ -9,9 +9,9 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/json.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "files/provenance.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"

@@ -7,10 +7,11 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/interrupts.hpp"
-#include "bouncelab/core/streamed_median.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
@@ -43,11 +44,11 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
                                             const fit::RestitutionConfig& config, TableWriter& samples,
                                             std::vector<std::string>& warnings) {
   fit::RestitutionInPieces restitution(config);
-  StreamedMedian eps(samples.folder(), input_name(files.front()));
+  std::vector<double> eps;  // 8 bytes each, for the median
   const auto write = [&](const RestitutionSamples& rows) {
     samples.add(to_table(rows));
     for (const RestitutionSample& s : rows)
-      if (s.flags.empty()) eps.add(s.eps);
+      if (s.flags.empty()) eps.push_back(s.eps);
   };
   RecordingNames names;
   for (const std::filesystem::path& file : files) {
@@ -68,7 +69,7 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
   }
   write(restitution.finish());
   fit::RestitutionCounts counts = restitution.counts();
-  counts.eps_median = eps.median();
+  if (!eps.empty()) counts.eps_median = median(std::move(eps));
   return counts;
 }
 

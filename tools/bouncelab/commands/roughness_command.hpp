@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 #include "command.hpp"
 #include "commands/ball_choice.hpp"
 

@@ -11,8 +11,8 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/line_reader.hpp"
-#include "bouncelab/core/utf8.hpp"
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::cli {
 namespace {

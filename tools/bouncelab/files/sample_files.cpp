@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
 

@@ -9,7 +9,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "files/provenance.hpp"
 
 namespace bouncelab::cli {

@@ -7,11 +7,11 @@
 #include <string>
 #include <utility>
 
-#include "bouncelab/core/csv.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_plan.hpp"
 #include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/table.hpp"
 #include "files/json_lines_table.hpp"
 
 namespace bouncelab::cli {

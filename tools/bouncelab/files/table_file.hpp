@@ -47,9 +47,6 @@ class TableWriter {
   /// All pieces were added, at least one: it names the columns.
   void finish(const std::vector<std::filesystem::path>& inputs);
 
-  /// For temporary files.
-  std::filesystem::path folder() const { return file_.temporary_path().parent_path(); }
-
  private:
   struct Place {
     std::int64_t first = 0;

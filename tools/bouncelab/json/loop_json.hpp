@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bouncelab/loop/loop.hpp"
-#include "bouncelab/sim/section.hpp"
+#include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::cli {
 

@@ -10,7 +10,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
-#include "bouncelab/fit/interval_prediction.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::cli {
 

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "json/ball_json.hpp"
 #include "options/commands.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 #include "options/common_options.hpp"
 #include "options/numbers.hpp"
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "bouncelab/synthesis/hard_cases.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "commands/synthesize_command.hpp"
 #include "options/ball_options.hpp"
 #include "options/commands.hpp"

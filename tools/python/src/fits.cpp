@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "arrays.hpp"
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/fluctuation.hpp"
 #include "bouncelab/core/restitution_law.hpp"

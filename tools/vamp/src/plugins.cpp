@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/ball_catalogue.hpp"
 #include "bouncelab/fit/restitution.hpp"
 #include "recording_plugin.hpp"
 

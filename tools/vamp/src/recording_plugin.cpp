@@ -8,7 +8,8 @@
 #include <exception>
 #include <iostream>
 
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::vamp {
 namespace {

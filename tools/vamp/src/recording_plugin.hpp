@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/flags.hpp"
+#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/detection/detect.hpp"
 
 namespace bouncelab::vamp {

@@ -2,7 +2,6 @@
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <memory>
@@ -55,10 +54,10 @@ std::size_t frame_length(const AudioSource& source, std::size_t order) {
 std::vector<double> autocorrelation(std::span<const float> x, std::size_t n, std::size_t n_lags) {
   constexpr std::size_t kStretch = 128;
   std::vector<double> r(n_lags, 0.0);
-  std::vector<float> here(rounded_up(n_lags));
+  std::vector<float> sums(rounded_up(n_lags));
   for (std::size_t at = 0; at < n; at += kStretch) {
-    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), here);
-    for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += here[lag];
+    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), sums);
+    for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += sums[lag];
   }
   return r;
 }

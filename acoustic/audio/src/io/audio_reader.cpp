@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/line_reader.hpp"
+#include "bouncelab/core/table.hpp"
 #include "io/coded_sound.hpp"
 #include "io/numbers.hpp"
 #include "io/sound_bytes.hpp"

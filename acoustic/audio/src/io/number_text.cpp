@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/line_reader.hpp"
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/core/text.hpp"
 #include "io/number_row.hpp"
 
 namespace bouncelab::audio {

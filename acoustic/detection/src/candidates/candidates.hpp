@@ -6,7 +6,7 @@
 
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "candidates/band_energies.hpp"
 
 namespace bouncelab::detection {

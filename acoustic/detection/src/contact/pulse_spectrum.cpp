@@ -3,9 +3,8 @@
 
 #include <cmath>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
-#include "bouncelab/core/units.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -63,9 +62,9 @@ const PulseSpectrum& PulseSpectrum::half_sine() {
 
 void PulseSpectrum::tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const {
   for (std::size_t k = 0; k < value.size(); ++k) {
-    const Value here = at(static_cast<double>(k) * step);
-    value[k] = static_cast<float>(here.value);
-    slope[k] = static_cast<float>(here.slope);
+    const Value p = at(static_cast<double>(k) * step);
+    value[k] = static_cast<float>(p.value);
+    slope[k] = static_cast<float>(p.slope);
   }
 }
 

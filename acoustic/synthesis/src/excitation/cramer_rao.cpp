@@ -9,7 +9,6 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -26,7 +25,7 @@ double largest_magnitude(std::span<float> samples) {
   return static_cast<double>(audio::largest(samples));
 }
 
-BOUNCELAB_VECTOR_CLONES double sum_of_magnitudes(const double* re, const double* im, std::size_t n) {
+double sum_of_magnitudes(const double* re, const double* im, std::size_t n) {
   constexpr std::size_t kSums = 8;  // the compiler may not reorder a sum, we may
   std::array<double, kSums> sums{};
   std::size_t k = 0;
@@ -38,9 +37,8 @@ BOUNCELAB_VECTOR_CLONES double sum_of_magnitudes(const double* re, const double*
 }
 
 /// What row p of a symmetric sum adds to those over its columns 0 ... p; half of the last.
-BOUNCELAB_VECTOR_CLONES void add_energy_row(double re, double im, const double* re_of_re, const double* re_of_im,
-                                            const double* im_of_re, const double* im_of_im, std::size_t p,
-                                            double* __restrict of_re, double* __restrict of_im) {
+void add_energy_row(double re, double im, const double* re_of_re, const double* re_of_im, const double* im_of_re,
+                    const double* im_of_im, std::size_t p, double* __restrict of_re, double* __restrict of_im) {
   for (std::size_t q = 0; q < p; ++q) {
     of_re[q] += re * re_of_re[q] - im * im_of_re[q];
     of_im[q] += re * re_of_im[q] - im * im_of_im[q];

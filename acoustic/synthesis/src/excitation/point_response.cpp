@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
-#include "bouncelab/core/vector_clones.hpp"
-#include "plate/bessel.hpp"
-#include "sensor/kernel_table.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "sensor/converter.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -35,11 +33,8 @@ constexpr int kHalfWidth_quarters = 8;
 
 double windowed_sinc_of_quarters(double u) {
   constexpr double kBeta = 16.7;  // 160 dB: 0.1102 (160 - 8.7)
-  const double x = u / kHalfWidth_quarters;
-  if (std::abs(x) > 1.0) return 0.0;
-  const double sinc = u == 0.0 ? 1.0 : sin(std::numbers::pi * u) / (std::numbers::pi * u);
-  static const double peak = bessel_i(0, kBeta);
-  return sinc * bessel_i(0, kBeta * std::sqrt(1.0 - x * x)) / peak;
+  const double sinc = u == 0.0 ? 1.0 : sin(kPi * u) / (kPi * u);
+  return sinc * kaiser_window(u / kHalfWidth_quarters, kBeta);
 }
 
 const KernelTable& interpolation() {
@@ -48,8 +43,7 @@ const KernelTable& interpolation() {
 }
 
 /// z = z e + tap, pole by pole.
-BOUNCELAB_VECTOR_CLONES void horner_step(const double* e_re, const double* e_im, double tap, std::size_t n, double* re,
-                                         double* im) {
+void horner_step(const double* e_re, const double* e_im, double tap, std::size_t n, double* re, double* im) {
   for (std::size_t p = 0; p < n; ++p) {
     const double before = re[p];
     re[p] = (before * e_re[p] - im[p] * e_im[p]) + tap;

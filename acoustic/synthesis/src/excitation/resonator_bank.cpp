@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
@@ -18,7 +18,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Re sum_p a_p z_p, in four partial sums: the compiler may not reorder a sum, we may.
-BOUNCELAB_VECTOR_CLONES double real_part_of_product(const PoleValues& a, const PoleValues& z) {
+double real_part_of_product(const PoleValues& a, const PoleValues& z) {
   double sums[4] = {0.0, 0.0, 0.0, 0.0};
   const std::size_t n = a.size(), n_whole = n / 4 * 4;
   for (std::size_t k = 0; k < n_whole; k += 4)
@@ -29,7 +29,7 @@ BOUNCELAB_VECTOR_CLONES double real_part_of_product(const PoleValues& a, const P
 }
 
 /// z times e, pole by pole.
-BOUNCELAB_VECTOR_CLONES void rotate(PoleValues& z, const PoleValues& e) {
+void rotate(PoleValues& z, const PoleValues& e) {
   const std::size_t n = z.size();
   double* re = z.re.data();
   double* im = z.im.data();
@@ -85,8 +85,8 @@ BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<float> out, const float* c, c
   add_four(out, c, s, step_re, step_im, silence, re, im);
 }
 
-BOUNCELAB_VECTOR_CLONES void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re,
-                                         const double* step_im, double silence, double* re, double* im) {
+void add_ringing(std::span<double> out, const double* c, const double* s, const double* step_re, const double* step_im,
+                 double silence, double* re, double* im) {
   add_four(out, c, s, step_re, step_im, silence, re, im);
 }
 
@@ -98,8 +98,8 @@ static_assert(kTogether == 4);
 /// @param holds  by fours: others are copied as zeros, and stay as they are
 /// @param rings  by fours: 0 where they are silent
 /// @return how many resonators are copied and not silent
-BOUNCELAB_VECTOR_CLONES std::size_t take_fours(double* re, double* im, const char* holds, std::size_t n_fours,
-                                               double silence, float* held_re, float* held_im, char* rings) {
+std::size_t take_fours(double* re, double* im, const char* holds, std::size_t n_fours, double silence, float* held_re,
+                       float* held_im, char* rings) {
   std::size_t n_ringing = 0;
   for (std::size_t f = 0; f < n_fours; ++f) {
     Four x{}, y{};

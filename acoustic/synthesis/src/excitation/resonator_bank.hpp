@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/core/quadrature.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "excitation/ringing_transform.hpp"
 #include "sensor/converter.hpp"
 

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -52,9 +51,9 @@ std::vector<std::size_t> interleaved(const std::vector<std::size_t>& numbers) {
 constexpr std::size_t kTaps = 16;  // a whole register; the last four are 0
 
 /// Adds z phi of each row to the bins that it reaches.
-BOUNCELAB_VECTOR_CLONES void add_rows(std::span<const std::size_t> poles, const std::size_t* first_bins,
-                                      const float* phi_re, const float* phi_im, const float* z_re, const float* z_im,
-                                      float* __restrict bins_re, float* __restrict bins_im) {
+void add_rows(std::span<const std::size_t> poles, const std::size_t* first_bins, const float* phi_re,
+              const float* phi_im, const float* z_re, const float* z_im, float* __restrict bins_re,
+              float* __restrict bins_im) {
   for (std::size_t r = 0; r < poles.size(); ++r, phi_re += kTaps, phi_im += kTaps) {
     const float of_re = z_re[poles[r]], of_im = z_im[poles[r]];
     if (of_re == 0.0F && of_im == 0.0F) continue;
@@ -66,7 +65,7 @@ BOUNCELAB_VECTOR_CLONES void add_rows(std::span<const std::size_t> poles, const 
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void add_product(const float* a, const float* b, std::size_t n, float* __restrict out) {
+void add_product(const float* a, const float* b, std::size_t n, float* __restrict out) {
   for (std::size_t k = 0; k < n; ++k) out[k] += a[k] * b[k];
 }
 

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <string>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "plate/disk_modes.hpp"
-#include "plate/rectangular_modes.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "plate/modes.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
@@ -54,15 +54,14 @@ PlateMode plate_mode(double wavenumber_per_m, double thickness_m, double area_m2
           of_disk};
 }
 
-/// The wavenumber at which Mindlin's frequency is reached; it grows with k, so by halving.
+/// The wavenumber at which Mindlin's frequency is reached; it grows with k.
 double wavenumber_at(double frequency_hz, double thickness_m, const Material& material) {
-  double lo = 0.0, hi = 1.0;
-  while (mindlin_frequency_hz(hi, thickness_m, material) < frequency_hz) hi *= 2.0;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (lo + hi);
-    (mindlin_frequency_hz(middle, thickness_m, material) < frequency_hz ? lo : hi) = middle;
-  }
-  return hi;
+  const auto excess_hz = [&](double k_per_m) {
+    return mindlin_frequency_hz(k_per_m, thickness_m, material) - frequency_hz;
+  };
+  double hi = 1.0;
+  while (excess_hz(hi) < 0.0) hi *= 2.0;
+  return root_between(excess_hz, 0.0, hi);
 }
 
 }  // namespace

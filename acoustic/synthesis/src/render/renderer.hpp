@@ -3,15 +3,48 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
-#include "render/strike_ringing.hpp"
+#include "excitation/resonator_bank.hpp"
 #include "render/strike_sound.hpp"
 #include "scene/background.hpp"
 #include "scene/schedule.hpp"
 
 namespace bouncelab::synthesis {
+
+/// Throw InvalidArgument naming the first value out of range.
+void validate(const SynthesisConfig& config);
+void validate(const Impacts& impacts, const SynthesisConfig& config);
+/// @param duration_s  of a contact; the rate bounds how finely it can be followed
+void check_contact(double duration_s, const SynthesisConfig& config);
+
+/// The sound of contacts in one channel from a frame on, piece by piece: their waves until they ring freely, and from
+/// there on the ringing of all in one state.
+class StrikeRinging {
+ public:
+  /// @param first  a multiple of ResonatorBank::kBlock
+  /// @param bank   must outlive this
+  StrikeRinging(const ResonatorBank& bank, double silence, std::int64_t first)
+      : bank_(bank), silence_(silence), at_(first), state_(bank.size()) {}
+
+  /// Before the first piece, in the order of time.
+  void add(ContactWave wave);
+  /// Adds the sound of the next frames to `out`, whose length is a multiple of ResonatorBank::kBlock.
+  template <class T>
+  void add_next(std::span<T> out);
+
+ private:
+  template <class T>
+  void ring(std::span<T> out);
+
+  const ResonatorBank& bank_;
+  double silence_;
+  std::int64_t at_;  // frame of the next piece
+  PoleValues state_;
+  std::vector<ContactWave> waves_;  // that have not joined the ringing
+};
 
 /// The samples of a recording, segment by segment, from its schedule. A segment depends on its number only: it may be
 /// rendered on any thread, and only the events that sound in it need be in the schedule.

@@ -142,7 +142,7 @@ void scale_to(const Levels& levels, std::vector<TrueImpact>& truth) {
   for (TrueImpact& row : truth) {
     row.amplitude *= levels.gain;
     row.sigma_t_s *= levels.noise_rms / levels.gain;
-    row.snr_db = 20.0 * log10(row.amplitude / levels.noise_rms);
+    row.snr_db = 20.0 * std::log10(row.amplitude / levels.noise_rms);
     if (row.amplitude > 1.0) row.flags.add(Flag::clipped);
   }
 }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "render/synthesis_checks.hpp"
+#include "render/renderer.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "bouncelab/core/ball_catalogue.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/hertz_pulse.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

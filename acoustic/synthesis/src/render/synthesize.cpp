@@ -11,7 +11,6 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "render/renderer.hpp"
-#include "render/synthesis_checks.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

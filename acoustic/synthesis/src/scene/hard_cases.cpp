@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/synthesis/hard_cases.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 
 #include <algorithm>
 

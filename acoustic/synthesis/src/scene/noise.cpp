@@ -10,10 +10,36 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/core/vector_clones.hpp"
-#include "scene/noise_words.hpp"
 
 namespace bouncelab::synthesis {
 namespace {
+
+constexpr std::uint32_t kMultiplier[2] = {0xD2511F53U, 0xCD9E8D57U};
+constexpr std::uint32_t kKeyStep[2] = {0x9E3779B9U, 0xBB67AE85U};
+constexpr int kRounds = 10;
+constexpr auto kStream = static_cast<std::uint32_t>(RandomStream::noise);
+
+/// Round by round for all blocks, so that no round waits for the one before.
+/// @param a, b, c, d  the words of each block
+BOUNCELAB_VECTOR_CLONES void draw_words(std::uint64_t seed, std::uint32_t source, std::uint64_t first_block,
+                                        std::uint32_t* __restrict a, std::uint32_t* __restrict b,
+                                        std::uint32_t* __restrict c, std::uint32_t* __restrict d) {
+  for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k) {
+    a[k] = static_cast<std::uint32_t>(first_block + k);
+    b[k] = static_cast<std::uint32_t>((first_block + k) >> 32);
+    c[k] = source;
+    d[k] = kStream;
+  }
+  auto lower_key = static_cast<std::uint32_t>(seed), upper_key = static_cast<std::uint32_t>(seed >> 32);
+  for (int round = 0; round < kRounds; ++round, lower_key += kKeyStep[0], upper_key += kKeyStep[1])
+    for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k) {
+      const std::uint64_t p = std::uint64_t{a[k]} * kMultiplier[0], q = std::uint64_t{c[k]} * kMultiplier[1];
+      a[k] = static_cast<std::uint32_t>(q >> 32) ^ b[k] ^ lower_key;
+      b[k] = static_cast<std::uint32_t>(q);
+      c[k] = static_cast<std::uint32_t>(p >> 32) ^ d[k] ^ upper_key;
+      d[k] = static_cast<std::uint32_t>(p);
+    }
+}
 
 /// Blocks of words that make samples in a row: the first coordinates of as many points, the second ones, then those of
 /// each block's other point.
@@ -74,22 +100,26 @@ BOUNCELAB_VECTOR_CLONES void transform(const NoiseWords& words, float* samples) 
 }
 
 /// Whether a word asks for a radius of more bits.
-BOUNCELAB_VECTOR_CLONES bool has_few_bits(const NoiseWords& words) {
+bool has_few_bits(const NoiseWords& words) {
   std::uint32_t n_few = 0;
   for (std::size_t k = 0; k < NoiseWords::kBlocks; ++k)
     n_few += ((words.word[0][k] >> 1) < kFewBits ? 1 : 0) + ((words.word[2][k] >> 1) < kFewBits ? 1 : 0);
   return n_few != 0;
 }
 
-BOUNCELAB_VECTOR_CLONES void add_scaled(const float* x, double factor, std::size_t n, double* out) {
+void add_scaled(const float* x, double factor, std::size_t n, double* out) {
   for (std::size_t k = 0; k < n; ++k) out[k] += factor * static_cast<double>(x[k]);
 }
-BOUNCELAB_VECTOR_CLONES void add_scaled(const float* x, double factor, std::size_t n, float* out) {
+void add_scaled(const float* x, double factor, std::size_t n, float* out) {
   const auto single = static_cast<float>(factor);
   for (std::size_t k = 0; k < n; ++k) out[k] += single * x[k];
 }
 
 }  // namespace
+
+void NoiseWords::draw(std::uint64_t seed, std::uint32_t source, std::uint64_t first_block) {
+  draw_words(seed, source, first_block, word[0], word[1], word[2], word[3]);
+}
 
 void WhiteNoise::far_points(std::int64_t first_frame, const NoiseWords& words, float* samples) const {
   for (std::size_t half = 0; half < 2; ++half)

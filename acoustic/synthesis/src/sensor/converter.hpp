@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
-
-#include "sensor/kernel_table.hpp"
+#include <vector>
 
 namespace bouncelab::synthesis {
+
+/// A smooth function h of compact support, added to samples at any place between them.
+class KernelTable {
+ public:
+  /// @param h           zero beyond half_width
+  /// @param half_width  in samples
+  KernelTable(const std::function<double(double)>& h, int half_width);
+  /// Adds weight h(n + offset) to samples[n], for all n; h from a table by cubic interpolation, within 1e-8 of its peak
+  /// where h is band-limited to half a cycle in a sample.
+  void add(double offset_samples, double weight, std::span<double> samples) const;
+  /// Integral of h.
+  double integral() const;
+  void scale_by(double factor);
+
+ private:
+  static constexpr int kPhases = 256;  // of the table, in one sample
+  const double* row(int phase) const { return table_.data() + std::ptrdiff_t{phase + 1} * n_row_; }
+
+  int half_width_, n_row_;     // h at one phase, a sample apart
+  std::vector<double> table_;  // phases -1 to kPhases + 1: what the interpolation reaches
+};
 
 /// The anti-alias filter of the analogue-to-digital converter: linear phase, no delay, in continuous time.
 ///

@@ -2,6 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab {
 
@@ -73,5 +78,96 @@ double hertz_contact_time_s(const Ball& ball, const Material& plate, double v_mp
 /// @param v_mps  normal impact speed, >= 0 [m/s]
 /// Source: Johnson, Contact Mechanics (1985), 4.2 and 11.4, doi:10.1017/CBO9781139171731.
 double hertz_patch_radius_m(const Ball& ball, const Material& plate, double v_mps);
+
+/// A ball, or a material that balls are made of, by its name.
+struct BallKind {
+  std::string name;  ///< on the command line
+  std::string what;  ///< in words
+  /// Of a material, of which balls of any diameter are made; its density that of the ball.
+  Material material;
+  /// Diameter by the rules of the sport [m]; absent: a material.
+  std::optional<double> diameter_m;
+  double inertia_factor = kSolidBallInertia;  ///< J/(m R^2)
+  std::string source;
+};
+
+/// What the ball falls on, by its name.
+struct PlateKind {
+  std::string name;
+  std::string what;
+  Material material;
+  double loss_factor = 0.0;  ///< of the bending vibrations that make the sound
+  std::string source;
+};
+
+/// Balls of sports, then materials. Masses and diameters are the middle of what the rules allow, or their limit.
+const std::vector<BallKind>& ball_kinds();
+const std::vector<PlateKind>& plate_kinds();
+
+/// A ball from its description:
+///
+///   table-tennis                       a ball of ball_kinds() that has its size by the rules
+///   steel:6mm = steel:d=6mm            a material and the DIAMETER, as balls are sold; steel:r=3mm: the radius
+///   steel:6mm,density=7800             with other numbers than the catalogue's
+///   radius=20mm,mass=2.7g,inertia=0.65 by its numbers
+///
+/// Numbers: radius or diameter and mass with their units (m, cm, mm, um; kg, g, mg), density [kg/m^3], inertia =
+/// J/(m R^2) (default that of the name, else of a solid sphere), E with its unit (Pa, kPa, MPa, GPa) and nu together:
+/// the contact is Hertz's; contact-time with its unit (s, ms, us): measured, instead of Hertz's.
+/// @throws InvalidArgument naming what is not understood and what is; of an unknown name the nearest one
+Ball ball_from_text(const std::string& text);
+/// The shortest description that ball_from_text makes the same ball of, bit for bit.
+std::string to_text(const Ball& ball);
+/// "steel:6mm (diameter 6 mm, radius 3 mm, mass 0.8935 g, J = 0.4 m R^2)": what was understood, for people.
+std::string describe(const Ball& ball);
+
+/// "glass", or "E=70GPa,nu=0.22,density=2500". @throws InvalidArgument likewise
+Material plate_from_text(const std::string& text);
+/// Likewise.
+std::string plate_text(const Material& plate);
+/// That of the catalogue; absent where it has no such material.
+std::optional<double> plate_loss_factor(const Material& plate);
+
+/// Force of an elastic Hertz contact over its duration: s in [0, 1] is time over contact time, the integral is 1.
+///
+///   F(s) ~ x^(3/2),   x'' = -(5/4) x^(3/2)  in the time unit (largest indentation)/v
+///
+/// The shape is universal: material, radius and speed only scale it (Johnson, Contact Mechanics (1985), 11.4). It
+/// starts like s^(3/2), softer than the half-sine often used, which matters for a picker that looks at the first
+/// samples.
+double hertz_force(double s);
+
+/// Point impulses that stand for a force pulse: at node_q of its duration, with weight_q; total weight 1.
+struct PointImpulses {
+  std::vector<double> nodes;
+  std::vector<double> weights;
+};
+
+/// The pulse of a contact as point impulses whose spectrum is the pulse's own, within 1e-9, up to half the sample rate.
+///
+/// The nodes are equally spaced in theta, s = (1 - cos theta)/2: there the force times ds/dtheta, continued evenly and
+/// periodically, is smooth to the ninth derivative, so that the trapezoidal rule converges like n^-10 once n exceeds
+/// the phase that passes during the contact.
+/// @param duration_samples  of the contact, in (0, kMaxContact_samples]
+PointImpulses hertz_impulses(double duration_samples);
+inline constexpr double kMaxContact_samples = 1600.0;
+
+/// Still air: the simulator flies through it, the fit corrects for it.
+struct Air {
+  double density_kgpm3 = 1.204;     ///< dry, 20 C, 1013 hPa
+  double viscosity_pas = 1.813e-5;  ///< dynamic, 20 C
+};
+
+/// Drag of a sphere over Stokes' drag 3 pi mu d v:
+///
+///   1 + 0.15 Re^0.687,   Re = rho_air v d / mu
+///
+/// Within 5 % for Re < 800, which is 2 m/s for the paper's ball. Source: Schiller & Naumann, VDI Zeitschrift 77, 318
+/// (1933), as in Clift, Grace, Weber, Bubbles, Drops and Particles (1978), table 5.1.
+/// @param reynolds  >= 0
+inline double schiller_naumann_factor(double reynolds) { return 1.0 + 0.15 * pow(reynolds, 0.687); }
+
+/// Gravity used throughout unless stated otherwise [m/s^2].
+inline constexpr double kDefaultGravity_mps2 = 9.81;
 
 }  // namespace bouncelab

@@ -3,32 +3,27 @@
 
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <span>
 
-/// Elementary functions that give the same bits on every x86-64 processor and with every compiler.
+/// Elementary functions whose last bits do not depend on the processor.
 ///
-/// The C library chooses variants with fused multiply-add where the processor has it; their last digits differ, and a
-/// ball that bounces on a rough surface makes another orbit of another last digit. All that computes results takes its
-/// functions from here, none from the header cmath but what IEEE 754 defines to the last bit (sqrt, fma, roundings,
-/// scalings); tests/reference/no_libm_functions holds it to that.
+/// A ball that bounces on a rough surface makes another orbit of another last digit: the difference grows from bounce
+/// to bounce. The C library takes variants with fused multiply-add where the processor has it, and their last digits
+/// differ. What computes orbits and random numbers takes these functions instead; everything else may. Those that are
+/// not here (erfc, log1p, atan2 ...) come from the C library.
 ///
-/// By SLEEF's deterministic functions without fused multiply-add (Shibata & Petrogalli, IEEE TPDS 31, 1316 (2020),
-/// doi:10.1109/TPDS.2019.2960333): errors of at most 1 unit in the last place unless said otherwise. Arguments outside
-/// the domain give NaN or infinities as those of the C library do.
+/// They are SLEEF's deterministic functions without fused multiply-add (Shibata & Petrogalli, IEEE TPDS 31, 1316
+/// (2020), doi:10.1109/TPDS.2019.2960333): errors of at most 1 unit in the last place unless said otherwise. Arguments
+/// outside the domain give NaN or infinities as those of the C library do.
 namespace bouncelab {
 
+inline constexpr double kPi = std::numbers::pi;
+
 double exp(double x);
-double expm1(double x);
 double log(double x);
-double log1p(double x);
-double log10(double x);
 double sin(double x);
 double cos(double x);
-double atan2(double y, double x);
-/// 1 - erf(x), to 1.5 units in the last place.
-double erfc(double x);
-/// log |Gamma(x)|
-double log_gamma(double x);
 
 struct SinCos {
   double sin, cos;
@@ -36,21 +31,14 @@ struct SinCos {
 /// Both at the cost of one.
 SinCos sin_cos(double x);
 
-struct Pair {
-  double first, second;
-};
-/// exp() of two numbers, at the cost of one.
-Pair exp(Pair x);
-
-/// Of each x in its place, as many at once as the processor's registers hold; the bits are those of the functions of
-/// one.
-void exp_each(std::span<double> x);
-void log_each(std::span<double> x);
-void erfc_each(std::span<double> x);
-
 /// exp(y log x), to 1 + 3 |y log x| units in the last place: a quarter of the time of a pow() that is good to one.
 /// @param x  >= 0
 double pow(double x, double y);
+
+/// Of each x in its place, four at once where the processor has AVX; the bits are those of the functions of one. By
+/// them the fit of asymmetric Laplace distributions to 200,000 samples takes 0.4 of the time.
+void exp_each(std::span<double> x);
+void log_each(std::span<double> x);
 
 /// x^n, n >= 0, by multiplications.
 constexpr double power(double x, int n) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "bouncelab/core/printable.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 

@@ -2,14 +2,58 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
+
+/// What can be wrong with, or particular to, one impact time or one coefficient of restitution. In alphabetical order.
+enum class Flag {
+  by_hand,         ///< the time was set by a person
+  clipped,         ///< the sound is clipped at this impact
+  doubtful,        ///< the impact has more than one place where it may have been; sigma_t_s covers them
+  extra_impact,    ///< the ratio of intervals is explained only by an impact that did not happen
+  inferred,        ///< the impact was not detected by itself, but expected from its neighbours and then found
+  missing_impact,  ///< the ratio of intervals is explained only by an impact that was not detected
+  no_position,     ///< the place of the impact is not known, so that the travel time is still in the time
+  not_finite,      ///< the speed or the coefficient of restitution is missing, infinite or not a number
+  overlap          ///< the next impact begins while this one still rings; the time and its standard error hold
+};
+
+/// The word of a flag in tables, `by_hand` for instance.
+std::string_view name_of(Flag flag);
+/// The flag of a word; absent where it is none of ours.
+std::optional<Flag> flag_named(std::string_view word);
+
+/// Flags of one row of a table, in the order in which they were set. Words of a table that are none of ours are kept
+/// and written back.
+class Flags {
+ public:
+  Flags() = default;
+  Flags(std::initializer_list<Flag> flags);
+
+  /// @param text  words joined by '|', as in a table; empty: no flag
+  static Flags from_text(std::string text);
+  /// The words joined by '|'; byte for byte what from_text got, then what was added.
+  const std::string& text() const { return text_; }
+
+  bool empty() const { return text_.empty(); }
+  bool has(Flag flag) const;
+  /// The word set first, known or not; empty where there is none.
+  std::string_view first_word() const;
+  /// Sets a flag at the end, unless it is set.
+  void add(Flag flag);
+
+  friend bool operator==(const Flags&, const Flags&) = default;
+
+ private:
+  std::string text_;
+};
 
 /// One impact as detected in a recording.
 struct Onset {

@@ -6,6 +6,10 @@
 
 namespace bouncelab {
 
+/// Called now and then by long computations, from one thread at a time, with the work done so far and in all (same
+/// unit, e.g. drops or seconds of sound; total 0 = not known). May throw Interrupted to stop the computation.
+using ProgressCallback = std::function<void(double done, double total)>;
+
 /// Number of threads for an option whose 0 means all cores. @return n_threads, or the number of cores that this process
 /// may run on where it is <= 0
 int resolved_threads(int n_threads);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/flags.hpp"
+#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {

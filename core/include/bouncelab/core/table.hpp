@@ -3,7 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iosfwd>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -89,5 +93,73 @@ std::optional<std::int64_t> whole_number(double value);
 
 /// A number for a message, with six digits at most: 0.1, 1e+308.
 std::string short_number(double value);
+
+/// Bytes of one row of a table of text. The longest row of ours has 40 numbers of 24 characters and two names of files
+/// of 4,096 bytes, doubled where all are quotes: 20 kB. What is fifty times longer is no table, and is refused before
+/// it fills the memory.
+inline constexpr std::size_t kLongestRow_bytes = 1 << 20;
+
+/// The lines of a table of text, in constant memory. Something that is no text at all is refused at its first block.
+class LineReader {
+ public:
+  /// @param in    must outlive this
+  /// @param name  of the file, for messages
+  LineReader(std::istream& in, std::string name);
+  /// The next line without its line feed (a carriage return before it stays); false after the last. What the end of
+  /// the file cuts off is a line too.
+  /// @throws FileError naming the line: longer than kLongestRow_bytes, a byte 0 or UTF-16 in it, reading failed
+  bool next(std::string& line);
+  /// Of the line read last, counted from 1.
+  std::size_t number() const { return number_; }
+  const std::string& name() const { return name_; }
+
+ private:
+  bool fill();
+  void append(const char* end, std::string& line);
+
+  std::istream* in_;
+  std::string name_;
+  std::vector<char> block_;
+  const char *at_ = nullptr, *end_ = nullptr;
+  std::size_t number_ = 0;
+};
+
+/// Opens a table of text, by its name or from a pipe. @throws FileError: absent, a folder, not readable
+std::ifstream open_text(const std::filesystem::path& path);
+
+/// Reads the columns wanted from a CSV file: one header line, comma, '.', quoted cells with commas, quotes and line
+/// breaks as in RFC 4180, CRLF or LF, a byte order mark is skipped. Other columns are passed over. Columns come in the
+/// order of `wanted`. "nan" is as an empty cell; 3.0 is an integer too.
+/// @throws FileError naming line and column: file missing or empty, no text, a required column absent, a wanted one
+///         named twice, a row of another length or longer than kLongestRow_bytes, a quote that is not closed or that
+///         text follows, a cell that is no number of its type (an empty cell of a real column is NaN; of an integer
+///         column an error)
+Table read_csv(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+/// @param name  of the file, for messages
+Table read_csv(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
+
+/// As read_csv, a piece of the file at a time: tables longer than the memory.
+class CsvReader {
+ public:
+  CsvReader(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+  /// @param in  must outlive this
+  CsvReader(std::istream& in, const std::string& name, const std::vector<ColumnSpec>& wanted);
+  CsvReader(CsvReader&&) noexcept;
+  CsvReader& operator=(CsvReader&&) noexcept;
+  ~CsvReader();
+  /// The next rows, at most so many; none after the last. @throws FileError
+  Table next(std::size_t max_rows);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Writes header and rows; reals with the fewest digits that read back to the same double (at most 17), NaN as an
+/// empty cell. Texts are written byte for byte; quoted where they hold commas, quotes or line breaks, or begin or end
+/// with a blank.
+void write_csv(std::ostream& out, const Table& table);
+/// Rows only: a long table can be written in pieces.
+void write_csv_rows(std::ostream& out, const Table& table);
 
 }  // namespace bouncelab

@@ -2,11 +2,8 @@
 #pragma once
 
 /// Compiles a function three times, for registers of 128, 256 and 512 bits, and takes the widest that the processor
-/// has. Everything is compiled with -ffp-contract=off: no fused multiply-add, so that every x86-64 processor gives
-/// the same bytes.
-///
-/// For loops on which much of the time goes: synthesis, the kernels of a detection, the likelihood of a fit. The
-/// kernels' own ratios are in acoustic/audio/src/dsp/kernels.cpp.
+/// has. For loops on which much of a whole command's time goes; the kernels' own ratios are in
+/// acoustic/audio/src/dsp/kernels.cpp.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 #define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else

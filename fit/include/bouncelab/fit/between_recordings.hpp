@@ -1,18 +1,70 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/law_fit.hpp"
-#include "bouncelab/fit/recording_date.hpp"
-#include "bouncelab/fit/recording_summary.hpp"
 
 namespace bouncelab::fit {
+
+/// When a recording was made.
+struct RecordingDate {
+  double day = 0.0;               ///< days since 1970-01-01 00:00; noon where no time was given
+  std::int64_t calendar_day = 0;  ///< the day as it was written, days since 1970-01-01
+};
+
+/// A date, or a date and a time, as ISO 8601 writes them: 2026-11-23, 2026-11-23T14:05, 2026-11-23 14:05:30.5,
+/// 20261123T140530; with Z or +01:00 behind the time `day` is that of UTC, else as written.
+/// @return absent where the text is anything else, or no day of the calendar between 1990 and 2100
+std::optional<RecordingDate> date_from_iso(std::string_view text);
+
+/// The last date in a name of a file: YYYY-MM-DD, YYYY_MM_DD or YYYYMMDD, without a digit before it; a time may follow
+/// at once or after a T, an underscore, a hyphen, a point or a blank, as HHMM, HHMMSS, HH-MM or HH-MM-SS; between its
+/// numbers also a colon, a point, an underscore or an h. What follows and is no time of day is passed over (a counter
+/// 0012 is taken for 00:12).
+/// @return absent where there is no day of the calendar between 1990 and 2100
+std::optional<RecordingDate> date_in_name(std::string_view name);
+
+/// "2026-11-23"
+std::string day_in_words(std::int64_t calendar_day);
+
+/// "2026-11-23T14:05:30": the time of `day`, to the second.
+std::string iso_in_words(const RecordingDate& date);
+
+/// What is kept of a recording when its samples are let go: values of its own law eps(v) with their covariance. Three
+/// of them within its speeds are sufficient for the three constants of the law.
+struct RecordingSummary {
+  std::string recording;
+  std::size_t n = 0;           ///< samples fitted
+  std::size_t n_drops = 0;     ///< of the usable samples
+  std::size_t n_left_out = 0;  ///< flagged, not finite, or at no positive speed
+  std::size_t n_outliers = 0;  ///< more likely lost bounces than scatter
+  double scatter = 0.0;        ///< mean distance of eps from eps(v) at the middle of its speeds
+  /// `ok`: v, eps and covariance are there; otherwise why not, in `message`.
+  FitStatus status = FitStatus::too_few_samples;
+  std::string message;
+  std::size_t n_nodes = 0;  ///< 3; 1 where its speeds differ by less than a fifth
+  std::array<double, 3> v_mps{}, eps{};
+  std::array<std::array<double, 3>, 3> covariance{};
+};
+
+/// Samples fewer than these, without those left out, have no law with an error that could be relied on.
+inline constexpr std::size_t kFewestOfASummary = 8;
+
+/// By fit_law with errors by covariance. Errors are by drop from 30 drops on: the covariance of three values from M
+/// drops, inverted, is wrong by about 3/M. With fewer they are by sample, or where samples are fewer than 30 a
+/// parameter those of the fitted scatter; what impacts of a drop share then counts as a difference between recordings.
+/// @param samples  all of one recording, of at least one sample
+RecordingSummary summarize_recording(const RestitutionSamples& samples);
 
 /// Where and when a recording was made, as far as it is known.
 struct RecordingOrigin {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 

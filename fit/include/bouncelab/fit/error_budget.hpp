@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/flight_correction.hpp"
 #include "bouncelab/fit/law_fit.hpp"

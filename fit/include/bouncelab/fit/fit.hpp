@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Start here: impact times to coefficients of restitution (restitution.hpp), these to the law eps(v) (law_fit.hpp)
 /// and to the histograms p(eps) (histogram_fit.hpp); plain_answer.hpp says it in a few sentences; fit_all does all that
-/// a report needs, json.hpp writes it; calibration.hpp checks the law's fit against known truth; roughness.hpp says
+/// a report needs, json.hpp writes it; calibration.hpp checks the law's fit against known truth; memory_fit.hpp says
 /// what the scatter tells of the surface, reservoir_gain.hpp what energy spin and sideways motion hold;
 /// between_recordings.hpp compares the recordings of a campaign.
 #pragma once
@@ -12,10 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/dem_export.hpp"
-#include "bouncelab/fit/density_picture.hpp"
 #include "bouncelab/fit/error_budget.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/histogram_fit.hpp"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bouncelab/core/air.hpp"
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::fit {
 

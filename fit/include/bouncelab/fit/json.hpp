@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bouncelab/fit/fit.hpp"
-#include "bouncelab/fit/roughness.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
 
 namespace bouncelab::fit {
 

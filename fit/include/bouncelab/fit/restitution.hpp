@@ -2,18 +2,40 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/flags.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/flight_correction.hpp"
-#include "bouncelab/fit/travel_time.hpp"
 
 namespace bouncelab::fit {
+
+/// Where the impacts were and where the sensor is: the sound of an impact arrives |r - r_sensor| / c late.
+struct TravelTime {
+  double wave_speed_mps = 0.0;  ///< c > 0: 2500 or so in a glass plate, 343 in air
+  double sensor_x_m = 0.0, sensor_y_m = 0.0;
+  /// x, y of each impact by (drop, impact), from a simulation or a camera; one recording.
+  std::map<std::pair<std::int64_t, std::int64_t>, std::pair<double, double>> position_m;
+};
+
+/// Times at the plate instead of at the sensor. An onset without a position is flagged `no_position`, which breaks the
+/// chain of its drop there.
+/// @throws InvalidArgument where the wave speed is not positive
+Onsets without_travel_time(Onsets onsets, const TravelTime& travel);
+
+/// Columns of a table of positions: drop, impact, x_m, y_m.
+std::vector<ColumnSpec> position_columns();
+/// Positions from those columns; a row without numbers has no position.
+TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps, double sensor_x_m, double sensor_y_m);
 
 struct RestitutionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
@@ -97,5 +119,20 @@ class RestitutionInPieces {
   RestitutionCounts counts_;
   double drag_shifts_ = 0.0, contact_shifts_ = 0.0, squared_travel_shifts_ = 0.0;  // sums over all samples
 };
+
+/// The interval after one impact: measured, and as a law predicts it from the interval before.
+struct IntervalPrediction {
+  std::int64_t impact = 0;
+  double measured_s = 0.0;            ///< eps T, with the eps of the sample
+  std::optional<double> predicted_s;  ///< eps(v) T, with that of the law; absent without a law
+  std::optional<double> sigma_s;  ///< standard error of measured_s from the timing; absent where the sample has none
+};
+
+/// T_{k+1} = eps T_k with T_k = 2 v / g, for the samples of one drop.
+/// @param gravity_mps2  > 0, as the samples were made with
+/// @return in the order of the samples
+std::vector<IntervalPrediction> predict_intervals(const RestitutionSamples& samples, const std::string& recording,
+                                                  std::int64_t drop, const std::optional<RestitutionLaw>& law,
+                                                  double gravity_mps2);
 
 }  // namespace bouncelab::fit

@@ -9,16 +9,16 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/loop/drops.hpp"
 #include "bouncelab/loop/reservoir_check.hpp"
 #include "bouncelab/loop/scatter_theory.hpp"
-#include "bouncelab/sim/energy_shares.hpp"
+#include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/experiment.hpp"
-#include "bouncelab/sim/section.hpp"
+#include "bouncelab/sim/surface.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
 namespace bouncelab::loop {

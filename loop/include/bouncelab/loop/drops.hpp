@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
 namespace bouncelab::loop {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/memory_fit.hpp"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::sim {

@@ -11,12 +11,11 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/impacts.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/restitution_law.hpp"
-#include "bouncelab/core/units.hpp"
 #include "bouncelab/sim/contact.hpp"
-#include "bouncelab/sim/drag.hpp"
 #include "bouncelab/sim/energy.hpp"
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/flight.hpp"

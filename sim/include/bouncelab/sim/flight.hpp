@@ -6,7 +6,6 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/sim/contact.hpp"
-#include "bouncelab/sim/drag.hpp"
 #include "bouncelab/sim/envelope.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
@@ -28,6 +27,14 @@ struct FirstContact {
   BallState state;             ///< at contact, before the collision
 };
 
+/// Acceleration by the drag on a sphere of diameter d:
+///
+///   a = -(18 mu / (rho d^2)) (1 + 0.15 Re^0.687) v,   Re = rho_air |v| d / mu,   rho the ball's density
+///
+/// the factor by Schiller & Naumann (core/ball.hpp). Neglects added mass and buoyancy (1.5e-4 of gravity) and lift by
+/// spin.
+Vector3 drag_acceleration_mps2(const Ball& ball, const Air& air, Vector3 velocity_mps);
+
 /// The first instant at which the gap of any asperity, or of the smooth sphere, closes: the centre on a parabola, the
 /// orientation turning with constant angular velocity (eqs. 3-5 of the paper, Rodrigues' rotation),
 ///
@@ -47,5 +54,21 @@ struct FirstContact {
 FirstContact find_first_contact(const Ball& ball, const Envelope& envelope, const BallState& start,
                                 Vector3 gravity_mps2, std::optional<std::int64_t> left,
                                 const std::optional<Air>& air = std::nullopt);
+
+/// The mean gradient of E(n) over the disc of this radius around a direction of the body:
+///
+///   1/(pi alpha^2) int grad E dA = 1/(pi alpha^2) * closed integral of E d along the circle (Gauss), d pointing
+///   outwards
+///
+/// by 256 points of the circle: 4 um apart at 1 m/s, ten to a facet of the default ball's envelope.
+/// @param n          unit vector of the body
+/// @param alpha_rad  radius of the disc, in (0, 0.5)
+/// Exact where one asperity is the highest on the whole disc: u_j less its part along n.
+Vector3 mean_gradient(const Envelope& envelope, Vector3 n, double alpha_rad);
+
+/// The lever of a contact on the patch that the smooth ball would have with the plate at this speed: offset by R times
+/// the mean gradient of the envelope over Hertz' disc around the point of first contact, as high as the contact's own.
+/// The asperities in the patch are taken as carrying the ball together, each with the area it has in the envelope.
+Vector3 patch_lever_m(const Ball& ball, const Material& plate, const Envelope& envelope, const FirstContact& contact);
 
 }  // namespace bouncelab::sim

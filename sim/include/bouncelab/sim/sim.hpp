@@ -2,14 +2,11 @@
 /// Start here: a rough ball bouncing on a plate. make_surface, then simulate; the rest is what these are made of.
 #pragma once
 
-#include "bouncelab/sim/contact.hpp"        // the collision: paper, frictionless, Coulomb, Stronge
-#include "bouncelab/sim/drag.hpp"           // drag
-#include "bouncelab/sim/energy.hpp"         // where the energy went
-#include "bouncelab/sim/energy_shares.hpp"  // vertical, horizontal, rotational, against bounce number
-#include "bouncelab/sim/envelope.hpp"       // what can touch the plate, and where
-#include "bouncelab/sim/experiment.hpp"     // many drops: SimulationConfig -> Impacts
-#include "bouncelab/sim/flight.hpp"         // the first contact of a flight
-#include "bouncelab/sim/section.hpp"        // the ball cut through its centre, for a picture
-#include "bouncelab/sim/surface.hpp"        // asperities, drawn or read
-#include "bouncelab/sim/theory.hpp"         // the scatter in closed form
-#include "bouncelab/sim/vector3.hpp"        // vectors and rotations
+#include "bouncelab/sim/contact.hpp"     // the collision: paper, frictionless, Coulomb, Stronge
+#include "bouncelab/sim/energy.hpp"      // where the energy went, and its shares against bounce number
+#include "bouncelab/sim/envelope.hpp"    // what can touch the plate, and where
+#include "bouncelab/sim/experiment.hpp"  // many drops: SimulationConfig -> Impacts
+#include "bouncelab/sim/flight.hpp"      // the first contact of a flight, drag, patches of contact
+#include "bouncelab/sim/surface.hpp"     // asperities, drawn or read; the ball cut through its centre
+#include "bouncelab/sim/theory.hpp"      // the scatter in closed form
+#include "bouncelab/sim/vector3.hpp"     // vectors and rotations

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/vector3.hpp"
 
@@ -34,6 +35,8 @@ struct ExponentialRadii {
 };
 using RadiusLaw = std::variant<UniformRadii, ConstantRadii, NormalRadii, LognormalRadii, ExponentialRadii>;
 
+/// @throws InvalidArgument where a parameter is out of its range
+void validate(const RadiusLaw& law);
 /// Reads "constant:1e-3", "uniform:0.5e-3,1.5e-3", "normal:1e-3,1e-4", "lognormal:1e-3,0.1", "exponential:1e-3"; the
 /// parameters may be left out (then the defaults above hold). @throws InvalidArgument naming the text and what may
 /// stand
@@ -69,5 +72,25 @@ std::vector<ColumnSpec> surface_columns();
 /// @throws FileError naming the first line whose numbers are not finite, whose direction has no length or whose radius
 /// is not in (0, R)
 Surface surface_from_table(const Table& table, const std::string& name, const Ball& ball);
+
+/// The circle in which a plane through the ball's centre cuts an asperity. Its centre is on the ball's circle but for
+/// radius^2 / (2 R).
+struct SectionCircle {
+  double angle_rad = 0.0;  ///< of its centre along the ball's circle
+  double radius_m = 0.0;   ///< sqrt(R_j^2 - d^2), d the distance of the asperity's centre from the plane
+};
+
+/// A piece of the ball as it looks when cut through its centre, for a picture of its surface.
+struct BallSection {
+  double ball_radius_m = 0.0;
+  std::size_t n_asperities = 0;         ///< of the whole ball
+  double mean_asperity_radius_m = 0.0;  ///< likewise
+  double half_angle_rad = 0.0;          ///< the piece reaches from minus to plus this; at most a quarter of the circle
+  std::vector<SectionCircle> circles;   ///< by angle
+};
+
+/// The piece around the z axis of the body frame in the plane y = 0, so long that some 10 asperities are cut by it (of
+/// directions uniform on the sphere the plane cuts R_j / (2 pi R) of them in each radian).
+BallSection section_of(const Ball& ball, const Surface& surface);
 
 }  // namespace bouncelab::sim

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/onsets.hpp"
-#include "bouncelab/core/progress.hpp"
-#include "bouncelab/core/units.hpp"
+#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::detection {
 

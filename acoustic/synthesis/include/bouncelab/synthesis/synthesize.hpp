@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/progress.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 
 namespace bouncelab::synthesis {

@@ -11,15 +11,27 @@
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/flags.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/table.hpp"
-#include "bouncelab/synthesis/disturbances.hpp"
 #include "bouncelab/synthesis/plate.hpp"
 #include "bouncelab/synthesis/sensor.hpp"
 
 namespace bouncelab::synthesis {
+
+/// Sounds and interference of a laboratory beside the ball. All off by default. Levels are in units of the clean peak
+/// of the weakest wanted impact, so that 1 is as loud as the weakest impact to be detected.
+struct Disturbances {
+  double hum_level = 0.0;     ///< amplitude of the mains' fundamental; harmonics 2 to 7 fall like 1/n
+  double hum_hz = 50.0;       ///< > 0
+  double drift_level = 0.0;   ///< slow wander of the zero line, periods 2 to 15 s
+  double clicks_per_s = 0.0;  ///< electric clicks two samples long, levels 0.3 to 5, Poisson in time
+  double knocks_per_s = 0.0;  ///< a second, softer object strikes the plate, levels about 0.5 to 4, Poisson in time
+  double double_hit_fraction = 0.0;  ///< in [0, 1]: share of impacts followed by a knock after 1.5 to 12 ms
+  bool robot_cycle = false;    ///< release click; in each pause fan, pick-up tick and motor bursts; needs pause_s >= 2
+  double timbre_wander = 0.0;  ///< standard deviation of ln(mode amplitude) from impact to impact
+  double phase_wander_rad = 0.0;  ///< standard deviation of the modes' phases from impact to impact
+};
 
 /// A simulated ball strikes where the ground is no more.
 class OffThePlate : public InvalidArgument {
@@ -133,5 +145,18 @@ Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& 
 Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording);
 /// `kind,t_s`.
 Table others_table(const std::vector<OtherSound>& others);
+
+/// A kind of recording in which impacts are hard to detect: one difficulty each; `rough` combines most of them.
+struct HardCase {
+  std::string name;
+  std::string what;  ///< one line for people
+};
+
+/// noisy, hum, clicks, knocks, double-hits, robot, clipped, wander, dead-channel, ringing, microphone, rough.
+const std::vector<HardCase>& hard_cases();
+
+/// `config` with the difficulty added; everything else stays as it is.
+/// @throws InvalidArgument naming the case and the known ones
+SynthesisConfig with_hard_case(SynthesisConfig config, const std::string& name);
 
 }  // namespace bouncelab::synthesis

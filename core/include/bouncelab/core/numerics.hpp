@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <vector>
+
+/// Special functions, quadrature and roots, by the GNU Scientific Library (GSL).
+namespace bouncelab {
+
+/// GSL's own handler of errors ends the program. Whoever calls GSL calls this first, and looks at every return code.
+void switch_off_gsl_error_handler();
+
+/// J_n(x). @param n  >= 0. Error 1e-14.
+double bessel_j(int n, double x);
+/// exp(-|x|) I_n(x). @param n  >= 0. Relative error 1e-14 for n <= 1, 1e-13 for n <= 100.
+double scaled_bessel_i(int n, double x);
+/// Kaiser's window, I_0(beta sqrt(1 - x^2))/I_0(beta); 0 where |x| > 1.
+double kaiser_window(double x, double beta);
+
+struct QuadratureRule {
+  std::vector<double> nodes;
+  std::vector<double> weights;
+};
+
+/// Gauss-Legendre rule with n >= 1 points on [lo, hi]; exact for polynomials up to degree 2n - 1.
+/// @return nodes in ascending order; errors of the weights grow from 1e-15 for n = 4 to 1e-12 for n = 100
+QuadratureRule gauss_legendre(int n, double lo, double hi);
+
+/// The root of f between lo and hi, to rounding, by Brent's method.
+/// @param f  continuous; of different signs at lo and hi, or 0 at one of them
+/// @throws InvalidArgument where the signs are the same
+double root_between(const std::function<double(double)>& f, double lo, double hi);
+
+}  // namespace bouncelab

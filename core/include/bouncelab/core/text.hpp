@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bouncelab {
+
+/// Characters of a name or of a cell that a message quotes.
+inline constexpr std::size_t kQuoted_characters = 200;
+/// Characters of a whole message.
+inline constexpr std::size_t kMessage_characters = 1000;
+
+/// A text from outside (a file's name, a cell, a word of the command line) as one line that is safe on a terminal:
+/// control characters, line breaks, characters that turn the direction of writing and bytes that are not UTF-8 are
+/// written as escape sequences of C (backslash and n, t, r or xff). All else stays as it is; applied twice it gives the
+/// same.
+/// @param limit  at least 50. A longer text is cut in its middle, "first part...last part (1234 bytes)"; of a path the
+///               name at its end stays. Takes the same time for a text of any length.
+/// @return at most `limit` characters, valid UTF-8
+std::string printable(std::string_view text, std::size_t limit = kQuoted_characters);
+
+/// The number of bytes (1 to 4) of the valid UTF-8 character that `text` begins with; 0 where there is none.
+std::size_t utf8_character(std::string_view text);
+
+/// Any bytes, names of files for instance, as valid UTF-8 that bytes_of_utf8 turns back into the same bytes. Valid
+/// UTF-8 stays as it is; a byte b that belongs to no character becomes the private character U+EF00 + b (so that b from
+/// 80 to FF gives U+EF80 to U+EFFF, as in the OPTU-8 encoding of MirBSD). These 128 characters themselves are taken
+/// for three such bytes each.
+std::string utf8_of_bytes(std::string_view bytes);
+/// The inverse of utf8_of_bytes.
+std::string bytes_of_utf8(std::string_view text);
+
+/// The name that was probably meant: the one reached by the fewest insertions, deletions, replacements and swaps of
+/// neighbours, the first of several.
+/// @return empty where more than a third of the longer word would have to change
+std::string nearest_name(std::string_view typed, const std::vector<std::string>& names);
+
+}  // namespace bouncelab

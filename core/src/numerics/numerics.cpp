@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/numerics.hpp"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_integration.h>
+#include <gsl/gsl_roots.h>
+#include <gsl/gsl_sf_bessel.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab {
+namespace {
+
+void check(int status, const std::string& what) {
+  if (status != GSL_SUCCESS) throw InvalidArgument(what + ": " + gsl_strerror(status));
+}
+
+using BesselFunction = int (*)(int, double, gsl_sf_result*);
+
+double bessel(BesselFunction function, const char* name, int n, double x) {
+  switch_off_gsl_error_handler();
+  gsl_sf_result result{};
+  const int status = function(n, x, &result);
+  if (status != GSL_EUNDRFLW)  // its value is 0 then
+    check(status, std::string(name) + " of order " + std::to_string(n) + " at " + std::to_string(x));
+  return result.val;
+}
+
+template <class T>
+std::unique_ptr<T, void (*)(T*)> owned(T* allocated, void (*release)(T*)) {
+  if (allocated == nullptr) throw std::bad_alloc();
+  return {allocated, release};
+}
+
+}  // namespace
+
+void switch_off_gsl_error_handler() { [[maybe_unused]] static const auto before = gsl_set_error_handler_off(); }
+
+double bessel_j(int n, double x) { return bessel(gsl_sf_bessel_Jn_e, "Bessel's function J", n, x); }
+
+double scaled_bessel_i(int n, double x) { return bessel(gsl_sf_bessel_In_scaled_e, "Bessel's function I", n, x); }
+
+double kaiser_window(double x, double beta) {
+  if (std::abs(x) > 1.0) return 0.0;
+  const double argument = beta * std::sqrt(1.0 - x * x);
+  return scaled_bessel_i(0, argument) / scaled_bessel_i(0, beta) * exp(argument - beta);
+}
+
+QuadratureRule gauss_legendre(int n, double lo, double hi) {
+  switch_off_gsl_error_handler();
+  // not gsl_integration_glfixed: beyond the orders that it has as tables, its weights are good to 1e-8 only
+  const auto size = static_cast<std::size_t>(n);
+  const auto rule = owned(gsl_integration_fixed_alloc(gsl_integration_fixed_legendre, size, lo, hi, 0.0, 0.0),
+                          gsl_integration_fixed_free);
+  const double *nodes = gsl_integration_fixed_nodes(rule.get()), *weights = gsl_integration_fixed_weights(rule.get());
+  return {{nodes, nodes + size}, {weights, weights + size}};
+}
+
+double root_between(const std::function<double(double)>& f, double lo, double hi) {
+  switch_off_gsl_error_handler();
+  constexpr int kMaxSteps = 200;  // halving alone takes 60
+  std::function<double(double)> copy = f;
+  gsl_function function{[](double x, void* g) { return (*static_cast<std::function<double(double)>*>(g))(x); }, &copy};
+  const auto solver = owned(gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
+  check(gsl_root_fsolver_set(solver.get(), &function, lo, hi),
+        "root: no change of sign between " + std::to_string(lo) + " and " + std::to_string(hi));
+  for (int step = 0; step < kMaxSteps; ++step) {
+    check(gsl_root_fsolver_iterate(solver.get()), "root");
+    const double left = gsl_root_fsolver_x_lower(solver.get()), right = gsl_root_fsolver_x_upper(solver.get());
+    if (gsl_root_test_interval(left, right, 0.0, 2.0 * std::numeric_limits<double>::epsilon()) == GSL_SUCCESS) break;
+  }
+  return gsl_root_fsolver_root(solver.get());
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/text.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace bouncelab {
+namespace {
+
+constexpr std::size_t kStandIn_bytes = 3;
+
+/// U+EF80 to U+EFFF: EE BE 80 to EE BF BF.
+bool is_stand_in(std::string_view character) {
+  return character.size() == kStandIn_bytes && character[0] == '\xEE' &&
+         (character[1] == '\xBE' || character[1] == '\xBF');
+}
+
+void append_stand_in(char byte, std::string& text) {
+  const auto value = static_cast<unsigned char>(byte);
+  text += '\xEE';
+  text += static_cast<char>(value < 0xC0 ? 0xBE : 0xBF);
+  text += static_cast<char>(0x80U | (value & 0x3FU));
+}
+
+char byte_of_stand_in(std::string_view character) {
+  const unsigned high = character[1] == '\xBE' ? 0x80U : 0xC0U;
+  return static_cast<char>(high | (static_cast<unsigned char>(character[2]) & 0x3FU));
+}
+
+}  // namespace
+
+std::size_t utf8_character(std::string_view text) {
+  if (text.empty()) return 0;
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t size = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < size) return 0;
+  for (std::size_t k = 1; k < size; ++k)
+    if ((byte(k) & 0xC0U) != 0x80U) return 0;
+  const unsigned second = byte(1);
+  const bool too_long = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+  const bool surrogate = first == 0xED && second >= 0xA0;
+  const bool beyond = first == 0xF4 && second >= 0x90;
+  return too_long || surrogate || beyond ? 0 : size;
+}
+
+std::string utf8_of_bytes(std::string_view bytes) {
+  std::string text;
+  text.reserve(bytes.size());
+  while (!bytes.empty()) {
+    const std::size_t size = utf8_character(bytes);
+    const std::string_view character = bytes.substr(0, size);
+    if (size > 0 && !is_stand_in(character)) {
+      text += character;
+      bytes.remove_prefix(size);
+    } else {
+      append_stand_in(bytes.front(), text);
+      bytes.remove_prefix(1);
+    }
+  }
+  return text;
+}
+
+std::string bytes_of_utf8(std::string_view text) {
+  std::string bytes;
+  bytes.reserve(text.size());
+  while (!text.empty()) {
+    const std::string_view three = text.substr(0, kStandIn_bytes);
+    if (utf8_character(three) == kStandIn_bytes && is_stand_in(three)) {
+      bytes += byte_of_stand_in(three);
+      text.remove_prefix(kStandIn_bytes);
+    } else {
+      bytes += text.front();
+      text.remove_prefix(1);
+    }
+  }
+  return bytes;
+}
+
+namespace {
+
+/// One character of the result, or the escape that stands for one byte.
+struct Glyph {
+  std::string text;
+  std::size_t width = 1;  // characters
+};
+
+std::uint32_t code_point(std::string_view character) {
+  const auto first = static_cast<unsigned char>(character[0]);
+  if (character.size() == 1) return first;
+  std::uint32_t code = first & (0xFFU >> (character.size() + 1));
+  for (const char c : character.substr(1)) code = (code << 6U) | (static_cast<unsigned char>(c) & 0x3FU);
+  return code;
+}
+
+/// Control characters, line and paragraph separators, and the marks that turn the direction of writing, with which a
+/// name can look like another.
+bool is_harmful(std::uint32_t code) {
+  return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x200E || code == 0x200F ||
+         (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069) || code == 0xFEFF;
+}
+
+std::string escape(char byte) {
+  if (byte == '\n') return "\\n";
+  if (byte == '\r') return "\\r";
+  if (byte == '\t') return "\\t";
+  constexpr const char* kDigits = "0123456789abcdef";
+  const auto value = static_cast<unsigned char>(byte);
+  return {'\\', 'x', kDigits[value / 16], kDigits[value % 16]};
+}
+
+std::vector<Glyph> glyphs(std::string_view text) {
+  std::vector<Glyph> result;
+  while (!text.empty()) {
+    const std::size_t size = utf8_character(text);
+    if (size > 0 && !is_harmful(code_point(text.substr(0, size)))) {
+      result.push_back({std::string(text.substr(0, size)), 1});
+      text.remove_prefix(size);
+    } else {
+      const std::string escaped = escape(text.front());
+      result.push_back({escaped, escaped.size()});
+      text.remove_prefix(1);
+    }
+  }
+  return result;
+}
+
+/// The end of a text, from the begin of a character on.
+std::string_view tail(std::string_view text, std::size_t n_bytes) {
+  std::string_view end = text.substr(text.size() - n_bytes);
+  for (int k = 0; k < 3 && !end.empty() && (static_cast<unsigned char>(end.front()) & 0xC0U) == 0x80U; ++k)
+    end.remove_prefix(1);
+  return end;
+}
+
+std::string head_that_fits(const std::vector<Glyph>& all, std::size_t width) {
+  std::string text;
+  for (std::size_t k = 0; k < all.size() && all[k].width <= width; width -= all[k].width, ++k) text += all[k].text;
+  return text;
+}
+
+std::string tail_that_fits(const std::vector<Glyph>& all, std::size_t width) {
+  std::size_t first = all.size();
+  for (; first > 0 && all[first - 1].width <= width; --first) width -= all[first - 1].width;
+  std::string text;
+  for (std::size_t k = first; k < all.size(); ++k) text += all[k].text;
+  return text;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text, std::size_t limit) {
+  const std::size_t most_bytes = 4 * limit;  // of `limit` characters
+  if (text.size() <= most_bytes) {
+    const std::vector<Glyph> all = glyphs(text);
+    std::size_t width = 0;
+    for (const Glyph& glyph : all) width += glyph.width;
+    if (width <= limit) return head_that_fits(all, width);
+  }
+  const std::string length = " (" + std::to_string(text.size()) + " bytes)";
+  const std::size_t half = (limit - length.size() - 3) / 2;
+  const std::size_t kept = text.size() < most_bytes ? text.size() : most_bytes;
+  return head_that_fits(glyphs(text.substr(0, kept)), half) + "..." + tail_that_fits(glyphs(tail(text, kept)), half) +
+         length;
+}
+
+namespace {
+
+constexpr std::size_t kLongestName = 64;  // of those that are compared; the work grows with the square
+
+/// Optimal string alignment distance.
+std::size_t distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i)
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view typed, const std::vector<std::string>& names) {
+  if (typed.size() > kLongestName) return "";
+  std::string best;
+  std::size_t least = 0;
+  for (const std::string& name : names) {
+    const std::size_t d = distance(typed, name);
+    if (3 * d > std::max(typed.size(), name.size()) || (!best.empty() && d >= least)) continue;
+    best = name;
+    least = d;
+  }
+  return best;
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+namespace bouncelab::fit {
+
+/// Log-likelihood at x; its gradient where asked for. Not finite: outside the domain.
+using LogLikelihood = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd* gradient)>;
+
+struct Maximum {
+  Eigen::VectorXd x;
+  double loglik = 0.0;
+  /// What a quadratic model says is still to be gained, g^T I^-1 g / 2: below 1e-4 the estimate is within a hundredth
+  /// of its standard error.
+  double gain_left = 0.0;
+  int n_evaluations = 0;
+  bool converged = false;
+};
+
+/// Maximises by Ceres' BFGS with a Wolfe line search, in coordinates whitened by the information matrix at the start:
+/// there the surface is nearly a unit bowl, whatever the units and correlations of x.
+/// @param information  at the start; directions it says nothing about are searched with a bounded step
+/// @param tolerance    on the whitened gradient: distance to the maximum in standard errors
+Maximum maximise(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information,
+                 double tolerance = 2e-3);
+
+/// Maximises from a point that is some standard errors off, where the information is known: whole steps of Newton's
+/// method, by a matrix that learns from each of them (BFGS). maximise() needs its first steps to find their length.
+/// The gain of the last step is counted in, where less than 1e-6 is left after it.
+/// @param information  positive definite, near the start
+/// @return the best point met; not converged where a step led down or steps did not suffice
+Maximum maximise_nearby(const LogLikelihood& loglik, const Eigen::VectorXd& start, const Eigen::MatrixXd& information);
+
+}  // namespace bouncelab::fit

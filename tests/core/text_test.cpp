@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/text.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <string>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+
+namespace bouncelab {
+
+namespace {
+
+using testing::HasSubstr;
+
+std::size_t characters(const std::string& text) {
+  std::size_t n = 0;
+  for (const char c : text) n += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U ? 1 : 0;
+  return n;
+}
+
+TEST(Printable, LeavesOrdinaryTextAlone) {
+  const std::string text = "drops/Prüfung 3 – Stahlkugel, \"C:\\old\" \xF0\x9F\x8E\xB1.wav";
+  EXPECT_EQ(printable(text), text);
+  EXPECT_EQ(printable(""), "");
+}
+
+TEST(Printable, EscapesControlCharactersAndEscapeSequences) {
+  EXPECT_EQ(printable("a\nb\r\tc\x1b[31m\x7f"), "a\\nb\\r\\tc\\x1b[31m\\x7f");
+  EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a\\x00b");
+  EXPECT_EQ(printable("\xC2\x9B"), "\\xc2\\x9b");  // CSI as one character
+  EXPECT_EQ(printable("\xE2\x80\xAEvaw.a"), "\\xe2\\x80\\xaevaw.a") << "the direction of writing was turned";
+}
+
+TEST(Printable, EscapesBytesThatAreNotUtf8) {
+  EXPECT_EQ(printable("caf\xE9.wav"), "caf\\xe9.wav");
+  EXPECT_EQ(printable("\xC0\xAF"), "\\xc0\\xaf");           // a '/' in more bytes than it needs
+  EXPECT_EQ(printable("\xED\xA0\x80"), "\\xed\\xa0\\x80");  // half of a surrogate pair
+  EXPECT_EQ(printable("\xF4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");
+  EXPECT_EQ(printable("\xE2\x82"), "\\xe2\\x82");  // cut off
+}
+
+TEST(Printable, CutsALongTextInItsMiddleAndSaysHowLongItWas) {
+  const std::string cut = printable("begin" + std::string(100'000'000, 'x') + "end.wav");
+  EXPECT_LE(cut.size(), 200U);
+  EXPECT_THAT(cut, testing::StartsWith("beginxxx"));
+  EXPECT_THAT(cut, testing::EndsWith("xxxend.wav (100000012 bytes)"));
+  EXPECT_EQ(printable(std::string(200, 'x')), std::string(200, 'x'));
+}
+
+TEST(Printable, NeverCutsACharacterAndCountsAnEscapeAsWhatItShows) {
+  for (const std::string part : {"\xE2\x82\xAC", "\xF0\x9F\x8E\xB1", "\x1b", "\xFF", "\xC3\xA9x"})
+    for (int shift = 0; shift < 5; ++shift) {
+      std::string text(static_cast<std::size_t>(shift), 'a');
+      for (int k = 0; k < 1000; ++k) text += part;
+      const std::string cut = printable(text);
+      EXPECT_LE(characters(cut), 200U);
+      EXPECT_EQ(printable(cut), cut) << "not valid UTF-8, or not the same when applied twice";
+      EXPECT_THAT(cut, testing::Not(HasSubstr("\\xe2")));
+    }
+}
+
+TEST(Printable, EveryMessageIsOneLineOfThousandCharactersAtMost) {
+  const FileError error("new\nline\x1b[2J.wav", "line 7: '" + std::string(1'000'000, '\a') + "' is not a number");
+  EXPECT_THAT(error.what(), testing::StartsWith("new\\nline\\x1b[2J.wav: line 7: '\\x07"));
+  EXPECT_LE(std::string(error.what()).size(), 1000U);
+  EXPECT_LE(std::string(InvalidArgument(std::string(5000, 'x')).what()).size(), 1000U);
+  EXPECT_STREQ(FileExists("a\nb").what(), "a\\nb: exists already");
+}
+
+}  // namespace
+
+namespace {
+
+bool is_valid(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t size = utf8_character(text);
+    if (size == 0) return false;
+    text.remove_prefix(size);
+  }
+  return true;
+}
+
+TEST(Utf8, ValidTextStaysAsItIs) {
+  for (const std::string text : {"", "a.wav",
+                                 "Pr\xC3\xBC"
+                                 "fung \xE2\x82\xAC \xF0\x9F\x8E\xB1",
+                                 "\n\x1b\x7f"}) {
+    EXPECT_EQ(utf8_of_bytes(text), text);
+    EXPECT_EQ(bytes_of_utf8(text), text);
+  }
+}
+
+TEST(Utf8, AnyBytesBecomeValidTextAndComeBack) {
+  EXPECT_EQ(utf8_of_bytes("caf\xE9"), "caf\xEE\xBF\xA9");  // U+EFE9
+  Random random(7, RandomStream::test, 3);
+  for (int k = 0; k < 20000; ++k) {
+    std::string bytes;
+    const int n = static_cast<int>(random.uniform(0.0, 12.0));
+    for (int j = 0; j < n; ++j) bytes += static_cast<char>(static_cast<int>(random.uniform(0.0, 256.0)));
+    if (k % 3 == 0) bytes.insert(bytes.size() / 2, "\xEE\xBE\x80");  // a stand-in that is there already
+    const std::string text = utf8_of_bytes(bytes);
+    EXPECT_TRUE(is_valid(text));
+    EXPECT_EQ(bytes_of_utf8(text), bytes);
+  }
+}
+
+}  // namespace
+
+}  // namespace bouncelab
