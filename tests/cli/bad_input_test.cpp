@@ -115,9 +115,10 @@ TEST_F(BadInput, OfManyRecordingsOneThatNeverEndsIsLostAndNoOther) {
 
 TEST_F(BadInput, Hdf5IsLeftToPandas) {
   write("on.h5", "\x89HDF\r\n\x1a\n");
-  for (const char* arguments : {"restitution on.h5 --out s.csv", "fit on.h5 --json", "synthesize on.h5 --out s.wav",
-                                "convert on.h5 --to s.csv", "simulate --surface on.h5 --out i.csv", "detect on.h5",
-                                "simulate --drops 1 --impacts 3 --asperities 100 --out on.h5 --force"})
+  for (const char* arguments :
+       {"restitution on.h5 --out s.csv", "fit on.h5 --out f.json", "synthesize on.h5 --out s.wav",
+        "convert on.h5 --to s.csv", "simulate --surface on.h5 --out i.csv", "detect on.h5 --out o.csv",
+        "simulate --drops 1 --impacts 3 --asperities 100 --out on.h5 --force"})
     expect_refused(arguments, 2, {"on.h5", "HDF5", ".csv", "pandas"});
 }
 

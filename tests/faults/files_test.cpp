@@ -72,7 +72,7 @@ TEST_F(Folder, ThatMayNotBeWrittenIsSaidInOneLine) {
 
 TEST_F(Folder, ThatVanishesDuringTheWorkIsSaidInOneLine) {
   RandomDisturbance random;
-  for (const char* name : {"synthesize", "detect", "analyze", "paper"}) {
+  for (const char* name : {"synthesize", "analyze", "paper"}) {
     const Undisturbed whole = undisturbed(job(name));
     for (int k = 0; k < n_times(4); ++k) {
       SCOPED_TRACE(std::string(name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(random.seed()));

@@ -32,24 +32,24 @@ class Killed : public FaultTest {
   }
 };
 
-TEST_F(Killed, ThePapersLoopRunAgainGivesTheSameBytes) { kill_at_random_moments(job("paper"), n_times(30)); }
-
-TEST_F(Killed, DetectOfManyRecordingsRunAgainGivesTheSameBytes) { kill_at_random_moments(job("detect"), n_times(30)); }
+// 10 moments each: a stretch of a tenth of the run in which something is half-written is met in two of three runs of
+// this test, which draws other moments each time
+TEST_F(Killed, ThePapersLoopRunAgainGivesTheSameBytes) { kill_at_random_moments(job("paper"), n_times(10)); }
 
 TEST_F(Killed, AnalyzeOfManyRecordingsRunAgainGivesTheSameBytes) {
-  kill_at_random_moments(job("analyze"), n_times(30));
+  kill_at_random_moments(job("analyze"), n_times(10));
 }
 
-TEST_F(Killed, SynthesizeRunAgainGivesTheSameBytes) { kill_at_random_moments(job("synthesize"), n_times(30)); }
+TEST_F(Killed, SynthesizeRunAgainGivesTheSameBytes) { kill_at_random_moments(job("synthesize"), n_times(10)); }
 
 class Stopped : public FaultTest {};
 
 TEST_F(Stopped, BySignalsAtRandomMomentsCommandsSayItByTheirExitCodeAndLeaveNoPartialFile) {
   RandomDisturbance random;
-  for (const char* name : {"synthesize", "detect", "analyze", "paper"}) {
+  for (const char* name : {"synthesize", "analyze", "paper"}) {
     const Undisturbed whole = undisturbed(job(name), {1, 2, 7});
     for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-      for (int k = 0; k < n_times(6); ++k) {
+      for (int k = 0; k < n_times(3); ++k) {
         SCOPED_TRACE(std::string(name) + ", BOUNCELAB_FAULT_SEED=" + std::to_string(random.seed()) + ", signal " +
                      std::to_string(signal) + ", run " + std::to_string(k));
         const int n_threads = random.n_threads();

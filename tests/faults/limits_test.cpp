@@ -2,6 +2,7 @@
 // Too little of something: memory, descriptors, threads, size of a file. `prlimit` sets the limits.
 #include <unistd.h>
 
+#include <cmath>
 #include <string_view>
 
 #include "fault_test.hpp"
@@ -33,13 +34,16 @@ class Limits : public FaultTest {
 TEST_F(Limits, OfMemoryEndInTheWholeResultOrInOneLine) {
   if (test::kSanitizer != nullptr)
     GTEST_SKIP() << test::kSanitizer << " needs more address space than any limit leaves";
-  std::vector<std::string> limits;
-  // from the least that the program can be loaded in: there the smallest requests fail too
-  const double step = 1 + 0.25 / n_times(1);
-  for (double bytes = 2.5e7; bytes < 4e8; bytes *= bytes < 3.5e7 ? 1.01 : step) {
-    const std::string before = "prlimit --as=" + std::to_string(static_cast<long>(bytes)) + " ";
-    if (starts(before)) limits.push_back(before);
+  const auto limit = [](double bytes) { return "prlimit --as=" + std::to_string(static_cast<long>(bytes)) + " "; };
+  double too_little = 2e7, enough = 1e9;
+  while (enough > 1.003 * too_little) {
+    const double bytes = std::sqrt(too_little * enough);
+    (starts(limit(bytes)) ? enough : too_little) = bytes;
   }
+  // densest above the least that the program can be loaded in, where the smallest requests fail too
+  std::vector<std::string> limits;
+  const int n = n_times(9);
+  for (int k = 0; k < n; ++k) limits.push_back(limit(enough * std::pow(8.0, std::pow(k / (n - 1.0), 2))));
   // without sound kept as FLAC: libsndfile writes into the buffer of its encoder also where it got none
   std::vector<Job> all = jobs();
   all.back().arguments = "loop --preset paper --drops 6 --impacts 20 --asperities 2000 --rate 48000 --out out";

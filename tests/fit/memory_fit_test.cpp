@@ -226,13 +226,12 @@ TEST(MemoryFit, ABallThatIsRougherForSlowImpactsFailsItsTest) {
 
 TEST(MemoryFit, DropsThatDifferAreSeenInTheirScores) {
   Drops drops;
-  drops.n = 20;
   drops.impacts = 92;
   const auto ratio = [&](std::uint64_t seed) {
     const MemoryFit fit = fitted(drawn(drops, seed), 60, 1).memory;
     return fit.between_drops ? fit.between_drops->ratio : 0.0;
   };
-  // mean of 8 chi-squares of 19 degrees of freedom over 19: standard deviation .12 and, scores not being normal, more
+  // mean of 8 chi-squares of 11 degrees of freedom over 11: standard deviation .15 and, scores not being normal, more
   EXPECT_NEAR(ratio(17), 1.0, 0.6);
   drops.spread = 0.003;  // some 1e-4 of eps
   EXPECT_GT(ratio(17), 1.8);

@@ -192,8 +192,10 @@ struct WrongUsage : std::runtime_error {
 }
 
 int run(const std::vector<std::string>& line) {
-  CLI::App app{"bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.",
-               "bouncelab"};
+  CLI::App app{
+      "bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.\n"
+      "bouncelab RECORDING... gives the answer, and a report beside the recording; bouncelab COMMAND --help says more.",
+      "bouncelab"};
   app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")", "Version and commit");
   app.formatter(std::make_shared<HelpFormat>());
   app.require_subcommand(1);

@@ -53,14 +53,14 @@ std::vector<double> some_impacts_s(const ChosenChannel& of) {
 
 ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
   ChannelTracks found = find_tracks_in(bands);
-  ChosenChannel here{channel, std::move(bands[found.band]), {}, {}};
-  here.band.same_source = {};  // an hour of dense music has twenty megabytes of it
+  ChosenChannel chosen{channel, std::move(bands[found.band]), {}, {}};
+  chosen.band.same_source = {};  // an hour of dense music has twenty megabytes of it
   for (const ChannelTracks::OfBand& other : found.others) {
-    here.other_bands.push_back(std::move(bands[other.band]));
-    here.other_bands.back().same_source = {};
+    chosen.other_bands.push_back(std::move(bands[other.band]));
+    chosen.other_bands.back().same_source = {};
   }
-  here.found = std::move(found);
-  return here;
+  chosen.found = std::move(found);
+  return chosen;
 }
 
 bool is_better(const ChosenChannel& a, const ChosenChannel& b) {
@@ -91,9 +91,9 @@ ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, in
     const auto c = static_cast<std::size_t>(most - rises.begin());
     *most = -1.0;
     if (best && best->found.is_clear && rise_of_impacts_in(c) <= kNoMore * most_of_impacts) continue;
-    ChosenChannel here = search(c);
-    if (best && !is_better(here, *best)) continue;
-    best = std::move(here);
+    ChosenChannel next = search(c);
+    if (best && !is_better(next, *best)) continue;
+    best = std::move(next);
     impacts_s = some_impacts_s(*best);
     most_of_impacts = rise_of_impacts_in(c);
   }

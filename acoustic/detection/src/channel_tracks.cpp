@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "channel_tracks.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "bouncelab/audio/dsp/decimate.hpp"
-#include "timing/waveform_likeness.hpp"
+#include "template/waveform_likeness.hpp"
 #include "tracking/first_arrivals.hpp"
 
 namespace bouncelab::detection {
@@ -90,12 +88,12 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
       for (const TrackImpact& impact : track.impacts) t_s.push_back(band.candidates[impact.candidate].t_s);
       return log_odds_of_likeness(band.sound, band.models.noise, t_s);
     };
-    ChannelTracks here{
+    ChannelTracks of_band{
         b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness), {}};
-    begin_at_first_arrivals(band.candidates, here.tracks);
-    here.is_clear = b == 0 && are_clear(band, here);
-    if (b == 0 || here.log_odds() > best.log_odds() + kBandSelectionMargin) std::swap(best, here);
-    if (b > 0 && !here.tracks.empty()) others.push_back({here.band, std::move(here.tracks)});
+    begin_at_first_arrivals(band.candidates, of_band.tracks);
+    of_band.is_clear = b == 0 && are_clear(band, of_band);
+    if (b == 0 || of_band.log_odds() > best.log_odds() + kBandSelectionMargin) std::swap(best, of_band);
+    if (b > 0 && !of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
     if (best.is_clear) break;
   }
   best.others = std::move(others);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -21,7 +20,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/statistics.hpp"
 #include "channel_choice.hpp"
-#include "timing/recording_timer.hpp"
+#include "drops/recording_timer.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -46,7 +45,7 @@ void summarize_tracks(const BandOfChannel& band, const std::vector<Track>& track
   std::vector<double> eps;
   for (const Track& track : tracks)
     for (std::size_t k = 1; k + 1 < track.impacts.size(); ++k)
-      if (const std::optional<double> here = eps_at(band.candidates, track, k)) eps.push_back(*here);
+      if (const std::optional<double> eps_of_impact = eps_at(band.candidates, track, k)) eps.push_back(*eps_of_impact);
   if (eps.empty()) return;
   summary.restitution_median = upper_median(std::move(eps));
 }
@@ -156,14 +155,19 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
                                                : "its impacts are the most probable and rise the most";
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
-  const auto input_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
-    return TimingInput{of.sound,      sound,  of.decimation == 1,  of.models.noise,
-                       of.candidates, tracks, config.gravity_mps2, n_threads};
+  const auto drops_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
+    return BandOfDrops{.sound = of.sound,
+                       .whole = of.decimation == 1 ? std::nullopt : std::optional(sound),
+                       .noise = of.models.noise,
+                       .candidates = of.candidates,
+                       .tracks = tracks,
+                       .recorded_rms_hz = {}};
   };
-  std::vector<TimingInput> other_bands;
+  std::vector<BandOfDrops> other_bands;
   for (std::size_t k = 0; k < best.other_bands.size(); ++k)
-    other_bands.push_back(input_of(best.other_bands[k], best.found.others[k].tracks));
-  TimedRecording timed = time_recording(input_of(band, best.found.tracks), other_bands, name);
+    other_bands.push_back(drops_of(best.other_bands[k], best.found.others[k].tracks));
+  TimedRecording timed =
+      time_recording(drops_of(band, best.found.tracks), other_bands, config.gravity_mps2, n_threads, name);
   d.onsets = std::move(timed.onsets);
   leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);

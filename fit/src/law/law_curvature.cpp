@@ -81,8 +81,10 @@ class LawLikelihood::CurvatureSum {
       likelihood_.compute(pair.behind.theta, pair.behind.shape, s, pair.behind.location);
       for (std::size_t i = 0; i < displaced_.quantities.size(); ++i) behind[i] = score(s, i);
       likelihood_.compute(pair.ahead.theta, pair.ahead.shape, s, pair.ahead.location);
-      for (std::size_t i = 0; i < displaced_.quantities.size(); ++i)
-        for (std::size_t k = 0; k < n; ++k) by[q][i][k] = (behind[i][k] - score(s, i)[k]) * pair.factor;
+      for (std::size_t i = 0; i < displaced_.quantities.size(); ++i) {
+        const Block& ahead = score(s, i);
+        for (std::size_t k = 0; k < n; ++k) by[q][i][k] = (behind[i][k] - ahead[k]) * pair.factor;
+      }
       if (q == 0) width = s.width;
     }
     for (std::size_t i = 0; i < displaced_.quantities.size(); ++i)

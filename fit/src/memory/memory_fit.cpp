@@ -155,7 +155,7 @@ Posterior uncertainty(const MemoryLikelihood& likelihood, const Eigen::VectorXd&
   if (likelihood.chains().n_drops < kManyDrops) {
     const Eigen::MatrixXd information = gram(by_impact) + likelihood.prior_information(theta);
     return sample_posterior([&](const Eigen::VectorXd& x) { return likelihood.anew(x) + likelihood.log_prior(x); },
-                            theta, 2.0 * inverse(information), config.n_draws, config.seed);
+                            theta, 2.0 * gram(whitening(information, 1e-15)), config.n_draws, config.seed);
   }
   // sandwich by drop: holds whatever goes on within a drop
   const Eigen::MatrixXd of_curvature = inverse_curvature(likelihood, theta, by_impact);

@@ -16,6 +16,11 @@ namespace {
 
 constexpr double kFreedom = 5.0;
 
+/// R with R R^T the covariance, in whatever units.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
+  return whitening(gram(whitening(covariance, 1e-15)), 1e-12);
+}
+
 /// One round: draws about a centre, weighed by the density.
 Posterior round_of(const LogDensity& log_density, const Eigen::VectorXd& centre, const Eigen::MatrixXd& spread,
                    std::size_t n, std::uint64_t seed, std::uint64_t round) {
@@ -83,7 +88,7 @@ Posterior normal_draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covar
   result.effective = static_cast<double>(n_draws);
   result.weights = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n_draws));
   result.draws.resize(mean.size(), n);
-  const Eigen::MatrixXd spread = whitening(inverse(covariance), 1e-12);
+  const Eigen::MatrixXd spread = root_of(covariance);
   for (Eigen::Index k = 0; k < n; ++k) {
     Random random(seed, RandomStream::bootstrap, (std::uint64_t{3} << 40U) + static_cast<std::uint64_t>(k));
     Eigen::VectorXd z(mean.size());
@@ -102,10 +107,9 @@ Posterior sample_posterior(const LogDensity& log_density, const Eigen::VectorXd&
   constexpr double kEnough = 0.15;  // of the draws: the round's mean and covariance are good enough to draw by
   Eigen::VectorXd about = centre;
   Eigen::MatrixXd spread = covariance;
-  const auto root = [](const Eigen::MatrixXd& m) { return whitening(inverse(m), 1e-12); };
   for (int round = 0; round < kMostRounds; ++round) {
     const Posterior here =
-        round_of(log_density, about, root(spread), n_draws / 3, seed, static_cast<std::uint64_t>(round));
+        round_of(log_density, about, root_of(spread), n_draws / 3, seed, static_cast<std::uint64_t>(round));
     const auto n = static_cast<double>(here.draws.cols());
     const double few = static_cast<double>(4 * about.size());
     about = here.mean;
@@ -114,7 +118,7 @@ Posterior sample_posterior(const LogDensity& log_density, const Eigen::VectorXd&
     spread = (trust * here.covariance + (1.0 - trust) * spread).eval();
     if (round > 0 && here.effective > kEnough * n) break;
   }
-  return round_of(log_density, about, root(spread), n_draws, seed, kMostRounds);
+  return round_of(log_density, about, root_of(spread), n_draws, seed, kMostRounds);
 }
 
 }  // namespace bouncelab::fit

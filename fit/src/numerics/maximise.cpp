@@ -93,7 +93,7 @@ ceres::GradientProblemSolver::Options solver_options(double tolerance) {
   ceres::GradientProblemSolver::Options options;
   options.line_search_direction_type = ceres::BFGS;
   options.line_search_type = ceres::WOLFE;
-  // by halves: Ceres' interpolating polynomials take the C library's pow(), whose last digits differ by processor
+  // by halves: polynomials would end elsewhere within the tolerance, and numbers would differ from earlier versions
   options.line_search_interpolation_type = ceres::BISECTION;
   options.max_num_iterations = 200;
   options.function_tolerance = 0.0;  // the cost's size says nothing; the whitened gradient does

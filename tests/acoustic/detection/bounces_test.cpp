@@ -63,7 +63,7 @@ TEST(Bounces, NoDensityIsAboveTheLargest) {
       for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
         const Bounces ball = after(past);
         const double of_flight = ball.largest_share_of_flight(kModel) * largest_factor_of_missing(n_missing, kModel);
-        for (double interval_s = 0.3 * kFlight_s; interval_s < 5.0 * kFlight_s; interval_s *= 1.003) {
+        for (double interval_s = 0.3 * kFlight_s; interval_s < 5.0 * kFlight_s; interval_s *= 1.01) {
           const std::optional<Flight> flight = flight_of(interval_s, kFlight_s, n_missing);
           if (!flight) continue;
           const double largest = ball.largest_density(*flight, n_missing, jitter2, kModel);

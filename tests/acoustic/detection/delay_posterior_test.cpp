@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "timing/delay_posterior.hpp"
+#include "delay/delay_posterior.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
-#include "timing/merged_fit.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -41,7 +41,7 @@ TEST(DetectBadInput, FollowsTheBallAfterDigitalZeros) {
 
 TEST(DetectBadInput, TakesNoMusicForABall) {
   // plucked notes of a few pitches on a beat, some beats left out: the intervals repeat, they do not shrink
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     Random random(seed, RandomStream::test, 4);
     std::vector<float> x(15 * 48000, 0.0F);
     for (double t_s = 0.3; t_s < 14.0; t_s += 0.25) {

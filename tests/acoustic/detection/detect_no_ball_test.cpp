@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRate_hz = 44100.0;
 constexpr double kDuration_s = 30.0;
-constexpr std::uint64_t kSeeds = 4;
+constexpr std::uint64_t kSeeds = 2;
 
 std::vector<float> silence() { return std::vector<float>(static_cast<std::size_t>(kDuration_s * kRate_hz), 0.0F); }
 
@@ -131,7 +131,7 @@ TEST(DetectNoBall, TakesHandlingForABallNoMoreOftenThanItsOddsAllow) {
   // Six sounds at random hold twenty triples and fifteen fours. In some of them the intervals shrink and the loudness
   // falls as those of a ball do, and nothing that could be measured tells these from a drop of so few impacts. What
   // can be asked is that they state their doubt: chance reaches odds of q in no more than one bunch in q.
-  constexpr std::uint64_t kManySeeds = 12;
+  constexpr std::uint64_t kManySeeds = 6;
   constexpr double kBunches = 5.0 * kManySeeds;
   double n_beyond_doubt = 0.0;
   for (std::uint64_t seed = 1; seed <= kManySeeds; ++seed)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "timing/impact_template.hpp"
+#include "template/impact_template.hpp"
 
 #include <gtest/gtest.h>
 

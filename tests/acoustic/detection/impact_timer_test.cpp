@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "timing/impact_timer.hpp"
+#include "delay/impact_timer.hpp"
 
 #include <gtest/gtest.h>
 

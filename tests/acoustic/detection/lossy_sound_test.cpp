@@ -14,8 +14,8 @@
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "support/modal_sound.hpp"
-#include "timing/impact_template.hpp"
-#include "timing/impact_whitener.hpp"
+#include "template/impact_template.hpp"
+#include "template/impact_whitener.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tracking/loudness.hpp"
+#include "tracking/densities.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "candidate_rows.hpp"
-#include "tracking/rise_odds.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times of a ball whose impacts were found in a low band.
-#include "timing/recording_timer.hpp"
+#include "drops/recording_timer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,8 +37,8 @@ double largest_sigma_s(const std::vector<double>& modes_hz, double noise) {
   const audio::AudioSource whole = audio::source_in_memory(samples, kRate_hz);
   const audio::AudioSource band = audio::decimate(whole, 11);
   const audio::ArModel model = audio::learn_ar_models(band, 48).noise;
-  const std::vector<Track> tracks{track};
-  const TimedRecording timed = time_recording({band, whole, false, model, candidates, tracks, 9.81}, {}, "ball");
+  const BandOfDrops drops{band, whole, model, candidates, {track}, {}};
+  const TimedRecording timed = time_recording(drops, {}, 9.81, 1, "ball");
   EXPECT_GE(timed.onsets.size(), kImpacts);
   EXPECT_TRUE(timed.is_full_band);
   double largest = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Known impacts of a sound that is nothing but them.
-#include "timing/ringing.hpp"
+#include "delay/ringing.hpp"
 
 #include <gtest/gtest.h>
 

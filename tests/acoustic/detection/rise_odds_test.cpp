@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tracking/rise_odds.hpp"
+#include "tracking/observations.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tracks whose candidates have gaps, end early or go on where nothing sounds.
-#include "timing/track_timer.hpp"
+#include "delay/track_timer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include "bouncelab/audio/audio_source.hpp"
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/random.hpp"
+#include "delay/track_search.hpp"
 #include "support/modal_sound.hpp"
-#include "timing/track_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {

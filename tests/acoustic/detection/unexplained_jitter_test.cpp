@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "timing/unexplained_jitter.hpp"
+#include "template/subband_errors.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "timing/waveform_likeness.hpp"
+#include "template/waveform_likeness.hpp"
 
 #include <gtest/gtest.h>
 

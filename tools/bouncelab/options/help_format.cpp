@@ -43,7 +43,10 @@ std::string summary_of(const CLI::App& command) {
   return text.substr(0, text.find('\n'));
 }
 
-HelpFormat::HelpFormat() { column_width(kNames_characters); }
+HelpFormat::HelpFormat() {
+  column_width(kNames_characters);
+  label("SUBCOMMAND", "COMMAND");
+}
 
 std::string HelpFormat::make_description(const CLI::App* app) const {
   return wrapped(app->get_description(), kLine_characters) + "\n";

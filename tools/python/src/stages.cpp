@@ -183,7 +183,8 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
   std::vector<std::string> warnings, once;
   std::vector<detection::Detection> found;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const std::vector<fs::path> paths = cli::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", warnings);
+    const std::vector<fs::path> paths =
+        cli::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", warnings);
     for (const fs::path& path : paths) once.push_back(path.string());
     found = detection::detect(paths, cli::detection_config(options), run.common.n_threads,
                               cli::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));

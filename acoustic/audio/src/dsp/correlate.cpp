@@ -50,9 +50,9 @@ void correlate_in_doubles(const float* x, const float* taps, std::size_t n_taps,
     for (std::size_t k = first; k < n_taps; k += kStride) {
       const auto tap = static_cast<double>(taps[k]);
       for (std::size_t c = 0; c < kPairs; ++c) {
-        Floats here;
-        std::memcpy(&here, x + k + 2 * c, sizeof here);
-        const Doubles product = tap * __builtin_convertvector(here, Doubles);
+        Floats samples;
+        std::memcpy(&samples, x + k + 2 * c, sizeof samples);
+        const Doubles product = tap * __builtin_convertvector(samples, Doubles);
         const Doubles total = sum[c] + product;
         // exact where taking off either gives the other
         const Bits is_rounded = (total - sum[c] != product) | (total - product != sum[c]);

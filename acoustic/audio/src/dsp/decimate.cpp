@@ -2,7 +2,6 @@
 #include "bouncelab/audio/dsp/decimate.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numbers>

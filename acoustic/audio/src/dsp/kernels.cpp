@@ -9,17 +9,15 @@
 
 #include "bouncelab/core/vector_clones.hpp"
 
-// What they earn on a processor with registers of 512 bits (tests/bench/kernels_bench.cpp), as times the speed of the
-// loop one would write, compiled alike: dot 12 (floats) and 4 (doubles), largest 7, add_scaled 3,
-// multiply 2. correlate() is in correlate.cpp.
-
 namespace bouncelab::audio {
 namespace {
 
+using Lanes = float __attribute__((vector_size(32)));  // one wide register, or two narrow ones
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
 constexpr std::size_t kDotBlock = kLanes * kChains;
 
-BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
+void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
   std::array<Lanes, kChains> sum{};
   for (std::size_t k = 0; k < n; k += kDotBlock)
     for (std::size_t c = 0; c < kChains; ++c) {
@@ -32,7 +30,7 @@ BOUNCELAB_VECTOR_CLONES void dot_lanes(const float* a, const float* b, std::size
 }
 
 /// Side by side, or each comparison waits for the one before.
-BOUNCELAB_VECTOR_CLONES float largest_of(const float* x, std::size_t n) {
+float largest_of(const float* x, std::size_t n) {
   std::array<float, 16> lanes;
   lanes.fill(-INFINITY);
   std::size_t k = 0;
@@ -64,9 +62,9 @@ template <std::size_t n_out>
     Taps tap;
     std::memcpy(&tap, taps + k, sizeof tap);
     for (std::size_t n = 0; n < n_out; ++n) {
-      Taps here;
-      std::memcpy(&here, x + n * factor + k, sizeof here);
-      sum[n] += tap * here;
+      Taps samples;
+      std::memcpy(&samples, x + n * factor + k, sizeof samples);
+      sum[n] += tap * samples;
     }
   }
   const Four a = folded(sum[0]), b = folded(sum[1]), c = folded(sum[2]), d = folded(sum[3]);
@@ -99,7 +97,7 @@ double dot(std::span<const float> a, std::span<const float> b) {
   return sum;
 }
 
-BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t n) {
+double dot(const double* a, const double* b, std::size_t n) {
   constexpr std::size_t kSums = 8;
   std::array<double, kSums> sums{};
   std::size_t k = 0;
@@ -111,11 +109,11 @@ BOUNCELAB_VECTOR_CLONES double dot(const double* a, const double* b, std::size_t
 
 float largest(std::span<const float> x) { return largest_of(x.data(), x.size()); }
 
-BOUNCELAB_VECTOR_CLONES void add_scaled(float* to, float factor, const float* x, std::size_t n) {
+void add_scaled(float* to, float factor, const float* x, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
 }
 
-BOUNCELAB_VECTOR_CLONES void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
+void add_scaled(double* __restrict to, double factor, const double* x, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) to[k] += factor * x[k];
 }
 
@@ -126,7 +124,7 @@ BOUNCELAB_VECTOR_CLONES void add_four_scaled(double* to, const double factors[4]
     to[k] += (factors[0] * a[k] + factors[1] * b[k]) + (factors[2] * c[k] + factors[3] * d[k]);
 }
 
-BOUNCELAB_VECTOR_CLONES void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
+void multiply(const double* a, const double* b, double* __restrict product, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) product[k] = a[k] * b[k];
 }
 

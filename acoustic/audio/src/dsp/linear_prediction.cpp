@@ -2,7 +2,6 @@
 #include "bouncelab/audio/dsp/linear_prediction.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <memory>
@@ -55,10 +54,10 @@ std::size_t frame_length(const AudioSource& source, std::size_t order) {
 std::vector<double> autocorrelation(std::span<const float> x, std::size_t n, std::size_t n_lags) {
   constexpr std::size_t kStretch = 128;
   std::vector<double> r(n_lags, 0.0);
-  std::vector<float> here(rounded_up(n_lags));
+  std::vector<float> sums(rounded_up(n_lags));
   for (std::size_t at = 0; at < n; at += kStretch) {
-    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), here);
-    for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += here[lag];
+    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), sums);
+    for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += sums[lag];
   }
   return r;
 }
@@ -156,14 +155,14 @@ void read_innovations(const AudioSource& source, const ArModel& model, std::int6
   for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, out.size() - at);
     const std::int64_t begin = first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order);
-    std::span<const float> here = resident_span(source, begin, n + order);
-    if (here.empty()) {
+    std::span<const float> samples = resident_span(source, begin, n + order);
+    if (samples.empty()) {
       if (!copy) copy.reset(new float[std::min(kAtOnce, out.size()) + order]);
       const std::span<float> filled{copy.get(), n + order};
       read_padded(source, begin, filled);
-      here = filled;
+      samples = filled;
     }
-    correlate(here, taps, out.subspan(at, n));
+    correlate(samples, taps, out.subspan(at, n));
   }
 }
 

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::audio {
 namespace {
 
-BOUNCELAB_VECTOR_CLONES void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi,
-                                      float* re, float* im, std::size_t n) {
+void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
+              std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) {
     const float a_im = sign * ai[k];
     re[k] = ar[k] * br[k] - a_im * bi[k];
@@ -70,8 +68,8 @@ template <class Value>
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re,
-                                   float* __restrict im, std::size_t n) {
+void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
+           std::size_t n) {
   times_phasors(
       [&](std::size_t k, float& x, float& y) {
         x = a_re[k];
@@ -80,9 +78,8 @@ BOUNCELAB_VECTOR_CLONES void shift(const float* a_re, const float* a_im, const P
       steps, re, im, n);
 }
 
-BOUNCELAB_VECTOR_CLONES void multiply_conj(const float* ar, const float* ai, const float* br, const float* bi,
-                                           const PhaseSteps& steps, float* __restrict re, float* __restrict im,
-                                           std::size_t n) {
+void multiply_conj(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
+                   float* __restrict re, float* __restrict im, std::size_t n) {
   times_phasors(
       [&](std::size_t k, float& x, float& y) {
         x = ar[k] * br[k] + ai[k] * bi[k];

@@ -7,8 +7,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -94,9 +94,8 @@ float log_ratio_of_scatters() {
 }
 
 /// @param power, share  of octave 0 of b; those of octave k lie k n_all further on
-BOUNCELAB_VECTOR_CLONES void weigh_row(const BandEnergies& first, const float* __restrict power,
-                                       const float* __restrict share, std::size_t n_all, float log_ratio,
-                                       float* __restrict weights, std::size_t n) {
+void weigh_row(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
+               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) {
   const BandEnergies a = first;
   for (std::size_t j = 0; j < n; ++j) {
     const float log_odds = log_odds_of_same_source(
@@ -158,12 +157,12 @@ SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sound
 }
 
 BandEnergies SameSource::operator[](std::size_t k) const {
-  BandEnergies here;
+  BandEnergies energies;
   for (std::size_t octave = 0; octave < kEnergyBands; ++octave) {
-    here.log_power[octave] = power_[octave * n_sounds_ + k];
-    here.added_share[octave] = share_[octave * n_sounds_ + k];
+    energies.log_power[octave] = power_[octave * n_sounds_ + k];
+    energies.added_share[octave] = share_[octave * n_sounds_ + k];
   }
-  return here;
+  return energies;
 }
 
 void SameSource::weigh(std::size_t k, std::size_t first, std::span<float> weights) const {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -132,13 +131,13 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
   const auto before = [&](std::int64_t k) { return energy.of_hops(k - kBeforeFactor * after_hops, k); };
   std::vector<Rise> found;
   const auto add_if_highest = [&](std::int64_t k) {
-    const double here = after(k) / before(k);
+    const double ratio = after(k) / before(k);
     const auto is_higher = [&](std::int64_t j) {
-      return !(after(j) / before(j) <= here);
+      return !(after(j) / before(j) <= ratio);
     };                                                          // nor is it where there is no number
     for (std::int64_t apart = 1; apart <= kApartHops; ++apart)  // on a slope the nearest tells
       if (is_higher(k - apart) || is_higher(k + apart)) return;
-    found.push_back({k, rise_ratio(n_before, n_before, here * n_after, n_after)});
+    found.push_back({k, rise_ratio(n_before, n_before, ratio * n_after, n_after)});
   };
   constexpr std::int64_t kAtOnce = 64;  // hops tested at once: most hold no rise
   for (std::int64_t at = first; at < first + n_hops; at += kAtOnce) {
@@ -261,9 +260,9 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::
     found[k] = find_in_segment(search, begin, std::min(begin + n_of_segment, search.n_hops), block_done);
   });
   CandidatesOfSound all;  // segments are in order, and the blocks in each
-  for (const CandidatesOfSound& here : found) {
-    all.candidates.insert(all.candidates.end(), here.candidates.begin(), here.candidates.end());
-    all.band_energies.insert(all.band_energies.end(), here.band_energies.begin(), here.band_energies.end());
+  for (const CandidatesOfSound& part : found) {
+    all.candidates.insert(all.candidates.end(), part.candidates.begin(), part.candidates.end());
+    all.band_energies.insert(all.band_energies.end(), part.band_energies.begin(), part.band_energies.end());
   }
   return all;
 }

@@ -5,11 +5,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstring>
-#include <numeric>
 #include <span>
 
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -18,60 +15,21 @@ float square(float x) { return x * x; }
 
 bool is_in_memory(const audio::AudioSource& sound) { return !sound.resident.empty(); }
 
-BOUNCELAB_VECTOR_CLONES std::uint64_t bits_over(const double* before, const double* here, const double* after,
-                                                double factor, double least, std::int64_t n) {
+std::uint64_t bits_over(const double* before, const double* at, const double* after, double factor, double least,
+                        std::int64_t n) {
   std::uint64_t bits = 0;
   for (std::int64_t k = 0; k < n; ++k)
-    bits |= static_cast<std::uint64_t>(factor * (after[k] - here[k]) >= least * (here[k] - before[k]) ? 1 : 0) << k;
+    bits |= static_cast<std::uint64_t>(factor * (after[k] - at[k]) >= least * (at[k] - before[k]) ? 1 : 0) << k;
   return bits;
 }
 
-using Four = float __attribute__((vector_size(16)));
-
-/// Four samples of a hop, and four of the fourth hop behind it.
-[[gnu::always_inline]] inline void read_of_two(const float* x, std::int64_t hop, Lanes& samples) {
-  Four low, high;
-  std::memcpy(&low, x, sizeof low);
-  std::memcpy(&high, x + 4 * hop, sizeof high);
-  samples = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-}
-
-/// The first four samples of each of eight hops, by transposition: samples[i] holds the i-th of each.
-[[gnu::always_inline]] inline void read_of_eight(const float* x, std::int64_t hop, Lanes samples[4]) {
-  Lanes a, b, c, d;
-  read_of_two(x, hop, a);
-  read_of_two(x + hop, hop, b);
-  read_of_two(x + 2 * hop, hop, c);
-  read_of_two(x + 3 * hop, hop, d);
-  const Lanes ab[2] = {__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
-                       __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)};
-  const Lanes cd[2] = {__builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13),
-                       __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15)};
-  for (std::size_t i = 0; i < 2; ++i) {
-    samples[2 * i] = __builtin_shufflevector(ab[i], cd[i], 0, 1, 8, 9, 4, 5, 12, 13);
-    samples[2 * i + 1] = __builtin_shufflevector(ab[i], cd[i], 2, 3, 10, 11, 6, 7, 14, 15);
-  }
-}
-
-/// The running sum of eight hops at once, each of them in the order of its samples, as long as four samples can be read
-/// wherever a hop's go on: one hop by itself would wait for each addition.
-/// @param running  n_hops + 1, of which the first is set
-/// @return how many hops were added
-BOUNCELAB_VECTOR_CLONES std::int64_t sum_by_eight(const float* x, std::int64_t hop, std::int64_t n_hops, double floor,
-                                                  double* running) {
-  std::int64_t k = 0;
-  for (; (k + 8) * hop + 3 <= n_hops * hop; k += 8, x += 8 * hop) {
-    Lanes sum{};
-    for (std::int64_t i = 0; i < hop; i += 4) {
-      Lanes samples[4];
-      read_of_eight(x + i, hop, samples);
-#pragma GCC unroll 4
-      for (std::int64_t j = 0; j < 4; ++j)
-        if (i + j < hop) sum += samples[j] * samples[j];
-    }
-    for (std::int64_t j = 0; j < 8; ++j) running[k + j + 1] = running[k + j] + (static_cast<double>(sum[j]) + floor);
-  }
-  return k;
+/// Sums of squares of hops side by side, each in the order of its samples: one by itself would wait for each addition.
+template <std::size_t n_hops>
+std::array<float, n_hops> energies_of_hops(const float* x, std::int64_t hop) {
+  std::array<float, n_hops> sums{};
+  for (std::int64_t k = 0; k < hop; ++k)
+    for (std::size_t j = 0; j < n_hops; ++j) sums[j] += square(x[static_cast<std::int64_t>(j) * hop + k]);
+  return sums;
 }
 
 }  // namespace
@@ -91,8 +49,8 @@ void InnovationEnergy::load(std::int64_t first_hop, std::int64_t n_hops) {
 
 std::uint64_t InnovationEnergy::rises(std::int64_t first, std::int64_t n, std::int64_t after_hops, std::int64_t factor,
                                       double least) const {
-  const double* here = running_.data() + (first - first_hop_);
-  return bits_over(here - factor * after_hops, here, here + after_hops, static_cast<double>(factor), least, n);
+  const double* at = running_.data() + (first - first_hop_);
+  return bits_over(at - factor * after_hops, at, at + after_hops, static_cast<double>(factor), least, n);
 }
 
 std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t last) const {
@@ -104,13 +62,17 @@ std::vector<double> InnovationEnergy::running(std::int64_t first, std::int64_t l
 }
 
 void InnovationEnergy::sum_hops(const float* x, double floor) {
-  running_[0] = 0.0;
+  constexpr std::int64_t kAtOnce = 8;
   const std::int64_t n_hops = std::ssize(running_) - 1;
-  for (std::int64_t k = sum_by_eight(x, hop_, n_hops, floor, running_.data()); k < n_hops; ++k)
-    running_[k + 1] =
-        running_[k] + (static_cast<double>(std::accumulate(x + k * hop_, x + (k + 1) * hop_, 0.0F,
-                                                           [](float sum, float y) { return sum + square(y); })) +
-                       floor);
+  double sum = 0.0;
+  std::int64_t k = 0;
+  const auto add = [&](float energy) {
+    running_[static_cast<std::size_t>(++k)] = sum += static_cast<double>(energy) + floor;
+  };
+  running_[0] = sum;
+  while (k + kAtOnce <= n_hops)
+    for (const float energy : energies_of_hops<kAtOnce>(x + k * hop_, hop_)) add(energy);
+  while (k < n_hops) add(energies_of_hops<1>(x + k * hop_, hop_).front());
 }
 
 double InnovationEnergy::before_sample(std::int64_t sample) const {

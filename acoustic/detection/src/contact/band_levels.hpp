@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bouncelab/audio/dsp/white_window.hpp"
-#include "timing/impact_template.hpp"
-#include "timing/timed_impact.hpp"
+#include "delay/timed_impact.hpp"
+#include "template/impact_template.hpp"
 
 namespace bouncelab::detection {
 

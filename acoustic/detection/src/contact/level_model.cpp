@@ -7,10 +7,43 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/statistics.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::detection {
 namespace {
+
+std::vector<double> sums_of_rows(const BandTable& x) {
+  const std::vector<double> ones(x.n_bands(), 1.0);
+  std::vector<double> sums(x.n_impacts());
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = audio::dot(x[k], ones.data(), x.n_bands());
+  return sums;
+}
+
+std::vector<double> sums_of_columns(const BandTable& x) {
+  std::vector<double> sums(x.n_bands(), 0.0);
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) audio::add_scaled(sums.data(), 1.0, x[k], x.n_bands());
+  return sums;
+}
+
+/// One round: subtracts weighted means of rows, then of columns.
+/// @param per_row, per_column  1 / sum of the weights
+/// @return sum of squares of the means of columns
+double demean_once(BandTable& x, const BandTable& weight, const std::vector<double>& per_row,
+                   const std::vector<double>& per_column) {
+  const std::size_t n = x.n_bands();
+  std::vector<double> means(n, 0.0);
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) {
+    double* const row = x[k];
+    const double* const w = weight[k];
+    const double mean = per_row[k] * audio::dot(w, row, n);
+    for (std::size_t m = 0; m < n; ++m) {
+      row[m] -= mean;
+      means[m] += w[m] * row[m];
+    }
+  }
+  for (std::size_t m = 0; m < n; ++m) means[m] *= per_column[m];
+  for (std::size_t k = 0; k < x.n_impacts(); ++k) audio::add_scaled(x[k], -1.0, means.data(), n);
+  return audio::dot(means.data(), means.data(), n);
+}
 
 constexpr double kMinPulse = 0.25;    // of P; near its first zero the model of the pulse does not hold
 constexpr double kMaxArgument = 1.5;  // f tau: beyond lie the pulse's side lobes
@@ -21,10 +54,9 @@ using Values = std::vector<double>;
 // The loops over the bands of one impact. All are elementwise.
 
 /// @param one_over_pulse, dlogp_dtau2  hold P and its slope before
-BOUNCELAB_VECTOR_CLONES void divide_by_pulse(const double* level, const double* f_hz, double half_u_over_tau,
-                                             const double* active, double* __restrict one_over_pulse,
-                                             double* __restrict dlogp_dtau2, double* __restrict level_over_pulse,
-                                             double* __restrict weight, std::size_t n) {
+void divide_by_pulse(const double* level, const double* f_hz, double half_u_over_tau, const double* active,
+                     double* __restrict one_over_pulse, double* __restrict dlogp_dtau2,
+                     double* __restrict level_over_pulse, double* __restrict weight, std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double one_over = 1.0 / (one_over_pulse[m] > 0.02 ? one_over_pulse[m] : 0.02);
     one_over_pulse[m] = one_over;
@@ -34,10 +66,9 @@ BOUNCELAB_VECTOR_CLONES void divide_by_pulse(const double* level, const double* 
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void relative_residuals(double one_over_amplitude, const double* one_over_response,
-                                                const double* one_over_pulse, const double* level_over_pulse,
-                                                const double* level_noise2, double* __restrict residual,
-                                                double* __restrict noise2, std::size_t n) {
+void relative_residuals(double one_over_amplitude, const double* one_over_response, const double* one_over_pulse,
+                        const double* level_over_pulse, const double* level_noise2, double* __restrict residual,
+                        double* __restrict noise2, std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double scale = one_over_amplitude * one_over_response[m];
     const double unit = scale * one_over_pulse[m];
@@ -47,9 +78,8 @@ BOUNCELAB_VECTOR_CLONES void relative_residuals(double one_over_amplitude, const
 }
 
 /// Adds what the squares of the residuals have beyond the noise, weighted by their variances.
-BOUNCELAB_VECTOR_CLONES void add_excess(const double* residual, const double* noise2, const double* scatter2,
-                                        double row_inflation, double* __restrict sum, double* __restrict weights,
-                                        std::size_t n) {
+void add_excess(const double* residual, const double* noise2, const double* scatter2, double row_inflation,
+                double* __restrict sum, double* __restrict weights, std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double size2 = scatter2[m] + noise2[m];
     const double weight = 1.0 / (size2 * size2);
@@ -60,8 +90,8 @@ BOUNCELAB_VECTOR_CLONES void add_excess(const double* residual, const double* no
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void limited_squares(const double* residual, const double* noise2, const double* scatter2,
-                                             double* __restrict squares, std::size_t n) {
+void limited_squares(const double* residual, const double* noise2, const double* scatter2, double* __restrict squares,
+                     std::size_t n) {
   constexpr double kLargest = 100.0;
   for (std::size_t m = 0; m < n; ++m) {
     const double square = residual[m] * residual[m] / (scatter2[m] + noise2[m]);
@@ -69,25 +99,12 @@ BOUNCELAB_VECTOR_CLONES void limited_squares(const double* residual, const doubl
   }
 }
 
-BOUNCELAB_VECTOR_CLONES void huber_weights(const double* residual, const double* noise2, const double* scatter2,
-                                           const double* active, double row_inflation, double* __restrict weight,
-                                           std::size_t n) {
-  constexpr std::size_t kBlock = 16;
-  constexpr double kSurelyNear = 0.999 * kHuber * kHuber;  // squares of residuals over their variances
-  for (std::size_t begin = 0; begin < n; begin += kBlock) {
-    const std::size_t end = begin + kBlock < n ? begin + kBlock : n;
-    int n_far = 0;
-    for (std::size_t m = begin; m < end; ++m) {
-      const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
-      n_far += residual[m] * residual[m] > kSurelyNear * size2 ? 1 : 0;
-      weight[m] = active[m] / size2;
-    }
-    if (n_far == 0) continue;
-    for (std::size_t m = begin; m < end; ++m) {
-      const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
-      const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
-      weight[m] = active[m] * (near < 1.0 ? near : 1.0) / size2;
-    }
+void huber_weights(const double* residual, const double* noise2, const double* scatter2, const double* active,
+                   double row_inflation, double* __restrict weight, std::size_t n) {
+  for (std::size_t m = 0; m < n; ++m) {
+    const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
+    const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
+    weight[m] = active[m] * (near < 1.0 ? near : 1.0) / size2;
   }
 }
 
@@ -137,6 +154,21 @@ void estimate_row_inflation(LevelModel& model) {
 
 }  // namespace
 
+void demean_two_way(BandTable& x, const BandTable& weight) {
+  constexpr int kMaxRounds = 12;
+  constexpr double kConverged = 1e-8;  // of the sum of squares of the first round
+  std::vector<double> per_row = sums_of_rows(weight);
+  std::vector<double> per_column = sums_of_columns(weight);
+  for (double& sum : per_row) sum = 1.0 / (sum + 1e-300);
+  for (double& sum : per_column) sum = 1.0 / (sum + 1e-300);
+  double first = 0.0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double squares = demean_once(x, weight, per_row, per_column);
+    if (round == 0) first = squares;
+    if (squares <= kConverged * first) break;
+  }
+}
+
 LevelModel::LevelModel(const BandLevels& of)
     : levels(of),
       level_over_pulse(of.contact_scaling.size(), of.f_hz.size()),
@@ -182,18 +214,19 @@ void fit_amplitudes(LevelModel& model) {
   BandTable weighted(n_impacts, n_bands);
   for (std::size_t k = 0; k < n_impacts; ++k)
     audio::multiply(model.weight[k], model.level_over_pulse[k], weighted[k], n_bands);
-  const Values of_row = sums_of_rows(model.weight);
-  const Values of_column = sums_of_columns(model.weight);
+  const Values weight_of_row = sums_of_rows(model.weight);
+  const Values weight_of_column = sums_of_columns(model.weight);
   for (int round = 0; round < 3; ++round) {
     const Values one_over_response = inverse(model.response);
     Values sums(n_bands, 0.0);
     for (std::size_t k = 0; k < n_impacts; ++k) {
       double& c = model.amplitude[k];
-      c = std::max(audio::dot(weighted[k], one_over_response.data(), n_bands) / (of_row[k] + 1e-300), 0.1 * c);
+      c = std::max(audio::dot(weighted[k], one_over_response.data(), n_bands) / (weight_of_row[k] + 1e-300), 0.1 * c);
       audio::add_scaled(sums.data(), 1.0 / c, weighted[k], n_bands);
     }
     for (std::size_t m = 0; m < n_bands; ++m)
-      if (model.is_active[m]) model.response[m] = std::max(sums[m] / (of_column[m] + 1e-300), 0.1 * model.response[m]);
+      if (model.is_active[m])
+        model.response[m] = std::max(sums[m] / (weight_of_column[m] + 1e-300), 0.1 * model.response[m]);
   }
 }
 

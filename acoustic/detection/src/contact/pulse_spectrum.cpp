@@ -62,9 +62,9 @@ const PulseSpectrum& PulseSpectrum::half_sine() {
 
 void PulseSpectrum::tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const {
   for (std::size_t k = 0; k < value.size(); ++k) {
-    const Value here = at(static_cast<double>(k) * step);
-    value[k] = static_cast<float>(here.value);
-    slope[k] = static_cast<float>(here.slope);
+    const Value p = at(static_cast<double>(k) * step);
+    value[k] = static_cast<float>(p.value);
+    slope[k] = static_cast<float>(p.slope);
   }
 }
 

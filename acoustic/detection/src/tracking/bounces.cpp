@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/student.hpp"
+#include "tracking/densities.hpp"
 
 namespace bouncelab::detection {
 namespace {

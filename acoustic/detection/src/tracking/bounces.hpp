@@ -2,10 +2,9 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 
-#include "tracking/loudness.hpp"
+#include "tracking/densities.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {

@@ -2,10 +2,9 @@
 #include "tracking/drop_rate.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/log_sum.hpp"
+#include "tracking/densities.hpp"
 
 namespace bouncelab::detection {
 namespace {

@@ -22,19 +22,19 @@ struct Surroundings {
 };
 
 Surroundings surroundings(const std::vector<Candidate>& c, const Track& track, std::size_t k) {
-  const std::size_t here = track.impacts[k].candidate;
+  const std::size_t own = track.impacts[k].candidate;
   double reach_s = kSteps_s;
-  if (k > 0) reach_s = std::min(reach_s, kShareOfFlight * (c[here].t_s - c[track.impacts[k - 1].candidate].t_s));
+  if (k > 0) reach_s = std::min(reach_s, kShareOfFlight * (c[own].t_s - c[track.impacts[k - 1].candidate].t_s));
   if (k + 1 < track.impacts.size())
-    reach_s = std::min(reach_s, kShareOfFlight * (c[track.impacts[k + 1].candidate].t_s - c[here].t_s));
+    reach_s = std::min(reach_s, kShareOfFlight * (c[track.impacts[k + 1].candidate].t_s - c[own].t_s));
   Surroundings around;
   const auto add = [&](std::size_t j) {
-    if (c[j].amplitude < kFaint * c[here].amplitude) return;
-    around.offset_s.push_back(c[j].t_s - c[here].t_s);
+    if (c[j].amplitude < kFaint * c[own].amplitude) return;
+    around.offset_s.push_back(c[j].t_s - c[own].t_s);
     around.candidate.push_back(j);
   };
-  for (std::size_t j = here; j-- > 0 && c[here].t_s - c[j].t_s <= reach_s;) add(j);
-  for (std::size_t j = here + 1; j < c.size() && c[j].t_s - c[here].t_s <= reach_s; ++j) add(j);
+  for (std::size_t j = own; j-- > 0 && c[own].t_s - c[j].t_s <= reach_s;) add(j);
+  for (std::size_t j = own + 1; j < c.size() && c[j].t_s - c[own].t_s <= reach_s; ++j) add(j);
   return around;
 }
 

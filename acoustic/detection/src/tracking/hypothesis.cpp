@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/log_sum.hpp"
+#include "tracking/densities.hpp"
 
 namespace bouncelab::detection {
 

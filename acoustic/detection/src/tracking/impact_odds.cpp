@@ -56,17 +56,17 @@ class Alternatives {
   /// Sum of the weights with other candidates in the place of n.
   double in_place_of(std::size_t n) const {
     const std::vector<Candidate>& c = o_.candidates();
-    const std::size_t here = own_.candidates[n];
+    const std::size_t own = own_.candidates[n];
     double sum = 0.0;
     const auto take = [&](std::size_t k) {
       // what is so near is the same sound, noticed twice
-      if (std::abs(c[k].t_s - c[here].t_s) > std::max(c[k].reach_s, c[here].reach_s)) sum += weight(replaced(n, k));
+      if (std::abs(c[k].t_s - c[own].t_s) > std::max(c[k].reach_s, c[own].reach_s)) sum += weight(replaced(n, k));
     };
     const bool is_last = n + 1 == size();
-    const double first_s = n > 0 ? c[own_.candidates[n - 1]].t_s : c[here].t_s - furthest_s(0);
-    const double last_s = is_last ? c[here].t_s + furthest_s(n - 1) : c[own_.candidates[n + 1]].t_s;
-    for (std::size_t k = here; k-- > 0 && c[k].t_s > first_s;) take(k);
-    for (std::size_t k = here + 1; k < c.size() && c[k].t_s < last_s; ++k) take(k);
+    const double first_s = n > 0 ? c[own_.candidates[n - 1]].t_s : c[own].t_s - furthest_s(0);
+    const double last_s = is_last ? c[own].t_s + furthest_s(n - 1) : c[own_.candidates[n + 1]].t_s;
+    for (std::size_t k = own; k-- > 0 && c[k].t_s > first_s;) take(k);
+    for (std::size_t k = own + 1; k < c.size() && c[k].t_s < last_s; ++k) take(k);
     return sum;
   }
 
@@ -132,10 +132,10 @@ class Alternatives {
       const double of_source = source(n - 1);
       // whether it is worth the count of its neighbours without the track's own
       if (!h.step_to(o_[k], n_missing(n - 1, n), of_source, false, least(n) - kOwnSounds, model)) return -INFINITY;
-      const Observation here = o_.without(k, own_.explained);
-      const std::optional<Step> step = h.step_to(here, n_missing(n - 1, n), of_source, false, least(n), model);
+      const Observation seen = o_.without(k, own_.explained);
+      const std::optional<Step> step = h.step_to(seen, n_missing(n - 1, n), of_source, false, least(n), model);
       if (!step) return -INFINITY;
-      h.take(*step, here, model);
+      h.take(*step, seen, model);
     }
     if (n + 1 == size()) return h.log_odds - log_odds(n);
     const std::optional<Step> step =

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tracking/observations.hpp"
-#include "tracking/own_sounds.hpp"
+#include "tracking/rescoring.hpp"
 #include "tracking/tracker.hpp"
 
 namespace bouncelab::detection {

@@ -2,14 +2,11 @@
 #include "tracking/neighbours.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
-#include "tracking/log_sum.hpp"
-#include "tracking/student.hpp"
+#include "tracking/densities.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -36,9 +33,8 @@ void count(float density, bool is_stronger, int octave, float share, Neighbours&
 }
 
 /// Densities that the sounds of these log amplitudes contribute at one.
-BOUNCELAB_VECTOR_CLONES void density_row(const double* log_amplitude, double here, double width,
-                                         float* __restrict density, std::size_t n) {
-  for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - here, width));
+void density_row(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) {
+  for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - centre, width));
 }
 
 /// As many as fill registers of 512 bits: what is left over of a row takes as long as several of them.

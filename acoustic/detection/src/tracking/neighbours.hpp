@@ -8,7 +8,7 @@
 
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
-#include "tracking/student.hpp"
+#include "tracking/densities.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {

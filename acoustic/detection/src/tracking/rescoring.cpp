@@ -8,12 +8,13 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/densities.hpp"
 #include "tracking/hypothesis.hpp"
-#include "tracking/own_sounds.hpp"
-#include "tracking/student.hpp"
 
 namespace bouncelab::detection {
 namespace {
+
+constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
 
 /// The coefficient of restitution that goes before the first of a track.
 struct Expected {
@@ -51,7 +52,7 @@ constexpr double kSure = 3.0;  // log odds of a track that may speak for others
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
-void begin_again(const Observations& o, std::size_t first_free, Track& track) {
+void re_estimate_start(const Observations& o, std::size_t first_free, Track& track) {
   constexpr std::size_t kKnown = 6;  // impacts, without the first, from which a ball is known
   const std::vector<Candidate>& c = o.candidates();
   std::optional<std::size_t> given;
@@ -109,7 +110,7 @@ double n_unexplained(const Observations& o, const std::vector<std::size_t>& own)
 }
 
 /// A track with its own sounds.
-struct Judged {
+struct ScoredTrack {
   Track track;
   OwnSounds own;
 };
@@ -127,7 +128,7 @@ double log_odds_of(const Observations& o, const OwnSounds& own, const Track& tra
   return h.log_odds_of_ball(model) - model.unexplained * n_unexplained(o, own.candidates);
 }
 
-Judged judged(const Observations& o, Track track) {
+ScoredTrack scored(const Observations& o, Track track) {
   OwnSounds own = own_sounds(o, track);
   track.log_odds = log_odds_of(o, own, track);
   return {std::move(track), std::move(own)};
@@ -135,7 +136,7 @@ Judged judged(const Observations& o, Track track) {
 
 /// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
 /// about as well, the track begins there.
-void begin_at_source(const Observations& o, std::size_t first_free, Judged& best) {
+void begin_at_source(const Observations& o, std::size_t first_free, ScoredTrack& best) {
   constexpr double kAsWell = 2.0;  // log odds of the echo against its source, by which intervals may prefer it
   const std::vector<Candidate>& c = o.candidates();
   const std::size_t first = best.track.impacts[0].candidate;
@@ -144,8 +145,8 @@ void begin_at_source(const Observations& o, std::size_t first_free, Judged& best
     if (c[k].amplitude < c[first].amplitude) continue;
     Track other = best.track;
     other.impacts[0].candidate = k;
-    Judged here = judged(o, std::move(other));
-    if (here.track.log_odds > least) least = here.track.log_odds, best = std::move(here);
+    ScoredTrack from_source = scored(o, std::move(other));
+    if (from_source.track.log_odds > least) least = from_source.track.log_odds, best = std::move(from_source);
   }
 }
 
@@ -157,11 +158,11 @@ double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Trac
   for (const Track& other : tracks)
     if (&other != &track && other.log_odds > kSure && (surest == nullptr || other.log_odds > surest->log_odds))
       surest = &other;
-  const std::optional<double> here = eps_at(c, track, 1);
-  const std::optional<double> there = surest != nullptr ? eps_at(c, *surest, 1) : std::nullopt;
-  if (!here || !there) return 0.0;
-  const double same = student3(log(*here / *there), model.scatter_of_drops);
-  const double open = *here / kEpsRange;  // eps uniform, as the model has it
+  const std::optional<double> first_eps = eps_at(c, track, 1);
+  const std::optional<double> eps_of_surest = surest != nullptr ? eps_at(c, *surest, 1) : std::nullopt;
+  if (!first_eps || !eps_of_surest) return 0.0;
+  const double same = student3(log(*first_eps / *eps_of_surest), model.scatter_of_drops);
+  const double open = *first_eps / kEpsRange;  // eps uniform, as the model has it
   return log((1.0 - model.another_ball) * same / open + model.another_ball);
 }
 
@@ -175,36 +176,62 @@ bool are_same(const std::vector<TrackImpact>& a, const std::vector<TrackImpact>&
 
 }  // namespace
 
+std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
+  const std::vector<Candidate>& c = o.candidates();
+  std::vector<std::size_t> explained;
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const bool is_last = n + 1 == own.size();
+    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
+    const double echo_s = std::min(kEcho_s, kEchoOfFlight * flight_s);
+    explained.push_back(own[n]);
+    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
+      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
+  }
+  return explained;
+}
+
+OwnSounds own_sounds(const Observations& o, const Track& track) {
+  OwnSounds own;
+  for (const TrackImpact& impact : track.impacts) own.candidates.push_back(impact.candidate);
+  own.explained = explained_by(o, own.candidates);
+  for (std::size_t n = 0; n < own.candidates.size(); ++n) {
+    own.seen.push_back(o.without(own.candidates[n], own.explained));
+    if (n > 0) own.same_source.push_back(o.same_source(own.candidates[n - 1], own.candidates[n]));
+  }
+  return own;
+}
+
 Rescored rescored(const Observations& o, std::vector<Track> tracks) {
-  std::vector<Judged> all;
-  for (Track& track : tracks) all.push_back(judged(o, std::move(track)));
+  std::vector<ScoredTrack> all;
+  for (Track& track : tracks) all.push_back(scored(o, std::move(track)));
   // the surest first: what its earlier impacts are, no other track may claim
   std::stable_sort(all.begin(), all.end(),
-                   [](const Judged& a, const Judged& b) { return a.track.log_odds > b.track.log_odds; });
-  std::vector<Judged> kept;
-  for (Judged& here : all) {
+                   [](const ScoredTrack& a, const ScoredTrack& b) { return a.track.log_odds > b.track.log_odds; });
+  std::vector<ScoredTrack> kept;
+  for (ScoredTrack& scored_track : all) {
     std::size_t first_free = 0;
     bool is_free = true;
-    for (const Judged& surer : kept) {
-      if (ends_before(surer.track, here.track))
+    for (const ScoredTrack& surer : kept) {
+      if (ends_before(surer.track, scored_track.track))
         first_free = std::max(first_free, surer.track.impacts.back().candidate + 1);
-      else if (!ends_before(here.track, surer.track))
+      else if (!ends_before(scored_track.track, surer.track))
         is_free = false;
     }
     if (!is_free) continue;
-    const std::vector<TrackImpact> as_judged = here.track.impacts;
-    begin_again(o, first_free, here.track);
-    if (!are_same(here.track.impacts, as_judged)) here = judged(o, std::move(here.track));
-    begin_at_source(o, first_free, here);
-    kept.push_back(std::move(here));
+    const std::vector<TrackImpact> before = scored_track.track.impacts;
+    re_estimate_start(o, first_free, scored_track.track);
+    if (!are_same(scored_track.track.impacts, before)) scored_track = scored(o, std::move(scored_track.track));
+    begin_at_source(o, first_free, scored_track);
+    kept.push_back(std::move(scored_track));
   }
   tracks.clear();
-  for (const Judged& one : kept) tracks.push_back(one.track);
+  for (const ScoredTrack& one : kept) tracks.push_back(one.track);
   for (std::size_t k = 0; k < tracks.size(); ++k)
     kept[k].track.log_odds += odds_of_same_ball(o.candidates(), tracks, tracks[k], o.model());
-  std::sort(kept.begin(), kept.end(), [](const Judged& a, const Judged& b) { return ends_before(a.track, b.track); });
+  std::sort(kept.begin(), kept.end(),
+            [](const ScoredTrack& a, const ScoredTrack& b) { return ends_before(a.track, b.track); });
   Rescored rescored;
-  for (Judged& one : kept) {
+  for (ScoredTrack& one : kept) {
     rescored.tracks.push_back(std::move(one.track));
     rescored.own.push_back(std::move(one.own));
   }

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "tracking/loudness.hpp"
+#include "tracking/densities.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {

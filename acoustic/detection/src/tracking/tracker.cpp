@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "tracking/densities.hpp"
 #include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/impact_odds.hpp"
-#include "tracking/log_sum.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
 

@@ -4,9 +4,8 @@
 #include <cstddef>
 #include <span>
 
-/// The loops on which the time of a detection and of a synthesis goes. Each gives the same bytes on every x86-64
-/// processor: the order of its additions is fixed. What each earns against a plain loop is printed by
-/// tests/bench/kernels_bench.cpp; the ratios stand in kernels.cpp.
+/// Sums and products of arrays, for detection and synthesis. Partial sums side by side let the processor add while it
+/// waits for the addition before; tests/bench/kernels_bench.cpp prints each against a plain loop.
 namespace bouncelab::audio {
 
 /// Sum of products over the shorter of both; 32 partial sums in single precision.

@@ -22,7 +22,7 @@ struct Spectrum {
 /// variance 1 has variance 1 in each real and imaginary part.
 class RealFft {
  public:
-  /// @param n  a power of two, >= 4: of those lengths FFTW, as Debian builds it, gives the same bits by SSE2 as by AVX
+  /// @param n  even, >= 4
   explicit RealFft(std::size_t n);
   std::size_t size() const { return n_; }
   /// @param x  at most n samples; what is missing is 0
@@ -31,17 +31,10 @@ class RealFft {
   void forward(std::span<const float> x, Spectrum& spectrum);
   /// n samples; bins that are missing are 0
   std::vector<float> inverse(const Spectrum& spectrum);
-  /// The same of n/2 bins, until the thread's next transform: nothing is copied.
-  std::span<const float> inverse(std::span<const float> re, std::span<const float> im) const;
-  /// inverse(product_conj(a, b)), until the thread's next transform: nothing is copied.
-  std::span<const float> inverse_of_product_conj(const Spectrum& a, const Spectrum& b);
 
   struct Plan;
 
  private:
-  /// Of the thread's workspace, from h bins.
-  std::span<const float> inverse_of(const float* re, const float* im) const;
-
   std::size_t n_;
   const Plan* plan_;  // made once for each length and kept
 };

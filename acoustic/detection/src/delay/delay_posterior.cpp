@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "delay/delay_posterior.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kMinImpacts = 7;
+constexpr std::size_t kNeighbours = 7;     // on either side, for the median
+constexpr std::size_t kScatterReach = 15;  // on either side, for the width
+constexpr double kMinScatter = 2e-4;       // of ln eps; smoother than any ball
+constexpr double kFar_s = 27.4e-3;         // over which an impact may lie that is not where the sound rises
+constexpr double kWeightOfPrior = 10.0;    // of the share of such impacts and of the width of the others, in impacts
+constexpr double kMinWidth = 0.1;          // of the reach; rises are known to a hop, a third of the shortest window
+constexpr int kRounds = 3;
+constexpr double kDisordered = 1e-100;  // density of times that do not increase
+
+using TimedImpacts = std::vector<TimedImpact>;
+
+/// Whether impact k and both its neighbours follow each other without a gap.
+bool is_triple(const TimedImpacts& track, std::size_t k) {
+  return track[k].impact == track[k - 1].impact + 1 && track[k + 1].impact == track[k].impact + 1;
+}
+
+std::optional<double> log_eps(double before_s, double here_s, double after_s) {
+  if (!(before_s < here_s && here_s < after_s)) return std::nullopt;
+  return log((after_s - here_s) / (here_s - before_s));
+}
+
+/// Student's t with four degrees of freedom, not normalised.
+double student4(double z) {
+  const double x = 1.0 + 0.25 * z * z;
+  return 1.0 / (x * x * std::sqrt(x));
+}
+
+/// Density of a hypothesis' place, of impacts that are near the rise of the sound [1/s].
+double near_density(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
+  constexpr double kNorm = 0.375;  // of Student's t with four degrees of freedom
+  const double width_s = prior.width * impact.rise_reach_s;
+  return kNorm * student4((hypothesis_time(impact, h) - impact.rise_s - prior.late_s) / width_s) / width_s;
+}
+
+double place_density(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
+  if (!(impact.rise_reach_s > 0.0)) return 1.0;
+  return (1.0 - prior.far_share) * near_density(impact, h, prior) + prior.far_share / kFar_s;
+}
+
+/// The densities of which the posterior is the product.
+class ChainDensity {
+ public:
+  ChainDensity(const TimedImpacts& track, const std::vector<ExpectedLogEps>& expected, const RisePrior& prior)
+      : expected_(expected) {
+    t_s_.reserve(track.size());
+    by_sound_.reserve(track.size());
+    for (const TimedImpact& impact : track) {
+      t_s_.emplace_back().reserve(n_hypotheses(impact));
+      by_sound_.emplace_back().reserve(n_hypotheses(impact));
+      for (std::size_t h = 0; h < n_hypotheses(impact); ++h) {
+        t_s_.back().push_back(hypothesis_time(impact, h));
+        const double likelihood = h == 0 ? 1.0 : exp(-impact.fit.alternatives[h - 1].log_odds_margin);
+        by_sound_.back().push_back(likelihood * place_density(impact, h, prior));
+      }
+    }
+  }
+
+  std::size_t size() const { return t_s_.size(); }
+  std::size_t n(std::size_t k) const { return t_s_[k].size(); }
+  double by_sound(std::size_t k, std::size_t h) const { return by_sound_[k][h]; }
+
+  /// Of the two intervals that meet at impact k.
+  double smoothness(std::size_t k, std::size_t before, std::size_t own, std::size_t after) const {
+    if (expected_[k].width == 0.0) return 1.0;
+    const std::optional<double> eps = log_eps(t_s_[k - 1][before], t_s_[k][own], t_s_[k + 1][after]);
+    if (!eps) return kDisordered;
+    return student4((*eps - expected_[k].centre) / expected_[k].width);
+  }
+
+ private:
+  const std::vector<ExpectedLogEps>& expected_;
+  std::vector<std::vector<double>> t_s_, by_sound_;
+};
+
+/// Makes the largest of the values 1.
+void scale(std::vector<double>& values) {
+  const double largest = *std::max_element(values.begin(), values.end());
+  for (double& x : values) x /= largest;
+}
+
+/// By pairs (hypothesis of k, of k + 1), at index h n(k + 1) + after: what lies up to k + 1 / beyond it says of them.
+using PairTable = std::vector<std::vector<double>>;
+
+PairTable forward(const ChainDensity& p) {
+  PairTable table(p.size() - 1);
+  for (std::size_t k = 0; k + 1 < p.size(); ++k) {
+    table[k].reserve(p.n(k) * p.n(k + 1));
+    for (std::size_t h = 0; h < p.n(k); ++h)
+      for (std::size_t a = 0; a < p.n(k + 1); ++a) {
+        double before = k == 0 ? p.by_sound(0, h) : 0.0;
+        for (std::size_t b = 0; k > 0 && b < p.n(k - 1); ++b)
+          before += table[k - 1][b * p.n(k) + h] * p.smoothness(k, b, h, a);
+        table[k].push_back(before * p.by_sound(k + 1, a));
+      }
+    scale(table[k]);
+  }
+  return table;
+}
+
+PairTable backward(const ChainDensity& p) {
+  PairTable table(p.size() - 1);
+  table.back().assign(p.n(p.size() - 2) * p.n(p.size() - 1), 1.0);
+  for (std::size_t k = p.size() - 2; k-- > 0;) {
+    table[k].reserve(p.n(k) * p.n(k + 1));
+    for (std::size_t h = 0; h < p.n(k); ++h)
+      for (std::size_t a = 0; a < p.n(k + 1); ++a) {
+        double after = 0.0;
+        for (std::size_t c = 0; c < p.n(k + 2); ++c)
+          after += table[k + 1][a * p.n(k + 2) + c] * p.smoothness(k + 1, h, a, c) * p.by_sound(k + 2, c);
+        table[k].push_back(after);
+      }
+    scale(table[k]);
+  }
+  return table;
+}
+
+void normalize(HypothesisProbabilities& p) {
+  const double sum = std::accumulate(p.begin(), p.end(), 0.0);
+  for (double& x : p) x /= sum;
+}
+
+std::vector<HypothesisProbabilities> posterior_by_sound(const TimedImpacts& track, const RisePrior& prior) {
+  const ChainDensity density(track, {}, prior);
+  std::vector<HypothesisProbabilities> posterior(track.size());
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    for (std::size_t h = 0; h < density.n(k); ++h) posterior[k].push_back(density.by_sound(k, h));
+    normalize(posterior[k]);
+  }
+  return posterior;
+}
+
+/// What a track shows of where its impacts are against the rises of their sound.
+RisePrior rise_prior_of(const TimedImpacts& track, const std::vector<HypothesisProbabilities>& posterior,
+                        const std::vector<double>& t_s, const RisePrior& last) {
+  constexpr double kMedianOfStudent4 = 0.741;  // of its magnitude
+  const RisePrior prior;
+  std::vector<double> late_s(2, prior.late_s);  // two impacts' worth of the prior
+  double far = kWeightOfPrior * prior.far_share, all = kWeightOfPrior;
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    if (!(track[k].rise_reach_s > 0.0)) continue;
+    late_s.push_back(t_s[k] - track[k].rise_s);
+    all += 1.0;
+    for (std::size_t h = 0; h < posterior[k].size(); ++h)
+      far += posterior[k][h] * (last.far_share / kFar_s) / place_density(track[k], h, last);
+  }
+  RisePrior found{far / all, upper_median(std::move(late_s)), prior.width};
+  std::vector<double> off;
+  for (std::size_t k = 0; k < track.size(); ++k)
+    if (track[k].rise_reach_s > 0.0)
+      off.push_back(std::abs(t_s[k] - track[k].rise_s - found.late_s) / track[k].rise_reach_s);
+  if (off.empty()) return found;
+  const auto n = static_cast<double>(off.size());
+  const double shown = upper_median(std::move(off)) / kMedianOfStudent4;
+  found.width =
+      std::max(kMinWidth, std::sqrt((n * square(shown) + kWeightOfPrior * square(prior.width)) / (n + kWeightOfPrior)));
+  return found;
+}
+
+}  // namespace
+
+std::size_t n_hypotheses(const TimedImpact& impact) { return 1 + impact.fit.alternatives.size(); }
+
+double hypothesis_time(const TimedImpact& impact, std::size_t hypothesis) {
+  return hypothesis == 0 ? impact.fit.t_s : impact.fit.alternatives[hypothesis - 1].t_s;
+}
+
+std::size_t most_probable(const HypothesisProbabilities& p) {
+  return static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin());
+}
+
+std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const std::vector<double>& t_s) {
+  std::vector<std::optional<double>> eps(track.size());
+  for (std::size_t k = 1; k + 1 < track.size(); ++k)
+    if (is_triple(track, k)) eps[k] = log_eps(t_s[k - 1], t_s[k], t_s[k + 1]);
+  const auto around = [&](std::size_t k, std::size_t reach, double about) {
+    std::vector<double> x;
+    x.reserve(2 * reach + 1);
+    for (std::size_t j = k > reach ? k - reach : 0; j < std::min(track.size(), k + reach + 1); ++j)
+      if (eps[j]) x.push_back(about == 0.0 ? *eps[j] : std::abs(*eps[j] - about));
+    return x;
+  };
+  std::vector<ExpectedLogEps> expected(track.size());
+  for (std::size_t k = 1; k + 1 < track.size(); ++k) {
+    if (!is_triple(track, k)) continue;
+    std::vector<double> near = around(k, kNeighbours, 0.0);
+    if (near.size() < 3) continue;
+    expected[k].centre = upper_median(std::move(near));
+    expected[k].width = std::max(kMinScatter, 1.4826 * upper_median(around(k, kScatterReach, expected[k].centre)));
+  }
+  return expected;
+}
+
+std::vector<HypothesisProbabilities> chain_posterior(const TimedImpacts& track,
+                                                     const std::vector<ExpectedLogEps>& expected,
+                                                     const RisePrior& prior) {
+  const ChainDensity density(track, expected, prior);
+  const PairTable before = forward(density), after = backward(density);
+  std::vector<HypothesisProbabilities> posterior(track.size());
+  for (std::size_t k = 0; k < track.size(); ++k) posterior[k].assign(density.n(k), 0.0);
+  for (std::size_t k = 0; k + 1 < track.size(); ++k)
+    for (std::size_t pair = 0; pair < before[k].size(); ++pair) {
+      const double p = before[k][pair] * after[k][pair];
+      posterior[k][pair / density.n(k + 1)] += p;
+      if (k + 2 == track.size()) posterior[k + 1][pair % density.n(k + 1)] += p;
+    }
+  for (HypothesisProbabilities& p : posterior) normalize(p);
+  return posterior;
+}
+
+std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) {
+  if (std::all_of(track.begin(), track.end(), [](const TimedImpact& impact) { return n_hypotheses(impact) == 1; }))
+    return std::vector<HypothesisProbabilities>(track.size(), {1.0});
+  std::vector<double> t_s;
+  for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
+  RisePrior prior;
+  std::vector<HypothesisProbabilities> posterior;
+  for (int round = 0; round < kRounds; ++round) {
+    posterior = track.size() < kMinImpacts ? posterior_by_sound(track, prior)
+                                           : chain_posterior(track, expected_log_eps(track, t_s), prior);
+    for (std::size_t k = 0; k < track.size(); ++k) t_s[k] = hypothesis_time(track[k], most_probable(posterior[k]));
+    prior = rise_prior_of(track, posterior, t_s, prior);
+  }
+  return posterior;
+}
+
+Doubt doubt_about(const TimedImpact& impact, const HypothesisProbabilities& p, std::size_t chosen, double t_s) {
+  Doubt doubt;
+  double squares = 0.0;
+  for (std::size_t h = 0; h < p.size(); ++h) {
+    if (h == chosen) continue;
+    const double off_s = hypothesis_time(impact, h) - t_s;
+    doubt.others += p[h];
+    if (std::abs(off_s) > kMinInterval_s) doubt.elsewhere += p[h];
+    squares += p[h] * square(off_s);
+  }
+  doubt.sigma_s = std::sqrt(squares);
+  return doubt;
+}
+
+ImpactFit merged(const ImpactFit& a, const ImpactFit& b, double same_s) {
+  const bool a_is_better = a.log_likelihood_ratio >= b.log_likelihood_ratio;
+  ImpactFit best = a_is_better ? a : b;
+  const ImpactFit& other = a_is_better ? b : a;
+  const double margin = (best.log_likelihood_ratio - other.log_likelihood_ratio) / best.disturbance;
+  const auto add = [&](double t_s, double log_odds_margin) {
+    const auto is_there = [&](const DelayHypothesis& h) { return std::abs(h.t_s - t_s) < same_s; };
+    if (log_odds_margin >= kUnambiguousLogOdds || std::abs(best.t_s - t_s) < same_s ||
+        std::any_of(best.alternatives.begin(), best.alternatives.end(), is_there))
+      return;
+    best.alternatives.push_back({t_s, log_odds_margin});
+  };
+  add(other.t_s, margin);
+  for (const DelayHypothesis& h : other.alternatives)
+    add(h.t_s, margin + h.log_odds_margin * other.disturbance / best.disturbance);
+  std::sort(best.alternatives.begin(), best.alternatives.end(),
+            [](const DelayHypothesis& x, const DelayHypothesis& y) { return x.log_odds_margin < y.log_odds_margin; });
+  return best;
+}
+
+ImpactFit with_fewer_places(ImpactFit fit) {
+  constexpr std::size_t kMost = 3;  // two fits have eight places then, whose trellis takes little time
+  if (fit.alternatives.size() > kMost) fit.alternatives.resize(kMost);
+  return fit;
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "delay/impact_timer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <span>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+// grid of amplitudes for a clipped impact: clipping hides up to thirty times
+constexpr double kCoarse = 1.5;
+constexpr int kCoarseSteps = 8;
+constexpr double kFine = 1.12;
+constexpr int kFineSteps = 3;  // on either side
+constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
+// the largest likelihood over that at the steps of half a sample, 1 / cos^2(pi / 4): of a sound at the Nyquist
+// frequency
+constexpr double kMostBetweenSteps = 2.0;
+
+std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
+  return std::llround(duration_s * sound.rate_hz);
+}
+
+/// Variance that the noise adds to the product with the template, per unit of the template's energy: 1 for a perfect
+/// whitener, more where the whitener also whitens what the template leaves unexplained.
+double noise_in_product(const ImpactTemplate& learned) {
+  const Subbands& subbands = learned.subbands;
+  double sum = 0.0;
+  for (std::size_t j = 0; j < subbands.n(); ++j)
+    sum += subbands.noise[j] * learned.filter.energy(subbands.edge[j], subbands.edge[j + 1]);
+  return sum / (learned.filter.energy() + 1e-30);
+}
+
+/// The end of a mask.
+std::vector<float> taper_of(std::size_t n) {
+  std::vector<float> taper(n);
+  for (std::size_t k = 0; k < n; ++k)
+    taper[k] = static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n))));
+  return taper;
+}
+
+/// x = sound - amplitude x
+void leave_rest(const float* sound, float amplitude, float* x, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) x[k] = sound[k] - amplitude * x[k];
+}
+
+void leave_rest(const std::vector<float>& sound, float amplitude, std::vector<float>& x) {
+  leave_rest(sound.data(), amplitude, x.data(), x.size());
+}
+
+void multiply(std::vector<float>& x, const std::vector<float>& mask) {
+  for (std::size_t k = 0; k < mask.size(); ++k) x[k] *= mask[k];
+}
+
+}  // namespace
+
+ImpactTimer::ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned)
+    : sound_(white.source()),
+      learned_(learned),
+      fourier_(learned.filter.n_window()),
+      noise_(noise_in_product(learned)),
+      known_(white, learned) {}
+
+ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) {
+  if (n_fit >= learned_.n_template) return {};
+  Mask mask(learned_.filter.n_window(), 1.0F);
+  const std::size_t n_taper = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
+  if (taper_.size() != n_taper) taper_ = taper_of(n_taper);
+  std::copy(taper_.begin(), taper_.end(), mask.begin() + static_cast<std::ptrdiff_t>(n_fit - n_taper));
+  std::fill(mask.begin() + static_cast<std::ptrdiff_t>(n_fit), mask.end(), 0.0F);
+  return mask;
+}
+
+bool ImpactTimer::is_clipped(std::int64_t first, std::size_t n) const {
+  if (std::isinf(learned_.clip_level)) return false;
+  std::vector<float> raw(n);
+  audio::read_padded(sound_, first, raw);
+  return std::any_of(raw.begin(), raw.end(), [&](float x) { return std::abs(x) >= learned_.clip_level; });
+}
+
+MatchedFilter ImpactTimer::clipped_template(double amplitude, double shift, const Mask& mask) {
+  const std::size_t n = learned_.filter.n_window();
+  const std::size_t reach = learned_.whitener.size() - 1;  // samples over which the whitener spreads one
+  const audio::Spectrum recorded =
+      fourier_.forward(std::vector<float>(learned_.waveform.begin(), learned_.waveform.end()));
+  const std::vector<float> placed = fourier_.inverse(audio::phase_shifted(recorded, -learned_.filter.omega() * shift));
+  std::vector<float> raw(n + reach, 0.0F);
+  const float level = learned_.clip_level;
+  for (std::size_t k = 0; k < n; ++k)
+    raw[k + reach] = std::clamp(static_cast<float>(amplitude) * placed[k], -level, level);
+  const audio::AudioSource sound = audio::source_in_memory(raw, sound_.rate_hz);
+  std::vector<float> white = audio::read_white(sound, learned_.whitener, static_cast<std::int64_t>(reach), n).sound;
+  std::fill(white.begin() + static_cast<std::ptrdiff_t>(learned_.n_template), white.end(), 0.0F);
+  multiply(white, mask);
+  return {fourier_.forward(white), n};
+}
+
+DelayEstimate ImpactTimer::estimate_clipped(const FitWindow& window, double shift) {
+  const DelayEstimate unlimited = estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
+  DelayEstimate best = unlimited;
+  double least = INFINITY;
+  const auto scan = [&](double centre, double step, int from, int to) {
+    const double start = best.shift;
+    for (int k = from; k <= to; ++k) {
+      const double amplitude = centre * pow(step, k);
+      DelayEstimate r =
+          estimate_delay(clipped_template(amplitude, start, window.mask), learned_.subbands, window.spectrum, 0.0);
+      const double rest = window.total - 2.0 * r.log_likelihood_ratio;
+      if (!(r.amplitude > 0.0) || rest >= least) continue;
+      least = rest;
+      best = r;
+      best.shift += start;
+      best.amplitude = amplitude;
+    }
+  };
+  scan(std::max(unlimited.amplitude, 1e-6), kCoarse, 0, kCoarseSteps);  // clipping only lowers the amplitude
+  scan(best.amplitude, kFine, -kFineSteps, kFineSteps);
+  return best;
+}
+
+MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
+  const auto placed_at = [&](double at) {
+    return fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * at));
+  };
+  if (shift == 0.0 && unshifted_.empty()) unshifted_ = placed_at(0.0);
+  std::vector<float> placed = shift == 0.0 ? unshifted_ : placed_at(shift);
+  multiply(placed, mask);
+  return {fourier_.forward(placed), learned_.filter.n_window()};
+}
+
+void ImpactTimer::cut(std::int64_t first, std::int64_t end, FitWindow& window) {
+  constexpr std::int64_t kMinFit = 8;  // samples after the start of contact
+  const auto contact = static_cast<std::int64_t>(learned_.contact_index);
+  window.first = first;
+  window.n_fit = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
+  window.mask = mask_of(window.n_fit);
+  window.is_clipped = is_clipped(first, learned_.n_template);
+  known_.window_without(first, {}, window.sound);
+  multiply(window.sound, window.mask);
+  window.total = audio::dot(window.sound, window.sound);
+  fourier_.forward(window.sound, window.spectrum);
+}
+
+Correlation ImpactTimer::correlation_in(const FitWindow& window, double from, double to) {
+  if (window.mask.empty()) return {learned_.filter, window.spectrum, from, to};
+  return {masked_template(0.0, window.mask), window.spectrum, from, to};
+}
+
+double ImpactTimer::n_of(const FitWindow& window) const {
+  return static_cast<double>(window.mask.empty() ? window.sound.size() : window.n_fit);
+}
+
+double ImpactTimer::residual_variance(const FitWindow& window, double log_likelihood_ratio) const {
+  return std::max(0.0, window.total - 2.0 * log_likelihood_ratio) / n_of(window);
+}
+
+double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) {
+  const MatchedFilter& filter = learned_.filter;
+  audio::Spectrum& placed = placed_;
+  if (placed.size() != filter.spectrum().size()) placed = filter.spectrum();  // for its size
+  audio::phase_shift(filter.spectrum(), -filter.omega() * r.shift, placed);
+  if (!window.mask.empty()) {
+    std::vector<float> wave = fourier_.inverse(placed);
+    multiply(wave, window.mask);
+    fourier_.forward(wave, placed);
+  }
+  const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
+  leave_rest(window.spectrum.re, amplitude, placed.re);
+  leave_rest(window.spectrum.im, amplitude, placed.im);
+  const double sum = filter.energy_times_power_of(placed);
+  return 0.5 * sum / (filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
+}
+
+DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) {
+  if (window.is_clipped) return estimate_clipped(window, shift);
+  if (window.mask.empty()) return estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
+  DelayEstimate r;
+  for (int step = 0; step < 2; ++step) {  // the masked template depends on the shift
+    r = estimate_delay(masked_template(shift, window.mask), learned_.subbands, window.spectrum, 0.0);
+    r.shift = shift += r.shift;
+  }
+  return r;
+}
+
+ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
+  return *time_if_over(-INFINITY, t_s, reach_s, until_s);
+}
+
+ImpactTimer::EnergyInReach ImpactTimer::energy_in_reach(std::int64_t start, std::int64_t n_reach) {
+  const auto n_later = static_cast<std::size_t>(2 * n_reach);  // samples of the last window that are not of the first
+  if (n_later > learned_.filter.n_window()) return {INFINITY, INFINITY};
+  std::vector<float>& x = window_.sound;
+  known_.window_without(start - n_reach, {}, x);
+  const std::span<const float> before = std::span(x).first(static_cast<std::size_t>(n_reach));
+  EnergyInReach energy{audio::dot(before, before), audio::dot(x, x)};
+  known_.window_without(start + n_reach, {}, x);
+  const std::span<const float> later = std::span(x).last(n_later);
+  energy.of_all += audio::dot(later, later);
+  return energy;
+}
+
+bool ImpactTimer::is_whole_in_reach(const FitWindow& window, std::int64_t n_reach, std::int64_t end) const {
+  const auto n_template = static_cast<std::int64_t>(learned_.n_template);
+  return !window.is_clipped && end - window.first >= n_template + n_reach &&
+         static_cast<std::int64_t>(learned_.filter.n_window()) >= n_template + n_reach;
+}
+
+std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, double t_s, double reach_s,
+                                                   double until_s) {
+  const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
+  const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
+  const double reach = reach_s * sound_.rate_hz + 2.0;
+  const std::int64_t n_reach = static_cast<std::int64_t>(std::ceil(reach)) + 1;
+  EnergyInReach energy;
+  if (std::isfinite(log_likelihood_ratio)) energy = energy_in_reach(start, n_reach);
+  if (0.5 * energy.of_all <= log_likelihood_ratio) return std::nullopt;
+  FitWindow& window = window_;
+  cut(start, end, window);
+  Correlation products = correlation_in(window, -reach, reach);
+  if (is_whole_in_reach(window, n_reach, end) &&
+      0.5 * square(std::sqrt(2.0 * kMostBetweenSteps * products.highest().log_likelihood_ratio) +
+                   std::sqrt(energy.before)) <=
+          log_likelihood_ratio)
+    return std::nullopt;
+  for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
+    // the window's edge has cut what is far off: the peaks have to be found anew
+    cut(window.first + std::llround(products.highest().shift), end, window);
+    const auto moved = static_cast<double>(window.first - start);
+    products = correlation_in(window, -reach - moved, reach - moved);
+  }
+  return fit_of(window, products);
+}
+
+std::optional<std::vector<PossiblePlace>> ImpactTimer::places_between(double from_s, double to_s, double until_s,
+                                                                      double least, const ImpactFit& beside,
+                                                                      double apart_s) {
+  const std::int64_t first = samples(from_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
+  const std::int64_t n_lags = std::max<std::int64_t>(0, samples(to_s - from_s, sound_)) + 1;
+  const std::int64_t n_samples = n_lags + static_cast<std::int64_t>(learned_.n_template);
+  if (first + n_samples > samples(until_s, sound_) || is_clipped(first, static_cast<std::size_t>(n_samples)))
+    return std::nullopt;
+  if (!places_) places_.emplace(learned_);
+  // one that is not in the stretch as a whole explains nothing of it
+  const bool is_in_stretch = from_s <= beside.t_s && beside.t_s <= to_s;
+  return places_->find(known_, sound_.rate_hz, first, n_lags, least,
+                       {is_in_stretch ? beside.log_likelihood_ratio : 0.0, apart_s * sound_.rate_hz});
+}
+
+ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {
+  const auto time_of = [&](double shift) {
+    return (static_cast<double>(window.first) + shift + learned_.contact_index) / sound_.rate_hz;
+  };
+  const DelayEstimate r = estimate_in(window, products.highest().shift);
+  ImpactFit fit;
+  fit.t_s = time_of(r.shift);
+  fit.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
+  fit.amplitude = r.amplitude;
+  fit.log_likelihood_ratio = r.log_likelihood_ratio;
+  fit.residual_variance = residual_variance(window, r.log_likelihood_ratio);
+  // what an impact has of its own rings when the template does: it is all in the few samples that hold the energy
+  const double quiet = std::min(1.0, noise_);
+  const double rest = window.is_clipped ? fit.residual_variance : residual_in_product(window, r);
+  fit.disturbance = quiet + std::max(0.0, rest - quiet) * std::max(1.0, n_of(window) / learned_.n_effective);
+  // The sub-bands' noise was estimated where louder impacts still rang: the residual here may show that it is less. A
+  // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
+  fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
+  fit.correlation = correlation(r, window.total);
+  const std::vector<CorrelationPeak> peaks =
+      products.peaks(products.highest().log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance);
+  for (std::size_t k = 1; k < peaks.size(); ++k) {
+    const double margin = (peaks[0].log_likelihood_ratio - peaks[k].log_likelihood_ratio) / fit.disturbance;
+    if (margin < kUnambiguousLogOdds) fit.alternatives.push_back({time_of(peaks[k].shift), margin});
+  }
+  return fit;
+}
+
+void ImpactTimer::subtract_from_later(const ImpactFit& impact) { known_.add(impact.t_s, impact.amplitude); }
+
+void ImpactTimer::forget_last() { known_.remove_last(); }
+
+}  // namespace bouncelab::detection

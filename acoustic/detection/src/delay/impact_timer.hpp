@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "delay/place_search.hpp"
+#include "delay/ringing.hpp"
+#include "delay/timed_impact.hpp"
+#include "template/correlation_peaks.hpp"
+#include "template/impact_template.hpp"
+
+namespace bouncelab::detection {
+
+/// Times single impacts by maximum likelihood, the ringing of known ones subtracted.
+///
+/// Model of a window of whitened sound: y(t) = sum_i A_i w(t - t_i) + A w(t - t_0) + white noise, with the template w,
+/// the known impacts i, and A, t_0 to be estimated. Of a window that reaches the next impact only the part before it
+/// is used; a clipped impact is compared with the template limited alike.
+/// Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory (1993), ch. 3, 7.
+class ImpactTimer {
+ public:
+  /// @param white, learned  kept by reference
+  ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned);
+
+  /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
+  /// @param until_s  sound from here on belongs to the next impact
+  ImpactFit time(double t_s, double reach_s, double until_s);
+  /// The same; absent where its log likelihood ratio cannot be above this. By Schwarz' inequality it is at most half of
+  /// the energy in reach, which takes a tenth of the time; by the first window's correlation, most often less.
+  std::optional<ImpactFit> time_if_over(double log_likelihood_ratio, double t_s, double reach_s, double until_s);
+  /// The places between two times where the log likelihood ratio may be above `least`, by one correlation; absent where
+  /// it does not tell: where the sound reaches the next impact or is clipped.
+  /// @param beside   the best fit of the impact
+  /// @param apart_s  of the places from it, at least
+  std::optional<std::vector<PossiblePlace>> places_between(double from_s, double to_s, double until_s, double least,
+                                                           const ImpactFit& beside, double apart_s);
+  /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
+  void subtract_from_later(const ImpactFit& impact);
+  /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.
+  double noise() const { return noise_; }
+  /// Undoes the last subtract_from_later().
+  void forget_last();
+
+ private:
+  /// Factors of a window's samples; empty = all are 1.
+  using Mask = std::vector<float>;
+  /// A window of the sound and where in it the impact may be.
+  struct FitWindow {
+    std::int64_t first = 0;  // sample at which it begins
+    std::size_t n_fit = 0;   // samples of it that belong to this impact
+    Mask mask;
+    std::vector<float> sound;
+    double total = 0.0;  // sum of squares
+    bool is_clipped = false;
+    audio::Spectrum spectrum;
+  };
+  /// @param end  sample from which on the sound belongs to the next impact
+  void cut(std::int64_t first, std::int64_t end, FitWindow& window);
+  /// Sums of squares of the samples that windows within reach of one hold.
+  struct EnergyInReach {
+    double before = INFINITY;  // before that window
+    double of_all = INFINITY;
+  };
+  EnergyInReach energy_in_reach(std::int64_t start, std::int64_t n_reach);
+  /// Whether the template, anywhere within reach behind a window's begin, ends in it and before the next impact: what
+  /// correlates with it is in the window then or before it.
+  bool is_whole_in_reach(const FitWindow& window, std::int64_t n_reach, std::int64_t end) const;
+  Correlation correlation_in(const FitWindow& window, double from, double to);
+  /// Samples that hold sound.
+  double n_of(const FitWindow& window) const;
+  /// Mean square of what an impact leaves of a window.
+  double residual_variance(const FitWindow& window, double log_likelihood_ratio) const;
+  /// The same at the frequencies of the template, weighted by its energy: what disturbs the product with it. A codec
+  /// leaves its errors just there.
+  double residual_in_product(const FitWindow& window, const DelayEstimate& r);
+  /// @param shift  of the highest peak of its correlation
+  DelayEstimate estimate_in(const FitWindow& window, double shift);
+  ImpactFit fit_of(const FitWindow& window, const Correlation& products);
+  /// 1 for the first n_fit samples, with a tapered end.
+  Mask mask_of(std::size_t n_fit);
+  bool is_clipped(std::int64_t first, std::size_t n) const;
+  /// The template as the converter limits it at this amplitude, then whitened.
+  MatchedFilter clipped_template(double amplitude, double shift, const Mask& mask);
+  /// Delay of a clipped impact: the amplitude by grid search, since it only shows in how long the sound is limited.
+  DelayEstimate estimate_clipped(const FitWindow& window, double shift);
+  MatchedFilter masked_template(double shift, const Mask& mask);
+
+  const audio::AudioSource& sound_;
+  const ImpactTemplate& learned_;
+  audio::RealFft fourier_;
+  double noise_;
+  Ringing known_;
+  std::optional<PlaceSearch> places_;  // made when first needed
+  FitWindow window_;                   // that is searched; kept for its memory
+  audio::Spectrum placed_;             // the template where an impact is; kept for its memory
+  std::vector<float> unshifted_;       // the template; computed when first needed
+  std::vector<float> taper_;           // of the last mask
+};
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "delay/missing_impacts.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "bouncelab/core/elementary.hpp"
+#include "delay/track_search.hpp"
+#include "tracking/impact_odds.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+// where nothing is found at the predicted time, a single loss or gain may be the reason: 0.73 to 1.07 of the interval
+constexpr double kOutlierCentre = 0.9;
+constexpr double kOutlierReach = 0.17;
+constexpr double kMinCycles = 3.0;   // of the template; nearer impacts cannot be separated from its ringing
+constexpr double kClearRise = 20.0;  // log likelihood ratio of a candidate that noise does not reach in hours
+constexpr int kMaxFailures = 3;      // impacts in a row that are not found, then the track has ended
+
+constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
+
+// Least log likelihood ratio over the residual variance. Inside another impact's ringing the residual is not white, so
+// that `noise_threshold` does not apply: an impact with a candidate needs least, one between two impacts more, one
+// beyond the track's end most.
+constexpr double kMinOfCandidate = 1.3;
+constexpr double kMinInGap = 2.0;
+constexpr double kMinBeyondEnd = 3.0;
+constexpr double kMinOfOutlier = 6.0;
+// ratio of the log likelihood ratio beyond the end to the largest in the sound before, where there is no impact:
+// echoes, a rolling ball and voices correlate with the template here and there
+constexpr double kMinProminence = 2.0;
+
+/// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
+/// normals. A hundredth is enough, since a track goes on more often than not.
+double noise_threshold(double n_lags) { return log(n_lags) + 4.6; }
+
+/// Where an impact without candidate is searched for, and what it must have to be accepted.
+struct Prediction {
+  std::int64_t impact = 0;
+  double after_s = 0.0;  // from the last impact
+  double reach_s = 0.0;
+  double until_s = 0.0;        // sound from here on belongs to the next impact
+  double min_llr_ratio = 0.0;  // log likelihood ratio over residual variance
+};
+
+/// Whether the template supports an impact.
+/// @param n_lags         of the search that found it
+/// @param min_llr_ratio  least log likelihood ratio over residual variance
+bool is_supported(const Search& search, const TimedImpact& impact, const TimedImpact& neighbour, double n_lags,
+                  double min_llr_ratio) {
+  // within the neighbour's ringing the noise was estimated from just that, for which min_llr_ratio stands
+  const bool is_isolated = impact.fit.t_s - neighbour.fit.t_s > search.template_s;
+  const double noise = is_isolated ? impact.fit.noise : 1.0;
+  return impact.fit.log_likelihood_ratio > noise_threshold(n_lags) * noise &&
+         impact.fit.log_likelihood_ratio > min_llr_ratio * impact.fit.residual_variance;
+}
+
+bool has_amplitude_of(const TimedImpact& impact, const TimedImpact& neighbour) {
+  const double ratio = impact.fit.amplitude / neighbour.fit.amplitude;
+  return ratio > 1.0 / kMaxAmplitudeRatio && ratio < kMaxAmplitudeRatio;
+}
+
+/// Largest log likelihood ratio in the second part of the interval before t_s, where there is no impact; 0 where that
+/// part is too short.
+double llr_before(TimedTrack& track, double t_s, double min_half_s) {
+  constexpr double kSkipped = 0.4;  // of the interval: what rings there is the last impact
+  const double last_s = track.impacts.back().fit.t_s;
+  const double half_s = 0.5 * (1.0 - kSkipped) * (t_s - last_s);
+  return half_s > min_half_s ? find_impact(track.search, t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
+}
+
+/// A peak beside the one found that is so much higher that the latter is its side lobe: a single gain or loss that the
+/// search did not reach.
+std::optional<ImpactFit> sidelobe_check(Search& search, const ImpactFit& found, double after_s, double until_s) {
+  constexpr double kSideLobes_s = 1.5e-3;
+  constexpr double kHigher = 2.0;
+  if (after_s < 4.0 * kSideLobes_s) return std::nullopt;  // so near it is a neighbour's
+  const ImpactFit best = find_impact(search, found.t_s, kSideLobes_s, until_s);
+  if (best.log_likelihood_ratio < kHigher * found.log_likelihood_ratio) return std::nullopt;
+  return best;
+}
+
+/// Searches for an impact without candidate, and appends it where it is supported.
+bool search_missing(TimedTrack& track, const Prediction& p) {
+  const double rate_hz = track.search.white.source().rate_hz;
+  const TimedImpact& last = track.impacts.back();
+  const double t_s = last.fit.t_s + p.after_s;
+  const double reach_s = p.reach_s + 2.0 / rate_hz;
+  TimedImpact impact;
+  impact.impact = p.impact;
+  impact.fit = find_impact(track.search, t_s, reach_s, p.until_s);
+  impact.until_s = p.until_s;
+  impact.inferred = true;
+  impact.overlap = p.until_s - t_s < track.search.template_s;
+  double min_llr_ratio = p.min_llr_ratio;
+  if (const auto higher = sidelobe_check(track.search, impact.fit, p.after_s, p.until_s)) {
+    impact.fit = *higher;
+    min_llr_ratio = std::max(min_llr_ratio, kMinOfOutlier);
+  }
+  if (!has_amplitude_of(impact, last) ||
+      !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
+    return false;
+  // within the last impact's ringing everything correlates with the template
+  const bool is_isolated = p.after_s > track.search.template_s;
+  if (is_isolated && min_llr_ratio >= kMinBeyondEnd &&
+      impact.fit.log_likelihood_ratio < kMinProminence * llr_before(track, t_s - reach_s, reach_s))
+    return false;
+  if (p.impact == last.impact + 1 &&
+      !is_predicted_amplitude(track.impacts, impact.fit.amplitude, impact.fit.t_s - last.fit.t_s))
+    return false;
+  impact.probability = probability_of_inferred(
+      impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance),
+      kLagsPerSample * reach_s * rate_hz);
+  append(track, impact);
+  return true;
+}
+
+/// Whether the last impact stays. A rise out of quiet is an impact though it may not correlate with the template; in
+/// the ringing of the one before it may be an echo.
+/// @param c  its candidate
+bool keeps_last(const TimedTrack& track, const Candidate& c) {
+  const TimedImpact& last = track.impacts.back();
+  const TimedImpact& before = track.impacts[track.impacts.size() - 2];
+  const double interval_s = last.fit.t_s - before.fit.t_s;
+  const double template_s = track.search.template_s;
+  const bool has_reliable_template = is_reliable(track.search.learned.correlation);
+  const bool is_clear = c.log_likelihood_ratio > kClearRise;
+  if (!has_reliable_template && (is_clear || interval_s > template_s)) return true;
+  const bool rises_out_of_quiet = is_clear && interval_s > template_s;
+  return (rises_out_of_quiet || has_amplitude_of(last, before)) &&
+         is_supported(track.search, last, before, kLagsPerSample * c.reach_s * track.search.white.source().rate_hz,
+                      kMinOfCandidate);
+}
+
+}  // namespace
+
+void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
+  while (track.impacts.back().impact + 1 < next_impact) {
+    const std::int64_t impact = track.impacts.back().impact + 1;
+    const double last_s = track.impacts.back().fit.t_s;
+    const double eps_reach = predicted_eps_reach(track.impacts);
+    const auto search_after = [&](double after_s) {
+      return search_missing(track, {impact, after_s, eps_reach * after_s, next_s, kMinInGap});
+    };
+    const bool found =
+        search_after(first_of_missing(track.impacts, static_cast<double>(next_impact - impact), next_s - last_s)) ||
+        // the next candidate may be late: a knock, an echo
+        (track.impacts.size() >= 3 && search_after(predict_beyond_end(track.impacts, 0).t_s - last_s));
+    if (!found) return;
+  }
+}
+
+void trim_tail(TimedTrack& track, const Track& tracked, const std::vector<Candidate>& candidates) {
+  for (std::size_t k = tracked.impacts.size(); k-- > 0 && track.impacts.size() > 3;) {
+    if (keeps_last(track, candidates[tracked.impacts[k].candidate])) return;
+    track.impacts.pop_back();
+    track.search.timer.forget_last();  // extend() searches where it was
+  }
+}
+
+void extend(TimedTrack& track, double end_s) {
+  const Search& search = track.search;
+  const double shortest_s =
+      std::max(kMinInterval_s, kMinCycles / (search.learned.filter.rms_frequency() * search.white.source().rate_hz));
+  for (int failures = 0; failures < kMaxFailures && track.impacts.size() >= 3;) {
+    const double last_s = track.impacts.back().fit.t_s;
+    const PredictedImpact predicted = predict_beyond_end(track.impacts, failures);
+    const double after_s = predicted.t_s - last_s, flight_s = predicted.flight_s;
+    if (std::min(flight_s, after_s) < shortest_s || predicted.t_s + 0.5 * flight_s > end_s) break;
+    const std::int64_t next = track.impacts.back().impact + 1 + failures;
+    const double until_s = predicted.t_s + 0.9 * flight_s;
+    // what the last impacts predict may differ by more than eps scatters: one of them has gained or lost, or is wrong
+    const double reach_s = predicted_eps_reach(track.impacts) * after_s + predicted.spread_s;
+    const bool found = search_missing(track, {next, after_s, reach_s, until_s, kMinBeyondEnd}) ||
+                       (failures == 0 && search_missing(track, {next, kOutlierCentre * after_s, kOutlierReach * after_s,
+                                                                until_s, kMinOfOutlier}));
+    failures = found ? 0 : failures + 1;
+  }
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "template/impact_template.hpp"
+
+namespace bouncelab::detection {
+
+/// The sound of known impacts, x(t) = sum_i A_i w_i(t - t_i) in the whitened sound, to be subtracted from the windows
+/// of others.
+class Ringing {
+ public:
+  /// @param white, learned  kept by reference
+  Ringing(audio::WhiteSound& white, const ImpactTemplate& learned);
+
+  /// @param wave  spectrum of the impact's sound; none = that of the template
+  void add(double t_s, double amplitude, std::optional<audio::Spectrum> wave = std::nullopt);
+  void set(std::size_t k, double t_s, double amplitude);
+  void remove_last();
+  std::size_t size() const { return impacts_.size(); }
+  double amplitude(std::size_t k) const { return impacts_[k].amplitude; }
+
+  /// The whitened window that begins at a sample, less the sound of all known impacts but one.
+  std::vector<float> window_without(std::int64_t first, std::optional<std::size_t> except = std::nullopt);
+  /// The same into a window that has memory already.
+  void window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& window);
+
+  /// A stretch of any length, less the sound of all known impacts.
+  void stretch_without(std::int64_t first, std::span<float> stretch);
+
+  /// Sets the amplitudes of impacts whose windows overlap, jointly, to those of least squares: normal equations
+  /// sum_j <w_i, w_j> A_j = <w_i, x>, banded since only neighbours overlap. Those of no others change.
+  /// @param free  of each impact, in time order, whether its amplitude is one of the unknowns
+  void fit_amplitudes(const std::vector<bool>& free);
+
+ private:
+  struct Known {
+    double t_s = 0.0;
+    double amplitude = 0.0;
+    std::optional<audio::Spectrum> wave;
+    std::int64_t first = 0;     // sample at which its window begins
+    std::vector<float> placed;  // its sound there for the amplitude 1; computed when first needed
+  };
+  const std::vector<float>& placed(Known& impact);
+
+  const ImpactTemplate& learned_;
+  std::int64_t n_window_;
+  double rate_hz_;
+  audio::WhiteSound& white_;
+  audio::RealFft fourier_;
+  std::vector<Known> impacts_;
+};
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "delay/track_timer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+#include "delay/delay_posterior.hpp"
+#include "delay/missing_impacts.hpp"
+#include "delay/track_search.hpp"
+#include "tracking/impact_odds.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::ptrdiff_t kShares = 5;   // of the last impacts, whose median is expected of the next
+constexpr double kMuchLeft = 1.25;      // of the expected residual: then the impact may be at another place
+constexpr double kLate_s = 6e-3;        // of a candidate behind its impact: the longest window of candidates.cpp
+constexpr double kPreEcho_s = 21.4e-3;  // of a candidate before its impact: a block of 1024 samples at 48 kHz
+constexpr double kMinDoubt = 1e-2;      // probability of other times from which an impact is flagged doubtful
+
+/// Whether a time is one of a fit's places.
+bool is_among(const ImpactFit& fit, double t_s, double same_s) {
+  return std::abs(fit.t_s - t_s) < same_s ||
+         std::any_of(fit.alternatives.begin(), fit.alternatives.end(),
+                     [&](const DelayHypothesis& h) { return std::abs(h.t_s - t_s) < same_s; });
+}
+
+/// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
+/// and as far behind as a codec's noise goes before an attack.
+/// @param near     the best fit within its reach, with all places there
+/// @param reach_s  that reach
+ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double reach_s,
+                          double most_before_s, double most_after_s, double until_s) {
+  const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
+  const double same_s = 1.0 / search.white.source().rate_hz;
+  // what is less likely than that adds no place (merged())
+  const auto least = [](const ImpactFit& fit) {
+    return fit.log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance;
+  };
+  ImpactFit far = near;
+  const auto add = [&](double t_s, double reach_of_window_s) {
+    std::optional<ImpactFit> fit = search.timer.time_if_over(least(far), t_s, reach_of_window_s, until_s);
+    if (!fit) return;
+    std::erase_if(fit->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
+    if (fit->t_s >= from_s) far = merged(far, *fit, same_s);
+  };
+  const double step_s = search_step_s(search);
+  if (const auto places =
+          search.timer.places_between(from_s, to_s, until_s, least(near), near, reach_s - std::abs(near.t_s - c.t_s))) {
+    for (const PossiblePlace& place : *places)
+      if (std::abs(place.t_s - c.t_s) > reach_s && place.most_log_likelihood_ratio > least(far) &&
+          !is_among(far, place.t_s, same_s))
+        add(place.t_s, step_s);
+  } else {
+    for (double t_s = from_s; t_s < to_s; t_s += step_s)  // each place lies behind the beginning of one window
+      add(t_s, std::min(step_s, to_s - t_s));
+  }
+  // of many far places none may push out those where the sound rises
+  return merged(with_fewer_places(near), with_fewer_places(far), same_s);
+}
+
+double least_residual(const Search& search) { return std::min(1.0, search.timer.noise()); }
+
+/// Variance of what a fit explains.
+double explained_variance(const Search& search, const ImpactFit& fit) {
+  return 2.0 * fit.log_likelihood_ratio / static_cast<double>(search.learned.n_template);
+}
+
+/// What an impact has of its own, over what the template explains of it: that of the training impacts or, as it grows
+/// towards slow ones, whose contact is longer, that of the last impacts which no other place explains better.
+double expected_own_share(const TimedTrack& track) {
+  const double explained = square(track.search.learned.correlation);
+  const double trained = (1.0 - explained) / explained;
+  if (std::ssize(track.own_shares) < kShares) return trained;
+  return std::max(trained, upper_median({track.own_shares.end() - kShares, track.own_shares.end()}));
+}
+
+bool is_explained(const TimedTrack& track, const ImpactFit& fit) {
+  const double expected =
+      least_residual(track.search) + expected_own_share(track) * explained_variance(track.search, fit);
+  return fit.residual_variance <= kMuchLeft * expected;
+}
+
+void remember_own_share(TimedTrack& track, const ImpactFit& fit) {
+  const double own = std::max(0.0, fit.residual_variance - least_residual(track.search));
+  track.own_shares.push_back(own / (explained_variance(track.search, fit) + 1e-30));
+}
+
+/// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
+/// another sound then, a knock of the same plate perhaps, however loud.
+std::optional<ImpactFit> before_another_sound(TimedTrack& track, const std::vector<Candidate>& candidates,
+                                              std::size_t k, double reach_s) {
+  Search& search = track.search;
+  const Candidate& c = candidates[k];
+  const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
+  const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
+                                  [&](const Candidate& later) { return later.t_s >= from_s; });
+  // so late that no window of find_everywhere() reaches it: there is no other sound
+  if (other == candidates.end() || other->t_s >= c.t_s + kPreEcho_s + search.template_s) return {};
+  constexpr double kOfTemplate = 0.75;  // a window without an end is longer than the template
+  const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
+  const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
+  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(track, fit)) return {};
+  return fit;
+}
+
+void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, const TrackImpact& of_track,
+                   double next_s) {
+  constexpr double kShare = 0.25;  // of the intervals on either side, over which an impact may be searched for
+  const Candidate& c = candidates[of_track.candidate];
+  const double last_s = track.impacts.empty() ? -1.0 : track.impacts.back().fit.t_s;
+  const double before_s = kShare * (c.t_s - last_s), after_s = kShare * (next_s - c.t_s);
+  TimedImpact timed;
+  timed.impact = of_track.impact;
+  timed.probability = of_track.probability;
+  timed.rise_s = c.t_s;
+  timed.rise_reach_s = c.reach_s;
+  timed.until_s = next_s;
+  const double reach_s = std::min({c.reach_s, before_s, after_s});
+  timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
+  // another impact's sound in the window is reason enough for a low correlation
+  const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
+  if (is_alone) {
+    const double near_s = timed.fit.t_s;
+    if (!is_explained(track, timed.fit)) {
+      const std::optional<ImpactFit> alone = before_another_sound(track, candidates, of_track.candidate, reach_s);
+      timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, reach_s, before_s, after_s, next_s);
+    }
+    if (timed.fit.t_s == near_s) remember_own_share(track, timed.fit);
+  }
+  timed.overlap = next_s - c.t_s < track.search.template_s;
+  append(track, timed);
+}
+
+void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
+               TimedImpact& impact) {
+  const Doubt doubt = doubt_about(hypotheses, p, chosen, impact.fit.t_s);
+  impact.doubtful = doubt.others > kMinDoubt;
+  impact.doubt_s = doubt.sigma_s;
+  impact.probability *= 1.0 - doubt.elsewhere;
+}
+
+/// Puts each impact on its most probable time, and times anew those that moved or whose window reached an impact found
+/// later.
+std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<TimedImpact>& track) {
+  const std::vector<HypothesisProbabilities> posterior = delay_posterior(track);
+  ImpactTimer timer(search.white, search.learned);
+  std::vector<TimedImpact> resolved = track;
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    TimedImpact& impact = resolved[k];
+    const std::size_t chosen = most_probable(posterior[k]);
+    const double next_s = k + 1 < track.size() ? track[k + 1].fit.t_s : INFINITY;
+    const bool next_was_unknown =
+        next_s - impact.fit.t_s < search.template_s && impact.until_s > next_s + kMinInterval_s;
+    if (chosen > 0 || next_was_unknown) {
+      impact.until_s = std::min(impact.until_s, next_s);
+      impact.fit = timer.time(hypothesis_time(track[k], chosen), 0.0, impact.until_s);
+      impact.overlap = impact.overlap || next_was_unknown;
+    }
+    set_doubt(track[k], posterior[k], chosen, impact);
+    timer.subtract_from_later(impact.fit);
+  }
+  return resolved;
+}
+
+/// Time of the next impact, whether or not it has a candidate; a second later where there is none.
+double next_time(const Track& tracked, const std::vector<Candidate>& candidates, std::size_t k) {
+  const double t_s = candidates[tracked.impacts[k].candidate].t_s;
+  if (k + 1 == tracked.impacts.size()) return t_s + 1.0;
+  const TrackImpact& next = tracked.impacts[k + 1];
+  return t_s + (candidates[next.candidate].t_s - t_s) / static_cast<double>(next.impact - tracked.impacts[k].impact);
+}
+
+/// Of a row of inferred impacts each is searched for where the one before it predicts it: they are the ball's up to one
+/// of them, and other sounds from there on. With the odds q_k of another sound against an impact at k, as each by
+/// itself has them, the row is the ball's up to j with weight
+///
+///   w_j = product of q_k over k > j,   p_k = sum of w_j over j >= k / sum of all w_j
+///
+/// so that those that follow in their places speak for those before.
+/// @param begin, end  of the row
+void set_probabilities_of_row(std::size_t begin, std::size_t end, std::vector<TimedImpact>& track) {
+  constexpr double kLeast = 1e-6;  // of a probability
+  double weight = 1.0, sum = 0.0;
+  for (std::size_t k = end; k-- > begin;) {
+    const double other_sound = 1.0 / std::max(kLeast, track[k].probability) - 1.0;
+    track[k].probability = sum += weight;
+    weight *= other_sound;
+  }
+  for (std::size_t k = begin; k < end; ++k) track[k].probability /= sum + weight;
+}
+
+/// Beyond the significance that search_missing() has set.
+void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std::vector<TimedImpact>& track) {
+  for (TimedImpact& impact : track)
+    if (impact.inferred && is_at_candidate(candidates, impact.fit.t_s)) impact.probability *= kProbabilityOfRefused;
+  for (std::size_t begin = 0; begin < track.size();) {
+    std::size_t end = begin;
+    while (end < track.size() && track[end].inferred) ++end;
+    if (end > begin) set_probabilities_of_row(begin, end, track);
+    begin = end + 1;
+  }
+}
+
+/// The track ends where what is inferred beyond is less probable an impact than not: in a room's echoes, in the noise
+/// of a codec and in a rolling ball's sound the template finds something wherever it is searched for. A last one at a
+/// candidate that the tracker refused is about as often an impact as not, and is kept with its probability.
+void end_where_improbable(std::vector<TimedImpact>& track) {
+  constexpr double kLeast = 0.9 * kProbabilityOfRefused;
+  while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
+}
+
+constexpr int kMaxTurns = 3;             // a wrong place moves what is expected of both neighbours
+constexpr double kUnexpected = 4.0;      // standard deviations
+constexpr double kMaxOfInterval = 0.25;  // of either interval: what is further off is the neighbour's
+
+using TimedImpacts = std::vector<TimedImpact>;
+
+std::vector<double> times_of(const TimedImpacts& track) {
+  std::vector<double> t_s;
+  for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
+  return t_s;
+}
+
+struct ExpectedTime {
+  double t_s = 0.0;
+  double sigma_s = 0.0;
+};
+
+/// Of impact k between its neighbours, D apart: t = t_{k-1} + D / (1 + eps).
+ExpectedTime expected_time(const ExpectedLogEps& log_eps, double before_s, double after_s) {
+  const double eps = exp(log_eps.centre);
+  const double both_s = after_s - before_s;
+  return {before_s + both_s / (1.0 + eps), both_s * eps / square(1.0 + eps) * log_eps.width};
+}
+
+/// The places that the sound has where an impact is expected; absent where it is there.
+std::optional<ImpactFit> find_where_expected(Search& search, const TimedImpacts& track, std::size_t k,
+                                             const ExpectedLogEps& log_eps) {
+  const double before_s = track[k - 1].fit.t_s, here_s = track[k].fit.t_s, after_s = track[k + 1].fit.t_s;
+  if (log_eps.width == 0.0 || !(before_s < here_s && here_s < after_s)) return {};
+  const ExpectedTime expected = expected_time(log_eps, before_s, after_s);
+  const double reach_s = kUnexpected * expected.sigma_s;
+  if (std::abs(here_s - expected.t_s) < reach_s) return {};
+  const double most_s = kMaxOfInterval * std::min(expected.t_s - before_s, after_s - expected.t_s);
+  return find_impact(search, expected.t_s, std::min(reach_s, most_s), after_s);
+}
+
+/// @return whether an impact is at another place now
+bool add_places_once(const Search& search, TimedImpacts& track) {
+  const std::vector<ExpectedLogEps> expected = expected_log_eps(track, times_of(track));
+  const double same_s = 1.0 / search.white.source().rate_hz;
+  Search again{search.white, search.learned, ImpactTimer(search.white, search.learned), search.template_s};
+  bool has_moved = false;
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    if (k > 0 && k + 1 < track.size())
+      if (const auto found = find_where_expected(again, track, k, expected[k])) {
+        const double before_s = track[k].fit.t_s;
+        track[k].fit = merged(with_fewer_places(track[k].fit), with_fewer_places(*found), same_s);
+        has_moved = has_moved || track[k].fit.t_s != before_s;
+      }
+    again.timer.subtract_from_later(track[k].fit);
+  }
+  return has_moved;
+}
+
+/// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
+/// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place.
+/// The sound then decides between all of them. In turns, since what is expected follows from the neighbours.
+/// @param track  in time order
+void add_predicted_places(const Search& search, std::vector<TimedImpact>& track) {
+  for (int turn = 0; turn < kMaxTurns && add_places_once(search, track); ++turn) {
+  }
+}
+
+}  // namespace
+
+std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
+                                    const std::vector<Candidate>& candidates, double end_s) {
+  TimedTrack track{
+      {white, learned, ImpactTimer(white, learned), static_cast<double>(learned.n_template) / white.source().rate_hz},
+      {},
+      {}};
+  for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
+    const TrackImpact& impact = tracked.impacts[k];
+    const Candidate& c = candidates[impact.candidate];
+    if (k > 0 && impact.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, impact.impact, c.t_s);
+    add_candidate(track, candidates, impact, next_time(tracked, candidates, k));
+  }
+  trim_tail(track, tracked, candidates);
+  extend(track, end_s);
+  add_predicted_places(track.search, track.impacts);
+  std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);
+  set_probabilities_of_inferred(candidates, timed);
+  end_where_improbable(timed);
+  return timed;
+}
+
+}  // namespace bouncelab::detection

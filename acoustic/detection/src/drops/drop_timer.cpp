@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drops/drop_timer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+#include "contact/band_levels.hpp"
+#include "delay/impact_timer.hpp"
+#include "delay/track_timer.hpp"
+#include "drops/overlap_separation.hpp"
+#include "template/impact_template.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kSigmaOfReach = 0.25;  // standard error of a candidate's time over its reach
+
+bool is_unflagged(const TimedImpact& impact) {
+  return !impact.overlap && !impact.inferred && !impact.doubtful && !impact.clipped;
+}
+
+/// The limit that a recording reaches within 5 ms after t_s: three successive samples of the same value, the largest in
+/// magnitude there. Infinity where it does not.
+float clip_level(const audio::AudioSource& sound, double t_s) {
+  constexpr double kAround_s = 5e-3;
+  const auto n = static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3;
+  const std::int64_t first = std::llround(t_s * sound.rate_hz) - 1;
+  std::vector<float> copy;
+  std::span<const float> x = audio::resident_span(sound, first, n);  // of most, without a copy
+  if (x.empty()) {
+    copy.resize(n);
+    audio::read_padded(sound, first, copy);
+    x = copy;
+  }
+  int n_flat = 0;  // 0 for most impacts, and this loop is vectorised
+  for (std::size_t k = 2; k < x.size(); ++k)
+    n_flat += static_cast<int>(x[k] == x[k - 1]) & static_cast<int>(x[k] == x[k - 2]) & static_cast<int>(x[k] != 0.0F);
+  if (n_flat == 0) return INFINITY;
+  float largest = 0.0F;
+  for (const float value : x) largest = std::max(largest, std::abs(value));
+  for (std::size_t k = 2; k < x.size(); ++k)
+    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return largest;
+  return INFINITY;
+}
+
+/// The sound as recorded, in which a converter's limit shows.
+const audio::AudioSource& recorded_sound(const BandOfDrops& band, const audio::WhiteSound& white) {
+  return band.whole ? *band.whole : white.source();
+}
+
+/// Times of the candidates, where there is no template.
+std::vector<TimedImpact> times_of_candidates(const BandOfDrops& band, const Track& track) {
+  std::vector<TimedImpact> impacts;
+  for (const TrackImpact& of_track : track.impacts) {
+    const Candidate& c = band.candidates[of_track.candidate];
+    TimedImpact impact;
+    impact.impact = of_track.impact;
+    impact.probability = of_track.probability;
+    impact.fit.t_s = c.t_s;
+    impact.fit.sigma_s = kSigmaOfReach * c.reach_s;
+    impacts.push_back(impact);
+  }
+  return impacts;
+}
+
+/// v^(-1/5) of the impacts that a template mostly is the mean of.
+double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
+  double sum = 0.0;
+  double weight = 1e-300;
+  for (const TimedImpact& impact : impacts) {
+    const double amplitude = impact.fit.amplitude;
+    sum += amplitude * amplitude * pow(impact.v_mps, -0.2);
+    weight += amplitude * amplitude;
+  }
+  return sum / weight;
+}
+
+}  // namespace
+
+void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts) {
+  for (TimedImpact& impact : impacts) impact.clipped = !std::isinf(clip_level(whole, impact.fit.t_s));
+}
+
+void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
+  const auto flight_s = [&](std::size_t k) {  // between impact k - 1 and k; 0 where one is missing between them
+    return impacts[k].impact == impacts[k - 1].impact + 1 ? impacts[k].fit.t_s - impacts[k - 1].fit.t_s : 0.0;
+  };
+  for (std::size_t k = 1; k < impacts.size(); ++k) impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k);
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k)
+    if (impacts[k].v_mps == 0.0 && flight_s(k + 1) > 0.0) {
+      const double next_s = k + 2 < impacts.size() ? flight_s(k + 2) : 0.0;
+      const double eps = next_s > 0.0 ? std::clamp(next_s / flight_s(k + 1), 0.3, 1.0) : 1.0;
+      impacts[k].v_mps = 0.5 * gravity_mps2 * flight_s(k + 1) / eps;
+    }
+}
+
+double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned) {
+  return band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(learned) * band.sound.rate_hz;
+}
+
+std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks,
+                                          audio::WhiteSound& white, const std::vector<float>& known_whitener) {
+  constexpr float kBelowLimit = 0.999F;
+  std::vector<Candidate> impacts;
+  std::vector<bool> clipped;
+  float limit = INFINITY;
+  for (const Track& track : tracks)
+    for (const TrackImpact& impact : track.impacts) {
+      impacts.push_back(band.candidates[impact.candidate]);
+      const float level = clip_level(recorded_sound(band, white), impacts.back().t_s);
+      clipped.push_back(!std::isinf(level));
+      limit = std::min(limit, level);
+    }
+  // a low band does not show where the converter was limited
+  return estimate_template(white, band.noise, impacts, clipped, band.is_full_band() ? kBelowLimit * limit : INFINITY,
+                           known_whitener);
+}
+
+TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,
+                    double gravity_mps2, audio::WhiteSound& white) {
+  TimedDrop drop;
+  drop.impacts = learned != nullptr ? time_track(white, *learned, track, band.candidates, end_s)
+                                    : times_of_candidates(band, track);
+  set_speeds(gravity_mps2, drop.impacts);
+  mark_clipped(recorded_sound(band, white), drop.impacts);
+  if (learned == nullptr) return drop;
+  drop.peak = learned->peak;
+  drop.correlation = learned->correlation;
+  std::vector<TimedImpact> all;
+  std::vector<TimedImpact> clear;
+  for (const TimedImpact& impact : drop.impacts) {
+    if (!(impact.v_mps > 0.0)) continue;
+    all.push_back(impact);
+    if (is_unflagged(impact)) clear.push_back(impact);
+  }
+  drop.contact = fit_contact(measure_levels(white, *learned, clear));
+  drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
+  const ContactLaw assumed = assumed_contact(rms_hz_of(band, *learned));
+  const ContactLaw law = drop.contact ? *pool_contacts({*drop.contact}, assumed) : assumed;
+  if (separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts))
+    mark_clipped(recorded_sound(band, white), drop.impacts);  // at their new times
+  return drop;
+}
+
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, audio::WhiteSound& white,
+                        TimedDrop& drop) {
+  constexpr std::size_t kStrongest = 5;
+  constexpr double kReach_s = 0.2e-3;
+  constexpr double kAlike = 0.9;  // of the correlation with its own template: the same modes were excited
+  std::vector<std::size_t> clear;
+  for (std::size_t k = 0; k + 1 < drop.impacts.size(); ++k)
+    if (is_unflagged(drop.impacts[k])) clear.push_back(k);
+  std::sort(clear.begin(), clear.end(), [&](std::size_t a, std::size_t b) {
+    return drop.impacts[a].fit.amplitude * *drop.peak > drop.impacts[b].fit.amplitude * *drop.peak;
+  });
+  if (clear.size() < kStrongest) return;
+  ImpactTimer timer(white, reference.learned);
+  std::vector<double> later_s;
+  for (std::size_t k = 0; k < kStrongest; ++k) {
+    const double t_s = drop.impacts[clear[k]].fit.t_s;
+    const ImpactFit fit = timer.time(t_s, kReach_s, drop.impacts[clear[k] + 1].fit.t_s);
+    if (fit.correlation > kAlike * own.correlation) later_s.push_back(fit.t_s - t_s);
+  }
+  if (later_s.size() < kStrongest) return;
+  const double median_s = upper_median(std::move(later_s));
+  for (TimedImpact& impact : drop.impacts) impact.fit.t_s += median_s;
+  drop.reference_scaling = reference.scaling;
+}
+
+}  // namespace bouncelab::detection

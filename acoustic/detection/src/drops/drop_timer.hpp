@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "candidates/candidates.hpp"
+#include "contact/contact_time.hpp"
+#include "delay/timed_impact.hpp"
+#include "template/impact_template.hpp"
+#include "tracking/tracker.hpp"
+
+namespace bouncelab::detection {
+
+/// A band of a recording's frequencies, or all of them, and the drops that were found there.
+struct BandOfDrops {
+  audio::AudioSource sound;                 ///< in the band
+  std::optional<audio::AudioSource> whole;  ///< the sound as recorded; absent where the band is all of it
+  audio::ArModel noise;                     ///< of the band
+  std::vector<Candidate> candidates;
+  std::vector<Track> tracks;  ///< of these candidates
+  /// root mean square frequency of the impacts in the whole sound [Hz]; absent where it is the template's own
+  std::optional<double> recorded_rms_hz;
+
+  bool is_full_band() const { return !whole; }
+};
+
+/// One track, timed.
+struct TimedDrop {
+  std::vector<TimedImpact> impacts;
+  std::optional<double> peak;  ///< of the template as recorded; absent where the drop was timed without template
+  std::optional<ContactEvidence> contact;
+  double reference_scaling = 0.0;  ///< v^(-1/5) of its strongest impacts
+  double correlation = 0.0;        ///< of its template with the impacts
+};
+
+/// Template of the impacts of some tracks of a recording.
+/// @param white  of the band's sound
+std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks,
+                                          audio::WhiteSound& white, const std::vector<float>& known_whitener = {});
+
+/// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
+/// and then the impacts that overlap, jointly.
+/// @param learned  null = none: then the times are those of the candidates
+/// @param end_s    the next track, or the end of the recording [s]
+/// @param white    of the band's sound
+TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,
+                    double gravity_mps2, audio::WhiteSound& white);
+
+/// Root mean square frequency of the impacts as recorded [Hz], which suggests the contact time: one of the whole sound,
+/// since a band says nothing of what is beyond it.
+double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned);
+
+/// Speeds g T / 2 from the flight before each impact; where that is not known, from the one after it over eps.
+void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
+
+/// Marks the impacts at which the recording is at its limit.
+void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts);
+
+/// The template that the times of all drops refer to.
+struct ReferenceTemplate {
+  ImpactTemplate learned;
+  double scaling = 0.0;  ///< v^(-1/5) of the impacts that it is the mean of
+};
+
+/// Each drop's template has an onset of its own, uncertain by a sample or two: moves all times of a drop by the median
+/// difference to those that the reference gives its five strongest impacts. Leaves a drop whose impacts do not
+/// correlate with the reference, or that has fewer than five clear ones.
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, audio::WhiteSound& white,
+                        TimedDrop& drop);
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "template/correlation_peaks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/audio/dsp/real_fft.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kMaxPeaks = 8;
+
+}  // namespace
+
+Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sound, double from, double to)
+    // the inverse holds sums of products over sqrt(n_window)
+    : scale_(0.5 * static_cast<double>(filter.n_window()) / filter.energy()) {
+  // steps of half a sample: with whole samples a peak near the Nyquist frequency could fall between two steps
+  const std::size_t n_lags = 2 * filter.n_window();
+  const auto n = static_cast<std::int64_t>(n_lags);
+  lowest_ = std::clamp<std::int64_t>(std::llround(2.0 * from), 2 - n / 2, n / 2 - 2);
+  const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest_, n / 2 - 2);
+  values_.reserve(static_cast<std::size_t>(highest - lowest_ + 3));
+  values_.push_back(-INFINITY);
+  const std::vector<float> products = audio::RealFft(n_lags).inverse(audio::product_conj(filter.spectrum(), sound));
+  // negative shifts are at the end
+  if (lowest_ < 0)
+    values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));
+  if (highest >= 0)
+    values_.insert(values_.end(), products.begin() + std::max<std::int64_t>(0, lowest_),
+                   products.begin() + highest + 1);
+  values_.push_back(-INFINITY);
+  top_ = static_cast<std::size_t>(std::max_element(values_.begin(), values_.end()) - values_.begin());
+}
+
+CorrelationPeak Correlation::peak_at(std::size_t k) const {
+  const double height = std::max(0.0, static_cast<double>(values_[k]));
+  return {0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * height * height};
+}
+
+std::vector<CorrelationPeak> Correlation::peaks(double least_log_likelihood_ratio) const {
+  constexpr double kRounding = 1e-5;  // relative: heights are single precision
+  std::vector<std::size_t> others;    // the highest, by falling height
+  // that is of interest
+  auto least = static_cast<float>((1.0 - kRounding) * std::sqrt(std::max(0.0, least_log_likelihood_ratio) / scale_));
+  const auto take = [&](std::size_t k) {
+    if ((k > top_ ? k - top_ : top_ - k) <= 2) return;
+    others.insert(std::upper_bound(others.begin(), others.end(), k,
+                                   [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; }),
+                  k);
+    if (others.size() < kMaxPeaks) return;
+    others.pop_back();
+    least = values_[others.back()];
+  };
+  for (std::size_t k = 1; k + 1 < values_.size(); ++k)
+    if (values_[k] > least && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1]) take(k);
+  std::vector<CorrelationPeak> found{highest()};
+  for (const std::size_t k : others) found.push_back(peak_at(k));
+  return found;
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "template/impact_template.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+#include "template/impact_whitener.hpp"
+#include "template/subband_errors.hpp"
+#include "template/template_search.hpp"
+#include "template/template_training.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+// of so many training impacts every other one is enough for the first template and its whitener
+constexpr std::size_t kMany = 24;
+constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
+constexpr std::size_t kResidualOrder = 32;
+constexpr std::size_t kMinSubbands = 2;  // from which their disagreement gives the jitter
+constexpr float kOnsetOfPeak = 0.1F;     // a plate's first motion is above, noise and a converter's pre-ringing below
+
+/// Extends the whitener by a filter that also whitens what the template does not explain: noise where that is all, the
+/// ringing of modes that are excited differently each time where the noise is less than their variation.
+void whiten_residuals(TemplateEstimation& e) {
+  ImpactTemplate& learned = e.learned;
+  std::vector<double> r(kResidualOrder + 1, 0.0);
+  for (const TrainingImpact& impact : e.training) {
+    const std::vector<float> x = residual_of(e, impact);
+    const double energy = audio::dot(x, x) + 1e-30;
+    for (std::size_t lag = 0; lag <= kResidualOrder; ++lag) r[lag] += audio::dot(x, std::span(x).subspan(lag)) / energy;
+  }
+  const std::vector<double> a = audio::prediction_error_filter(r);
+  std::vector<float> both(learned.whitener.size() + kResidualOrder, 0.0F);
+  for (std::size_t j = 0; j < learned.whitener.size(); ++j)
+    for (std::size_t k = 0; k <= kResidualOrder; ++k) both[j + k] += learned.whitener[j] * static_cast<float>(a[k]);
+  learned.whitener = std::move(both);
+}
+
+/// The template anew after a new whitener, from the windows as they lie.
+void refine_template(TemplateEstimation& e) {
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
+  average(e);
+  let_others_join(e);
+  align_and_average(e, 1, 1);  // the new whitener may have resolved what was ambiguous
+}
+
+void estimate_subbands(TemplateEstimation& e) {
+  ImpactTemplate& learned = e.learned;
+  learned.subbands = split_into_subbands(learned.filter);
+  std::vector<std::int64_t> begins;
+  for (const TrainingImpact& impact : e.training) begins.push_back(impact.window.first);
+  const double quiet = estimate_noise(e.white, learned.whitener, begins, learned.filter, learned.subbands);
+  for (int round = 0; round < 2; ++round) {
+    align(e, false);
+    std::vector<DelayEstimate> estimates;
+    for (const TrainingImpact& impact : e.training)
+      if (impact.is_averaged()) estimates.push_back(impact.estimate);
+    estimate_jitter(estimates, learned.filter, learned.subbands);
+    if (learned.subbands.n() < kMinSubbands) add_unexplained_jitter(e, quiet);
+    average(e);
+  }
+}
+
+/// Start of contact in the window: the first sample above a tenth of the peak.
+double onset_index(const std::vector<float>& mean) {
+  float peak = 0.0F;
+  for (const float x : mean) peak = std::max(peak, std::abs(x));
+  const auto first = std::find_if(mean.begin(), mean.end(), [&](float x) { return std::abs(x) > kOnsetOfPeak * peak; });
+  return static_cast<double>(first - mean.begin());
+}
+
+double effective_samples(const std::vector<float>& wave) {
+  double squares = 1e-30, fourth_powers = 1e-30;
+  for (const float x : wave) {
+    const double x2 = square(static_cast<double>(x));
+    squares += x2;
+    fourth_powers += x2 * x2;
+  }
+  return std::min(3.0 * squares * squares / fourth_powers, static_cast<double>(wave.size()));
+}
+
+void describe_training(TemplateEstimation& e) {
+  ImpactTemplate& learned = e.learned;
+  std::vector<double> correlations;
+  for (const TrainingImpact& impact : e.training) correlations.push_back(impact.correlation);
+  learned.correlation = upper_median(std::move(correlations));
+  learned.contact_index = onset_index(e.mean);
+  learned.n_effective = effective_samples(e.mean);
+  for (const TrainingImpact& impact : e.training) {
+    if (!impact.is_averaged()) continue;
+    ++learned.n_impacts;
+    const double begin = static_cast<double>(impact.window.first) + impact.position + learned.contact_index;
+    learned.training_t_s.push_back(begin / e.white.source().rate_hz);
+    learned.training_weight += impact.estimate.amplitude * impact.estimate.amplitude;
+  }
+}
+
+void add_with_squares(const float* x, double factor, double* __restrict sum, double* __restrict squares,
+                      std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double value = factor * static_cast<double>(x[k]);
+    sum[k] += value;
+    squares[k] += value * value;
+  }
+}
+
+/// Mean of the training impacts as recorded, and its spread.
+void describe_waveform(TemplateEstimation& e) {
+  ImpactTemplate& learned = e.learned;
+  std::vector<double> sum(learned.n_template, 0.0);
+  std::vector<double> squares(learned.n_template, 0.0);
+  std::vector<float> x(e.window.n_window);
+  audio::Spectrum spectrum, moved = learned.filter.spectrum();  // for its size
+  double n = 0.0;
+  for (const TrainingImpact& impact : e.training) {
+    if (!impact.is_averaged() || n >= kMaxShown) continue;
+    audio::read_padded(e.white.source(), impact.window.first, x);
+    e.fourier.forward(x, spectrum);
+    audio::phase_shift(spectrum, learned.filter.omega() * impact.position, moved);
+    const std::vector<float> y = e.fourier.inverse(moved);
+    add_with_squares(y.data(), 1.0 / impact.estimate.amplitude, sum.data(), squares.data(), sum.size());
+    n += 1.0;
+  }
+  learned.waveform.resize(learned.n_template);
+  learned.spread.resize(learned.n_template);
+  for (std::size_t k = 0; k < learned.n_template; ++k) {
+    learned.waveform[k] = sum[k] / n;
+    learned.spread[k] = std::sqrt(std::max(0.0, squares[k] / n - learned.waveform[k] * learned.waveform[k]));
+    learned.peak = std::max(learned.peak, std::abs(learned.waveform[k]));
+  }
+}
+
+TemplateEstimation begin_estimation(audio::WhiteSound& white, const std::vector<Candidate>& impacts,
+                                    const std::vector<bool>& clipped) {
+  const audio::AudioSource& sound = white.source();
+  const TemplateWindow window = template_window(sound, impacts);
+  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, 0, {}, {}, {}};
+  e.learned.n_template = window.n_template;
+  const std::vector<std::size_t> chosen = choose_training_impacts(impacts, clipped);
+  const std::size_t step = chosen.size() >= kMany ? 2 : 1;
+  for (std::size_t first = 0; first < step; ++first) {
+    for (std::size_t k = first; k < chosen.size(); k += step)
+      e.begins.push_back(window.samples(impacts[chosen[k]].t_s - kTemplateLead_s));
+    if (first == 0) e.n_used = e.begins.size();
+  }
+  return e;
+}
+
+void whiten_by_impacts(TemplateEstimation& e, const audio::ArModel& noise) {
+  const std::vector<std::int64_t> used(e.begins.begin(), e.begins.begin() + static_cast<std::ptrdiff_t>(e.n_used));
+  e.learned.whitener = impact_whitener(e.white.source(), noise, used, e.window.n_window);
+}
+
+/// The template by a whitener of its own.
+void find_template_and_whitener(TemplateEstimation& e, const audio::ArModel& noise) {
+  whiten_by_impacts(e, noise);
+  if (e.n_used == e.begins.size() || !find_template_at_candidates(e)) {
+    if (e.n_used < e.begins.size()) {
+      e.n_used = e.begins.size();
+      whiten_by_impacts(e, noise);
+    }
+    find_template(e);
+  }
+  whiten_by_noise(e, noise);
+  whiten_residuals(e);
+  refine_template(e);
+}
+
+/// Squared gain of the whitener at the template's bins, in some unit.
+std::vector<double> gain2(const ImpactTemplate& learned) {
+  const std::size_t n_window = learned.filter.n_window();
+  // long enough for the whitener also at low rates
+  const std::size_t n = std::max(n_window, std::bit_ceil(learned.whitener.size()));
+  audio::RealFft fourier(n);
+  const audio::Spectrum response = fourier.forward(learned.whitener);
+  std::vector<double> gain(learned.filter.spectrum().size());
+  for (std::size_t k = 0; k < gain.size(); ++k) {
+    const std::size_t at = k * (n / n_window);
+    gain[k] = square(static_cast<double>(response.re[at])) + square(static_cast<double>(response.im[at]));
+  }
+  return gain;
+}
+
+}  // namespace
+
+std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
+                                                const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
+                                                float clip_level, const std::vector<float>& known_whitener) {
+  if (impacts.size() < 3) return std::nullopt;
+  TemplateEstimation e = begin_estimation(white, impacts, clipped);
+  e.learned.whitener = known_whitener;
+  if (known_whitener.empty() || !find_template_at_candidates(e)) {
+    find_template_and_whitener(e, noise);
+  } else if (e.n_used < e.begins.size()) {
+    let_others_join(e);
+    align_and_average(e, 1, 1);
+  }
+  estimate_subbands(e);
+  describe_training(e);
+  if (e.learned.n_impacts < 3) return std::nullopt;
+  describe_waveform(e);
+  // a template of clipped impacts is clipped itself: then samples beyond the limit fit it and must not be left out
+  if (has_enough_unclipped(clipped)) e.learned.clip_level = clip_level;
+  return std::move(e.learned);
+}
+
+bool has_enough_unclipped(const std::vector<bool>& clipped) {
+  return std::count(clipped.begin(), clipped.end(), false) >= kMinUnclipped;
+}
+
+double correlation(const DelayEstimate& estimate, double total) {
+  return std::sqrt(std::min(1.0, 2.0 * estimate.log_likelihood_ratio / (total + 1e-30)));
+}
+
+double recorded_rms_frequency(const ImpactTemplate& learned) {
+  const std::vector<double> gain = gain2(learned);
+  double power = 0.0, squares = 0.0;
+  for (std::size_t k = 1; k < gain.size(); ++k) {
+    const double recorded = learned.filter.energy(k, k + 1) / (gain[k] + 1e-30);
+    power += recorded;
+    squares += recorded * square(static_cast<double>(k));
+  }
+  return std::max(1e-6, std::sqrt(squares / (power + 1e-300)) / static_cast<double>(learned.filter.n_window()));
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "candidates/candidates.hpp"
+#include "template/subband_delay.hpp"
+
+namespace bouncelab::detection {
+
+/// An impact found further than this from the middle of its window is timed again in a window about it [samples].
+inline constexpr double kRecutDistance_samples = 8.0;
+
+/// The matched-filter template of a recording's impacts, whitened by the noise. Windows begin at a sample of the
+/// recording; positions within them count from there.
+struct ImpactTemplate {
+  std::vector<float> whitener;  ///< filter that makes the noise white with variance 1
+  MatchedFilter filter;
+  Subbands subbands;
+  std::size_t n_template = 0;        ///< samples from the window's first after which the template is 0
+  double contact_index = 0.0;        ///< start of contact, in samples from the window's first
+  double n_effective = 0.0;          ///< samples that hold its energy, 3 (sum w^2)^2 / sum w^4: all of them in noise
+  double correlation = 0.0;          ///< median of the training impacts with the template
+  std::int64_t n_impacts = 0;        ///< that it is the mean of
+  std::vector<double> training_t_s;  ///< their times
+  double training_weight = 0.0;      ///< sum of their squared amplitudes, in units of the template
+  std::vector<double> waveform;      ///< the mean as recorded, not whitened
+  std::vector<double> spread;        ///< its standard deviation from impact to impact
+  double peak = 0.0;                 ///< largest magnitude of `waveform`
+  float clip_level = INFINITY;       ///< of the sound as recorded; samples at or beyond it carry no information
+};
+
+/// Estimates the template from the recording's own strong and isolated impacts: aligned below a sample and averaged,
+/// in turns; then the noise and the jitter of its sub-bands.
+/// @param white    what of it was whitened by the result's whitener is kept for what follows
+/// @param impacts  with times to a millisecond or better, in time order
+/// @param clipped  for each whether the recording is at its limit there; such impacts are used only where too few
+///                 others are (has_enough_unclipped)
+/// @param clip_level  limit of the recording; infinity where it is not reached
+/// @param known_whitener  that of other impacts in the same noise, which is kept where three quarters of these are
+///                        alike by it; empty = one is estimated
+/// @return absent where no three impacts are alike
+std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
+                                                const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
+                                                float clip_level = INFINITY,
+                                                const std::vector<float>& known_whitener = {});
+
+/// Whether a template can be estimated from unclipped impacts alone.
+bool has_enough_unclipped(const std::vector<bool>& clipped);
+
+/// Whether a template of this correlation with the impacts explains half of their energy: then what it does not support
+/// is none.
+inline bool is_reliable(double correlation) { return correlation > 0.7; }
+
+/// Share of an impact's sound that the template explains, as a correlation 0 ... 1.
+/// @param total  sum of squares of the window
+double correlation(const DelayEstimate& estimate, double total);
+
+/// Root mean square frequency of the impacts as recorded [cycles per sample], of what they have in common: that of the
+/// template with the whitener's gain taken off. Background that the impacts do not share, hum and rumble, has no part
+/// in it. At least 1e-6.
+double recorded_rms_frequency(const ImpactTemplate& learned);
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "template/subband_delay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr std::size_t kMinBins = 6;            // three to four of what a window of this length resolves
+constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
+constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
+// prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
+constexpr double kPriorSubbands = 8.0;
+constexpr int kMaxSteps = 6;
+constexpr double kDelayTolerance = 1e-4;  // samples; below the error at 80 dB
+constexpr double kMaxStep = 1.0;          // samples; half a cycle at the highest frequencies
+
+/// sum of |x|^2 times weights.
+/// @param running  sums of the weights, n + 1
+double weighted_power(const double* running, const float* re, const float* im, std::size_t n) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < n; ++k)
+    sum += (running[k + 1] - running[k]) * static_cast<double>(re[k] * re[k] + im[k] * im[k]);
+  return sum;
+}
+
+/// In-phase and quadrature sums of each sub-band, with the products P = conj(W) Y of a template and a sound:
+///
+///   z_j(s) = sum_k P_k e^(i omega k s),   in_phase = Re z_j,   quadrature = Re dz_j / ds
+struct SubbandSums {
+  std::array<double, kMaxSubbands> in_phase{};
+  std::array<double, kMaxSubbands> quadrature{};
+};
+
+/// @param products  of the filter's size; receives P_k e^(i omega k s)
+SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
+                    audio::Spectrum& products) {
+  const std::size_t n = std::min(filter.n_filled(), sound.size());
+  audio::product_conj(filter.spectrum(), sound, n, filter.omega() * shift, products.re.data(), products.im.data());
+  SubbandSums sums;
+  for (std::size_t j = 0; j < subbands.n(); ++j) {
+    double in_phase = 0.0, quadrature = 0.0;
+    for (std::size_t k = subbands.edge[j]; k < std::min(n, subbands.edge[j + 1]); ++k) {
+      in_phase += static_cast<double>(products.re[k]);
+      quadrature -= static_cast<double>(k) * static_cast<double>(products.im[k]);
+    }
+    sums.in_phase[j] = in_phase;
+    sums.quadrature[j] = filter.omega() * quadrature;
+  }
+  return sums;
+}
+
+/// Amplitude in one sub-band, shrunk towards the common one where its signal-to-noise ratio is low.
+double subband_amplitude(double own, double common, double energy, double noise) {
+  constexpr double kPrior = 10.0;  // weight of the common one, as a signal-to-noise ratio
+  const double snr = common * common * energy / noise;
+  return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
+}
+
+/// A sub-band of little information is the skirt of a mode in the next one and its error is correlated: merges the two.
+void merge_weak_subbands(const MatchedFilter& filter, std::vector<std::size_t>& edge) {
+  const auto information_of = [&](std::size_t j) { return filter.information(edge[j], edge[j + 1]); };
+  const double enough =
+      kMinInformationShare * filter.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
+  while (edge.size() > 2) {
+    const auto n = edge.size() - 1;
+    std::size_t least = 0;
+    for (std::size_t j = 1; j < n; ++j)
+      if (information_of(j) < information_of(least)) least = j;
+    if (information_of(least) > enough) return;
+    const bool is_above = least + 1 == n || (least > 0 && information_of(least - 1) > information_of(least + 1));
+    edge.erase(edge.begin() + static_cast<std::ptrdiff_t>(is_above ? least : least + 1));
+  }
+}
+
+/// Factor on the variance of the mean because jitters, and with them weights, are estimates: 1 + sum 4 w (1 - w) / nu
+/// (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). A sub-band that dominates the mean has few degrees of freedom
+/// nu; the noise is taken as known.
+double weight_error_factor(const Subbands& subbands, const SubbandMean& mean) {
+  double factor = 1.0;
+  for (std::size_t j = 0; subbands.n_training > 0 && j < subbands.n(); ++j) {
+    const double kept = std::max(kMinResidualShare, 1.0 - mean.design_effect * mean.weight[j]);
+    const double n_free = static_cast<double>(subbands.n_training) * kept * kept;
+    factor += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
+  }
+  return factor;
+}
+
+/// Variance of the shift, scaled by how far the sub-bands disagree.
+double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
+  const SubbandMean m = subband_mean(subbands, r.noise_variance);
+  const std::size_t n = subbands.n();
+  double mean = 0.0;
+  for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
+  double chi2 = 0.0;
+  for (std::size_t j = 0; j < n; ++j)
+    chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + subbands.jitter2[j]);
+  const double scale = (kPriorSubbands + chi2) / (kPriorSubbands + static_cast<double>(n) - 1.0);
+  return scale * weight_error_factor(subbands, m) * m.variance;
+}
+
+}  // namespace
+
+MatchedFilter::MatchedFilter(audio::Spectrum spectrum, std::size_t n_window)
+    : spectrum_(std::move(spectrum)),
+      n_window_(n_window),
+      omega_(2.0 * kPi / static_cast<double>(n_window)),
+      running_(spectrum_.size() + 1, 0.0),
+      running_information_(spectrum_.size() + 1, 0.0) {
+  for (std::size_t k = 0; k < spectrum_.size(); ++k) {
+    const double w = omega_ * static_cast<double>(k);
+    const double power =
+        static_cast<double>(spectrum_.re[k]) * spectrum_.re[k] + static_cast<double>(spectrum_.im[k]) * spectrum_.im[k];
+    running_[k + 1] = running_[k] + power;
+    running_information_[k + 1] = running_information_[k] + w * w * power;
+    if (power > 0.0) n_filled_ = k + 1;
+  }
+  energy_ = running_.back();
+}
+
+double MatchedFilter::rms_frequency() const {
+  return std::max(1e-6, std::sqrt(running_information_.back() / (energy_ + 1e-30)) / (2.0 * kPi));
+}
+
+double MatchedFilter::energy_times_power_of(const audio::Spectrum& x) const {
+  return weighted_power(running_.data(), x.re.data(), x.im.data(), std::min(n_filled_, x.size()));
+}
+
+double MatchedFilter::information_times_power_of(const audio::Spectrum& x, std::size_t from, std::size_t to) const {
+  return weighted_power(running_information_.data() + from, x.re.data() + from, x.im.data() + from, to - from);
+}
+
+Subbands split_into_subbands(const MatchedFilter& filter) {
+  const std::size_t n_bins = filter.spectrum().size() - 1;
+  const double all = filter.information(0, n_bins);
+  const auto bin_at = [&](double part) {
+    std::size_t k = 1;
+    while (k < n_bins && filter.information(0, k) < part * all) ++k;
+    return k;
+  };
+  const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
+  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kMinBins), 1, kMaxSubbands);
+  const std::size_t reach = std::max(kMinBins / 2, n_occupied / kEdgeSearchShare);
+  const auto density = [&](std::size_t k) { return filter.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
+  Subbands subbands;
+  subbands.edge.push_back(1);
+  for (std::size_t share = 1; share < n; ++share) {
+    const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
+    const std::size_t lo = std::max(subbands.edge.back() + kMinBins, middle > reach ? middle - reach : 1);
+    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kMinBins));
+    std::size_t lowest = lo;
+    for (std::size_t k = lo; k <= hi; ++k)
+      if (density(k) < density(lowest)) lowest = k;
+    if (lo <= hi) subbands.edge.push_back(lowest);
+  }
+  subbands.edge.push_back(n_bins);
+  merge_weak_subbands(filter, subbands.edge);
+  subbands.noise.assign(subbands.edge.size() - 1, 1.0);
+  subbands.jitter2.assign(subbands.edge.size() - 1, 0.0);
+  return subbands;
+}
+
+SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance) {
+  const std::size_t n = subbands.n();
+  SubbandMean m;
+  double weights = 0.0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double variance = noise_variance[j] + subbands.jitter2[j];
+    weights += 1.0 / variance;
+    m.weight[j] = 1.0 / variance;
+    m.jitter[j] = subbands.jitter2[j] / variance;
+  }
+  // sums over the others of sqrt(weight jitter) rho^lag, those below and those above
+  std::array<double, kMaxSubbands> part{}, others{};
+  for (std::size_t j = 0; j < n; ++j) {
+    m.weight[j] /= weights;
+    part[j] = std::sqrt(m.weight[j] * m.jitter[j]);
+  }
+  double below = 0.0, above = 0.0;
+  for (std::size_t j = 1; j < n; ++j) {
+    below = subbands.correlation * (below + part[j - 1]);
+    above = subbands.correlation * (above + part[n - j]);
+    others[j] += below;
+    others[n - 1 - j] += above;
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    m.relative_covariance[j] = 1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j];
+    m.design_effect += part[j] * others[j];
+  }
+  m.variance = m.design_effect / weights;
+  return m;
+}
+
+DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
+                             double start) {
+  audio::Spectrum products = filter.spectrum();  // for its size
+  const std::size_t n = subbands.n();
+  DelayEstimate r;
+  r.shift = start;
+  double last_move = 0.0;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const SubbandSums sums = sums_at(r.shift, filter, subbands, sound, products);
+    const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
+    r.amplitude = in_phase / filter.energy();
+    r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / filter.energy() : 0.0;
+    if (r.amplitude <= 0.0) break;
+    double weights = 0.0;
+    double mean = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double energy = filter.energy(subbands.edge[j], subbands.edge[j + 1]);
+      const double information = filter.information(subbands.edge[j], subbands.edge[j + 1]);
+      const double a = subband_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, subbands.noise[j]);
+      r.noise_variance[j] = subbands.noise[j] / (a * a * information + 1e-30);
+      r.deviation[j] = sums.quadrature[j] / (a * information + 1e-30);
+      const double weight = 1.0 / (r.noise_variance[j] + subbands.jitter2[j]);
+      weights += weight;
+      mean += weight * r.deviation[j];
+    }
+    mean /= weights;
+    const double move = std::clamp(mean, -kMaxStep, kMaxStep);
+    for (std::size_t j = 0; j < n; ++j) r.deviation[j] -= move;
+    r.shift += move;
+    // moves shrink by a common factor: the next one is known from the last two
+    if (std::abs(move) < kDelayTolerance || square(move) < kDelayTolerance * std::abs(last_move)) break;
+    last_move = move;
+  }
+  if (r.amplitude > 0.0) r.variance = delay_variance(r, subbands);
+  return r;
+}
+
+}  // namespace bouncelab::detection

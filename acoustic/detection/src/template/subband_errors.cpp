@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "template/subband_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr int kJitterRounds = 8;
+constexpr double kLittle = 2e-3;       // relative change of each jitter; 32 impacts determine one to 12 %
+constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band over the median one
+constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
+constexpr double kMaxCorrelation = 0.95;
+
+/// Sum of the squared deviations, each over its expected value, and its derivative by the jitter.
+struct Ratios {
+  double sum = 0.0;
+  double slope = 0.0;
+};
+
+/// @param squares  over the share of its variance that a deviation keeps
+Ratios ratios_at(double jitter2, const std::vector<double>& squares, const std::vector<double>& noise) {
+  constexpr double kMost = 9.0;  // robust against single disturbed impacts
+  Ratios ratios;
+  for (std::size_t k = 0; k < squares.size(); ++k) {
+    const double per_variance = 1.0 / (noise[k] + jitter2);
+    const double ratio = squares[k] * per_variance;
+    ratios.sum += std::min(ratio, kMost);
+    if (ratio < kMost) ratios.slope -= ratio * per_variance;
+  }
+  return ratios;
+}
+
+/// Jitter at which the squared deviations of one sub-band, each over its expected value, average 1: by Newton's steps
+/// for 1 - n / sum = 0, which is linear in the jitter where that is all there is; halved where they leave the bracket.
+/// @param squares  over the share of its variance that a deviation keeps
+double jitter_of(const std::vector<double>& squares, const std::vector<double>& noise) {
+  constexpr double kTolerance = 1e-6;  // relative
+  constexpr int kMostSteps = 60;
+  const auto n = static_cast<double>(squares.size());
+  if (ratios_at(0.0, squares, noise).sum <= n) return 0.0;
+  double lo = 0.0;
+  double hi = *std::max_element(squares.begin(), squares.end());  // at which no ratio is above 1
+  double jitter2 = std::accumulate(squares.begin(), squares.end(), 0.0) / n;
+  for (int step = 0; step < kMostSteps && hi - lo > kTolerance * hi; ++step) {
+    const Ratios ratios = ratios_at(jitter2, squares, noise);
+    (ratios.sum > n ? lo : hi) = jitter2;
+    const double next = jitter2 + ratios.sum * (ratios.sum - n) / (n * -ratios.slope);
+    const double last = jitter2;
+    jitter2 = next > lo && next < hi ? next : 0.5 * (lo + hi);
+    if (std::abs(jitter2 - last) <= kTolerance * jitter2) break;
+  }
+  return jitter2;
+}
+
+/// Deviations of each sub-band from the mean of all, by sub-band and impact.
+struct Deviations {
+  std::vector<std::vector<double>> deviation, noise;
+  std::vector<SubbandMean> mean;
+};
+
+/// @param d  receives them; of as many sub-bands and impacts
+void set_deviations(const std::vector<DelayEstimate>& estimates, const Subbands& subbands, Deviations& d) {
+  const std::size_t n = subbands.n();
+  for (std::size_t k = 0; k < estimates.size(); ++k) {
+    const DelayEstimate& r = estimates[k];
+    d.mean[k] = subband_mean(subbands, r.noise_variance);
+    double mean = 0.0;
+    for (std::size_t j = 0; j < n; ++j) mean += d.mean[k].weight[j] * r.deviation[j];
+    for (std::size_t j = 0; j < n; ++j) {
+      d.deviation[j][k] = r.deviation[j] - mean;
+      d.noise[j][k] = r.noise_variance[j];
+    }
+  }
+}
+
+/// Squared deviations over Var(d_j - mean) / Var(d_j): the mean follows each sub-band and, by their correlation, its
+/// neighbours.
+std::vector<double> squares_over_share(const Deviations& d, std::size_t subband) {
+  std::vector<double> squares(d.mean.size());
+  for (std::size_t k = 0; k < squares.size(); ++k) {
+    const SubbandMean& m = d.mean[k];
+    squares[k] =
+        square(d.deviation[subband][k]) /
+        std::max(kMinResidualShare, 1.0 - (2.0 * m.relative_covariance[subband] - m.design_effect) * m.weight[subband]);
+  }
+  return squares;
+}
+
+/// Correlation rho of the jitter of neighbours. Subtracting the mean lowers the expected product of two deviations by
+/// (r_j + r_k - design effect) sqrt(w_j w_k), r the relative covariances. The estimate is shrunk by rho^2 / (rho^2 +
+/// its variance), so that chance alone hardly raises it.
+double correlation(const Deviations& d, const Subbands& subbands) {
+  std::vector<std::vector<double>> z = d.deviation;  // in standard deviations
+  for (std::size_t j = 0; j < subbands.n(); ++j)
+    for (std::size_t k = 0; k < d.mean.size(); ++k)
+      z[j][k] = std::clamp(z[j][k] / std::sqrt(d.noise[j][k] + subbands.jitter2[j]), -3.0, 3.0);
+  double products = 0.0;
+  double pairs = 0.0;
+  for (std::size_t j = 0; j + 1 < subbands.n(); ++j)
+    for (std::size_t k = 0; k < d.mean.size(); ++k) {
+      const SubbandMean& m = d.mean[k];
+      const double taken_off = (m.relative_covariance[j] + m.relative_covariance[j + 1] - m.design_effect) *
+                               std::sqrt(m.weight[j] * m.weight[j + 1]);
+      const double jitter2 = m.jitter[j] * m.jitter[j + 1];
+      products += std::sqrt(jitter2) * (z[j][k] * z[j + 1][k] + taken_off);
+      pairs += jitter2;
+    }
+  const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMaxCorrelation);
+  return found * found * found / (found * found + 1.0 / (pairs + 1e-30));
+}
+
+/// Phases vary about alike at all frequencies: each sub-band's jitter is shrunk towards the median phase variance.
+void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& subbands) {
+  const std::size_t n = subbands.n();
+  const auto energy_over_information = [&](std::size_t j) {
+    return filter.energy(subbands.edge[j], subbands.edge[j + 1]) /
+           (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30);
+  };
+  std::vector<double> phase2(n);
+  for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (energy_over_information(j) + 1e-30);
+  const double median = upper_median(phase2);
+  for (std::size_t j = 0; j < n; ++j)
+    subbands.jitter2[j] = (n_impacts * std::max(phase2[j], kMinOfMedian * median) + kPriorImpacts * median) /
+                          (n_impacts + kPriorImpacts) * energy_over_information(j);
+}
+
+bool have_settled(const std::vector<double>& before, const std::vector<double>& after) {
+  for (std::size_t j = 0; j < after.size(); ++j)
+    if (std::abs(after[j] - before[j]) > kLittle * after[j]) return false;
+  return true;
+}
+
+constexpr double kMinNoise = 1e-6;  // of white noise of variance 1
+
+struct QuietWindow {
+  double weighted_power = 0.0;  // with the weights of the delay, over all sub-bands
+  double energy = 0.0;          // sum of squares
+  std::vector<double> power;    // by sub-band
+};
+
+QuietWindow measure_power(const audio::Spectrum& sound, const MatchedFilter& filter, const Subbands& subbands) {
+  QuietWindow quiet;
+  for (std::size_t j = 0; j < subbands.n(); ++j) {
+    const double sum = filter.information_times_power_of(sound, subbands.edge[j], subbands.edge[j + 1]);
+    quiet.power.push_back(0.5 * sum / (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
+    quiet.weighted_power += sum;
+  }
+  return quiet;
+}
+
+std::vector<std::vector<float>> residuals_of(TemplateEstimation& e) {
+  std::vector<std::vector<float>> residuals;
+  for (const TrainingImpact& impact : e.training) {
+    if (!impact.is_averaged()) continue;
+    residuals.push_back(residual_of(e, impact));
+    for (float& x : residuals.back()) x /= static_cast<float>(impact.estimate.amplitude);
+  }
+  return residuals;
+}
+
+}  // namespace
+
+void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedFilter& filter, Subbands& subbands) {
+  const std::size_t n = subbands.n();
+  if (estimates.size() < 3 || n < 2) return;
+  subbands.correlation = 0.0;
+  subbands.n_training = estimates.size();
+  const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
+  Deviations d{zeros, zeros, std::vector<SubbandMean>(estimates.size())};
+  for (int round = 0; round < kJitterRounds; ++round) {
+    set_deviations(estimates, subbands, d);
+    const std::vector<double> before = subbands.jitter2;
+    for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares_over_share(d, j), d.noise[j]);
+    shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
+    set_deviations(estimates, subbands, d);
+    subbands.correlation = correlation(d, subbands);
+    if (have_settled(before, subbands.jitter2)) break;
+  }
+}
+
+double estimate_noise(audio::WhiteSound& sound, const std::vector<float>& whitener,
+                      const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands) {
+  audio::RealFft fourier(filter.n_window());
+  std::vector<QuietWindow> windows;
+  windows.reserve(begins.size());
+  std::vector<float> white(filter.n_window());
+  audio::Spectrum spectrum;
+  for (const std::int64_t begin : begins) {
+    const std::int64_t first = begin - static_cast<std::int64_t>(filter.n_window());
+    sound.read(whitener, first, white);
+    fourier.forward(white, spectrum);
+    windows.push_back(measure_power(spectrum, filter, subbands));
+    windows.back().energy = audio::dot(white, white);
+  }
+  const std::size_t n_quiet = (windows.size() + 1) / 2;
+  // sorted, not parted: the order of the sums below would be that of one standard library
+  std::sort(windows.begin(), windows.end(),
+            [](const QuietWindow& a, const QuietWindow& b) { return a.weighted_power < b.weighted_power; });
+  for (std::size_t j = 0; j < subbands.n(); ++j) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < n_quiet; ++k) sum += windows[k].power[j];
+    subbands.noise[j] = std::max(sum / static_cast<double>(n_quiet), kMinNoise);
+  }
+  double energy = 0.0;
+  for (std::size_t k = 0; k < n_quiet; ++k) energy += windows[k].energy / static_cast<double>(n_quiet);
+  return energy;
+}
+
+double degrees_of_freedom(const std::vector<std::vector<float>>& residuals) {
+  constexpr double kFewest = 2.0;  // in phase and in quadrature
+  if (residuals.size() < 2) return kFewest;
+  double trace = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    trace += audio::dot(residuals[k], residuals[k]);
+    for (std::size_t j = 0; j < k; ++j) squares += 2.0 * square(audio::dot(residuals[j], residuals[k]));
+  }
+  const auto n = static_cast<double>(residuals.size());
+  trace /= n;
+  squares /= n * (n - 1.0);
+  const auto most = static_cast<double>(residuals.front().size());
+  return squares > 0.0 ? std::clamp(trace * trace / squares, kFewest, most) : most;
+}
+
+void add_unexplained_jitter(TemplateEstimation& e, double quiet) {
+  std::vector<double> unexplained;  // over what the template explains
+  for (const TrainingImpact& impact : e.training) {
+    const double explained = 2.0 * impact.estimate.log_likelihood_ratio;
+    if (impact.is_averaged()) unexplained.push_back(std::max(0.0, impact.total - explained - quiet) / explained);
+  }
+  if (unexplained.empty()) return;
+  const double dof = degrees_of_freedom(residuals_of(e));
+  const double phase2 = upper_median(std::move(unexplained)) / dof;
+  const MatchedFilter& filter = e.learned.filter;
+  Subbands& subbands = e.learned.subbands;
+  for (std::size_t j = 0; j < subbands.n(); ++j)
+    subbands.jitter2[j] =
+        std::max(subbands.jitter2[j], phase2 * filter.energy(subbands.edge[j], subbands.edge[j + 1]) /
+                                          (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
+}
+
+}  // namespace bouncelab::detection

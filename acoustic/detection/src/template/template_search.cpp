@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "template/template_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
+#include "template/correlation_peaks.hpp"
+#include "template/impact_whitener.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+/// Leaves the lower frequencies, which hold half of the energy.
+/// @return the first bin left out
+std::size_t keep_lower_half(audio::Spectrum& spectrum) {
+  const double half = 0.5 * audio::energy(spectrum);
+  double sum = 0.0;
+  std::size_t n_kept = 0;
+  while (n_kept < spectrum.size() && sum <= half) sum += audio::bin_power(spectrum, n_kept++);
+  std::fill(spectrum.re.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.re.end(), 0.0F);
+  std::fill(spectrum.im.begin() + static_cast<std::ptrdiff_t>(n_kept), spectrum.im.end(), 0.0F);
+  return n_kept;
+}
+
+/// Of the first n bins.
+double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
+  const auto re = std::span(spectrum.re).first(n_bins), im = std::span(spectrum.im).first(n_bins);
+  return audio::dot(re, re) + audio::dot(im, im);
+}
+
+constexpr int kAlignmentRounds = 2;
+
+/// How a template is searched for.
+struct TemplateSearch {
+  bool at_attacks = false;       // windows begin at attacks, not at candidates
+  bool lower_half_first = true;  // the first alignment is by the lower half of the spectrum alone
+};
+
+/// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
+/// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
+std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
+  constexpr double kShareOfEnergy = 0.2;
+  std::vector<float> x(e.window.n_window);
+  e.white.read(e.learned.whitener, first, x);
+  const double enough = kShareOfEnergy * audio::dot(x, x);
+  double sum = 0.0;
+  std::size_t n = 0;
+  while (n + 1 < x.size() && sum < enough) sum += square(static_cast<double>(x[n++]));
+  const std::int64_t late = static_cast<std::int64_t>(n) - e.window.samples(kTemplateLead_s);
+  return late > e.window.samples(kRoughTimeError_s) ? late : 0;
+}
+
+std::vector<TrainingImpact> cut_training(TemplateEstimation& e, const TemplateSearch& search) {
+  std::vector<TrainingImpact> training(e.n_used);
+  for (std::size_t k = 0; k < training.size(); ++k)
+    cut_training_window(e, e.begins[k] + (search.at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
+  return training;
+}
+
+/// The template that starts from one impact. Low frequencies are aligned by first: they have one maximum where high
+/// ones have many, and a codec keeps their phases, but gives high ones phases of its own.
+void start_from(TemplateEstimation& e, std::size_t start, const TemplateSearch& search) {
+  e.learned.subbands = {};
+  e.only_lower_half = search.lower_half_first;
+  set_template(e, first_template(e.training[start], e.window, e.fourier));
+  if (!e.only_lower_half) return align_and_average(e, kAlignmentRounds, kAlignmentRounds);
+  align_and_average(e, kAlignmentRounds - 1, kAlignmentRounds - 1);
+  align(e, true);
+  e.only_lower_half = false;
+  e.learned.subbands = {};
+  average(e);
+  align(e, false);
+}
+
+std::ptrdiff_t n_alike(const std::vector<TrainingImpact>& training) {
+  return std::count_if(training.begin(), training.end(),
+                       [](const TrainingImpact& impact) { return impact.is_averaged(); });
+}
+
+/// A template and the impacts that it is the mean of.
+struct Found {
+  ImpactTemplate learned;
+  std::vector<TrainingImpact> training;
+  std::vector<float> mean;
+  bool at_attacks = false;
+
+  std::ptrdiff_t n_alike() const { return detection::n_alike(training); }
+  bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
+};
+
+/// What was found so far; leaves the template in `e`, but not the windows, of which a copy takes as long as cutting
+/// them.
+Found take_state_of(TemplateEstimation& e) {
+  Found found{e.learned, std::move(e.training), std::move(e.mean), false};
+  e.training.clear();
+  return found;
+}
+
+void restore(TemplateEstimation& e, Found found) {
+  e.learned = std::move(found.learned);
+  e.training = std::move(found.training);
+  e.mean = std::move(found.mean);
+}
+
+/// The template of the strongest impact that three quarters of the others correlate with. The very strongest may hold a
+/// knock, or be of another source altogether.
+/// @return where there is none, that which most correlate with
+Found find_template(TemplateEstimation& e, const TemplateSearch& search) {
+  constexpr std::size_t kMaxStarts = 5;
+  Found best;
+  for (std::size_t start = 0; start < std::min(kMaxStarts, e.n_used); ++start) {
+    e.training = cut_training(e, search);
+    start_from(e, start, search);
+    Found found = take_state_of(e);
+    found.at_attacks = search.at_attacks;
+    if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
+    if (best.is_enough()) break;
+  }
+  return best;
+}
+
+/// Windows that begin at attacks may lack what the impacts have in common before them, the plate's own sound before a
+/// wall's louder answer: moves all of them back by the median of what they were moved, and averages anew.
+void include_what_comes_before(TemplateEstimation& e) {
+  std::vector<double> late;
+  for (const std::int64_t first : e.begins) late.push_back(static_cast<double>(samples_to_attack(e, first)));
+  const auto most = static_cast<std::int64_t>(e.window.n_template / 3);  // the rest must hold the attack
+  const std::int64_t back = std::min(std::llround(upper_median(std::move(late))), static_cast<long long>(most));
+  if (back == 0) return;
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first - back, impact);
+  e.learned.subbands = {};
+  average(e);
+  align_and_average(e, 0, 1);
+}
+
+}  // namespace
+
+void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
+  cut_window(e.white, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
+  impact.power = power_of(impact.spectrum, impact.spectrum.size());
+}
+
+void set_template(TemplateEstimation& e, TemplateAverage average) {
+  e.mean = std::move(average.mean);
+  e.n_bins = e.only_lower_half ? keep_lower_half(average.spectrum) : average.spectrum.size();
+  e.learned.filter = MatchedFilter(std::move(average.spectrum), e.window.n_window);
+  if (e.learned.subbands.n() == 0) e.learned.subbands = split_into_subbands(e.learned.filter);
+}
+
+void average(TemplateEstimation& e) { set_template(e, average_of(e.training, e.window, e.fourier)); }
+
+void align(TemplateEstimation& e, bool search) {
+  const double reach = kRoughTimeError_s * e.white.source().rate_hz;
+  for (TrainingImpact& impact : e.training) {
+    if (!(e.learned.filter.energy() > 0.0)) {
+      impact.correlation = 0.0;
+      continue;
+    }
+    if (search) impact.position = Correlation(e.learned.filter, impact.spectrum, -reach, reach).highest().shift;
+    if (std::abs(impact.position) > kRecutDistance_samples) {
+      const std::int64_t moved = std::llround(impact.position);
+      cut_training_window(e, impact.window.first + moved, impact);
+      impact.position -= static_cast<double>(moved);
+    }
+    impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
+    impact.position = impact.estimate.shift;
+    impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
+    const bool is_whole = e.n_bins == impact.spectrum.size();
+    impact.correlation = correlation(impact.estimate, is_whole ? impact.power : power_of(impact.spectrum, e.n_bins));
+  }
+}
+
+void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds) {
+  for (int round = 0; round < n_rounds; ++round) {
+    align(e, round < n_searched);
+    average(e);
+  }
+}
+
+void let_others_join(TemplateEstimation& e) {
+  for (; e.n_used < e.begins.size(); ++e.n_used) cut_training_window(e, e.begins[e.n_used], e.training.emplace_back());
+}
+
+std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact) {
+  const MatchedFilter& filter = e.learned.filter;
+  const std::vector<float> placed =
+      e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.position));
+  std::vector<float> x = impact.window.sound;
+  for (std::size_t n = 0; n < e.window.n_window; ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
+  return x;
+}
+
+bool find_template_at_candidates(TemplateEstimation& e) {
+  Found found = find_template(e, {});
+  const bool is_enough = found.is_enough();
+  restore(e, std::move(found));
+  return is_enough;
+}
+
+void find_template(TemplateEstimation& e) {
+  Found best = find_template(e, {});
+  for (const TemplateSearch& search : {TemplateSearch{.at_attacks = true}, TemplateSearch{.lower_half_first = false}}) {
+    if (best.is_enough()) break;
+    Found found = find_template(e, search);
+    if (found.n_alike() > best.n_alike()) best = std::move(found);
+  }
+  const bool at_attacks = best.at_attacks;
+  restore(e, std::move(best));
+  if (at_attacks) include_what_comes_before(e);
+}
+
+void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise) {
+  if (!(noise.quiet_variance > 0.0)) return;
+  Found before = take_state_of(e);
+  e.learned.whitener = noise_whitener(noise);
+  for (const TrainingImpact& known : before.training) {
+    TrainingImpact& impact = e.training.emplace_back();
+    cut_training_window(e, known.window.first, impact);
+    impact.position = known.position;
+    impact.estimate = known.estimate;
+    impact.correlation = known.correlation;
+  }
+  e.learned.subbands = {};
+  average(e);
+  align(e, false);
+  if (n_alike(e.training) < before.n_alike()) restore(e, std::move(before));
+}
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "template/impact_template.hpp"
+#include "template/template_training.hpp"
+
+namespace bouncelab::detection {
+
+/// What the steps of the estimation of a template pass on.
+struct TemplateEstimation {
+  audio::WhiteSound& white;
+  TemplateWindow window;
+  audio::RealFft fourier;
+  std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates
+  std::size_t n_used = 0;            ///< of them, until the others join; in either part the strongest first
+  std::vector<TrainingImpact> training;
+  ImpactTemplate learned;
+  std::vector<float> mean;       ///< of the last average, as a function of time
+  bool only_lower_half = false;  ///< the template is left only the lower frequencies, which hold half of its energy
+  std::size_t n_bins = 0;        ///< that the template may fill
+};
+
+/// Reads a training impact's window anew, from a sample on.
+void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact);
+
+void set_template(TemplateEstimation& e, TemplateAverage average);
+
+/// The template as the mean of the training impacts at their positions.
+void average(TemplateEstimation& e);
+
+/// Position and amplitude of each training impact by the present template.
+/// @param search  anew within a millisecond, not only about the last position
+void align(TemplateEstimation& e, bool search);
+
+/// @param n_searched  rounds in which positions are searched for; in the others they are refined
+void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds);
+
+/// Uses all training impacts from here on; where the template is in those that join has to be searched for.
+void let_others_join(TemplateEstimation& e);
+
+/// What the template leaves of a training impact.
+std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
+
+/// The first template: from one impact after the other, one way after the other, until three quarters of the impacts
+/// are alike.
+void find_template(TemplateEstimation& e);
+
+/// The same, in the first way alone.
+/// @return whether three quarters of the impacts are alike
+bool find_template_at_candidates(TemplateEstimation& e);
+
+/// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood
+/// for is known from the residuals from here on. Leaves the whitener where fewer impacts are alike by the noise's: it
+/// is that of digital silence, or of a codec's gaps in the spectrum, which the impacts fill each in its own way.
+void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise);
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "template/template_training.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::detection {
+namespace {
+
+constexpr double kShortTemplate_s = 15e-3;
+constexpr double kLongTemplate_s = 40e-3;
+constexpr double kClose_s = 20e-3;
+constexpr std::size_t kManyClose = 20;
+constexpr std::size_t kManyIsolated = 12;
+constexpr std::size_t kMinIsolated = 5;
+constexpr std::size_t kMaxTraining = 32;
+constexpr double kTaper_s = 2e-3;            // at the template's end
+constexpr std::size_t kMinForCoherence = 4;  // impacts; with fewer, halves are too noisy to be compared
+
+double template_length_s(const std::vector<Candidate>& impacts) {
+  std::size_t n_close = 0;
+  std::size_t n_far = 0;
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k) {
+    n_close += impacts[k + 1].t_s - impacts[k].t_s < kClose_s ? 1 : 0;
+    n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kLongTemplate_s ? 1 : 0;
+  }
+  return n_close >= kManyClose && n_far >= kManyIsolated ? kLongTemplate_s : kShortTemplate_s;
+}
+
+std::vector<double> taper_of(const TemplateWindow& window) {
+  const auto fall = static_cast<std::size_t>(window.samples(kTaper_s));
+  const auto rise = static_cast<std::size_t>(window.samples(0.25 * kTemplateLead_s)) + 1;
+  const auto part_of_sine = [](std::size_t n, std::size_t of) {
+    return square(sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(of)));
+  };
+  std::vector<double> taper(window.n_template, 1.0);
+  for (std::size_t n = 0; n < std::min(rise, taper.size()); ++n) taper[n] *= part_of_sine(n, rise);
+  for (std::size_t left = 1; left < fall && left <= taper.size(); ++left)
+    taper[taper.size() - left] *= part_of_sine(left, fall);
+  return taper;
+}
+
+/// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
+/// @param mean  receives it as a function of time
+audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
+                        audio::RealFft& fourier, std::vector<float>& mean) {
+  mean = fourier.inverse(sum);
+  const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
+  for (std::size_t n = 0; n < window.n_template; ++n) mean[n] *= static_cast<float>(scale * window.taper[n]);
+  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(window.n_template), mean.end(), 0.0F);
+  return fourier.forward(mean);
+}
+
+/// Sets the weight to 0 where the impacts do not share the phase of their spectra: where the energy of their sum is no
+/// more than chance gives, over the 17 bins around. A codec's high frequencies may have phases of its own, all bins
+/// alike, so that the halves of the data agree by chance. Of n random phases, the share x = |sum|^2 / (n sum of
+/// squares) exceeds x with probability (1 - x)^(n - 1).
+/// @param sum     of the spectra, each times its amplitude
+/// @param weight  sum of the squared amplitudes
+/// @param power   sum of the spectra's squares
+void leave_out_incoherent(const audio::Spectrum& sum, double weight, const std::vector<double>& power, std::size_t n,
+                          std::vector<float>& weights) {
+  constexpr std::size_t kBinsAround = 8;
+  constexpr double kProbability = 0.02;
+  constexpr std::size_t kMinForTest = 12;  // with fewer, chance reaches what impacts that differ have in common
+  if (n < kMinForTest) return;
+  const double chance = 1.0 - pow(kProbability, 1.0 / static_cast<double>(n - 1));
+  std::vector<double> shared(power.size() + 1, 0.0), all(power.size() + 1, 0.0);  // running sums
+  for (std::size_t k = 0; k < power.size(); ++k) {
+    shared[k + 1] =
+        shared[k] + (square(static_cast<double>(sum.re[k])) + square(static_cast<double>(sum.im[k]))) / weight;
+    all[k + 1] = all[k] + power[k];
+  }
+  for (std::size_t k = 0; k < power.size(); ++k) {
+    const std::size_t from = k > kBinsAround ? k - kBinsAround : 0;
+    const std::size_t to = std::min(power.size(), k + kBinsAround + 1);
+    if (shared[to] - shared[from] < chance * (all[to] - all[from])) weights[k] = 0.0F;
+  }
+}
+
+void add_power(const float* re, const float* im, double* power, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k)
+    power[k] += square(static_cast<double>(re[k])) + square(static_cast<double>(im[k]));
+}
+
+double omega_of(const TemplateWindow& window) { return 2.0 * kPi / static_cast<double>(window.n_window); }
+
+constexpr std::size_t kAround = 8;   // bins on either side
+constexpr double kNoiseShare = 0.5;  // what 17 bins of noise reach at one and a half standard deviations
+
+}  // namespace
+
+std::int64_t TemplateWindow::samples(double duration_s) const { return std::llround(duration_s * rate_hz); }
+
+TemplateWindow template_window(const audio::AudioSource& sound, const std::vector<Candidate>& impacts) {
+  const double length_s = template_length_s(impacts);
+  TemplateWindow w{sound.rate_hz, 0, 0, {}};
+  w.n_window = std::bit_ceil(static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s + 2.0 * kRoughTimeError_s)));
+  w.n_template = std::min(w.n_window, static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s)));
+  w.taper = taper_of(w);
+  return w;
+}
+
+std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
+                                                 const std::vector<bool>& clipped) {
+  const double length_s = template_length_s(impacts);
+  std::vector<std::size_t> isolated;
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    all.push_back(k);
+    const bool next_far =
+        k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > length_s + 2.0 * kRoughTimeError_s;
+    const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > length_s;
+    if (next_far && last_far) isolated.push_back(k);
+  }
+  std::vector<std::size_t> unclipped = isolated;
+  std::erase_if(unclipped, [&](std::size_t k) { return clipped[k]; });
+  if (std::ssize(unclipped) >= kMinUnclipped) isolated = unclipped;
+  std::vector<std::size_t>& chosen = isolated.size() >= kMinIsolated ? isolated : all;
+  const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
+  if (chosen.size() > kMaxTraining) {
+    std::nth_element(chosen.begin(), chosen.begin() + kMaxTraining, chosen.end(), stronger);
+    chosen.resize(kMaxTraining);
+  }
+  std::sort(chosen.begin(), chosen.end(), stronger);
+  return chosen;
+}
+
+void cut_window(audio::WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first,
+                audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact) {
+  impact.window.first = first;
+  impact.window.sound.resize(n_window);
+  sound.read(whitener, first, impact.window.sound);
+  fourier.forward(impact.window.sound, impact.spectrum);
+  impact.total = audio::dot(impact.window.sound, impact.window.sound);
+}
+
+TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
+                           audio::RealFft& fourier) {
+  const std::vector<float> none(window.n_window / 2 + 1, 0.0F);
+  audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
+  double weights[2] = {0.0, 0.0};
+  std::vector<double> power(none.size(), 0.0);  // of the impacts themselves
+  std::size_t n_averaged = 0;
+  audio::Spectrum moved{none, none};
+  for (const TrainingImpact& impact : training) {
+    if (!impact.is_averaged()) continue;
+    const double a = impact.estimate.amplitude;
+    const std::size_t half = n_averaged++ % 2;
+    audio::phase_shift(impact.spectrum, omega_of(window) * impact.position, moved);
+    audio::add_scaled(sums[half], moved, a);
+    weights[half] += a * a;
+    add_power(impact.spectrum.re.data(), impact.spectrum.im.data(), power.data(), power.size());
+  }
+  audio::Spectrum sum = sums[0];
+  audio::add_scaled(sum, sums[1], 1.0);
+  TemplateAverage average;
+  average.spectrum = tapered(sum, weights[0] + weights[1], window, fourier, average.mean);
+  if (n_averaged >= kMinForCoherence) {
+    std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
+    leave_out_incoherent(sum, weights[0] + weights[1], power, n_averaged, weight);
+    for (std::size_t k = 0; k < average.spectrum.size(); ++k) {
+      average.spectrum.re[k] *= weight[k];
+      average.spectrum.im[k] *= weight[k];
+    }
+  }
+  return average;
+}
+
+TemplateAverage first_template(const TrainingImpact& impact, const TemplateWindow& window, audio::RealFft& fourier) {
+  TemplateAverage average;
+  average.spectrum = tapered(audio::phase_shifted(impact.spectrum, omega_of(window) * impact.position), 1.0, window,
+                             fourier, average.mean);
+  return average;
+}
+
+std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,
+                                    double weight_b) {
+  const std::size_t n = a.size();
+  std::vector<double> common(n + 1, 0.0), all(n + 1, 0.0);  // running sums
+  const double weight = weight_a + weight_b;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double re = static_cast<double>(a.re[k]) + b.re[k];
+    const double im = static_cast<double>(a.im[k]) + b.im[k];
+    const double product = static_cast<double>(a.re[k]) * b.re[k] + static_cast<double>(a.im[k]) * b.im[k];
+    common[k + 1] = common[k] + product / (weight_a * weight_b);
+    all[k + 1] = all[k] + (re * re + im * im) / (weight * weight);
+  }
+  std::vector<float> weights(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t from = k > kAround ? k - kAround : 0;
+    const std::size_t to = std::min(n, k + kAround + 1);
+    const double ratio = (common[to] - common[from]) / (all[to] - all[from] + 1e-30);
+    weights[k] = static_cast<float>(std::clamp((ratio - kNoiseShare) / (1.0 - kNoiseShare), 0.0, 1.0));
+  }
+  return weights;
+}
+
+}  // namespace bouncelab::detection

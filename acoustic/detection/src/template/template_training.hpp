@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "bouncelab/audio/dsp/real_fft.hpp"
+#include "bouncelab/audio/dsp/white_window.hpp"
+#include "candidates/candidates.hpp"
+#include "template/subband_delay.hpp"
+
+namespace bouncelab::detection {
+
+inline constexpr double kTemplateLead_s = 0.5e-3;       // quiet part of a window before the rough time
+inline constexpr double kRoughTimeError_s = 1e-3;       // of the candidates
+inline constexpr double kMinTrainingCorrelation = 0.5;  // with the template, from which an impact is averaged
+inline constexpr std::ptrdiff_t kMinUnclipped = 5;      // impacts; with fewer, clipped ones are used too
+
+/// Samples of a window, and how many of them the template may fill.
+struct TemplateWindow {
+  double rate_hz = 0.0;
+  std::size_t n_window = 0;
+  std::size_t n_template = 0;
+  std::vector<double> taper;  ///< factors of the template's samples: both ends fall to 0
+  std::int64_t samples(double duration_s) const;
+};
+
+/// One impact that the template is estimated from.
+struct TrainingImpact {
+  audio::WhiteWindow window;
+  audio::Spectrum spectrum;
+  double total = 0.0;     ///< sum of squares
+  double power = 0.0;     ///< of the spectrum, which leaves out bin 0 and the last
+  double position = 0.0;  ///< of the template within the window [samples]
+  DelayEstimate estimate;
+  double correlation = 1.0;
+  bool is_averaged() const { return correlation >= kMinTrainingCorrelation; }
+};
+
+/// Template of 15 ms, which hold more than nine tenths of the information of a plate's sound on its time; of 40 ms
+/// where impacts follow so closely that what rings after 15 ms masks the next ones.
+TemplateWindow template_window(const audio::AudioSource& sound, const std::vector<Candidate>& impacts);
+
+/// At most 32 of the impacts, the strongest first: those that ring alone or, where fewer than five do, any; unclipped
+/// ones where there are five.
+std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
+                                                 const std::vector<bool>& clipped);
+
+/// Reads the whitened window that begins at a sample.
+void cut_window(audio::WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first,
+                audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact);
+
+/// Mean of the training impacts.
+struct TemplateAverage {
+  audio::Spectrum spectrum;
+  std::vector<float> mean;  ///< in time, before the coherence weight
+};
+
+/// Mean of the impacts that correlate with the template, each weighted by its amplitude, less what its two halves do
+/// not share (coherence_weight.hpp), with both ends tapered.
+TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
+                           audio::RealFft& fourier);
+
+/// One impact as a first template.
+TemplateAverage first_template(const TrainingImpact& impact, const TemplateWindow& window, audio::RealFft& fourier);
+
+/// Coherence (Wiener) weight of a mean, by bin: the share c of its power that two halves of the data have in common,
+/// over the 17 bins around. 1 where the halves agree, 0 where the mean is noise. Shares below 0.5, which noise reaches
+/// by chance, count as 0, and those above are rescaled: (c - 0.5) / (1 - 0.5), limited to 0 ... 1.
+/// @param a, b    sums of weighted spectra, over one half of the impacts each
+/// @param weight_a, weight_b  sums of the squared weights; positive
+/// Source: Wiener 1949; Bendat & Piersol, Random Data (2010), 6.1 (coherence).
+std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,
+                                    double weight_b);
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/elementary.hpp"
+#include "tracking/tracking_model.hpp"
+
+namespace bouncelab::detection {
+
+constexpr double kMostOfOne = 3.0;  // widths by which one observation moves a running mean at most
+
+/// Density of Student's t with three degrees of freedom, scaled: a normal core, tails that forgive. Integrates to one.
+/// @param width  > 0, in units of x
+inline double student3(double x, double width) {
+  const double width2 = width * width;
+  const double core = width2 + x * x * (1.0 / 3.0);  // (1 + z^2 / 3) width^2
+  return 2.0 / (kPi * std::numbers::sqrt3) * width2 * width / (core * core);
+}
+
+/// log(exp(a) + exp(b)), for any log odds: their exponentials may be beyond a double's range.
+inline double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
+
+/// The exponent of x > 0 as a power of two. The C library's ilogb is a call.
+inline int binary_exponent(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52) - 1023; }
+
+/// No less than log(x), without taking it; of what is not a number no more than of 0.
+inline double largest_log(double x) {
+  return x > 0.0 ? std::numbers::ln2 * (binary_exponent(x) + 1) : -std::numeric_limits<double>::infinity();
+}
+
+/// What is known of the loudness of one source: a running mean of its logarithm, which gain control may carry along,
+/// and its scatter with a conjugate prior. The same for balls and rhythms, so that neither is preferred for being even
+/// or uneven; they differ in what loudness is counted against, the speed of impact or nothing.
+class Loudness {
+ public:
+  /// @param mean  log loudness of the first two sounds
+  explicit Loudness(double mean) : mean_(mean) {}
+  Loudness() = default;
+
+  /// Density of the next log loudness.
+  double density(double log_loudness, const TrackingModel& model) const {
+    return student3(log_loudness - mean_, std::sqrt(variance(model)));
+  }
+
+  /// At the mean.
+  double largest_density(const TrackingModel& model) const { return student3(0.0, std::sqrt(variance(model))); }
+
+  void learn(double log_loudness, const TrackingModel& model) {
+    const double width = std::sqrt(variance(model));
+    const double step = std::clamp(log_loudness - mean_, -kMostOfOne * width, kMostOfOne * width);
+    n_sounds_ = std::min(n_sounds_ + 1, model.memory);
+    sum_squares_ = (sum_squares_ + square(step)) * (n_sounds_ < model.memory ? 1.0 : 1.0 - 1.0 / model.memory);
+    mean_ += step / n_sounds_;
+  }
+
+ private:
+  double variance(const TrackingModel& model) const {
+    return (model.loudness_weight * square(model.loudness_scatter) + sum_squares_) /
+           (model.loudness_weight + n_sounds_ - 2);
+  }
+
+  double mean_ = 0.0;
+  double sum_squares_ = 0.0;
+  int n_sounds_ = 2;
+};
+
+}  // namespace bouncelab::detection
