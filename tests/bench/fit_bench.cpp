@@ -18,7 +18,7 @@
 #include "law/law_likelihood.hpp"
 #include "law/normal_laplace.hpp"
 #include "law/law_data.hpp"
-#include "law/start_values.hpp"
+#include "law/law_search.hpp"
 
 namespace {
 
