@@ -64,7 +64,7 @@ TEST_F(LongTables, AFullDiskCostsOneLine) {
     const Result result =
         shell("size=" + std::string(size) + "; " + on_disk + "\"$B\" restitution o.csv --out disk/s.jsonl");
     SCOPED_TRACE(size);
-    expect_one_line_error(result, 3, {"disk/s.jsonl", "is the disk full"});
+    expect_one_line_error(result, 3, {"disk/s.jsonl", "No space left"});
   }
 }
 

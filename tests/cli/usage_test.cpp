@@ -95,7 +95,7 @@ TEST_F(Usage, ARecordingAloneIsAnalyzedBesideItself) {
 TEST_F(Usage, CompletionOffersCommandsOptionsAndChoices) {
   ASSERT_EQ(shell("$B completion bash > c.bash").exit_code, 0);
   const auto offered = [&](const std::string& words, int n) {
-    return shell("bash -c 'source ./c.bash; COMP_WORDS=(\"$B\" " + words + "); COMP_CWORD=" + std::to_string(n) +
+    return shell("bash -c 'source ./c.bash; COMP_WORDS=(\"'\"$B\"'\" " + words + "); COMP_CWORD=" + std::to_string(n) +
                  "; _bouncelab; echo \"${COMPREPLY[@]}\"'")
         .out;
   };
