@@ -17,8 +17,8 @@
 #include "bouncelab/fit/fit.hpp"
 #include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
+#include "law/law_search.hpp"
 #include "law/normal_laplace.hpp"
-#include "law/start_values.hpp"
 
 namespace {
 
@@ -41,12 +41,23 @@ volatile double sink;  // what is not used is not computed
 }
 
 void print_density() {
-  constexpr int kSamples = 1000;
+  constexpr int kSamples = 1024;  // whole blocks
   constexpr double kBelow = 4e-4, kAbove = 3e-4, kTau = 2e-4;
   const auto residual = [](int k) { return 2e-6 * (k - kSamples / 2); };
+  fit::SidesBlock sides;
+  sides.fill(kBelow, kAbove);
+  fit::Block tau, inverse_tau;
+  tau.fill(kTau);
+  inverse_tau.fill(1.0 / kTau);
   const auto closed = [&] {
     double sum = 0.0;
-    for (int k = 0; k < kSamples; ++k) sum += fit::normal_laplace(residual(k), kBelow, kAbove, kTau).log_density();
+    for (int k = 0; k < kSamples; k += static_cast<int>(fit::kBlockSize)) {
+      fit::Block d;
+      for (std::size_t i = 0; i < fit::kBlockSize; ++i) d[i] = residual(k + static_cast<int>(i));
+      fit::DensityBlock f;
+      fit::normal_laplace(fit::kBlockSize, d.data(), sides, tau.data(), inverse_tau.data(), 0.0, f);
+      for (std::size_t i = 0; i < fit::kBlockSize; ++i) sum += f.exponent[i] + std::log(f.factor[i]);
+    }
     sink = sum;
   };
   const auto quadrature = [&] {

@@ -2,7 +2,6 @@
 #include "bouncelab/core/numerics.hpp"
 
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_integration.h>
 #include <gsl/gsl_roots.h>
 #include <gsl/gsl_sf_bessel.h>
 
@@ -53,14 +52,28 @@ double kaiser_window(double x, double beta) {
   return scaled_bessel_i(0, argument) / scaled_bessel_i(0, beta) * exp(argument - beta);
 }
 
+// Not GSL's rules: the weights of gsl_integration_glfixed are good to 1e-8 beyond the orders that it has as tables,
+// those of gsl_integration_fixed to 3e-13 for 100 points, which the low modes of a plate show as 8e-10 of a sound's
+// amplitude.
 QuadratureRule gauss_legendre(int n, double lo, double hi) {
-  switch_off_gsl_error_handler();
-  // not gsl_integration_glfixed: beyond the orders that it has as tables, its weights are good to 1e-8 only
-  const auto size = static_cast<std::size_t>(n);
-  const auto rule = owned(gsl_integration_fixed_alloc(gsl_integration_fixed_legendre, size, lo, hi, 0.0, 0.0),
-                          gsl_integration_fixed_free);
-  const double *nodes = gsl_integration_fixed_nodes(rule.get()), *weights = gsl_integration_fixed_weights(rule.get());
-  return {{nodes, nodes + size}, {weights, weights + size}};
+  QuadratureRule rule;
+  for (int k = 0; k < n; ++k) {
+    double x = -cos(kPi * (k + 0.75) / (n + 0.5));  // within Newton's reach of the root
+    double derivative = 0.0;
+    for (int iteration = 0; iteration < 5; ++iteration) {
+      double p = 1.0, p_before = 0.0;
+      for (int j = 1; j <= n; ++j) {
+        const double next = ((2.0 * j - 1.0) * x * p - (j - 1.0) * p_before) / j;
+        p_before = p;
+        p = next;
+      }
+      derivative = n * (x * p - p_before) / (x * x - 1.0);
+      x -= p / derivative;
+    }
+    rule.nodes.push_back(0.5 * (lo + hi) + 0.5 * (hi - lo) * x);
+    rule.weights.push_back((hi - lo) / ((1.0 - x * x) * derivative * derivative));
+  }
+  return rule;
 }
 
 double root_between(const std::function<double(double)>& f, double lo, double hi) {

@@ -13,7 +13,6 @@
 #include "law/goodness.hpp"
 #include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
-#include "law/law_result.hpp"
 #include "law/law_search.hpp"
 #include "numerics/maximise.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "law/law_result.hpp"
+#include "law/law_search.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,13 +2,169 @@
 #include "law/law_search.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/statistics.hpp"
 #include "law/law_data.hpp"
-#include "law/start_values.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
+namespace {
+
+struct SpeedBin {
+  std::size_t begin = 0, end = 0;
+  double v_mps = 0.0, median_eps = 0.0;
+};
+
+std::vector<SpeedBin> speed_bins(const LawData& data) {
+  const std::size_t n = data.size();
+  const std::size_t n_bins = std::clamp<std::size_t>(n / 10, 4, 40);
+  std::vector<SpeedBin> bins;
+  for (std::size_t j = 0; j < n_bins; ++j) {
+    SpeedBin bin{j * n / n_bins, (j + 1) * n / n_bins};
+    if (bin.begin == bin.end) continue;
+    bin.v_mps = data.v_mps[(bin.begin + bin.end) / 2];
+    bin.median_eps = upper_median({data.eps.begin() + static_cast<std::ptrdiff_t>(bin.begin),
+                                   data.eps.begin() + static_cast<std::ptrdiff_t>(bin.end)});
+    bins.push_back(bin);
+  }
+  return bins;
+}
+
+Eigen::VectorXd start_of_law(const std::vector<SpeedBin>& bins, const LawModel& model) {
+  if (model.kind == LawKind::viscoelastic) {
+    const SpeedBin& middle = bins[bins.size() / 2];
+    if (!(middle.median_eps < 1.0) || middle.median_eps < 0.05) return {};
+    return Eigen::VectorXd::Constant(1, log_gamma_through(middle.v_mps, middle.median_eps));
+  }
+  std::vector<double> v;
+  Eigen::VectorXd eps(static_cast<Eigen::Index>(bins.size()));
+  for (std::size_t j = 0; j < bins.size(); ++j) {
+    v.push_back(bins[j].v_mps);
+    eps[static_cast<Eigen::Index>(j)] = bins[j].median_eps;
+  }
+  const Eigen::MatrixXd rows = model.jacobian(v, {});
+  const Eigen::VectorXd above_one = least_squares(rows, (eps.array() - 1.0).matrix());
+  return above_one.array() + 1.0;
+}
+
+/// The mean distance of exponential scatter whose median distance is that of these.
+double mean_of_median(std::vector<double> distances) { return upper_median(std::move(distances)) / std::numbers::ln2; }
+
+/// Mean distances from the curve below (side -1) or above (side +1) in each bin, freed of what timing explains. By
+/// medians: lost bounces count little.
+Eigen::VectorXd log_scales(const LawData& data, const std::vector<SpeedBin>& bins, const Eigen::VectorXd& fitted,
+                           double side) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(bins.size()));
+  for (std::size_t j = 0; j < bins.size(); ++j) {
+    std::vector<double> distances;
+    double timing = 0.0;
+    for (std::size_t k = bins[j].begin; k < bins[j].end; ++k) {
+      const double d = side * (data.eps[k] - fitted[static_cast<Eigen::Index>(k)]);
+      timing += data.tau[k] * data.tau[k];
+      if (d > 0.0) distances.push_back(d);
+    }
+    const double mean = distances.empty() ? 0.0 : mean_of_median(std::move(distances));
+    timing /= static_cast<double>(bins[j].end - bins[j].begin);
+    // an exponential of mean b and a half-normal add in variance: 2 b^2 + tau^2 against 2 mean^2
+    const double free_of_timing = std::sqrt(std::max(mean * mean - 0.5 * timing, 0.04 * mean * mean));
+    result[static_cast<Eigen::Index>(j)] = log(std::max(free_of_timing, 1e-8));
+  }
+  return result;
+}
+
+/// Least absolute deviations by reweighted least squares: of few samples one may be anywhere.
+/// Source: Schlossmacher, J. Am. Stat. Assoc. 68, 857 (1973), doi:10.1080/01621459.1973.10481439.
+Eigen::VectorXd least_absolute(const LawData& data, const LawModel& model) {
+  constexpr int kMost = 50;
+  const Eigen::MatrixXd rows = model.jacobian(data.v_mps, {});
+  const Eigen::VectorXd losses = Eigen::Map<const Eigen::VectorXd>(data.eps.data(), rows.rows()).array() - 1.0;
+  Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(rows.rows()), q;
+  for (int i = 0; i < kMost; ++i) {
+    q = least_squares(root_weights.asDiagonal() * rows, root_weights.cwiseProduct(losses));
+    const Eigen::VectorXd distances = (losses - product(rows, q)).cwiseAbs();
+    root_weights = distances.array().max(1e-6 * distances.mean() + 1e-12).sqrt().inverse();
+  }
+  return q.array() + 1.0;
+}
+
+/// The same of all samples, the curve's own left out.
+double log_scale_of_few(const LawData& data, const Eigen::VectorXd& fitted, std::size_t n_law) {
+  std::vector<double> distances;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    distances.push_back(std::abs(data.eps[k] - fitted[static_cast<Eigen::Index>(k)]));
+  std::sort(distances.begin(), distances.end());
+  distances.erase(distances.begin(),
+                  distances.begin() + static_cast<std::ptrdiff_t>(std::min(n_law, distances.size() - 1)));
+  return log(std::max(mean_of_median(std::move(distances)), 1e-8));
+}
+
+}  // namespace
+
+std::optional<FirstLook> first_look(const LawData& data, const LawModel& model) {
+  constexpr std::size_t kFew = 40;  // below, bins have no medians
+  const bool few = data.size() < kFew;
+  const auto bins = speed_bins(data);
+  FirstLook look{few && model.is_linear() ? least_absolute(data, model) : start_of_law(bins, model), {}, {}, {}};
+  if (look.law.size() == 0) return std::nullopt;
+  for (const SpeedBin& bin : bins) look.v_mps.push_back(bin.v_mps);
+  const Eigen::VectorXd fitted = model.eps(data.v_mps, look.law);
+  if (few) {
+    look.log_below = look.log_above =
+        Eigen::VectorXd::Constant(1, log_scale_of_few(data, fitted, static_cast<std::size_t>(model.n_parameters())));
+  } else {
+    look.log_below = log_scales(data, bins, fitted, -1.0);
+    look.log_above = log_scales(data, bins, fitted, 1.0);
+  }
+  return look;
+}
+
+Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter) {
+  const Eigen::VectorXd& law = look.law;
+  const auto n_terms = static_cast<Eigen::Index>(scatter.n_terms);
+  Eigen::VectorXd below = Eigen::VectorXd::Zero(n_terms), above = below;
+  if (look.log_below.size() == 1) {
+    below[0] = look.log_below[0];
+    above[0] = look.log_above[0];
+  } else {
+    Eigen::MatrixXd powers(look.log_below.size(), n_terms);
+    for (Eigen::Index j = 0; j < powers.rows(); ++j)
+      for (Eigen::Index i = 0; i < n_terms; ++i)
+        powers(j, i) = power(log(look.v_mps[static_cast<std::size_t>(j)] / scatter.v_ref_mps), static_cast<int>(i));
+    below = least_squares(powers, look.log_below);
+    above = least_squares(powers, look.log_above);
+  }
+  Eigen::VectorXd theta(law.size() + scatter.n_parameters());
+  if (scatter.kind == ScatterKind::normal_laplace) {
+    Eigen::VectorXd exponentials(theta.size() - 1);
+    exponentials << law, below, above;
+    return with_normal_part(exponentials, scatter, law.size());
+  }
+  if (scatter.kind == ScatterKind::asymmetric_laplace)
+    theta << law, below, above;
+  else
+    theta << law, 0.5 * (below + above);
+  return theta;
+}
+
+Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter) {
+  const std::optional<FirstLook> look = first_look(data, model);
+  return look ? start_values(*look, scatter) : Eigen::VectorXd();
+}
+
+Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter,
+                                 Eigen::Index n_law) {
+  constexpr double kHalf = 0.5 * std::numbers::ln2;
+  Eigen::VectorXd theta(exponentials.size() + 1);
+  theta << exponentials, kHalf;
+  theta[n_law] -= kHalf;
+  theta[n_law + static_cast<Eigen::Index>(scatter.n_terms)] -= kHalf;
+  return theta;
+}
+
 namespace {
 
 /// Of bounces that are lost: the ball hit something else, or an impact was missed.

@@ -13,6 +13,24 @@
 
 namespace bouncelab::fit {
 
+/// Robust first look at the samples of a law, whatever the family of the scatter: medians of eps in bins of equal
+/// count, the curve through them by least squares, scales of the scatter in each bin from the distances to it.
+struct FirstLook {
+  Eigen::VectorXd law;                   ///< q
+  std::vector<double> v_mps;             ///< of the bins
+  Eigen::VectorXd log_below, log_above;  ///< in each bin; one for all of few samples
+};
+/// @return nothing where the law cannot be made to pass (eps >= 1 in a viscoelastic law)
+std::optional<FirstLook> first_look(const LawData& data, const LawModel& model);
+
+/// The whole theta of `scatter`.
+Eigen::VectorXd start_values(const FirstLook& look, const ScatterFamily& scatter);
+/// Of its first look, empty where there is none.
+Eigen::VectorXd start_values(const LawData& data, const LawModel& model, const ScatterFamily& scatter);
+
+/// Of two exponentials half of the variance to a normal part: both can be seen from there.
+Eigen::VectorXd with_normal_part(const Eigen::VectorXd& exponentials, const ScatterFamily& scatter, Eigen::Index n_law);
+
 inline constexpr std::size_t kFewest = 3;  // below, a mean has no scatter that it could be judged by
 
 /// A family of scatter and where its likelihood has its maximum.
@@ -44,5 +62,10 @@ std::optional<Candidate> again_without_outliers(const LawData& data, const LawMo
 /// Moves samples that are lost bounces rather than scatter from `rows` to `outliers`.
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers);
+
+/// Turns the maximum of the likelihood into what LawFit reports: parameters with errors, nodes, curve, goodness,
+/// status.
+void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
+                  const std::vector<double>& node_speeds_mps, IntervalMethod intervals);
 
 }  // namespace bouncelab::fit

@@ -11,7 +11,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "law/law_likelihood.hpp"
-#include "law/start_values.hpp"
+#include "law/law_search.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/linalg.hpp"
 #include "numerics/maximise.hpp"

@@ -12,7 +12,6 @@
 #include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
 #include "numerics/distributions.hpp"
-#include "windows/shape_fit.hpp"
 #include "windows/window_fit.hpp"
 
 namespace bouncelab::fit {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "windows/shape_fit.hpp"
+#include "windows/window_fit.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -6,7 +6,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "law/intervals.hpp"
-#include "law/start_values.hpp"
+#include "law/law_search.hpp"
 #include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {

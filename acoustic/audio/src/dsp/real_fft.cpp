@@ -74,13 +74,13 @@ const RealFft::Plan& plan_for(std::size_t n) {
 
 RealFft::RealFft(std::size_t n) : n_(n), plan_(&plan_for(n)) { assert(n >= 4 && n % 2 == 0); }
 
-Spectrum RealFft::forward(std::span<const float> x) {
+Spectrum RealFft::forward(std::span<const float> x) const {
   Spectrum spectrum;
   forward(x, spectrum);
   return spectrum;
 }
 
-void RealFft::forward(std::span<const float> x, Spectrum& spectrum) {
+void RealFft::forward(std::span<const float> x, Spectrum& spectrum) const {
   assert(x.size() <= n_);
   const std::size_t h = n_ / 2;
   Workspace& work = workspace_for(n_);
@@ -96,7 +96,7 @@ void RealFft::forward(std::span<const float> x, Spectrum& spectrum) {
   spectrum.re[0] = spectrum.im[0] = spectrum.re[h] = spectrum.im[h] = 0.0F;
 }
 
-std::vector<float> RealFft::inverse(const Spectrum& spectrum) {
+std::vector<float> RealFft::inverse(const Spectrum& spectrum) const {
   Workspace& work = workspace_for(n_);
   const std::size_t h = n_ / 2, n_bins = std::min(spectrum.size(), h);
   const auto scale = static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_)));

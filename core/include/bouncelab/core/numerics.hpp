@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-/// Special functions, quadrature and roots, by the GNU Scientific Library (GSL).
+/// Special functions and roots by the GNU Scientific Library (GSL), and quadrature.
 namespace bouncelab {
 
 /// GSL's own handler of errors ends the program. Whoever calls GSL calls this first, and looks at every return code.
@@ -23,7 +23,7 @@ struct QuadratureRule {
 };
 
 /// Gauss-Legendre rule with n >= 1 points on [lo, hi]; exact for polynomials up to degree 2n - 1.
-/// @return nodes in ascending order; errors of the weights grow from 1e-15 for n = 4 to 1e-12 for n = 100
+/// @return nodes in ascending order; relative errors of the weights: 1e-15 for n = 4, 1e-13 for n = 100
 QuadratureRule gauss_legendre(int n, double lo, double hi);
 
 /// The root of f between lo and hi, to rounding, by Brent's method.

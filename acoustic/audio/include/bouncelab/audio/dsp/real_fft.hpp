@@ -26,11 +26,11 @@ class RealFft {
   explicit RealFft(std::size_t n);
   std::size_t size() const { return n_; }
   /// @param x  at most n samples; what is missing is 0
-  Spectrum forward(std::span<const float> x);
+  Spectrum forward(std::span<const float> x) const;
   /// The same into a spectrum that has memory already.
-  void forward(std::span<const float> x, Spectrum& spectrum);
+  void forward(std::span<const float> x, Spectrum& spectrum) const;
   /// n samples; bins that are missing are 0
-  std::vector<float> inverse(const Spectrum& spectrum);
+  std::vector<float> inverse(const Spectrum& spectrum) const;
 
   struct Plan;
 
