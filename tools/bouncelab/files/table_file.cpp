@@ -77,7 +77,7 @@ void TableWriter::add(std::size_t k, const Table& rows) {
     std::ostringstream out;
     write_piece(out, is_json_lines(path_), k, rows);
     const std::string text = out.str();
-    if (!scratch_) scratch_.emplace(folder(), path_.string());
+    if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
     waiting_[k] = {scratch_->append(text), text.size()};
     return;
   }
