@@ -9,7 +9,6 @@
 
 #include "bouncelab/core/parallel.hpp"
 
-#include <cstdlib>
 namespace bouncelab::detection {
 namespace {
 
@@ -77,7 +76,7 @@ ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, in
   if (channels.size() == 1) return search(0);
   std::vector<audio::ArModel> models(channels.size());
   std::vector<double> rises(channels.size());
-  if (!getenv("NOLOOK")) parallel_for(channels.size(), n_threads, [&](std::size_t c) {
+  parallel_for(channels.size(), n_threads, [&](std::size_t c) {
     models[c] = audio::learn_ar_models(channels[c], kArOrder).signal;
     rises[c] = rise_at_places(channels[c], models[c]);
   });
@@ -91,12 +90,12 @@ ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, in
     const auto most = std::max_element(rises.begin(), rises.end());  // of equal ones the first
     const auto c = static_cast<std::size_t>(most - rises.begin());
     *most = -1.0;
-    if (!getenv("NOLOOK") && best && best->found.is_clear && rise_of_impacts_in(c) <= kNoMore * most_of_impacts) continue;
+    if (best && best->found.is_clear && rise_of_impacts_in(c) <= kNoMore * most_of_impacts) continue;
     ChosenChannel next = search(c);
     if (best && !is_better(next, *best)) continue;
     best = std::move(next);
     impacts_s = some_impacts_s(*best);
-    if (!getenv("NOLOOK")) most_of_impacts = rise_of_impacts_in(c);
+    most_of_impacts = rise_of_impacts_in(c);
   }
   return *std::move(best);
 }

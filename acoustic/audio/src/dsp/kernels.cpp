@@ -9,7 +9,6 @@
 
 #include "bouncelab/core/vector_clones.hpp"
 
-#include <cstdlib>
 namespace bouncelab::audio {
 namespace {
 
@@ -18,7 +17,7 @@ constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float);
 constexpr std::size_t kChains = 4;  // independent sums that hide an addition's latency
 constexpr std::size_t kDotBlock = kLanes * kChains;
 
-[[gnu::always_inline]] inline void dot_lanes_body(const float* a, const float* b, std::size_t n, float* lanes) {
+void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) {
   std::array<Lanes, kChains> sum{};
   for (std::size_t k = 0; k < n; k += kDotBlock)
     for (std::size_t c = 0; c < kChains; ++c) {
@@ -29,9 +28,6 @@ constexpr std::size_t kDotBlock = kLanes * kChains;
     }
   std::memcpy(lanes, sum.data(), sizeof sum);
 }
-__attribute__((target_clones("avx512f", "avx2", "default"))) void dot_lanes_fast(const float* a, const float* b, std::size_t n, float* lanes) { return dot_lanes_body(a, b, n, lanes); }
-[[gnu::noinline]] void dot_lanes_slow(const float* a, const float* b, std::size_t n, float* lanes) { return dot_lanes_body(a, b, n, lanes); }
-void dot_lanes(const float* a, const float* b, std::size_t n, float* lanes) { static const bool fast = getenv("F_DOT") != nullptr; return fast ? dot_lanes_fast(a, b, n, lanes) : dot_lanes_slow(a, b, n, lanes); }
 
 /// Side by side, or each comparison waits for the one before.
 float largest_of(const float* x, std::size_t n) {

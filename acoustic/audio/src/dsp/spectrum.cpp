@@ -6,13 +6,10 @@
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/elementary.hpp"
 
-#include <cstdlib>
-#include <cstdlib>
-#include <cstdlib>
 namespace bouncelab::audio {
 namespace {
 
-[[gnu::always_inline]] inline void multiply_body(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
+void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
               std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) {
     const float a_im = sign * ai[k];
@@ -20,12 +17,6 @@ namespace {
     im[k] = ar[k] * bi[k] + a_im * br[k];
   }
 }
-__attribute__((target_clones("avx512f", "avx2", "default"))) void multiply_fast(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
-              std::size_t n) { return multiply_body(ar, ai, sign, br, bi, re, im, n); }
-[[gnu::noinline]] void multiply_slow(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
-              std::size_t n) { return multiply_body(ar, ai, sign, br, bi, re, im, n); }
-void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
-              std::size_t n) { static const bool fast = getenv("F_SPEC") != nullptr; return fast ? multiply_fast(ar, ai, sign, br, bi, re, im, n) : multiply_slow(ar, ai, sign, br, bi, re, im, n); }
 
 struct Phasor {
   double c = 1.0;
@@ -77,7 +68,7 @@ template <class Value>
   }
 }
 
-[[gnu::always_inline]] inline void shift_body(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
+void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
            std::size_t n) {
   times_phasors(
       [&](std::size_t k, float& x, float& y) {
@@ -86,14 +77,8 @@ template <class Value>
       },
       steps, re, im, n);
 }
-__attribute__((target_clones("avx512f", "avx2", "default"))) void shift_fast(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
-           std::size_t n) { return shift_body(a_re, a_im, steps, re, im, n); }
-[[gnu::noinline]] void shift_slow(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
-           std::size_t n) { return shift_body(a_re, a_im, steps, re, im, n); }
-void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float* __restrict re, float* __restrict im,
-           std::size_t n) { static const bool fast = getenv("F_SPEC") != nullptr; return fast ? shift_fast(a_re, a_im, steps, re, im, n) : shift_slow(a_re, a_im, steps, re, im, n); }
 
-[[gnu::always_inline]] inline void multiply_conj_body(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
+void multiply_conj(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
                    float* __restrict re, float* __restrict im, std::size_t n) {
   times_phasors(
       [&](std::size_t k, float& x, float& y) {
@@ -102,12 +87,6 @@ void shift(const float* a_re, const float* a_im, const PhaseSteps& steps, float*
       },
       steps, re, im, n);
 }
-__attribute__((target_clones("avx512f", "avx2", "default"))) void multiply_conj_fast(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
-                   float* __restrict re, float* __restrict im, std::size_t n) { return multiply_conj_body(ar, ai, br, bi, steps, re, im, n); }
-[[gnu::noinline]] void multiply_conj_slow(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
-                   float* __restrict re, float* __restrict im, std::size_t n) { return multiply_conj_body(ar, ai, br, bi, steps, re, im, n); }
-void multiply_conj(const float* ar, const float* ai, const float* br, const float* bi, const PhaseSteps& steps,
-                   float* __restrict re, float* __restrict im, std::size_t n) { static const bool fast = getenv("F_SPEC") != nullptr; return fast ? multiply_conj_fast(ar, ai, br, bi, steps, re, im, n) : multiply_conj_slow(ar, ai, br, bi, steps, re, im, n); }
 
 Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
   const std::size_t n = std::min(a.size(), b.size());

@@ -10,7 +10,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
-#include <cstdlib>
 namespace bouncelab::detection {
 namespace {
 
@@ -95,7 +94,7 @@ float log_ratio_of_scatters() {
 }
 
 /// @param power, share  of octave 0 of b; those of octave k lie k n_all further on
-[[gnu::always_inline]] inline void weigh_row_body(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
+void weigh_row(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
                std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) {
   const BandEnergies a = first;
   for (std::size_t j = 0; j < n; ++j) {
@@ -105,12 +104,6 @@ float log_ratio_of_scatters() {
     weights[j] = smaller(1.0F, 2.0F / (1.0F + exp_of_log_odds(larger(-log_odds, 0.0F))));
   }
 }
-__attribute__((target_clones("avx512f", "avx2", "default"))) void weigh_row_fast(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
-               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) { return weigh_row_body(first, power, share, n_all, log_ratio, weights, n); }
-[[gnu::noinline]] void weigh_row_slow(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
-               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) { return weigh_row_body(first, power, share, n_all, log_ratio, weights, n); }
-void weigh_row(const BandEnergies& first, const float* __restrict power, const float* __restrict share,
-               std::size_t n_all, float log_ratio, float* __restrict weights, std::size_t n) { static const bool fast = getenv("F_ROW") != nullptr; return fast ? weigh_row_fast(first, power, share, n_all, log_ratio, weights, n) : weigh_row_slow(first, power, share, n_all, log_ratio, weights, n); }
 
 }  // namespace
 

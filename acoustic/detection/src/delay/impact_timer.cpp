@@ -11,7 +11,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/units.hpp"
 
-#include <cstdlib>
 namespace bouncelab::detection {
 namespace {
 
@@ -221,7 +220,7 @@ std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, 
   const double reach = reach_s * sound_.rate_hz + 2.0;
   const std::int64_t n_reach = static_cast<std::int64_t>(std::ceil(reach)) + 1;
   EnergyInReach energy;
-  if (std::isfinite(log_likelihood_ratio) && !getenv("NOPRUNE")) energy = energy_in_reach(start, n_reach);
+  if (std::isfinite(log_likelihood_ratio)) energy = energy_in_reach(start, n_reach);
   if (0.5 * energy.of_all <= log_likelihood_ratio) return std::nullopt;
   FitWindow& window = window_;
   cut(start, end, window);
@@ -248,7 +247,6 @@ std::optional<std::vector<PossiblePlace>> ImpactTimer::places_between(double fro
   const std::int64_t n_samples = n_lags + static_cast<std::int64_t>(learned_.n_template);
   if (first + n_samples > samples(until_s, sound_) || is_clipped(first, static_cast<std::size_t>(n_samples)))
     return std::nullopt;
-  if (getenv("NOPLACE")) return std::nullopt;
   if (!places_) places_.emplace(learned_);
   // one that is not in the stretch as a whole explains nothing of it
   const bool is_in_stretch = from_s <= beside.t_s && beside.t_s <= to_s;

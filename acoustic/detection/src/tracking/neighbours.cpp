@@ -8,7 +8,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/densities.hpp"
 
-#include <cstdlib>
 namespace bouncelab::detection {
 namespace {
 
@@ -34,12 +33,9 @@ void count(float density, bool is_stronger, int octave, float share, Neighbours&
 }
 
 /// Densities that the sounds of these log amplitudes contribute at one.
-[[gnu::always_inline]] inline void density_row_body(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) {
+void density_row(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) {
   for (std::size_t j = 0; j < n; ++j) density[j] = static_cast<float>(student3(log_amplitude[j] - centre, width));
 }
-__attribute__((target_clones("avx512f", "avx2", "default"))) void density_row_fast(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) { return density_row_body(log_amplitude, centre, width, density, n); }
-[[gnu::noinline]] void density_row_slow(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) { return density_row_body(log_amplitude, centre, width, density, n); }
-void density_row(const double* log_amplitude, double centre, double width, float* __restrict density, std::size_t n) { static const bool fast = getenv("F_ROW") != nullptr; return fast ? density_row_fast(log_amplitude, centre, width, density, n) : density_row_slow(log_amplitude, centre, width, density, n); }
 
 /// As many as fill registers of 512 bits: what is left over of a row takes as long as several of them.
 constexpr std::size_t whole_registers(std::size_t n) {
