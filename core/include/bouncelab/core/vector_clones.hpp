@@ -5,8 +5,7 @@
 /// has. Everything is compiled with -ffp-contract=off: no fused multiply-add, so that every x86-64 processor gives
 /// the same bytes.
 ///
-/// For loops on which much of the time goes: synthesis, the kernels of a detection, the likelihood of a fit. The
-/// kernels' own ratios are in acoustic/audio/src/dsp/kernels.cpp.
+/// For loops on which much of the time goes: synthesis, the FIR filters of sound, the likelihood of a fit.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 #define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
