@@ -89,24 +89,32 @@ void RealFft::forward(std::span<const float> x, Spectrum& spectrum) const {
   spectrum.re.resize(h + 1);
   spectrum.im.resize(h + 1);
   const auto scale = static_cast<float>(std::sqrt(2.0 / static_cast<double>(n_)));
+  float* __restrict const re = spectrum.re.data();
+  float* __restrict const im = spectrum.im.data();
   for (std::size_t k = 1; k < h; ++k) {
-    spectrum.re[k] = scale * work.bins[k][0];
-    spectrum.im[k] = scale * work.bins[k][1];
+    re[k] = scale * work.bins[k][0];
+    im[k] = scale * work.bins[k][1];
   }
   spectrum.re[0] = spectrum.im[0] = spectrum.re[h] = spectrum.im[h] = 0.0F;
 }
 
 std::vector<float> RealFft::inverse(const Spectrum& spectrum) const {
+  const std::span<const float> x = inverse(spectrum.re, spectrum.im);
+  return {x.begin(), x.end()};
+}
+
+std::span<const float> RealFft::inverse(std::span<const float> re, std::span<const float> im) const {
   Workspace& work = workspace_for(n_);
-  const std::size_t h = n_ / 2, n_bins = std::min(spectrum.size(), h);
+  const std::size_t h = n_ / 2, n_bins = std::min(re.size(), h);
   const auto scale = static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_)));
-  std::fill(&work.bins[0][0], &work.bins[0][0] + 2 * (h + 1), 0.0F);
+  float* __restrict const bins = &work.bins[0][0];
+  std::fill_n(bins, 2 * (h + 1), 0.0F);
   for (std::size_t k = 1; k < n_bins; ++k) {
-    work.bins[k][0] = scale * spectrum.re[k];
-    work.bins[k][1] = scale * spectrum.im[k];
+    bins[2 * k] = scale * re[k];
+    bins[2 * k + 1] = scale * im[k];
   }
   fftwf_execute_dft_c2r(plan_->inverse.get(), work.bins, work.samples);
-  return {work.samples, work.samples + n_};
+  return {work.samples, n_};
 }
 
 }  // namespace bouncelab::audio

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
 
@@ -23,7 +24,8 @@ Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sou
   const std::int64_t highest = std::clamp<std::int64_t>(std::llround(2.0 * to), lowest_, n / 2 - 2);
   values_.reserve(static_cast<std::size_t>(highest - lowest_ + 3));
   values_.push_back(-INFINITY);
-  const std::vector<float> products = audio::RealFft(n_lags).inverse(audio::product_conj(filter.spectrum(), sound));
+  const audio::Spectrum spectrum = audio::product_conj(filter.spectrum(), sound);
+  const std::span<const float> products = audio::RealFft(n_lags).inverse(spectrum.re, spectrum.im);
   // negative shifts are at the end
   if (lowest_ < 0)
     values_.insert(values_.end(), products.end() + lowest_, products.end() + std::min<std::int64_t>(0, highest + 1));

@@ -46,13 +46,19 @@ SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& s
   audio::product_conj(filter.spectrum(), sound, n, filter.omega() * shift, products.re.data(), products.im.data());
   SubbandSums sums;
   for (std::size_t j = 0; j < subbands.n(); ++j) {
-    double in_phase = 0.0, quadrature = 0.0;
-    for (std::size_t k = subbands.edge[j]; k < std::min(n, subbands.edge[j + 1]); ++k) {
-      in_phase += static_cast<double>(products.re[k]);
-      quadrature -= static_cast<double>(k) * static_cast<double>(products.im[k]);
-    }
-    sums.in_phase[j] = in_phase;
-    sums.quadrature[j] = filter.omega() * quadrature;
+    constexpr std::size_t kSums = 4;  // side by side, or each addition waits for the one before
+    std::array<double, kSums> in_phase{}, quadrature{};
+    const auto add = [&](std::size_t k, std::size_t lane) {
+      in_phase[lane] += static_cast<double>(products.re[k]);
+      quadrature[lane] -= static_cast<double>(k) * static_cast<double>(products.im[k]);
+    };
+    std::size_t k = subbands.edge[j];
+    const std::size_t end = std::min(n, subbands.edge[j + 1]);
+    for (; k + kSums <= end; k += kSums)
+      for (std::size_t lane = 0; lane < kSums; ++lane) add(k + lane, lane);
+    for (; k < end; ++k) add(k, 0);
+    sums.in_phase[j] = std::accumulate(in_phase.begin(), in_phase.end(), 0.0);
+    sums.quadrature[j] = filter.omega() * std::accumulate(quadrature.begin(), quadrature.end(), 0.0);
   }
   return sums;
 }

@@ -101,9 +101,9 @@ RingingTransform::RingingTransform(const std::vector<Complex>& poles) : fft_(kLe
 }
 
 void RingingTransform::add(const float* re, const float* im, std::span<float> out) const {
-  audio::Spectrum bins{std::vector<float>(kBins + kTaps), std::vector<float>(kBins + kTaps)};
-  add_rows(poles_, first_bins_.data(), re_.data(), im_.data(), re, im, bins.re.data(), bins.im.data());
-  const std::vector<float> ringing = fft_.inverse(bins);
+  std::array<float, kBins + kTaps> bins_re{}, bins_im{};
+  add_rows(poles_, first_bins_.data(), re_.data(), im_.data(), re, im, bins_re.data(), bins_im.data());
+  const std::span<const float> ringing = fft_.inverse(std::span(bins_re).first(kBins), std::span(bins_im).first(kBins));
   add_product(ringing.data() + kFrames / 2, correction_.data(), kFrames, out.data());
 }
 

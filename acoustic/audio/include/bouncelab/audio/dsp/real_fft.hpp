@@ -31,6 +31,8 @@ class RealFft {
   void forward(std::span<const float> x, Spectrum& spectrum) const;
   /// n samples; bins that are missing are 0
   std::vector<float> inverse(const Spectrum& spectrum) const;
+  /// The same samples, until the thread's next transform: nothing is copied.
+  std::span<const float> inverse(std::span<const float> re, std::span<const float> im) const;
 
   struct Plan;
 
