@@ -192,10 +192,11 @@ SoundDecoder::SoundDecoder(SoundBytes bytes, std::string name)
   s.info.description = description_of(header.format);
   s.info.lossy_coding = lossy_coding_of(header.format);
   s.info.may_be_infinite = !is_integer(header.format);
-  s.has_length = header.frames != SF_COUNT_MAX && !(length && !length->n_promised);
-  if (length && length->n_promised && length->n_bytes > 0)
-    s.info.n_frames =
-        std::llround(static_cast<double>(header.frames) * *length->n_promised / static_cast<double>(length->n_bytes));
+  if (length)
+    s.info.n_frames = length->n_promised ? std::llround(static_cast<double>(header.frames) * *length->n_promised /
+                                                        static_cast<double>(std::max<std::int64_t>(length->n_bytes, 1)))
+                                         : SF_COUNT_MAX;
+  s.has_length = s.info.n_frames != SF_COUNT_MAX;
   s.piece.resize(static_cast<std::size_t>(kFramesAtOnce * header.channels));
 }
 
