@@ -42,7 +42,7 @@ std::string of_drift(const BetweenRecordings& between) {
       "%s a %s, %+.2g over %.*f %ss; %s", in_words(drift.slope.value, drift.slope.se).c_str(), unit.c_str(),
       drift.slope.value * length, length < 10.0 ? 1 : 0, length, unit.c_str(), p_in_words(drift.p_value).c_str());
   if (drift.p_value < kUnlikely)
-    return std::string("ε ") + (drift.slope.value > 0.0 ? "rises" : "falls") + " over the campaign: " + slope + ".";
+    return (drift.slope.value > 0.0 ? "ε rises over the campaign: " : "ε falls over the campaign: ") + slope + ".";
   return "There is no drift to be seen: " + slope + ".";
 }
 

@@ -53,14 +53,10 @@ class Recording {
       : channels_(std::move(channels)), n_read_(channels_.size(), 0) {
     for (std::size_t c = 0; c < channels_.size(); ++c) {
       const audio::AudioSource held = audio::source_in_memory(channels_[c], kFull_hz);
-      sources_.push_back({held.rate_hz,
-                          held.n_samples,
-                          [this, c, held](std::int64_t first, std::span<float> out) {
+      sources_.push_back({held.rate_hz, held.n_samples, [this, c, held](std::int64_t first, std::span<float> out) {
                             n_read_[c] += std::ssize(out);
                             held.read(first, out);
-                          },
-                          {},
-                          0});
+                          }});
     }
   }
   ChosenChannel chosen() const { return choose_channel(sources_, 1, {}); }
