@@ -208,7 +208,7 @@ TEST_F(FitCommand, RecordingsAreKeptFromTheOnsetsToTheFitInEveryFormat) {
     for (std::string line; std::getline(lines, line);) both += std::string(name) + "," + line + "\n";
   }
   write("o.csv", both);
-  for (const std::string format : {"csv", "jsonl", "h5"}) {
+  for (const std::string format : {"csv", "jsonl"}) {
     EXPECT_EQ(run("restitution o.csv --out s." + format).exit_code, 0);
     run("fit s." + format + " --out f.json --force --quiet --goodness-replicates 0");
     ASSERT_EQ(found().at("recordings").size(), 2u) << format;

@@ -39,12 +39,13 @@ T* fftw_array(std::size_t n) {
   return array;
 }
 
+struct FreeArray {
+  void operator()(void* p) const { fftwf_free(p); }
+};
+
 Workspace& workspace_for(std::size_t n) {
-  struct Free {
-    void operator()(void* p) const { fftwf_free(p); }
-  };
-  thread_local std::unique_ptr<float, Free> samples;
-  thread_local std::unique_ptr<fftwf_complex, Free> bins;
+  thread_local std::unique_ptr<float, FreeArray> samples;
+  thread_local std::unique_ptr<fftwf_complex, FreeArray> bins;
   thread_local std::size_t n_held = 0;
   thread_local Workspace work;
   if (n > n_held) {
@@ -56,6 +57,8 @@ Workspace& workspace_for(std::size_t n) {
   return work;
 }
 
+constexpr std::size_t kRoomToPlan = 1 << 22;  // floats, 16 MB: other threads may take most of it meanwhile
+
 /// FFTW may plan on one thread at a time; by estimate only, because the plans that it measures differ from run to run.
 const RealFft::Plan& plan_for(std::size_t n) {
   static std::mutex mutex;
@@ -64,6 +67,8 @@ const RealFft::Plan& plan_for(std::size_t n) {
   RealFft::Plan& plan = known[n];
   if (plan.forward == nullptr) {
     const Workspace& work = workspace_for(n);
+    // a planner that gets no memory ends the process: whether there is some is asked before
+    std::unique_ptr<float, FreeArray>(fftw_array<float>(kRoomToPlan)).reset();
     plan.forward.reset(fftwf_plan_dft_r2c_1d(static_cast<int>(n), work.samples, work.bins, FFTW_ESTIMATE));
     plan.inverse.reset(fftwf_plan_dft_c2r_1d(static_cast<int>(n), work.bins, work.samples, FFTW_ESTIMATE));
   }
