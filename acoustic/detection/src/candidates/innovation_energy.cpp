@@ -7,7 +7,6 @@
 #include <cmath>
 #include <span>
 
-
 namespace bouncelab::detection {
 namespace {
 
