@@ -11,6 +11,9 @@
 #include <mutex>
 #include <new>
 #include <type_traits>
+#include <vector>
+
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
 
@@ -21,20 +24,22 @@ struct DestroyPlan {
 using FftwPlan = std::unique_ptr<std::remove_pointer_t<fftwf_plan>, DestroyPlan>;
 
 struct RealFft::Plan {
-  FftwPlan forward, inverse;
+  FftwPlan forward, inverse;        // complex, of half the length
+  std::vector<float> cosine, sine;  // of 2 pi k / n, k < n / 2
 };
 
 namespace {
 
-/// Buffers of transforms of up to n samples, one set for each thread.
+/// Buffers of transforms of up to n samples, one set for each thread: n numbers each.
 struct Workspace {
-  float* samples = nullptr;       // n
-  fftwf_complex* bins = nullptr;  // n / 2 + 1
+  float* samples = nullptr;
+  float* bins = nullptr;
 };
 
-template <class T>
-T* fftw_array(std::size_t n) {
-  auto* const array = static_cast<T*>(fftwf_malloc(n * sizeof(T)));
+fftwf_complex* as_complex(float* x) { return reinterpret_cast<fftwf_complex*>(x); }
+
+float* fftw_array(std::size_t n) {
+  auto* const array = fftwf_alloc_real(n);
   if (array == nullptr) throw std::bad_alloc();
   return array;
 }
@@ -44,13 +49,12 @@ struct FreeArray {
 };
 
 Workspace& workspace_for(std::size_t n) {
-  thread_local std::unique_ptr<float, FreeArray> samples;
-  thread_local std::unique_ptr<fftwf_complex, FreeArray> bins;
+  thread_local std::unique_ptr<float, FreeArray> samples, bins;
   thread_local std::size_t n_held = 0;
   thread_local Workspace work;
   if (n > n_held) {
-    samples.reset(fftw_array<float>(n));
-    bins.reset(fftw_array<fftwf_complex>(n / 2 + 1));
+    samples.reset(fftw_array(n));
+    bins.reset(fftw_array(n));
     work = {samples.get(), bins.get()};
     n_held = n;
   }
@@ -59,7 +63,34 @@ Workspace& workspace_for(std::size_t n) {
 
 constexpr std::size_t kRoomToPlan = 1 << 22;  // floats, 16 MB: other threads may take most of it meanwhile
 
+/// Bins 1 ... h - 1 of n = 2 h real samples x from those of the complex z[j] = x[2j] + i x[2j+1], of length h:
+///   X[k] = (Z[k] + Z*[h-k]) / 2 - i exp(-2 pi i k / n) (Z[k] - Z*[h-k]) / 2
+void unpack(const float* __restrict z, const RealFft::Plan& plan, float scale, std::size_t h, float* __restrict re,
+            float* __restrict im) {
+  const float *const c = plan.cosine.data(), *const s = plan.sine.data();
+  for (std::size_t k = 1; k < h; ++k) {
+    const float a = z[2 * k], b = z[2 * k + 1], a_mirrored = z[2 * (h - k)], b_mirrored = z[2 * (h - k) + 1];
+    const float even_re = a + a_mirrored, even_im = b - b_mirrored, odd_re = b + b_mirrored, odd_im = a_mirrored - a;
+    re[k] = 0.5F * scale * (even_re + c[k] * odd_re + s[k] * odd_im);
+    im[k] = 0.5F * scale * (even_im + c[k] * odd_im - s[k] * odd_re);
+  }
+}
+
+/// The other way round, without division by n: Z[k] = X[k] + X*[h-k] + i exp(2 pi i k / n) (X[k] - X*[h-k])
+void pack(const float* __restrict re, const float* __restrict im, const RealFft::Plan& plan, float scale, std::size_t h,
+          float* __restrict z) {
+  const float *const c = plan.cosine.data(), *const s = plan.sine.data();
+  for (std::size_t k = 1; k < h; ++k) {
+    const float even_re = re[k] + re[h - k], even_im = im[k] - im[h - k];
+    const float odd_re = re[k] - re[h - k], odd_im = im[k] + im[h - k];
+    z[2 * k] = scale * (even_re - c[k] * odd_im - s[k] * odd_re);
+    z[2 * k + 1] = scale * (even_im + c[k] * odd_re - s[k] * odd_im);
+  }
+}
+
 /// FFTW may plan on one thread at a time; by estimate only, because the plans that it measures differ from run to run.
+/// Complex transforms whose length is a power of two are the same to the last bit by registers of any width; FFTW's
+/// real ones are not, and take longer.
 const RealFft::Plan& plan_for(std::size_t n) {
   static std::mutex mutex;
   static std::map<std::size_t, RealFft::Plan> known;
@@ -68,9 +99,16 @@ const RealFft::Plan& plan_for(std::size_t n) {
   if (plan.forward == nullptr) {
     const Workspace& work = workspace_for(n);
     // a planner that gets no memory ends the process: whether there is some is asked before
-    std::unique_ptr<float, FreeArray>(fftw_array<float>(kRoomToPlan)).reset();
-    plan.forward.reset(fftwf_plan_dft_r2c_1d(static_cast<int>(n), work.samples, work.bins, FFTW_ESTIMATE));
-    plan.inverse.reset(fftwf_plan_dft_c2r_1d(static_cast<int>(n), work.bins, work.samples, FFTW_ESTIMATE));
+    std::unique_ptr<float, FreeArray>(fftw_array(kRoomToPlan)).reset();
+    const auto size = static_cast<int>(n / 2);
+    fftwf_complex *const in = as_complex(work.samples), *const out = as_complex(work.bins);
+    plan.forward.reset(fftwf_plan_dft_1d(size, in, out, FFTW_FORWARD, FFTW_ESTIMATE));
+    plan.inverse.reset(fftwf_plan_dft_1d(size, out, in, FFTW_BACKWARD, FFTW_ESTIMATE));
+    for (int k = 0; k < size; ++k) {
+      const double phase = 2.0 * kPi * k / static_cast<double>(n);
+      plan.cosine.push_back(static_cast<float>(cos(phase)));
+      plan.sine.push_back(static_cast<float>(sin(phase)));
+    }
   }
   return plan;
 }
@@ -90,16 +128,11 @@ void RealFft::forward(std::span<const float> x, Spectrum& spectrum) const {
   const std::size_t h = n_ / 2;
   Workspace& work = workspace_for(n_);
   std::fill(std::copy(x.begin(), x.end(), work.samples), work.samples + n_, 0.0F);
-  fftwf_execute_dft_r2c(plan_->forward.get(), work.samples, work.bins);
+  fftwf_execute_dft(plan_->forward.get(), as_complex(work.samples), as_complex(work.bins));
   spectrum.re.resize(h + 1);
   spectrum.im.resize(h + 1);
   const auto scale = static_cast<float>(std::sqrt(2.0 / static_cast<double>(n_)));
-  float* __restrict const re = spectrum.re.data();
-  float* __restrict const im = spectrum.im.data();
-  for (std::size_t k = 1; k < h; ++k) {
-    re[k] = scale * work.bins[k][0];
-    im[k] = scale * work.bins[k][1];
-  }
+  unpack(work.bins, *plan_, scale, h, spectrum.re.data(), spectrum.im.data());
   spectrum.re[0] = spectrum.im[0] = spectrum.re[h] = spectrum.im[h] = 0.0F;
 }
 
@@ -111,14 +144,13 @@ std::vector<float> RealFft::inverse(const Spectrum& spectrum) const {
 std::span<const float> RealFft::inverse(std::span<const float> re, std::span<const float> im) const {
   Workspace& work = workspace_for(n_);
   const std::size_t h = n_ / 2, n_bins = std::min(re.size(), h);
+  std::fill_n(work.samples, n_, 0.0F);
+  std::copy_n(re.begin(), n_bins, work.samples);
+  std::copy_n(im.begin(), n_bins, work.samples + h);
   const auto scale = static_cast<float>(std::sqrt(0.5 / static_cast<double>(n_)));
-  float* __restrict const bins = &work.bins[0][0];
-  std::fill_n(bins, 2 * (h + 1), 0.0F);
-  for (std::size_t k = 1; k < n_bins; ++k) {
-    bins[2 * k] = scale * re[k];
-    bins[2 * k + 1] = scale * im[k];
-  }
-  fftwf_execute_dft_c2r(plan_->inverse.get(), work.bins, work.samples);
+  pack(work.samples, work.samples + h, *plan_, scale, h, work.bins);
+  work.bins[0] = work.bins[1] = 0.0F;
+  fftwf_execute_dft(plan_->inverse.get(), as_complex(work.bins), as_complex(work.samples));
   return {work.samples, n_};
 }
 
