@@ -190,19 +190,21 @@ BOUNCELAB_VECTOR_CLONES void normal_cdfs(std::size_t n, const double* density_ar
   }
 }
 
-}  // namespace
-
-BOUNCELAB_VECTOR_CLONES void SidesBlock::complete(std::size_t n) {
+BOUNCELAB_VECTOR_CLONES void complete_sides(std::size_t n, SidesBlock& sides) {
   for (std::size_t k = 0; k < n; ++k) {
-    const double below = b_below[k], above = b_above[k];
+    const double below = sides.b_below[k], above = sides.b_above[k];
     const double sum = below + above, product = below * above;
     const double inverse = 1.0 / (sum * product);  // one division serves all
-    inverse_below[k] = inverse * sum * above;
-    inverse_above[k] = inverse * sum * below;
-    p_above[k] = inverse * product * above;
-    inverse_width[k] = inverse * product;
+    sides.inverse_below[k] = inverse * sum * above;
+    sides.inverse_above[k] = inverse * sum * below;
+    sides.p_above[k] = inverse * product * above;
+    sides.inverse_width[k] = inverse * product;
   }
 }
+
+}  // namespace
+
+void SidesBlock::complete(std::size_t n) { complete_sides(n, *this); }
 
 void SidesBlock::fill(double below, double above) {
   b_below.fill(below);
