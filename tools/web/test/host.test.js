@@ -21,11 +21,11 @@ describe('the site', {skip: missing ?? false}, () => {
   });
 
   // tools/web/README.md says what takes how much
-  test('everything together has at most 1.5 MB compressed', t => {
+  test('everything together has at most 2 MB compressed', t => {
     const sizes = readdirSync(site).filter(name => !name.endsWith('.map')).map(name => [name, gzipSync(readFileSync(join(site, name)), {level: 9}).length]);
     const total = sizes.reduce((sum, [, n]) => sum + n, 0);
-    t.diagnostic(`compressed: ${(total / 1e6).toFixed(3)} MB (bar 1.5); ${sizes.sort((a, b) => b[1] - a[1]).slice(0, 4).map(([name, n]) => `${name} ${(n / 1e3).toFixed(0)} kB`).join(', ')}`);
-    assert.ok(total <= 1.5e6, `${total}`);
+    t.diagnostic(`compressed: ${(total / 1e6).toFixed(3)} MB (bar 2); ${sizes.sort((a, b) => b[1] - a[1]).slice(0, 4).map(([name, n]) => `${name} ${(n / 1e3).toFixed(0)} kB`).join(', ')}`);
+    assert.ok(total <= 2e6, `${total}`);
   });
 
   for (const width of [360, 1280]) for (const scheme of ['light', 'dark']) {
