@@ -79,7 +79,8 @@ How fast bouncelab is against what one would use otherwise. `tools/bench` wrote 
 - **Times** are of processors, user and system, the least of several runs; one thread, where no number of cores is given. Commands count
   from the start of the program to their output.
 - `aubioonset` is a general onset detector in C. *SciPy* is what one would write in an afternoon, a trigger, a stack and a cross-correlation
-  (`tests/bench/trigger_stack.py`), without the start of Python and its imports. The two numbers after a detector's time are the share of impacts that it finds within 1 ms and the share of its onsets that are impacts.
+  (`tests/bench/trigger_stack.py`), without the start of Python and its imports. The two numbers after a detector's time
+  are the share of impacts that it finds within 1 ms and the share of its onsets that are impacts.
 - Sounds without a ball are silence, noise, a tone, clicks, and bursts of coloured noise as in speech or music (`tests/bench/sounds.py`).
 """
 
