@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// What the members of a struct of options or results are, said once: name, text, kind, range, and how to reach them.
+/// JSON, tables, options of the command line, keywords of Python and the tables of docs/formats.md are made by ordinary
+/// functions over it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace bouncelab {
+
+/// Numbers by name, in their order: counts by reason, seconds by stage.
+using NamedNumbers = std::vector<std::pair<std::string, double>>;
+
+/// What a member holds. std::monostate: not known.
+using Value = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>,
+                           std::vector<std::int64_t>, std::vector<std::string>, NamedNumbers>;
+
+struct Description;
+
+/// An object of some struct, and what that is.
+struct Described {
+  const Description* description = nullptr;
+  const void* object = nullptr;
+};
+
+/// One member of a struct.
+struct Member {
+  /// object: one of another struct, or none; objects: a list of them.
+  enum class Kind { flag, integer, natural, real, text, reals, integers, texts, named_numbers, object, objects };
+
+  std::string name;  ///< key of JSON, column; an option has '-' for '_'. With the unit as a suffix where it has one
+  std::string text;  ///< what it is: a sentence without its full stop
+  Kind kind = Kind::text;
+  bool may_be_unknown = false;
+
+  std::function<Value(const void*)> get;                       ///< of all kinds but object and objects
+  std::function<void(void*, Value)> set;                       ///< absent: it cannot be set
+  std::function<std::vector<Described>(const void*)> objects;  ///< of object (one or none) and objects
+  const Description* (*described_by)() = nullptr;              ///< what these are
+
+  // of options
+  double least = -std::numeric_limits<double>::infinity();  ///< of a number, or of each of a list
+  double greatest = std::numeric_limits<double>::infinity();
+  std::vector<std::string> choices;               ///< texts that it may be; empty: any
+  std::function<void(const std::string&)> check;  ///< throws InvalidArgument where a text is none
+  std::string form;                               ///< what a text or list looks like: FILE, X,Y
+  std::size_t n_least = 0, n_most = 0;            ///< numbers in a list written with commas; 0: any
+  bool is_required = false, is_positional = false;
+
+  // NOLINTBEGIN(*-identifier-naming): read as sentences where members are listed
+  Member&& within(double lo, double hi) &&;
+  Member&& one_of(std::vector<std::string> names) &&;
+  Member&& looks_like(std::string how) &&;
+  /// A list of `least` to `most` numbers with commas between them; others may be given several times.
+  Member&& with_commas(std::string how, std::size_t least, std::size_t most) &&;
+  Member&& checked_by(std::function<void(const std::string&)> accepts) &&;
+  Member&& required() &&;
+  Member&& positional() &&;
+  // NOLINTEND(*-identifier-naming)
+};
+
+/// All members of a struct, in the order in which they are shown.
+struct Description {
+  std::string name;  ///< of the struct, for people: "Detection"
+  std::vector<Member> members;
+};
+
+// What follows makes members of pointers to them.
+
+namespace describe_detail {
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
+
+template <class T>
+constexpr Member::Kind kind_of() {
+  using Kind = Member::Kind;
+  if constexpr (IsOptional<T>::value) {
+    return kind_of<typename T::value_type>();
+  } else if constexpr (std::is_same_v<T, bool>) {
+    return Kind::flag;
+  } else if constexpr (std::is_same_v<T, std::uint64_t>) {
+    return Kind::natural;
+  } else if constexpr (std::is_integral_v<T>) {
+    return Kind::integer;
+  } else if constexpr (std::is_floating_point_v<T>) {
+    return Kind::real;
+  } else if constexpr (std::is_same_v<T, NamedNumbers>) {
+    return Kind::named_numbers;
+  } else if constexpr (IsVector<T>::value) {
+    using Element = typename T::value_type;
+    if constexpr (std::is_integral_v<Element>)
+      return Kind::integers;
+    else if constexpr (std::is_floating_point_v<Element>)
+      return Kind::reals;
+    else if constexpr (std::is_convertible_v<Element, std::string>)
+      return Kind::texts;
+    else
+      return Kind::objects;
+  } else if constexpr (std::is_convertible_v<T, std::string>) {
+    return Kind::text;
+  } else {
+    return Kind::object;
+  }
+}
+
+template <class T>
+Value value_of(const T& x) {
+  constexpr Member::Kind kind = kind_of<T>();
+  if constexpr (IsOptional<T>::value) {
+    return x ? value_of(*x) : Value{};
+  } else if constexpr (kind == Member::Kind::integer) {
+    return static_cast<std::int64_t>(x);
+  } else if constexpr (kind == Member::Kind::real) {
+    return static_cast<double>(x);
+  } else if constexpr (kind == Member::Kind::integers) {
+    return std::vector<std::int64_t>(x.begin(), x.end());
+  } else if constexpr (kind == Member::Kind::reals) {
+    return std::vector<double>(x.begin(), x.end());
+  } else if constexpr (kind == Member::Kind::texts) {
+    return std::vector<std::string>(x.begin(), x.end());
+  } else if constexpr (kind == Member::Kind::text) {
+    return std::string(x);
+  } else {
+    return x;
+  }
+}
+
+template <class T>
+void set_value(T& x, Value&& value) {
+  constexpr Member::Kind kind = kind_of<T>();
+  if constexpr (IsOptional<T>::value) {
+    if (std::holds_alternative<std::monostate>(value))
+      x.reset();
+    else
+      set_value(x.emplace(), std::move(value));
+  } else if constexpr (kind == Member::Kind::integer) {
+    x = static_cast<T>(std::get<std::int64_t>(value));
+  } else if constexpr (kind == Member::Kind::real) {
+    x = static_cast<T>(std::get<double>(value));
+  } else if constexpr (kind == Member::Kind::integers) {
+    const auto& all = std::get<std::vector<std::int64_t>>(value);
+    x.assign(all.begin(), all.end());
+  } else if constexpr (kind == Member::Kind::reals) {
+    const auto& all = std::get<std::vector<double>>(value);
+    x.assign(all.begin(), all.end());
+  } else {
+    x = std::get<T>(std::move(value));
+  }
+}
+
+template <class T>
+constexpr bool kIsMadeOfObjects = kind_of<T>() == Member::Kind::object || kind_of<T>() == Member::Kind::objects;
+
+/// The struct that an object of type T is described as.
+template <class T>
+const Description* description_of() {
+  if constexpr (IsOptional<T>::value || IsVector<T>::value)
+    return description_of<typename T::value_type>();
+  else
+    return &describe(static_cast<const T*>(nullptr));  // found beside T
+}
+
+template <class T>
+std::vector<Described> objects_in(const T& x) {
+  std::vector<Described> all;
+  if constexpr (IsVector<T>::value) {
+    for (const auto& element : x) all.push_back({description_of<T>(), &element});
+  } else if constexpr (IsOptional<T>::value) {
+    if (x) all.push_back({description_of<T>(), &*x});
+  } else {
+    all.push_back({description_of<T>(), &x});
+  }
+  return all;
+}
+
+}  // namespace describe_detail
+
+/// A member of S or of what S is made of.
+/// @param reach  from S to the member: member<FitConfig>("nodes", [](auto& c) -> auto& { return c.law.nodes; }, "...")
+template <class S, class Reach>
+Member member(std::string name, Reach reach, std::string text) {
+  using T = std::remove_cvref_t<decltype(reach(std::declval<S&>()))>;
+  Member made;
+  made.name = std::move(name);
+  made.text = std::move(text);
+  made.kind = describe_detail::kind_of<T>();
+  made.may_be_unknown = describe_detail::IsOptional<T>::value;
+  if constexpr (describe_detail::kIsMadeOfObjects<T>) {
+    made.objects = [reach](const void* s) { return describe_detail::objects_in(reach(*static_cast<const S*>(s))); };
+    made.described_by = &describe_detail::description_of<T>;
+  } else {
+    made.get = [reach](const void* s) { return describe_detail::value_of(reach(*static_cast<const S*>(s))); };
+    made.set = [reach](void* s, Value value) {
+      describe_detail::set_value(reach(*static_cast<S*>(s)), std::move(value));
+    };
+  }
+  return made;
+}
+
+template <class S, class T>
+Member member(std::string name, T S::*where, std::string text) {
+  return member<S>(
+      std::move(name), [where](auto& s) -> auto& { return s.*where; }, std::move(text));
+}
+
+/// What follows from members: it can be shown, and not be set.
+/// @param compute  from a const S& to a value, or to objects that live as long as S
+template <class S, class Compute>
+Member computed(std::string name, Compute compute, std::string text) {
+  using T = std::remove_cvref_t<decltype(compute(std::declval<const S&>()))>;
+  Member made;
+  made.name = std::move(name);
+  made.text = std::move(text);
+  made.kind = describe_detail::kind_of<T>();
+  made.may_be_unknown = describe_detail::IsOptional<T>::value;
+  static_assert(!describe_detail::kIsMadeOfObjects<T>, "objects are members");
+  made.get = [compute](const void* s) { return describe_detail::value_of(compute(*static_cast<const S*>(s))); };
+  return made;
+}
+
+/// An enumeration, whose values have names: choice<S, E>("kind", &S::kind, {{"round", E::round}}, "...").
+/// @param reach  pointer to the member, or as of `member`
+template <class S, class E, class Reach>
+Member choice(std::string name, Reach reach, std::vector<std::pair<std::string, E>> names, std::string text) {
+  Member made;
+  made.name = std::move(name);
+  made.text = std::move(text);
+  for (const auto& [word, meaning] : names) made.choices.push_back(word);
+  made.get = [reach, names](const void* s) -> Value {
+    for (const auto& [word, meaning] : names)
+      if (meaning == std::invoke(reach, *static_cast<const S*>(s))) return word;
+    return {};
+  };
+  made.set = [reach, names](void* s, const Value& value) {
+    for (const auto& [word, meaning] : names)
+      if (word == std::get<std::string>(value)) std::invoke(reach, *static_cast<S*>(s)) = meaning;
+  };
+  return made;
+}
+
+template <class T>
+Described described(const T& object) {
+  return {describe_detail::description_of<T>(), &object};
+}
+
+// What is made of descriptions.
+
+/// Members as an object of JSON, in their order; what is not known or not finite is null.
+/// @param indent  spaces for each level; -1: one line
+std::string json_text(const Described& object, int indent = -1);
+template <class T>
+std::string json_of(const T& object, int indent = -1) {
+  return json_text(described(object), indent);
+}
+
+/// The value that a text means, as it is typed or stands in a file of options.
+/// @throws InvalidArgument "'x' must be a decimal integer from 0 to 7", without the member's name
+Value value_from_text(const Member& member, const std::string& text);
+/// Several texts for one member that may be given several times; the last of others.
+Value value_from_texts(const Member& member, const std::vector<std::string>& texts);
+/// A value as it would be typed; empty where it is not known. Numbers with the fewest digits that read back the same.
+std::string text_of(const Value& value);
+/// "0 to 1024"; empty where there is no range.
+std::string range_of(const Member& member);
+/// Whether each value is given by itself: --nodes 0.3 --nodes 0.6 (or --nodes 0.3 0.6).
+bool is_repeated(const Member& member);
+/// The name as an option has it: '-' for '_'.
+std::string option_name(const Member& member);
+
+/// A table of Markdown: name, unit, meaning (with range and default, of options). The unit follows from the name.
+std::string markdown_table(const Description& description);
+
+}  // namespace bouncelab

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/description.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
+
+namespace bouncelab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = Member::Kind;
+
+Json json_of_value(const Value& value) {
+  return std::visit(
+      [](const auto& x) -> Json {
+        using T = std::remove_cvref_t<decltype(x)>;
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else if constexpr (std::is_same_v<T, NamedNumbers>) {
+          Json numbers = Json::object();
+          for (const auto& [name, number] : x) numbers[name] = number;
+          return numbers;
+        } else {
+          return x;
+        }
+      },
+      value);
+}
+
+Json json_of_object(const Described& described) {
+  Json json = Json::object();
+  for (const Member& member : described.description->members) {
+    if (!member.objects) {
+      json[member.name] = json_of_value(member.get(described.object));
+      continue;
+    }
+    const std::vector<Described> objects = member.objects(described.object);
+    if (member.kind == Kind::object) {
+      json[member.name] = objects.empty() ? Json(nullptr) : json_of_object(objects.front());
+      continue;
+    }
+    Json& list = json[member.name] = Json::array();
+    for (const Described& object : objects) list.push_back(json_of_object(object));
+  }
+  return json;
+}
+
+/// Absent where the text is not one decimal number that T holds, with or without a sign.
+template <class T>
+std::optional<T> decimal(std::string_view text) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  T value{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<T>)
+    if (!std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+template <class T>
+std::string number_text(T number) {
+  std::string text(32, '\0');
+  text.resize(
+      static_cast<std::size_t>(std::to_chars(text.data(), text.data() + text.size(), number).ptr - text.data()));
+  return text;
+}
+
+[[noreturn]] void refuse(const std::string& text, const std::string& what) {
+  throw InvalidArgument("'" + printable(text) + "' must be " + what);
+}
+
+bool has_range(const Member& member) { return std::isfinite(member.least) || std::isfinite(member.greatest); }
+
+std::string from_range(const Member& member) { return has_range(member) ? " from " + range_of(member) : ""; }
+
+template <class T>
+T number(const Member& member, const std::string& text) {
+  const std::optional<T> value = decimal<T>(text);
+  const bool is_in_range =
+      value && static_cast<double>(*value) >= member.least && static_cast<double>(*value) <= member.greatest;
+  if (is_in_range) return *value;
+  if constexpr (std::is_floating_point_v<T>)
+    refuse(text, "a finite decimal number" + from_range(member));
+  else
+    refuse(text, "a decimal integer" + (has_range(member) ? from_range(member)
+                                                          : " from " + number_text(std::numeric_limits<T>::min()) +
+                                                                " to " + number_text(std::numeric_limits<T>::max())));
+}
+
+std::vector<std::string> between_commas(const std::string& text) {
+  std::vector<std::string> parts{""};
+  for (const char c : text) {
+    if (c == ',')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+std::vector<double> list_with_commas(const Member& member, const std::string& text) {
+  const std::vector<std::string> parts = between_commas(text);
+  std::vector<double> values;
+  for (const std::string& part : parts)
+    if (const auto value = decimal<double>(part)) values.push_back(*value);
+  if (values.size() != parts.size() || values.size() < member.n_least || values.size() > member.n_most)
+    refuse(text, number_text(member.n_least) +
+                     (member.n_least == member.n_most ? "" : " or " + number_text(member.n_most)) +
+                     " finite decimal numbers, " + member.form);
+  for (const double value : values)
+    if (!(value >= member.least && value <= member.greatest)) refuse(text, "numbers from " + range_of(member));
+  return values;
+}
+
+std::string checked(const Member& member, const std::string& text) {
+  if (member.check) member.check(text);
+  if (member.choices.empty() || std::find(member.choices.begin(), member.choices.end(), text) != member.choices.end())
+    return text;
+  std::string all;
+  for (const std::string& choice : member.choices) {
+    if (!all.empty()) all += ", ";
+    all += choice;
+  }
+  refuse(text, "one of " + all);
+}
+
+/// The unit at the end of a name: "m/s" of v_mps; empty where it has none.
+std::string unit_of(const std::string& name) {
+  static const std::vector<std::pair<std::string, std::string>> units{
+      {"_mps2", "m/s²"}, {"_mps", "m/s"},     {"_radps", "rad/s"}, {"_rad", "rad"},     {"_hz", "Hz"},
+      {"_db", "dB"},     {"_kgpm3", "kg/m³"}, {"_kg", "kg"},       {"_deg", "degrees"}, {"_pa", "Pa"},
+      {"_j", "J"},       {"_m", "m"},         {"_s", "s"}};
+  for (const auto& [suffix, unit] : units)
+    if (name.ends_with(suffix)) return unit;
+  return "";
+}
+
+}  // namespace
+
+Member&& Member::within(double lo, double hi) && {
+  least = lo;
+  greatest = hi;
+  return std::move(*this);
+}
+Member&& Member::one_of(std::vector<std::string> names) && {
+  choices = std::move(names);
+  return std::move(*this);
+}
+Member&& Member::looks_like(std::string how) && {
+  form = std::move(how);
+  return std::move(*this);
+}
+Member&& Member::with_commas(std::string how, std::size_t least_number, std::size_t most_number) && {
+  form = std::move(how);
+  n_least = least_number;
+  n_most = most_number;
+  return std::move(*this);
+}
+Member&& Member::checked_by(std::function<void(const std::string&)> accepts) && {
+  check = std::move(accepts);
+  return std::move(*this);
+}
+Member&& Member::required() && {
+  is_required = true;
+  return std::move(*this);
+}
+Member&& Member::positional() && {
+  is_positional = true;
+  return std::move(*this);
+}
+
+std::string json_text(const Described& object, int indent) {
+  return json_of_object(object).dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Value value_from_text(const Member& member, const std::string& text) {
+  switch (member.kind) {
+    case Kind::flag:
+      if (text != "true" && text != "false") refuse(text, "true or false");
+      return text == "true";
+    case Kind::integer:
+      return number<std::int64_t>(member, text);
+    case Kind::natural:
+      return number<std::uint64_t>(member, text);
+    case Kind::real:
+      return number<double>(member, text);
+    case Kind::text:
+      return checked(member, text);
+    case Kind::texts:
+      return std::vector<std::string>{checked(member, text)};
+    case Kind::integers:
+      return std::vector<std::int64_t>{number<std::int64_t>(member, text)};
+    case Kind::reals:
+      return member.n_most > 0 ? list_with_commas(member, text) : std::vector<double>{number<double>(member, text)};
+    case Kind::named_numbers:
+    case Kind::object:
+    case Kind::objects:
+      break;
+  }
+  throw Error("'" + member.name + "' is not set by a text");
+}
+
+Value value_from_texts(const Member& member, const std::vector<std::string>& texts) {
+  if (!is_repeated(member)) return value_from_text(member, texts.back());
+  Value all = value_from_text(member, texts.front());
+  for (std::size_t k = 1; k < texts.size(); ++k)
+    std::visit(
+        [&](auto& list) {
+          using T = std::remove_cvref_t<decltype(list)>;
+          if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, NamedNumbers>)
+            list.push_back(std::get<T>(value_from_text(member, texts[k])).front());
+        },
+        all);
+  return all;
+}
+
+std::string text_of(const Value& value) {
+  return std::visit(
+      [](const auto& x) -> std::string {
+        using T = std::remove_cvref_t<decltype(x)>;
+        if constexpr (std::is_same_v<T, bool>) {
+          return x ? "true" : "false";
+        } else if constexpr (std::is_arithmetic_v<T>) {
+          return number_text(x);
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          return x;
+        } else if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, NamedNumbers>) {
+          std::string all;
+          for (const auto& element : x) {
+            if (&element != &x.front()) all += ',';
+            all += text_of(Value(element));
+          }
+          return all;
+        } else {
+          return "";
+        }
+      },
+      value);
+}
+
+std::string range_of(const Member& member) {
+  if (!has_range(member)) return "";
+  const auto limit = [&](double x) {
+    return member.kind == Kind::integer || member.kind == Kind::integers ? number_text(static_cast<std::int64_t>(x))
+                                                                         : number_text(x);
+  };
+  return limit(member.least) + " to " + limit(member.greatest);
+}
+
+bool is_repeated(const Member& member) {
+  return member.kind == Kind::texts || member.kind == Kind::integers ||
+         (member.kind == Kind::reals && member.n_most == 0);
+}
+
+std::string option_name(const Member& member) {
+  std::string name = member.name;
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+std::string markdown_table(const Description& description) {
+  std::string table = "| name | unit | meaning |\n|---|---|---|\n";
+  for (const Member& member : description.members) {
+    const std::string range = range_of(member);
+    table += "| `" + member.name + "` | " + unit_of(member.name) + (unit_of(member.name).empty() ? "| " : " | ") +
+             member.text + (range.empty() ? "" : "; " + range) + " |\n";
+  }
+  return table;
+}
+
+}  // namespace bouncelab

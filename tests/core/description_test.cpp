@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/description.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "bouncelab/core/error.hpp"
+
+namespace bouncelab {
+namespace {
+
+enum class Kind { round, flat };
+
+struct Part {
+  double mass_kg = 0.5;
+};
+struct Whole {
+  std::int64_t n = 3;
+  std::optional<double> speed_mps;
+  std::string name = "a";
+  std::vector<double> nodes{0.25, 0.6};
+  std::vector<double> start_m{0.0, 1.5};
+  bool drag = false;
+  Kind kind = Kind::flat;
+  std::vector<Part> parts{{1.0}, {2.0}};
+  std::optional<Part> spare;
+  NamedNumbers seconds{{"fit", 0.5}};
+};
+
+const Description& describe(const Part*) {
+  static const Description part{"Part", {member("mass_kg", &Part::mass_kg, "Mass").within(0.0, 10.0)}};
+  return part;
+}
+
+const Description& describe(const Whole*) {
+  static const Description whole{
+      "Whole",
+      {member("n", &Whole::n, "Number").within(1, 1'000'000'000), member("speed_mps", &Whole::speed_mps, "Speed"),
+       member("name", &Whole::name, "Name"), member("nodes", &Whole::nodes, "Nodes").within(0.0, 1.0),
+       member("start_m", &Whole::start_m, "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
+       member("drag", &Whole::drag, "Air"),
+       choice<Whole, Kind>("kind", &Whole::kind, {{"round", Kind::round}, {"flat", Kind::flat}}, "Form"),
+       member("parts", &Whole::parts, "Parts"), member("spare", &Whole::spare, "Spare"),
+       member("seconds", &Whole::seconds, "Seconds"),
+       computed<Whole>(
+           "twice", [](const Whole& w) { return 2 * w.n; }, "2 n")}};
+  return whole;
+}
+
+const Member& member_named(const std::string& name) {
+  for (const Member& m : describe(static_cast<const Whole*>(nullptr)).members)
+    if (m.name == name) return m;
+  throw Error("no member " + name);
+}
+
+/// The message with which a text is refused.
+std::string refusal(const std::string& name, const std::string& text) {
+  try {
+    value_from_text(member_named(name), text);
+  } catch (const InvalidArgument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Description, ObjectsBecomeJsonInTheOrderOfTheirMembers) {
+  Whole whole;
+  whole.speed_mps = std::nan("");
+  EXPECT_EQ(json_of(whole),
+            R"({"n":3,"speed_mps":null,"name":"a","nodes":[0.25,0.6],"start_m":[0.0,1.5],"drag":false,"kind":"flat",)"
+            R"("parts":[{"mass_kg":1.0},{"mass_kg":2.0}],"spare":null,"seconds":{"fit":0.5},"twice":6})");
+}
+
+TEST(Description, ATextSetsTheMemberItIsReadFor) {
+  Whole whole;
+  const auto set = [&](const std::string& name, const std::vector<std::string>& texts) {
+    member_named(name).set(&whole, value_from_texts(member_named(name), texts));
+  };
+  set("n", {"7", "8"});
+  set("speed_mps", {"1e-3"});
+  set("nodes", {"0.3", "0.5"});
+  set("start_m", {"1,2"});
+  set("kind", {"round"});
+  set("drag", {"true"});
+  EXPECT_EQ(whole.n, 8);
+  EXPECT_EQ(whole.speed_mps, 1e-3);
+  EXPECT_EQ(whole.nodes, (std::vector{0.3, 0.5}));
+  EXPECT_EQ(whole.start_m, (std::vector{1.0, 2.0}));
+  EXPECT_EQ(whole.kind, Kind::round);
+  EXPECT_TRUE(whole.drag);
+}
+
+TEST(Description, ATextOutsideIsRefusedWithWhatItMustBe) {
+  EXPECT_EQ(refusal("n", "0x10"), "'0x10' must be a decimal integer from 1 to 1000000000");
+  EXPECT_EQ(refusal("n", "0"), "'0' must be a decimal integer from 1 to 1000000000");
+  EXPECT_EQ(refusal("nodes", "inf"), "'inf' must be a finite decimal number from 0 to 1");
+  EXPECT_EQ(refusal("start_m", "1"), "'1' must be 2 finite decimal numbers, X,Y");
+  EXPECT_EQ(refusal("start_m", "1,10"), "'1,10' must be numbers from -9 to 9");
+  EXPECT_EQ(refusal("kind", "square"), "'square' must be one of round, flat");
+}
+
+TEST(Description, TheDefaultAsTextIsReadBackAsTheSame) {
+  const Whole whole;
+  for (const char* name : {"n", "start_m", "kind", "drag", "name"}) {
+    const Member& m = member_named(name);
+    EXPECT_EQ(value_from_text(m, text_of(m.get(&whole))), m.get(&whole)) << name;
+  }
+}
+
+TEST(Description, DocumentsShowUnitAndRange) {
+  const std::string table = markdown_table(describe(static_cast<const Part*>(nullptr)));
+  EXPECT_EQ(table, "| name | unit | meaning |\n|---|---|---|\n| `mass_kg` | kg | Mass; 0 to 10 |\n");
+}
+
+}  // namespace
+}  // namespace bouncelab
