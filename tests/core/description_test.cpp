@@ -29,12 +29,12 @@ struct Whole {
   NamedNumbers seconds{{"fit", 0.5}};
 };
 
-const Description& describe(const Part*) {
+const Description& members_of(const Part*) {
   static const Description part{"Part", {member("mass_kg", &Part::mass_kg, "Mass").within(0.0, 10.0)}};
   return part;
 }
 
-const Description& describe(const Whole*) {
+const Description& members_of(const Whole*) {
   static const Description whole{
       "Whole",
       {member("n", &Whole::n, "Number").within(1, 1'000'000'000), member("speed_mps", &Whole::speed_mps, "Speed"),
@@ -50,7 +50,7 @@ const Description& describe(const Whole*) {
 }
 
 const Member& member_named(const std::string& name) {
-  for (const Member& m : describe(static_cast<const Whole*>(nullptr)).members)
+  for (const Member& m : members_of(static_cast<const Whole*>(nullptr)).members)
     if (m.name == name) return m;
   throw Error("no member " + name);
 }
@@ -110,7 +110,7 @@ TEST(Description, TheDefaultAsTextIsReadBackAsTheSame) {
 }
 
 TEST(Description, DocumentsShowUnitAndRange) {
-  const std::string table = markdown_table(describe(static_cast<const Part*>(nullptr)));
+  const std::string table = markdown_table(members_of(static_cast<const Part*>(nullptr)));
   EXPECT_EQ(table, "| name | unit | meaning |\n|---|---|---|\n| `mass_kg` | kg | Mass; 0 to 10 |\n");
 }
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/loop/sweep.hpp"
 
 namespace bouncelab::cli {
@@ -22,6 +24,7 @@ struct CommonOptions {
   bool quiet = false;
   bool force = false;
 };
+const Description& members_of(const CommonOptions*);
 
 /// An option with the values in force.
 struct Parameter {
@@ -30,10 +33,14 @@ struct Parameter {
 };
 using Parameters = std::vector<Parameter>;
 
+/// The texts of each option that was given, on the command line or in the configuration file, by its name.
+using Given = std::map<std::string, std::vector<std::string>>;
+
 /// One call of the program, as a command sees it.
 struct Run {
   CommonOptions common;
   std::vector<std::string> command_line;
+  Given given;
   Parameters parameters;               ///< every option of the command, resolved, for the provenance
   std::vector<std::string> arguments;  ///< of the command, those of the configuration file first
   std::vector<loop::SweepAxis> sweep;  ///< lists of the configuration file, in its order

@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -27,9 +26,8 @@
 #include "command.hpp"
 #include "json/json_text.hpp"
 #include "options/commands.hpp"
-#include "options/common_options.hpp"
 #include "options/config_file.hpp"
-#include "options/help_format.hpp"
+#include "options/parser.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -66,8 +64,7 @@ void say_out_of_memory() noexcept {
 }
 
 bool is_command(const std::vector<std::string>& typed) {
-  return !typed.empty() && std::any_of(all_commands().begin(), all_commands().end(),
-                                       [&](const CommandName& command) { return command.name == typed.front(); });
+  return !typed.empty() && command_named(typed.front()) != nullptr;
 }
 
 /// The arguments, with those in full that people write short: nothing asks for help, as does `help COMMAND`; recordings
@@ -91,23 +88,6 @@ std::string unknown_command(const std::string& typed) {
   const std::string nearest = nearest_name(typed, names);
   return "unknown command '" + typed + "'" +
          (nearest.empty() ? "; see bouncelab --help" : "; did you mean '" + nearest + "'?");
-}
-
-/// The first option typed that the command does not have, and the one that was probably meant; empty where all are
-/// known.
-std::string unknown_option(const std::vector<std::string>& typed, const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  for (const std::string& argument : typed) {
-    if (argument == "--") break;
-    if (argument.rfind("--", 0) != 0) continue;
-    const std::string name = argument.substr(0, argument.find('='));
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    const std::string nearest = nearest_name(name, names);
-    return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
-  }
-  return "";
 }
 
 /// One line on standard error, whatever it quotes.
@@ -163,86 +143,49 @@ void keep_standard_descriptors() {
       (void)!::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest that is free
 }
 
-/// The message with every long or unprintable word of the command line as quotations show it.
-std::string with_quotations(std::string message, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    const std::string value = word.substr(word.find('=') + 1);  // of --option=value, else the word
-    const std::string shown = printable(value);
-    const auto at = shown == value ? std::string::npos : message.find(value);
-    if (at != std::string::npos) message.replace(at, value.size(), shown);
+/// The command with what is typed and what its configuration file sets.
+int run_command(Command& command, const std::vector<std::string>& typed, const std::vector<std::string>& line) {
+  Run call;
+  call.command_line = line;
+  command.sections.push_back(common_section(call.common));
+  const CommandLine full = line_with_config(typed, command, all_commands());
+  call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
+  try {
+    call.given = set_options(command.sections, call.arguments);
+  } catch (const WrongUsage& error) {
+    const std::string name = "bouncelab " + command.name;
+    std::string message = error.what();
+    for (const ConfigOption& option : full.from_file)
+      if (message.rfind("--" + option.name + ":", 0) == 0) message.insert(0, option.place + ": ");
+    throw WrongUsage(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
   }
-  return message;
-}
-
-/// A parse error as it is said.
-struct WrongUsage : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// Parse errors in one line: what, where in the configuration file, and where help is.
-[[noreturn]] void wrong_usage(const CLI::ParseError& error, const CLI::App& app, const CommandLine& line) {
-  const auto parsed = app.get_subcommands();
-  const std::string name = parsed.empty() ? "bouncelab" : "bouncelab " + parsed.front()->get_name();
-  const std::string unknown = unknown_option(line.arguments, parsed.empty() ? app : *parsed.front());
-  std::string message = with_quotations(unknown.empty() ? error.what() : unknown, line.arguments);
-  for (const ConfigOption& option : line.from_file)
-    if (message.rfind("--" + option.name + ":", 0) == 0) message.insert(0, option.place + ": ");
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  throw WrongUsage(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
+  call.parameters = parameters_of(command.sections, call.given);
+  for (const ConfigOption& option : full.from_file)
+    if (option.is_axis) call.sweep.push_back({option.name, option.values});
+  const bool standard_output_is_taken = is_taken_by_an_output(call.parameters);
+  if (standard_output_is_taken && call.common.json)
+    throw InvalidArgument("--json: standard output takes an output of this command; write that to a file");
+  Outcome outcome;
+  // one pool of threads for all loops of the command: pools made one after the other overlap while the old one ends
+  with_threads(call.common.n_threads, [&] { outcome = command.run(call); });
+  return report(outcome, call.common, standard_output_is_taken);
 }
 
 int run(const std::vector<std::string>& line) {
-  CLI::App app{
-      "bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.\n"
-      "bouncelab RECORDING... gives the answer, and a report beside the recording; bouncelab COMMAND --help says more.",
-      "bouncelab"};
-  app.set_version_flag("--version", std::string(version()) + " (" + std::string(commit()) + ")", "Version and commit");
-  app.formatter(std::make_shared<HelpFormat>());
-  app.require_subcommand(1);
-  app.set_help_flag("-h,--help", "This help");
-  set_option_defaults(app);
-
-  CommonOptions common;
   const std::vector<std::string> typed = in_full({line.begin() + 1, line.end()});
-  const bool needs_one = is_command(typed) || (!typed.empty() && typed.front() == "--version");
-  std::vector<Command> commands;
-  for (const auto& [name, add, group] : all_commands()) {
-    // registering the options of all commands takes as long as detection in a second of sound
-    if (needs_one && typed.front() != name) continue;
-    commands.push_back(add(app));
-    commands.back().app->group(group);
+  const auto end = std::find(typed.begin(), typed.end(), "--");
+  const auto asks_for = [&](const char* option) { return std::find(typed.begin(), end, option) != end; };
+  if (is_command(typed)) {
+    Command command = command_named(typed.front())->make();
+    if (asks_for("--help") || asks_for("-h")) return print(help_of(command, false), kDone);
+    if (asks_for("--help-all")) return print(help_of(command, true), kDone);
+    return run_command(command, typed, line);
   }
-  for (const Command& command : commands) add_common_options(*command.app, common);
-
-  if (!typed.empty() && typed.front().rfind('-', 0) != 0 && !is_command(typed))
-    throw InvalidArgument(unknown_command(typed.front()));
-  CommandLine full;
-  try {
-    const auto section = [&](const std::string& name) { return config_section(typed.front(), name); };
-    full = is_command(typed) ? line_with_config(typed, *app.get_subcommand(typed.front()), section)
-                             : CommandLine{typed, {}};
-    app.parse(
-        std::vector<std::string>{full.arguments.rbegin(), full.arguments.rend()});  // CLI11 takes them from the back
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) wrong_usage(error, app, full);
-    std::ostringstream help;
-    return print((app.exit(error, help, help), help.str()), kDone);
-  }
-  for (const Command& command : commands) {
-    if (!command.app->parsed()) continue;
-    Run call{common, line, resolved_parameters(*command.app), {}, {}, {}};
-    call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
-    for (const ConfigOption& option : full.from_file)
-      if (option.is_axis) call.sweep.push_back({option.name, option.values});
-    const bool standard_output_is_taken = is_taken_by_an_output(call.parameters);
-    if (standard_output_is_taken && common.json)
-      throw InvalidArgument("--json: standard output takes an output of this command; write that to a file");
-    Outcome outcome;
-    // one pool of threads for all loops of the command: pools made one after the other overlap while the old one ends
-    with_threads(common.n_threads, [&] { outcome = command.run(call); });
-    return report(outcome, common, standard_output_is_taken);
-  }
-  return kWrongUsage;
+  if (asks_for("--help") || asks_for("-h")) return print(help_of_all(), kDone);
+  if (typed.front() == "--version") return print(std::string(version()) + " (" + std::string(commit()) + ")\n", kDone);
+  if (typed.front().rfind('-', 0) == 0)
+    throw WrongUsage("bouncelab: unknown option '" + printable(typed.front()) + "'; see bouncelab --help");
+  throw InvalidArgument(unknown_command(typed.front()));
 }
 
 /// With --json whoever reads standard output learns of the failure there too.

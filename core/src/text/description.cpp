@@ -65,6 +65,9 @@ std::optional<T> decimal(std::string_view text) {
 
 template <class T>
 std::string number_text(T number) {
+  if constexpr (std::is_floating_point_v<T>)  // 1000000, not 1e+06
+    if (number == std::trunc(number) && std::abs(number) < 1e10)
+      return std::to_string(static_cast<std::int64_t>(number));
   std::string text(32, '\0');
   text.resize(
       static_cast<std::size_t>(std::to_chars(text.data(), text.data() + text.size(), number).ptr - text.data()));
@@ -166,6 +169,10 @@ Member&& Member::checked_by(std::function<void(const std::string&)> accepts) && 
   check = std::move(accepts);
   return std::move(*this);
 }
+Member&& Member::unknown_as(std::string what) && {
+  unknown_text = std::move(what);
+  return std::move(*this);
+}
 Member&& Member::required() && {
   is_required = true;
   return std::move(*this);
@@ -180,6 +187,7 @@ std::string json_text(const Described& object, int indent) {
 }
 
 Value value_from_text(const Member& member, const std::string& text) {
+  if (member.may_be_unknown && text == member.unknown_text) return {};
   switch (member.kind) {
     case Kind::flag:
       if (text != "true" && text != "false") refuse(text, "true or false");
@@ -242,6 +250,11 @@ std::string text_of(const Value& value) {
         }
       },
       value);
+}
+
+std::string default_text(const Member& member, const void* object) {
+  const Value value = member.get(object);
+  return std::holds_alternative<std::monostate>(value) ? member.unknown_text : text_of(value);
 }
 
 std::string range_of(const Member& member) {

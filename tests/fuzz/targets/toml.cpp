@@ -1,51 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
-
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "options/config_file.hpp"
-#include "options/numbers.hpp"
 #include "target.hpp"
 
 namespace bouncelab::fuzz {
 namespace {
 
-/// A command with an option of each kind.
-struct Command {
-  Command() : app("", "simulate") {
-    app.add_option("--drops", drops);
-    app.add_option("--snr-db", snr_db);
-    app.add_option("--radius-law", radius_law);
-    cli::add_list(app, "--height", height, "X,Y", 1, 2, 0.0, 10.0, "");
-    app.add_flag("--force", force);
-    app.add_option("--config", config);
-  }
+/// Options of each kind.
+struct Options {
   int drops = 0;
   double snr_db = 0.0;
-  std::string radius_law, config;
-  std::vector<double> height;
-  bool force = false;
-  CLI::App app;
+  std::string radius_law;
+  std::vector<double> height, nodes;
+  bool force_it = false;
 };
 
-std::optional<cli::ConfigSection> section_named(const std::string& name) {
-  const std::vector<std::string> own{"drops", "snr-db", "radius-law", "height", "force"};
-  if (name == "simulate") return cli::ConfigSection{own, own};
-  if (name == "detect") return cli::ConfigSection{{"snr-db", "height"}, {{"snr-db"}}};
-  if (name == "fit") return cli::ConfigSection{{"nodes"}, std::nullopt};
-  return std::nullopt;
+const Description& members_of(const Options*) {
+  static const Description options{
+      "Options",
+      {member("drops", &Options::drops, "").within(1, 100), member("snr_db", &Options::snr_db, ""),
+       member("radius_law", &Options::radius_law, ""),
+       member("height", &Options::height, "").with_commas("X,Y", 1, 2).within(0.0, 10.0),
+       member("nodes", &Options::nodes, ""), member("force_it", &Options::force_it, "")}};
+  return options;
 }
+
+template <int kCommand>
+cli::Command command() {
+  static Options options;
+  const std::string name = kCommand == 0 ? "loop" : kCommand == 1 ? "simulate" : "fit";
+  return {name, "", "", {{"", &members_of(&options), &options, {"simulate"}}}, {}, {"simulate", "report"}};
+}
+
+const std::vector<cli::CommandName> kCommands{
+    {"loop", command<0>, ""}, {"simulate", command<1>, ""}, {"fit", command<2>, ""}};
 
 }  // namespace
 
 void run(Bytes input) {
-  static const Command command;
+  static const cli::Command loop = command<0>();
   std::vector<cli::ConfigOption> options;
-  if (!accepts([&] { options = cli::config_options(text_of(input), "input", command.app, section_named); })) return;
+  if (!accepts([&] { options = cli::config_options(text_of(input), "input", loop, kCommands); })) return;
   for (const cli::ConfigOption& option : options) {
-    require(command.app.get_option_no_throw("--" + option.name) != nullptr, "a key is an option of the command");
+    require(cli::option_named(loop.sections, option.name).has_value() || option.name == "seed" ||
+                option.name == "threads" || option.name == "json" || option.name == "quiet" || option.name == "force",
+            "a key is an option of the command, or of all");
     require(!option.values.empty(), "an option has values");
   }
 }

@@ -116,8 +116,7 @@ Outcome analyze_found(const AnalyzeOptions& options, const Stage<DetectResult>& 
   const std::vector<std::string> warnings =
       joined(joined(detected.warnings, samples.outcome.warnings), fit.outcome.warnings);
 
-  const std::optional<double> rate_hz =
-      options.detect.rate_hz > 0.0 ? std::optional(options.detect.rate_hz) : std::nullopt;
+  const std::optional<double> rate_hz = options.detect.config.rate_hz;
   write_wave_of_first(found, folder / "wave.json", rate_hz, run);
   // the report shows what lies in the folder: details of an earlier run must not stay in it
   for (const char* old : {"diagnostics.json", "diagnostics.json.meta.json"}) fs::remove(folder / old);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 
 namespace bouncelab::cli {
 
@@ -14,6 +15,10 @@ struct BallChoice {
   std::string ball;   ///< for ball_from_text; empty: not named
   std::string plate;  ///< for plate_from_text; empty: not named
 };
+
+/// Options --ball and --plate.
+/// @param unnamed  what is taken where they are not given; empty: the default says it
+Description ball_options(const std::string& unnamed);
 
 /// The ball that is simulated where none is named: the paper's, on its glass plate.
 inline const BallChoice kPaperBall{"steel:6mm", "glass"};

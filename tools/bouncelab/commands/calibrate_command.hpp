@@ -18,6 +18,10 @@ struct CalibrateOptions {
   std::vector<double> drops{5.0, 100.0};  ///< least and largest number
   std::string out;                        ///< table of experiments; empty: none
 };
+/// All but the file.
+const Description& members_of(const CalibrateOptions*);
+/// @throws InvalidArgument where options of the two kinds of calibration are given together
+void check_calibrate_options(const CalibrateOptions& options, const Given& given);
 
 /// What the options describe. @throws InvalidArgument
 fit::CalibrationConfig calibration_config(const CalibrateOptions& options, const CommonOptions& common);

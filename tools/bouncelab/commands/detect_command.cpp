@@ -121,7 +121,6 @@ void keep_first(std::size_t k, detection::Detection&& found, std::map<std::size_
 /// Files are read in parallel; their onsets go into the table, in the order of the recordings.
 DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
                         TableWriter& table, const Run& run) {
-  const detection::DetectionConfig config = detection_config(options);
   DetectResult result;
   result.recordings.resize(recordings.size());
   const auto take = [&](std::size_t k, detection::Detection&& d) {
@@ -134,21 +133,12 @@ DetectResult detect_all(const DetectOptions& options, const std::vector<std::fil
   // the checksums of the provenance while the sound is searched, as a thread has time for them
   parallel_for(2, n_threads, [&](std::size_t work) {
     if (work == 1) return compute_sha256_ahead(recordings, n_threads);
-    detection::detect_each(recordings, config, n_threads, take, progress);
+    detection::detect_each(recordings, options.config, n_threads, take, progress);
   });
   return result;
 }
 
 }  // namespace
-
-detection::DetectionConfig detection_config(const DetectOptions& options) {
-  detection::DetectionConfig config;
-  if (options.channel >= 0) config.channel = options.channel;
-  if (options.rate_hz > 0.0) config.rate_hz = options.rate_hz;
-  config.min_impacts = options.min_impacts;
-  config.lossy_coding = options.lossy_coding;
-  return config;
-}
 
 std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
   std::vector<std::filesystem::path> all(options.recordings.begin(), options.recordings.end());

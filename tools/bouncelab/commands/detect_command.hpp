@@ -19,11 +19,12 @@ struct DetectOptions {
   std::string list;  ///< file with more recordings, one a line; empty: none
   std::string out;
   std::string labels;
-  double rate_hz = 0.0;  ///< of numbers without one; 0: not given
-  int channel = -1;      ///< -1: the one in which impacts are detected best
-  std::int64_t min_impacts = detection::DetectionConfig{}.min_impacts;
-  std::string lossy_coding;  ///< of samples that a browser has decoded, where they come from one
+  detection::DetectionConfig config;
 };
+
+/// The positional recordings, and --list.
+Member recordings_member();
+Member list_member();
 
 struct DetectResult {
   std::vector<RecordingResult> recordings;  ///< in the order given; those with the same content once
@@ -36,8 +37,6 @@ constexpr std::size_t kMostDetections = 30;
 /// @throws FileError where the list cannot be read; InvalidArgument where there is no recording
 std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
 
-/// What the options describe.
-detection::DetectionConfig detection_config(const DetectOptions& options);
 /// What is kept of one recording.
 RecordingResult recording_result(const std::string& recording, const detection::Detection& found);
 /// What to tell people of these recordings, a line each.

@@ -37,10 +37,14 @@ struct ParsedLoop {
   LoopOptions options;
   CommonOptions common;
 };
+/// @throws InvalidArgument saying what is wrong with the arguments
+ParsedLoop parse_loop(const std::vector<std::string>& arguments);
+/// The paper's run, where the user did not choose otherwise.
+void apply_loop_preset(LoopOptions& options, Run& run);
+
 /// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
 /// sweep.csv, sweep.json, report.html in the folder.
-/// @param parse  reads the arguments of a combination. @throws InvalidArgument saying what is wrong with them
-Outcome run_sweep(const LoopOptions& options, const Run& run,
-                  ParsedLoop (*parse)(const std::vector<std::string>& arguments));
+/// @throws InvalidArgument saying which combination is wrong
+Outcome run_sweep(const LoopOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

@@ -77,15 +77,13 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
 
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
   fit::RestitutionConfig config = options.config;
-  if (options.drop_height_m > 0.0) config.drop_height_m = options.drop_height_m;
   if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = ball;
   if (const std::optional<Material> plate = plate_of(options.world)) config.plate = plate;
-  config.wave_speed_mps = options.wave_speed_mps;
   if (options.positions.empty()) return config;
   const Table positions = read_table(options.positions, fit::position_columns());
   check_columns(positions, fit::position_columns(), options.positions);
   config.travel_time =
-      fit::travel_time_from_table(positions, options.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
+      fit::travel_time_from_table(positions, config.wave_speed_mps, options.sensor_m[0], options.sensor_m[1]);
   return config;
 }
 

@@ -14,12 +14,12 @@ struct RestitutionOptions {
   std::vector<std::string> onsets;  ///< files
   std::string out;
   fit::RestitutionConfig config;
-  BallChoice world;            ///< where a part is not named, that of `config`
-  double drop_height_m = 0.0;  ///< 0: not known
-  std::string positions;       ///< of the impacts, for the correction of travel times; empty: no correction
+  BallChoice world;       ///< where a part is not named, that of `config`
+  std::string positions;  ///< of the impacts, for the correction of travel times; empty: no correction
   std::vector<double> sensor_m{0.0, 0.0};
-  double wave_speed_mps = 2500.0;
 };
+/// All but the files and the ball.
+const Description& members_of(const RestitutionOptions*);
 
 /// What the options describe; reads the positions. @throws InvalidArgument, FileError
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options);

@@ -35,6 +35,10 @@ struct SimulateOptions {
   std::string write_surface;
   std::string preset;
 };
+/// All but the files and the ball.
+const Description& members_of(const SimulateOptions*);
+/// The number of drops and impacts of the paper's run, where the user did not set them.
+void apply_paper_preset(SimulateOptions& options, Run& run);
 
 /// The experiment that the options describe. @throws InvalidArgument
 sim::SimulationConfig simulation_config(const SimulateOptions& options, const CommonOptions& common);

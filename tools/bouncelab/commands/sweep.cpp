@@ -15,17 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using ParseLoop = ParsedLoop (*)(const std::vector<std::string>& arguments);
-
 const std::vector<std::string> kOutputs{"sweep.csv", "sweep.json", "report.html"};
 
 /// The loop's configuration with these settings, but for a surface from a file.
 /// @throws InvalidArgument naming the settings
-ParsedLoop parsed(const Run& run, ParseLoop parse, const loop::Settings& settings) {
+ParsedLoop parsed(const Run& run, const loop::Settings& settings) {
   std::vector<std::string> arguments = run.arguments;
   for (const auto& [option, value] : settings) arguments.push_back("--" + option + "=" + value);
   try {
-    ParsedLoop loop = parse(arguments);
+    ParsedLoop loop = parse_loop(arguments);
     loop_config(loop.options, loop.common);
     return loop;
   } catch (const InvalidArgument& error) {
@@ -33,8 +31,8 @@ ParsedLoop parsed(const Run& run, ParseLoop parse, const loop::Settings& setting
   }
 }
 
-loop::SweepPoint run_point(const Run& run, ParseLoop parse, const loop::Settings& settings) {
-  const ParsedLoop loop = parsed(run, parse, settings);
+loop::SweepPoint run_point(const Run& run, const loop::Settings& settings) {
+  const ParsedLoop loop = parsed(run, settings);
   loop::LoopConfig config = loop_config(loop.options, loop.common);
   config.surface = surface_from_file(loop.options.simulate, config.simulation.ball);
   return loop::sweep_point(settings, loop::run_loop(config, interrupts_only), config.node_speeds_mps);
@@ -42,11 +40,10 @@ loop::SweepPoint run_point(const Run& run, ParseLoop parse, const loop::Settings
 
 }  // namespace
 
-Outcome run_sweep(const LoopOptions& options, const Run& run, ParseLoop parse) {
+Outcome run_sweep(const LoopOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const std::size_t n_points = loop::n_combinations(run.sweep);
-  for (std::size_t k = 0; k < n_points; ++k)
-    parsed(run, parse, loop::combination(run.sweep, k));  // errors before the work
+  for (std::size_t k = 0; k < n_points; ++k) parsed(run, loop::combination(run.sweep, k));  // errors before the work
 
   const OutputFolder output_folder(folder);
   check_loop_files(options, kOutputs, run);
@@ -54,7 +51,7 @@ Outcome run_sweep(const LoopOptions& options, const Run& run, ParseLoop parse) {
   std::vector<loop::SweepPoint> points;
   for (std::size_t k = 0; k < n_points; ++k) {
     progress(static_cast<double>(k), static_cast<double>(n_points));
-    points.push_back(run_point(run, parse, loop::combination(run.sweep, k)));
+    points.push_back(run_point(run, loop::combination(run.sweep, k)));
   }
 
   write_table(run, folder / "sweep.csv", to_table(points));

@@ -25,6 +25,8 @@ struct SynthesizeOptions {
   std::string truth;       ///< default: out with .truth.csv
   bool each_drop = false;  ///< one file for each drop
 };
+/// All but the files, the ball and disturbances.
+const Description& members_of(const SynthesizeOptions*);
 
 /// The recording that the options describe. @throws InvalidArgument
 synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, const CommonOptions& common);

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
 #include "commands/analyze_command.hpp"
-#include "options/ball_options.hpp"
 #include "options/commands.hpp"
-#include "options/common_options.hpp"
-#include "options/stage_options.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
-/// out/drop.m4a -> out/drop-bouncelab
 std::string folder_beside(const std::string& recording) {
   if (recording == "-") return "standard-input-bouncelab";
   const std::filesystem::path path = recording;
@@ -21,34 +16,40 @@ std::string folder_beside(const std::string& recording) {
 
 }  // namespace
 
-Command add_analyze_command(CLI::App& app) {
-  auto options = std::make_shared<AnalyzeOptions>();
-  CLI::App* command = app.add_subcommand(
-      "analyze", "Recordings -> impact times -> eps(v) -> constants and a report; nothing has to be set");
-  command
-      ->add_option(
-          "recordings", options->detect.recordings,
-          "Recordings: WAV, FLAC, MP3 ...; m4a, mp4 and others by ffmpeg; .npy, .csv of samples; - = standard input")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--list", options->detect.list, "File with more recordings, one a line")->type_name("FILE");
-  CLI::Option* out = command->add_option(
-      "--out", options->out,
-      "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab)");
-  out->type_name("FOLDER");
-  command->add_flag("--diagnostics", options->diagnostics,
-                    "Details of each drop in the report: sound and marks, intervals, learned waveform, noise");
-  add_detect_options(*command, options->detect);
-  add_ball_options(*command, options->restitution.world, "not known, so that drag and contact time stay open");
-  add_restitution_options(*command, options->restitution);
-  add_fit_options(*command, options->fit);
-  command->footer("Example: bouncelab analyze drop.wav --out out/drop");
-  return {command, [options](Run& run) {
+Command analyze_command() {
+  using O = AnalyzeOptions;
+  static const Description recordings{"Files", {recordings_member(), list_member()}};
+  static const Description outputs{
+      "Files",
+      {member("out", &O::out,
+              "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab)")
+           .looks_like("FOLDER"),
+       member("diagnostics", &O::diagnostics,
+              "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")}};
+  static const Description ball = ball_options("not known, so that drag and contact time stay open");
+  auto options = std::make_shared<O>();
+  options->fit.config.memory = fit::UseMemory::where_long;
+  return {"analyze",
+          "Recordings -> impact times -> eps(v) -> constants and a report; nothing has to be set",
+          "Example: bouncelab analyze drop.wav --out out/drop",
+          {{"", &recordings, &options->detect},
+           {"", &outputs, options.get()},
+           {"", &ball, &options->restitution.world, {"restitution", "fit"}},
+           {"Detection", &members_of(&options->detect.config), &options->detect.config, {"detect"}, true},
+           {"Coefficients of restitution",
+            &members_of(&options->restitution),
+            &options->restitution,
+            {"restitution"},
+            true},
+           {"Fit", &members_of(&options->fit.config), &options->fit.config, {"fit"}, true}},
+          [options](Run& run) {
             if (options->out.empty()) {
               options->out = folder_beside(recordings_of(options->detect).front().string());
               set_parameter(run.parameters, "out", options->out);
             }
             return run_analyze(*options, run);
-          }};
+          },
+          {"detect", "restitution", "fit", "report"}};
 }
 
 }  // namespace bouncelab::cli

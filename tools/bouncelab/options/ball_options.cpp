@@ -1,41 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "options/ball_options.hpp"
-
-#include <CLI/CLI.hpp>
-
-#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/ball.hpp"
+#include "commands/ball_choice.hpp"
 
 namespace bouncelab::cli {
-namespace {
 
-/// What is wrong with a description is said where it stands, on the command line or in the configuration file.
-template <class Value>
-CLI::Validator description(Value (*from_text)(const std::string&)) {
-  return {[from_text](std::string& text) -> std::string {
-            try {
-              from_text(text);
-            } catch (const InvalidArgument& error) {
-              return error.what();
-            }
-            return "";
-          },
-          ""};
-}
-
-}  // namespace
-
-void add_ball_options(CLI::App& app, BallChoice& choice, const std::string& unnamed) {
+Description ball_options(const std::string& unnamed) {
   const std::string otherwise = unnamed.empty() ? "" : "; default: " + unnamed;
-  app.add_option("--ball", choice.ball,
-                 "The ball: table-tennis, golf ...; steel:6mm, glass:16mm ... (material and DIAMETER; steel:r=3mm: "
-                 "radius); or numbers, radius=20mm,mass=2.7g,inertia=0.65. bouncelab balls lists them" +
-                     otherwise)
-      ->type_name("BALL")
-      ->check(description(ball_from_text));
-  app.add_option("--plate", choice.plate,
-                 "What it falls on: glass, steel, concrete ...; or E=70GPa,nu=0.22,density=2500" + otherwise)
-      ->type_name("PLATE")
-      ->check(description(plate_from_text));
+  return {"Ball",
+          {member("ball", &BallChoice::ball,
+                  "The ball: table-tennis, golf ...; steel:6mm, glass:16mm ... (material and DIAMETER; steel:r=3mm: "
+                  "radius); or numbers, radius=20mm,mass=2.7g,inertia=0.65. bouncelab balls lists them" +
+                      otherwise)
+               .looks_like("BALL")
+               .checked_by([](const std::string& text) { ball_from_text(text); }),
+           member("plate", &BallChoice::plate,
+                  "What it falls on: glass, steel, concrete ...; or E=70GPa,nu=0.22,density=2500" + otherwise)
+               .looks_like("PLATE")
+               .checked_by([](const std::string& text) { plate_from_text(text); })}};
 }
 
 }  // namespace bouncelab::cli

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "bouncelab/core/ball.hpp"
 #include "json/ball_json.hpp"
 #include "options/commands.hpp"
@@ -65,11 +63,12 @@ Outcome run_balls() {
 
 }  // namespace
 
-Command add_balls_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "balls", "Lists the balls, materials and plates that --ball and --plate know, with their numbers and sources");
-  command->footer("Example: bouncelab balls --json");
-  return {command, [](Run&) { return run_balls(); }};
+Command balls_command() {
+  return {"balls",
+          "Lists the balls, materials and plates that --ball and --plate know, with their numbers and sources",
+          "Example: bouncelab balls --json",
+          {},
+          [](Run&) { return run_balls(); }};
 }
 
 }  // namespace bouncelab::cli

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "commands/compare_command.hpp"
@@ -7,25 +6,26 @@
 
 namespace bouncelab::cli {
 
-Command add_compare_command(CLI::App& app) {
-  auto options = std::make_shared<CompareOptions>();
-  CLI::App* command = app.add_subcommand(
-      "compare", "Many recordings of one kind of ball: the pooled law, how much they differ, drift, plates, outliers");
-  command
-      ->add_option("samples", options->samples,
-                   "Samples, as restitution writes them, ordered by recording: from 4 recordings on")
-      ->required()
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--out", options->out, "Folder for comparison.json, comparison.csv and report.html")
-      ->type_name("FOLDER")
-      ->required();
-  command
-      ->add_option("--groups", options->groups,
-                   "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
-      ->type_name("FILE");
-  command->add_option("--title", options->title, "Title of the page");
-  command->footer("Example: bouncelab compare samples.csv --groups plates.csv --out out/campaign");
-  return {command, [options](Run& run) { return run_compare(*options, run); }};
+Command compare_command() {
+  using O = CompareOptions;
+  static const Description files{
+      "Files",
+      {member("samples", &O::samples, "Samples, as restitution writes them, ordered by recording: from 4 recordings on")
+           .required()
+           .positional(),
+       member("out", &O::out, "Folder for comparison.json, comparison.csv and report.html")
+           .looks_like("FOLDER")
+           .required(),
+       member("groups", &O::groups,
+              "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
+           .looks_like("FILE"),
+       member("title", &O::title, "Title of the page")}};
+  auto options = std::make_shared<O>();
+  return {"compare",
+          "Many recordings of one kind of ball: the pooled law, how much they differ, drift, plates, outliers",
+          "Example: bouncelab compare samples.csv --groups plates.csv --out out/campaign",
+          {{"", &files, options.get()}},
+          [options](Run& run) { return run_compare(*options, run); }};
 }
 
 }  // namespace bouncelab::cli

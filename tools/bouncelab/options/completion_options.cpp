@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Completion of the command line by the shells: their scripts ask the program what may stand at the end of the line.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "options/commands.hpp"
-#include "options/common_options.hpp"
-#include "options/help_format.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -40,51 +37,59 @@ end
 complete -c bouncelab -a '(__bouncelab_words)'
 )sh";
 
-std::string lines_of(const std::vector<std::string>& words) { return CLI::detail::join(words, "\n"); }
+std::string lines_of(const std::vector<std::string>& words) {
+  std::string lines;
+  for (const std::string& word : words) lines += (lines.empty() ? "" : "\n") + word;
+  return lines;
+}
 
-/// What may stand in place of the last word, one a line, with its explanation behind a tab; empty: a file perhaps.
-/// @param typed  behind the program's name
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+/// What can follow the words typed, of which the last is to be completed.
 std::string offered(const std::vector<std::string>& typed) {
   std::vector<std::string> words;
   for (const CommandName& named : all_commands()) {
-    CLI::App app;
-    CommonOptions common;
-    set_option_defaults(app);
-    CLI::App& command = *named.add(app).app;
-    if (typed.size() < 2) words.push_back(named.name + "\t" + summary_of(command));
+    Command command = named.make();
+    if (typed.size() < 2) words.push_back(named.name + "\t" + first_line(command.summary));
     if (typed.size() < 2 || named.name != typed.front()) continue;
-    add_common_options(command, common);
+    CommonOptions common;
+    command.sections.push_back(common_section(common));
     const std::string& before = typed[typed.size() - 2];
-    const CLI::Option* taker = before.starts_with("--") ? command.get_option_no_throw(before) : nullptr;
-    if (const std::string value = taker == nullptr ? "" : value_name(*taker); !value.empty())
-      return value.starts_with('{') ? lines_of(CLI::detail::split(value.substr(1, value.size() - 2), ',')) : "";
+    const std::optional<Option> taker =
+        before.starts_with("--") ? option_named(command.sections, before.substr(2)) : std::nullopt;
+    if (taker && taker->member->kind != Member::Kind::flag) return lines_of(taker->member->choices);
     if (!typed.back().starts_with('-')) return "";
-    for (const CLI::Option* option : command.get_options())
-      for (const std::string& name : option->get_lnames())
-        words.push_back("--" + name + "\t" + CLI::detail::split(option->get_description(), '\n').front());
+    for (const Option& option : options_of(command.sections))
+      if (!option.member->is_positional)
+        words.push_back("--" + option_name(*option.member) + "\t" + first_line(option.member->text));
+    words.emplace_back("--help\tThis help");
   }
   return lines_of(words);
 }
 
+struct Words {
+  std::string shell;
+  std::vector<std::string> typed;
+};
+
 }  // namespace
 
-Command add_completion_command(CLI::App& app) {
-  struct Words {
-    std::string shell;
-    std::vector<std::string> typed;
-  };
+Command completion_command() {
+  static const Description options{
+      "Words",
+      {member("shell", &Words::shell, "bash, zsh or fish; words: what their scripts ask for")
+           .one_of({"bash", "zsh", "fish", "words"})
+           .required()
+           .positional(),
+       member("typed", &Words::typed, "Of `words`: what is typed, the word to complete last").positional()}};
   auto words = std::make_shared<Words>();
-  CLI::App* command =
-      app.add_subcommand("completion", "A script by which bash, zsh or fish complete bouncelab's words");
-  command->add_option("shell", words->shell, "bash, zsh or fish; words: what their scripts ask for")
-      ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish", "words"}));
-  command->add_option("typed", words->typed, "Of `words`: what is typed, the word to complete last");
-  command->footer(
-      "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
-      "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
-      "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)");
-  return {command, [words](Run&) {
+  return {"completion",
+          "A script by which bash, zsh or fish complete bouncelab's words",
+          "Examples: bouncelab completion bash > ~/.local/share/bash-completion/completions/bouncelab\n"
+          "          bouncelab completion fish > ~/.config/fish/completions/bouncelab.fish\n"
+          "          bouncelab completion zsh > DIR/_bouncelab   (DIR in $fpath)",
+          {{"", &options, words.get()}},
+          [words](Run&) {
             Outcome outcome;
             outcome.text = words->shell == "bash"   ? kBash
                            : words->shell == "zsh"  ? kZsh

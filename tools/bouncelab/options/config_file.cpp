@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -13,8 +12,6 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/text.hpp"
-#include "options/common_options.hpp"
-#include "options/numbers.hpp"
 
 // toml++ without two faults of its version 3.3. Whether a letter such as "é" is a blank is decided in a switch that
 // leaves most letters below U+0500 to "unreachable", and some assertions do not hold for wrong TOML that is refused a
@@ -46,6 +43,40 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// What the command at work does with a section of the file.
+struct ConfigSection {
+  std::vector<std::string> known;  ///< options of the command that the section is named for
+  /// Those that the command at work takes, of itself or of a stage that it runs: it is an error where another is given.
+  /// Absent where it does not run that command: keys are checked only.
+  std::optional<std::vector<std::string>> taken;
+};
+
+/// Names of the options that may stand in a file.
+/// @param stage  only those that belong to this stage; empty: all
+std::vector<std::string> keys_of(const Command& command, const std::string& stage = "") {
+  CommonOptions common;
+  std::vector<Section> sections = command.sections;
+  sections.push_back(common_section(common));
+  std::vector<std::string> keys;
+  for (const Option& option : options_of(sections)) {
+    const std::string name = option_name(*option.member);
+    if (!option.member->is_positional && name != "config" && (stage.empty() || holds(option.section->stages, stage)))
+      keys.push_back(name);
+  }
+  return keys;
+}
+
+/// Absent where no command is called like the section.
+std::optional<ConfigSection> config_section(const Command& command, const std::vector<CommandName>& all,
+                                            const std::string& section) {
+  const auto named = std::find_if(all.begin(), all.end(), [&](const CommandName& c) { return c.name == section; });
+  if (named == all.end()) return std::nullopt;
+  const std::vector<std::string> known = keys_of(named->make());
+  if (section == command.name) return ConfigSection{known, known};
+  if (!holds(command.stages, section)) return ConfigSection{known, std::nullopt};
+  return ConfigSection{known, keys_of(command, section)};
+}
+
 /// A key of the file with its value.
 struct Entry {
   std::string section;  ///< empty: at the top level
@@ -64,11 +95,11 @@ int depth_of(const toml::node& value) {
 
 class ConfigReader {
  public:
-  ConfigReader(const std::string& file, const CLI::App& command, const ConfigSections& sections)
-      : file_(file), command_(command), sections_(sections) {}
+  ConfigReader(const std::string& file, const Command& command, const std::vector<CommandName>& all)
+      : file_(file), command_(command), all_(all) {}
 
   std::vector<ConfigOption> options_of(const toml::table& file) {
-    rules_[""] = {config_keys(command_), config_keys(command_)};
+    rules_[""] = {keys_of(command_), keys_of(command_)};
     for (const auto& [key, value] : file) {
       const std::string name(key.str());
       const toml::table* section = value.as_table();
@@ -76,7 +107,7 @@ class ConfigReader {
         entries_.push_back({"", name, &value});
         continue;
       }
-      const std::optional<ConfigSection> rules = sections_(name);
+      const std::optional<ConfigSection> rules = config_section(command_, all_, name);
       if (!rules) refuse(value, fmt::format("unknown section [{}]; sections are named like commands", printable(name)));
       rules_[name] = *rules;
       for (const auto& [inner, inner_value] : *section)
@@ -100,7 +131,7 @@ class ConfigReader {
   void add(const Entry& entry) {
     std::string name = entry.key;
     std::replace(name.begin(), name.end(), '_', '-');
-    const std::string key = printable(entry.key), own = command_.get_name();
+    const std::string key = printable(entry.key), own = command_.name;
     const std::string command = entry.section.empty() ? own : entry.section;
     const ConfigSection& rules = rules_.at(entry.section);
     if (!holds(rules.known, name))
@@ -148,10 +179,13 @@ class ConfigReader {
   }
 
   ConfigOption option_of(const Entry& entry, const std::string& name, const Values& values) const {
-    const CLI::Option& option = *command_.get_option("--" + name);
+    CommonOptions common;
+    std::vector<Section> sections = command_.sections;
+    sections.push_back(common_section(common));
+    const Member& member = *option_named(sections, name)->member;
     const int depth = depth_of(*entry.value);
-    const bool repeats = option.get_items_expected_max() > 1;  // --channel A --channel B
-    const bool joins = takes_list(option);                     // --height A,B
+    const bool repeats = is_repeated(member);  // --channel A --channel B
+    const bool joins = member.n_most > 0;      // --height A,B
     ConfigOption result{name, place_of(*entry.value), {}, depth == (repeats || joins ? 2 : 1)};
     if (depth == 2 && !result.is_axis)
       refuse(*entry.value,
@@ -166,8 +200,8 @@ class ConfigReader {
   }
 
   const std::string& file_;
-  const CLI::App& command_;
-  const ConfigSections& sections_;
+  const Command& command_;
+  const std::vector<CommandName>& all_;
   std::map<std::string, ConfigSection> rules_;  // by section
   std::vector<Entry> entries_;
   std::map<std::pair<std::string, std::string>, toml::source_index> lines_;  // of a section's key
@@ -202,24 +236,24 @@ std::optional<std::string> typed_value(const std::vector<std::string>& typed, co
 
 }  // namespace
 
-std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const CLI::App& command,
-                                         const ConfigSections& sections) {
+std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const Command& command,
+                                         const std::vector<CommandName>& all) {
   try {
-    return ConfigReader(file, command, sections).options_of(toml::parse(text, std::string_view(file)));
+    return ConfigReader(file, command, all).options_of(toml::parse(text, std::string_view(file)));
   } catch (const toml::parse_error& error) {
     const auto line = error.source().begin.line;
     throw FileError(file, (line > 0 ? fmt::format("line {}: ", line) : "") + std::string(error.description()));
   }
 }
 
-CommandLine line_with_config(const std::vector<std::string>& typed, const CLI::App& command,
-                             const ConfigSections& sections) {
+CommandLine line_with_config(const std::vector<std::string>& typed, const Command& command,
+                             const std::vector<CommandName>& all) {
   CommandLine line{typed, {}};
   const std::optional<std::string> path = typed_value(typed, "--config");
   if (!path || typed.back() == "--config") return line;  // of a value that is missing the parser tells
   std::vector<std::string> arguments;
-  for (const ConfigOption& option : config_options(text_of(*path), *path, command, sections)) {
-    if (option.is_axis && command.get_name() != "loop")
+  for (const ConfigOption& option : config_options(text_of(*path), *path, command, all)) {
+    if (option.is_axis && command.name != "loop")
       throw InvalidArgument(option.place + ": '" + option.name + "' takes one value; only loop runs through lists");
     if (typed_value(typed, "--" + option.name)) continue;
     line.from_file.push_back(option);

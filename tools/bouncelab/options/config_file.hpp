@@ -2,28 +2,13 @@
 /// Options from TOML files: --config.
 #pragma once
 
-#include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "options/commands.hpp"
 
 namespace bouncelab::cli {
-
-/// What the command at work does with a section of a configuration file.
-struct ConfigSection {
-  std::vector<std::string> known;  ///< options of the command that the section is named for
-  /// Those that the command at work takes, of itself or of a stage that it runs: it is an error where another is given.
-  /// Absent where it does not run that command: keys are checked only.
-  std::optional<std::vector<std::string>> taken;
-};
-
-/// The section with this name; absent where no command is called so.
-using ConfigSections = std::function<std::optional<ConfigSection>(const std::string& name)>;
 
 /// An option that a configuration file sets.
 struct ConfigOption {
@@ -33,7 +18,8 @@ struct ConfigOption {
   bool is_axis = false;             ///< values to run through, one at a time
 };
 
-/// The options that a file sets for a command, in its order.
+/// The options that a file sets for a command, in its order: those at the top level, in its own section, and in those
+/// of the stages that it runs as far as it has their options. The sections of other commands are checked only.
 ///
 /// A key is an option's name without dashes in front; '_' and '-' are the same. Keys stand at the top level or in a
 /// section. A list is several values of an option that takes several (height = [0.09, 0.10]), and values to run through
@@ -41,10 +27,11 @@ struct ConfigOption {
 /// 0.10]]). Integers are decimal.
 /// @param text  of the file
 /// @param file  its name, for messages
+/// @param all   commands whose names sections may have
 /// @throws FileError naming the line where the text is no TOML; InvalidArgument naming line and key: an unknown key or
 ///         section, a key given twice, a list of no use, a value that is none of an option
-std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const CLI::App& command,
-                                         const ConfigSections& sections);
+std::vector<ConfigOption> config_options(std::string_view text, const std::string& file, const Command& command,
+                                         const std::vector<CommandName>& all);
 
 /// A command line with the options that its --config file adds.
 struct CommandLine {
@@ -56,7 +43,7 @@ struct CommandLine {
 /// Lists to run through stay out of the arguments.
 /// @param typed  the command's name first
 /// @throws FileError, InvalidArgument naming the line of the file
-CommandLine line_with_config(const std::vector<std::string>& typed, const CLI::App& command,
-                             const ConfigSections& sections);
+CommandLine line_with_config(const std::vector<std::string>& typed, const Command& command,
+                             const std::vector<CommandName>& all);
 
 }  // namespace bouncelab::cli

@@ -1,23 +1,42 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
-#include "bouncelab/core/error.hpp"
 #include "bouncelab/loop/loop_score.hpp"
-#include "options/ball_options.hpp"
+#include "commands/loop_command.hpp"
 #include "options/commands.hpp"
-#include "options/common_options.hpp"
-#include "options/stage_options.hpp"
+#include "options/parser.hpp"
 
 namespace bouncelab::cli {
 
-void apply_loop_preset(const CLI::App& app, LoopOptions& options, Run& run) {
+std::vector<Section> loop_sections(LoopOptions& options) {
+  using O = LoopOptions;
+  static const Description own{
+      "Run",
+      {member("preset", &O::preset,
+              "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
+              "paper: 2,320 drops of 95 impacts, through memory")
+           .one_of({"quick", "paper"}),
+       member("out", &O::out, "Folder for every file of the run").looks_like("FOLDER").required(),
+       member("keep_sound", &O::keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
+       member("no_memory", &O::without_memory,
+              "paper: without the fits with memory, which take three quarters of the time")}};
+  static const Description ball = ball_options("");
+  Section disturbances = disturbances_section(options.synthesize);
+  disturbances.stages = {"synthesize"};
+  return {{"", &own, &options},
+          {"", &ball, &options.world, {"simulate", "synthesize"}},
+          {"Ball, ground and drops", &members_of(&options.simulate), &options.simulate, {"simulate"}},
+          {"Sound", &members_of(&options.synthesize), &options.synthesize, {"synthesize"}},
+          disturbances};
+}
+
+void apply_loop_preset(LoopOptions& options, Run& run) {
   if (options.preset != "paper") return;
-  apply_paper_preset(app, options.simulate, run);
+  apply_paper_preset(options.simulate, run);
   const auto set = [&](const std::string& name, double& value, double to) {
-    if (app.get_option("--" + name)->count() > 0) return;
+    if (run.given.contains(name)) return;
     value = to;
     set_parameter(run.parameters, name, fmt::format("{:g}", to));
   };
@@ -25,56 +44,34 @@ void apply_loop_preset(const CLI::App& app, LoopOptions& options, Run& run) {
   set("pause", options.synthesize.config.pause_s, loop::kPaperPause_s);
 }
 
-void add_loop_options(CLI::App& command, LoopOptions& options) {
-  command
-      .add_option("--preset", options.preset,
-                  "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
-                  "paper: 2,320 drops of 95 impacts, through memory")
-      ->check(CLI::IsMember({"quick", "paper"}));
-  command.add_option("--out", options.out, "Folder for every file of the run")->type_name("FOLDER")->required();
-  command.add_flag("--keep-sound", options.keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop");
-  command.add_flag("--no-memory", options.without_memory,
-                   "paper: without the fits with memory, which take three quarters of the time");
-  add_ball_options(command, options.world);
-  add_simulate_options(command, options.simulate);
-  add_synthesize_options(command, options.synthesize);
-}
-
-namespace {
-
 ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
   ParsedLoop parsed;
   Run run;
-  CLI::App app("", "loop");
-  set_option_defaults(app);
-  add_loop_options(app, parsed.options);
-  add_common_options(app, parsed.common);
+  std::vector<Section> sections = loop_sections(parsed.options);
+  sections.push_back(common_section(parsed.common));
   try {
-    app.parse(std::vector<std::string>{arguments.rbegin(), arguments.rend()});
-  } catch (const CLI::ParseError& error) {
+    run.given = set_options(sections, arguments);
+  } catch (const WrongUsage& error) {
     throw InvalidArgument(error.what());
   }
-  run.parameters = resolved_parameters(app);
-  apply_loop_preset(app, parsed.options, run);
+  apply_loop_preset(parsed.options, run);
   return parsed;
 }
 
-}  // namespace
-
-Command add_loop_command(CLI::App& app) {
+Command loop_command() {
   auto options = std::make_shared<LoopOptions>();
-  CLI::App* command = app.add_subcommand(
+  return {
       "loop",
-      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder");
-  command->footer(
+      "The closed loop: simulate -> synthesize -> detect -> restitution -> fit -> report, all results in one folder",
       "Examples: bouncelab loop --preset quick --out out/loop\n"
       "          bouncelab loop --preset paper --out out/paper\n"
-      "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)");
-  add_loop_options(*command, *options);
-  return {command, [options, command](Run& run) {
-            apply_loop_preset(*command, *options, run);
-            return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run, parse_loop);
-          }};
+      "          bouncelab loop --config samples/sweep.toml --out out/sweep   (lists in the file are run through)",
+      loop_sections(*options),
+      [options](Run& run) {
+        apply_loop_preset(*options, run);
+        return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run);
+      },
+      {"simulate", "synthesize", "detect", "restitution", "fit", "report"}};
 }
 
 }  // namespace bouncelab::cli

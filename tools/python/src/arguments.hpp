@@ -7,8 +7,11 @@
 
 #include "bouncelab/fit/restitution.hpp"
 #include "commands/calibrate_command.hpp"
+#include "commands/detect_command.hpp"
+#include "commands/fit_command.hpp"
 #include "commands/loop_command.hpp"
-#include "options/stage_options.hpp"
+#include "commands/restitution_command.hpp"
+#include "commands/roughness_command.hpp"
 
 namespace bouncelab::python {
 

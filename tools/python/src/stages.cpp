@@ -186,7 +186,7 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
     const std::vector<fs::path> paths =
         cli::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", warnings);
     for (const fs::path& path : paths) once.push_back(path.string());
-    found = detection::detect(paths, cli::detection_config(options), run.common.n_threads,
+    found = detection::detect(paths, options.config, run.common.n_threads,
                               cli::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
   });
   const auto unreadable = [](const detection::Detection& d) {
@@ -202,7 +202,7 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
                         const Arguments& arguments, const py::object& progress) {
   auto [options, run] = detect_call(arguments);
   const SoundArray sound(array);
-  detection::DetectionConfig config = cli::detection_config(options);
+  detection::DetectionConfig config = options.config;
   config.rate_hz.reset();  // that of numbers in files
   std::vector<detection::Detection> found;
   python::run(run, progress, [&, &run = run] {

@@ -55,6 +55,7 @@ struct Member {
   std::string form;                               ///< what a text or list looks like: FILE, X,Y
   std::size_t n_least = 0, n_most = 0;            ///< numbers in a list written with commas; 0: any
   bool is_required = false, is_positional = false;
+  std::string unknown_text;  ///< what stands for "not known" where it may be: -1, 0
 
   // NOLINTBEGIN(*-identifier-naming): read as sentences where members are listed
   Member&& within(double lo, double hi) &&;
@@ -63,6 +64,7 @@ struct Member {
   /// A list of `least` to `most` numbers with commas between them; others may be given several times.
   Member&& with_commas(std::string how, std::size_t least, std::size_t most) &&;
   Member&& checked_by(std::function<void(const std::string&)> accepts) &&;
+  Member&& unknown_as(std::string what) &&;
   Member&& required() &&;
   Member&& positional() &&;
   // NOLINTEND(*-identifier-naming)
@@ -173,7 +175,7 @@ const Description* description_of() {
   if constexpr (IsOptional<T>::value || IsVector<T>::value)
     return description_of<typename T::value_type>();
   else
-    return &describe(static_cast<const T*>(nullptr));  // found beside T
+    return &members_of(static_cast<const T*>(nullptr));  // found beside T
 }
 
 template <class T>
@@ -276,6 +278,8 @@ Value value_from_text(const Member& member, const std::string& text);
 Value value_from_texts(const Member& member, const std::vector<std::string>& texts);
 /// A value as it would be typed; empty where it is not known. Numbers with the fewest digits that read back the same.
 std::string text_of(const Value& value);
+/// What the object holds, as it would be typed.
+std::string default_text(const Member& member, const void* object);
 /// "0 to 1024"; empty where there is no range.
 std::string range_of(const Member& member);
 /// Whether each value is given by itself: --nodes 0.3 --nodes 0.6 (or --nodes 0.3 0.6).

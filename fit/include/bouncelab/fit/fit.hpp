@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/dem_export.hpp"
@@ -43,6 +44,9 @@ struct FitConfig {
   bool compare_recordings = true;       ///< fill FitResult::recordings where there are several
   int n_threads = 0;                    ///< 0: all cores; the result does not depend on it
 };
+
+/// The options: nodes, form of the law, method, replicates, windows.
+const Description& members_of(const FitConfig*);
 
 /// A question that a reader of the report has, and the answer that follows from the fit.
 struct Finding {

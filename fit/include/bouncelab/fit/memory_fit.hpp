@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -102,6 +103,8 @@ struct RoughnessConfig {
   std::uint64_t seed = 1;       ///< of draws and replicates
   int n_threads = 0;            ///< 0: all cores; the result does not depend on it
 };
+
+const Description& members_of(const RoughnessConfig*);
 
 struct RoughnessResult {
   MemoryFit memory;                               ///< with the roughness, of the ball that the samples name

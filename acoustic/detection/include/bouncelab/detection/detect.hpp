@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -25,6 +26,8 @@ struct DetectionConfig {
   /// RecordingSummary::lossy_coding of samples that something else has decoded; that of a file goes before it.
   std::string lossy_coding;
 };
+/// The options: channel, rate, min_impacts.
+const Description& members_of(const DetectionConfig*);
 
 enum class DetectionStatus {
   ok,               ///< at least one track of impacts

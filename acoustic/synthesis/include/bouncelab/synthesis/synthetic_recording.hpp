@@ -10,6 +10,7 @@
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/onsets.hpp"
@@ -32,6 +33,7 @@ struct Disturbances {
   double timbre_wander = 0.0;  ///< standard deviation of ln(mode amplitude) from impact to impact
   double phase_wander_rad = 0.0;  ///< standard deviation of the modes' phases from impact to impact
 };
+const Description& members_of(const Disturbances*);
 
 /// A simulated ball strikes where the ground is no more.
 class OffThePlate : public InvalidArgument {

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "options/parser.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <memory>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
+
+namespace bouncelab::cli {
+namespace {
+
+constexpr std::size_t kNames_characters = 30, kLine_characters = 100;  // of a line of --help
+constexpr int kMostValues = 1 << 29;                                   // of an option that is repeated
+
+/// The text with line breaks before words that end beyond `width`; its own line breaks stay.
+std::string wrapped(std::string text, std::size_t width) {
+  std::size_t begin = 0, blank = std::string::npos;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] == '\n') {
+      begin = k + 1;
+      blank = std::string::npos;
+    } else if (text[k] == ' ') {
+      blank = k;
+    }
+    if (k - begin < width || blank == std::string::npos) continue;
+    text[blank] = '\n';
+    begin = blank + 1;
+    blank = std::string::npos;
+  }
+  return text;
+}
+
+std::string in_second_column(const std::string& text) { return wrapped(text, kLine_characters - kNames_characters); }
+
+using MembersByOption = std::map<const CLI::Option*, Option>;
+
+/// CLI11's help with ranges and defaults as our sentences have them.
+class HelpFormat : public CLI::Formatter {
+ public:
+  explicit HelpFormat(const MembersByOption& members) : members_(&members) {
+    column_width(kNames_characters);
+    label("SUBCOMMAND", "COMMAND");
+  }
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped(app->get_description(), kLine_characters) + "\n";
+  }
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(), in_second_column(command->get_description()), kNames_characters);
+    return out.str();
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const auto found = members_->find(option);
+    if (found == members_->end()) return "";
+    const std::string value = value_name(*found->second.member);
+    return (value.empty() ? "" : " " + value) + (is_repeated(*found->second.member) ? " ..." : "");
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const auto found = members_->find(option);
+    if (found == members_->end()) return in_second_column(option->get_description());
+    const Member& member = *found->second.member;
+    std::string facts = member.is_required && !member.is_positional ? "; required" : "";
+    if (const std::string range = range_of(member); !range.empty()) facts += "; " + range;
+    const std::string value = default_text(member, found->second.object);
+    if (!value.empty() && value != "inf" && member.kind != Member::Kind::flag) facts += "; default " + value;
+    return in_second_column(member.text + (facts.empty() ? "" : " (" + facts.substr(2) + ")"));
+  }
+
+ private:
+  const MembersByOption* members_;
+};
+
+/// A parser of the options of some sections, which sets them.
+class Parser {
+ public:
+  /// @param all  also the options that only --help-all shows
+  Parser(const std::vector<Section>& sections, const std::string& summary, const std::string& name, bool all)
+      : sections_(sections), app_(summary, name) {
+    app_.formatter(std::make_shared<HelpFormat>(members_));
+    app_.set_help_flag("-h,--help", "This help");
+    app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    for (const Option& option : options_of(sections_)) add(option, all);
+  }
+  CLI::App& app() { return app_; }
+
+  Given parse(const std::vector<std::string>& arguments) {
+    try {
+      app_.parse(std::vector<std::string>{arguments.rbegin(), arguments.rend()});  // CLI11 takes them from the back
+    } catch (const CLI::ParseError& error) {
+      const std::string unknown = unknown_option(arguments);
+      throw WrongUsage(with_quotations(unknown.empty() ? error.what() : unknown, arguments));
+    }
+    for (const auto& [added, option] : members_)
+      if (option.member->kind == Member::Kind::flag && added->count() > 0)
+        set_option(option, {added->as<bool>() ? "true" : "false"});
+    return given_;
+  }
+
+ private:
+  void add(const Option& option, bool all) {
+    const Member& member = *option.member;
+    const Section& section = *option.section;
+    if (section.only_in_full_help && !all) return;
+    const std::string name = (member.is_positional ? "" : "--") + option_name(member);
+    const auto set = [this, option, name](const CLI::results_t& texts) {
+      try {
+        set_option(option, texts);
+      } catch (const InvalidArgument& error) {
+        throw CLI::ValidationError(name, error.what());
+      }
+      return true;
+    };
+    CLI::Option* added = member.kind == Member::Kind::flag ? app_.add_flag(name, flags_.emplace_back(), member.text)
+                                                           : app_.add_option(name, set, member.text);
+    if (is_repeated(member))
+      added->expected(1, kMostValues)->allow_extra_args()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    added->required(member.is_required);
+    if (!section.heading.empty()) added->group(section.heading);
+    members_[added] = option;
+  }
+
+  void set_option(const Option& option, const std::vector<std::string>& texts) {
+    const Member& member = *option.member;
+    const Value value = value_from_texts(member, texts);
+    // integers as they are read, 2 for 002
+    const bool is_integer = std::holds_alternative<std::int64_t>(value) || std::holds_alternative<std::uint64_t>(value);
+    given_[option_name(member)] = is_integer ? std::vector{text_of(value)} : texts;
+    member.set(option.object, value);
+  }
+
+  /// The first option typed that there is not, and the one that was probably meant; empty where all are known.
+  std::string unknown_option(const std::vector<std::string>& typed) const {
+    std::vector<std::string> names{"--help"};
+    for (const Option& option : options_of(sections_))
+      if (!option.member->is_positional) names.push_back("--" + option_name(*option.member));
+    for (const std::string& argument : typed) {
+      if (argument == "--") break;
+      if (argument.rfind("--", 0) != 0) continue;
+      const std::string name = argument.substr(0, argument.find('='));
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      const std::string nearest = nearest_name(name, names);
+      return "unknown option '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+    }
+    return "";
+  }
+
+  /// The message in one line, with every long or unprintable word of the command line as quotations show it.
+  static std::string with_quotations(std::string message, const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      const std::string value = word.substr(word.find('=') + 1);  // of --option=value, else the word
+      const std::string shown = printable(value);
+      const auto at = shown == value ? std::string::npos : message.find(value);
+      if (at != std::string::npos) message.replace(at, value.size(), shown);
+    }
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    return message;
+  }
+
+  std::vector<Section> sections_;
+  CLI::App app_;
+  MembersByOption members_;
+  std::deque<bool> flags_;  // where CLI11 writes them; asked for when all is read
+  Given given_;
+};
+
+}  // namespace
+
+Given set_options(const std::vector<Section>& sections, const std::vector<std::string>& arguments) {
+  return Parser(sections, "", "", true).parse(arguments);
+}
+
+std::string help_of(const Command& command, bool all) {
+  CommonOptions common;
+  std::vector<Section> sections = command.sections;
+  sections.push_back(common_section(common));
+  Parser parser(sections, command.summary, "bouncelab " + command.name, all);
+  const bool has_more =
+      std::any_of(sections.begin(), sections.end(), [](const Section& s) { return s.only_in_full_help; });
+  const std::string more = "More options: bouncelab " + command.name + " --help-all";
+  parser.app().footer(has_more && !all ? more + "\n" + command.example : command.example);
+  return parser.app().help();
+}
+
+std::string help_of_all() {
+  const MembersByOption none;
+  CLI::App app{
+      "bouncelab: the coefficient of restitution of a bouncing ball, simulated and from its sound.\n"
+      "bouncelab RECORDING... gives the answer, and a report beside the recording; bouncelab COMMAND --help says more.",
+      "bouncelab"};
+  app.formatter(std::make_shared<HelpFormat>(none));
+  app.set_help_flag("-h,--help", "This help");
+  app.set_version_flag("--version", "", "Version and commit");
+  app.require_subcommand(1);
+  for (const CommandName& command : all_commands()) {
+    const std::string summary = command.make().summary;
+    app.add_subcommand(command.name, summary.substr(0, summary.find('\n')))->group(command.group);
+  }
+  return app.help();
+}
+
+std::string value_name(const Member& member) {
+  using Kind = Member::Kind;
+  if (member.kind == Kind::flag) return "";
+  if (!member.choices.empty()) {
+    std::string all;
+    for (const std::string& choice : member.choices) all += (all.empty() ? "" : ",") + choice;
+    return "{" + all + "}";
+  }
+  if (!member.form.empty()) return member.form;
+  if (member.kind == Kind::integer || member.kind == Kind::integers) return "INT";
+  if (member.kind == Kind::natural) return "UINT";
+  return member.kind == Kind::real || member.kind == Kind::reals ? "FLOAT" : "TEXT";
+}
+
+}  // namespace bouncelab::cli
