@@ -43,7 +43,7 @@ struct Member {
   bool may_be_unknown = false;
 
   std::function<Value(const void*)> get;                       ///< of all kinds but object and objects
-  std::function<void(void*, Value)> set;                       ///< absent: it cannot be set
+  std::function<void(void*, const Value&)> set;                ///< absent: it cannot be set
   std::function<std::vector<Described>(const void*)> objects;  ///< of object (one or none) and objects
   const Description* (*described_by)() = nullptr;              ///< what these are
 
@@ -144,13 +144,13 @@ Value value_of(const T& x) {
 }
 
 template <class T>
-void set_value(T& x, Value&& value) {
+void set_value(T& x, const Value& value) {
   constexpr Member::Kind kind = kind_of<T>();
   if constexpr (IsOptional<T>::value) {
     if (std::holds_alternative<std::monostate>(value))
       x.reset();
     else
-      set_value(x.emplace(), std::move(value));
+      set_value(x.emplace(), value);
   } else if constexpr (kind == Member::Kind::integer) {
     x = static_cast<T>(std::get<std::int64_t>(value));
   } else if constexpr (kind == Member::Kind::real) {
@@ -162,7 +162,7 @@ void set_value(T& x, Value&& value) {
     const auto& all = std::get<std::vector<double>>(value);
     x.assign(all.begin(), all.end());
   } else {
-    x = std::get<T>(std::move(value));
+    x = std::get<T>(value);
   }
 }
 
@@ -208,9 +208,7 @@ Member member(std::string name, Reach reach, std::string text) {
     made.described_by = &describe_detail::description_of<T>;
   } else {
     made.get = [reach](const void* s) { return describe_detail::value_of(reach(*static_cast<const S*>(s))); };
-    made.set = [reach](void* s, Value value) {
-      describe_detail::set_value(reach(*static_cast<S*>(s)), std::move(value));
-    };
+    made.set = [reach](void* s, const Value& value) { describe_detail::set_value(reach(*static_cast<S*>(s)), value); };
   }
   return made;
 }
