@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -17,9 +16,6 @@
 #include "files/table_file.hpp"
 #include "json/json_text.hpp"
 #include "options.hpp"
-#include "options/ball_options.hpp"
-#include "options/common_options.hpp"
-#include "options/stage_options.hpp"
 
 namespace bouncelab::web {
 namespace {
@@ -42,15 +38,20 @@ struct AnalyzeCall {
   cli::Run run;
 
   AnalyzeCall(const Sound& sound, const std::string& options_json) {
-    CLI::App app;
-    cli::set_option_defaults(app);
-    app.add_flag("--diagnostics", options.diagnostics);
-    app.add_option("--lossy-coding", options.detect.lossy_coding);
-    cli::add_detect_options(app, options.detect);
-    cli::add_ball_options(app, options.restitution.world, "");
-    cli::add_restitution_options(app, options.restitution);
-    cli::add_fit_options(app, options.fit);
-    run = parse(app, options_json);
+    using O = cli::AnalyzeOptions;
+    static const Description own{"Page",
+                                 {member("diagnostics", &O::diagnostics, "Details of each drop in the report"),
+                                  member<O>(
+                                      "lossy_coding", [](auto& o) -> auto& { return o.detect.config.lossy_coding; },
+                                      "Coding of the samples that the browser has decoded")}};
+    static const Description ball = cli::ball_options("");
+    options.fit.config.memory = fit::UseMemory::where_long;
+    run = parse({{"", &own, &options},
+                 {"", &members_of(&options.detect.config), &options.detect.config},
+                 {"", &ball, &options.restitution.world},
+                 {"", &members_of(&options.restitution), &options.restitution},
+                 {"", &members_of(&options.fit.config), &options.fit.config}},
+                options_json);
     options.out = kOut;
     options.detect.recordings = {file_name(sound.name)};
     write_sound(options.detect.recordings.front(), sound);
@@ -81,10 +82,10 @@ cli::Stage<cli::DetectResult> as_detected(const Onsets& onsets, const Sound& sou
   found.onsets = onsets;
   found.status = detection::DetectionStatus::ok;
   found.message = std::to_string(onsets.size()) + " impacts as marked";
-  found.summary.lossy_coding = options.lossy_coding;
+  found.summary.lossy_coding = options.config.lossy_coding;
   found.summary.rate_hz = sound.rate_hz;
   found.summary.n_channels = sound.n_channels;
-  found.summary.channel = std::clamp(options.channel, 0, sound.n_channels - 1);
+  found.summary.channel = std::clamp(options.config.channel.value_or(0), 0, sound.n_channels - 1);
   found.summary.channel_reason = "as marked";
   found.summary.duration_s =
       static_cast<double>(sound.samples.size()) / static_cast<double>(sound.n_channels) / sound.rate_hz;
@@ -92,8 +93,8 @@ cli::Stage<cli::DetectResult> as_detected(const Onsets& onsets, const Sound& sou
   for (const Onset& onset : onsets) drops.insert(onset.drop);
   found.summary.n_drops = std::ssize(drops);
   cli::Stage<cli::DetectResult> stage;
-  if (!options.lossy_coding.empty()) {
-    found.warnings.push_back(detection::lossy_coding_warning(options.lossy_coding));
+  if (!options.config.lossy_coding.empty()) {
+    found.warnings.push_back(detection::lossy_coding_warning(options.config.lossy_coding));
     stage.outcome.warnings.push_back(options.recordings.front() + ": " + found.warnings.back());
   }
   stage.result.recordings.push_back({options.recordings.front(), found.status, found.message, found.summary,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -18,9 +17,6 @@
 #include "json/json_text.hpp"
 #include "json/stage_json.hpp"
 #include "options.hpp"
-#include "options/ball_options.hpp"
-#include "options/common_options.hpp"
-#include "options/stage_options.hpp"
 
 namespace bouncelab::web {
 namespace {
@@ -32,12 +28,12 @@ struct SimulateCall {
   cli::Run run;
 
   explicit SimulateCall(const std::string& options_json) {
-    CLI::App app;
-    cli::set_option_defaults(app);
-    cli::add_ball_options(app, simulated.world, "steel:6mm on glass");
-    cli::add_simulate_options(app, simulated);
-    cli::add_synthesize_options(app, synthesized);
-    run = parse(app, options_json);
+    static const Description ball = cli::ball_options("steel:6mm on glass");
+    run = parse({{"", &ball, &simulated.world},
+                 {"", &members_of(&simulated), &simulated},
+                 {"", &members_of(&synthesized), &synthesized},
+                 cli::disturbances_section(synthesized)},
+                options_json);
     synthesized.world = simulated.world;
   }
 };
