@@ -46,44 +46,41 @@ Member method_member() {
 const Description& members_of(const FitConfig*) {
   using C = FitConfig;
   static const Description options{
-      "Fit",
-      {member<C>(
-           "nodes", [](auto& c) -> auto& { return c.law.node_speeds_mps; },
-           "Speeds at which eps(v) is reported [m/s]; default 0.25 0.6 1.2, or within the data")
-           .within(1e-6, 1e3),
-       member<C>(
-           "orders", [](auto& c) -> auto& { return c.law.orders; }, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
-           .within(2, 10),
-       choice<C, LawKind>(
-           "law_kind", [](auto& c) -> auto& { return c.law.kind; },
-           {{"series", LawKind::series}, {"viscoelastic", LawKind::viscoelastic}, {"constant", LawKind::constant}},
-           "Form of the law"),
-       method_member(),
-       member<C>(
-           "bootstrap", [](auto& c) -> auto& { return c.law.n_bootstrap; },
-           "Replicates of the bootstrap by drop, 0 = none")
-           .within(0, 1e5),
-       member("goodness_replicates", &C::n_goodness, "Replicates of the Anderson-Darling test, 0 = none")
-           .within(0, 1e5),
-       member("hand_off_speed", &C::dem_speed_mps,
-              "Speed of the constant eps for DEM codes [m/s]; default the middle node")
-           .within(1e-6, 1e3),
-       member<C>(
-           "windows", [](auto& c) -> auto& { return c.histograms.centres_mps; },
-           "Centres of the histograms' windows of speed [m/s]")
-           .within(1e-6, 1e3),
-       member<C>(
-           "window_width", [](auto& c) -> auto& { return c.histograms.width_mps; },
-           "Width of the histograms' windows [m/s]; 0: chosen by the number of samples")
-           .within(0.0, 1e3)}};
+      member<C>(
+          "nodes", [](auto& c) -> auto& { return c.law.node_speeds_mps; },
+          "Speeds at which eps(v) is reported [m/s]; default 0.25 0.6 1.2, or within the data")
+          .within(1e-6, 1e3),
+      member<C>(
+          "orders", [](auto& c) -> auto& { return c.law.orders; }, "Orders i of the series 1 + sum C_i A_i v^(i/10)")
+          .within(2, 10),
+      choice<C, LawKind>(
+          "law_kind", [](auto& c) -> auto& { return c.law.kind; },
+          {{"series", LawKind::series}, {"viscoelastic", LawKind::viscoelastic}, {"constant", LawKind::constant}},
+          "Form of the law"),
+      method_member(),
+      member<C>(
+          "bootstrap", [](auto& c) -> auto& { return c.law.n_bootstrap; },
+          "Replicates of the bootstrap by drop, 0 = none")
+          .within(0, 1e5),
+      member("goodness_replicates", &C::n_goodness, "Replicates of the Anderson-Darling test, 0 = none").within(0, 1e5),
+      member("hand_off_speed", &C::dem_speed_mps,
+             "Speed of the constant eps for DEM codes [m/s]; default the middle node")
+          .within(1e-6, 1e3),
+      member<C>(
+          "windows", [](auto& c) -> auto& { return c.histograms.centres_mps; },
+          "Centres of the histograms' windows of speed [m/s]")
+          .within(1e-6, 1e3),
+      member<C>(
+          "window_width", [](auto& c) -> auto& { return c.histograms.width_mps; },
+          "Width of the histograms' windows [m/s]; 0: chosen by the number of samples")
+          .within(0.0, 1e3)};
   return options;
 }
 
 const Description& members_of(const RoughnessConfig*) {
   static const Description options{
-      "Roughness",
-      {member("goodness_replicates", &RoughnessConfig::n_goodness, "Replicates of the Anderson-Darling test, 0 = none")
-           .within(0, 1e5)}};
+      member("goodness_replicates", &RoughnessConfig::n_goodness, "Replicates of the Anderson-Darling test, 0 = none")
+          .within(0, 1e5)};
   return options;
 }
 

@@ -13,9 +13,6 @@ namespace {
 
 enum class Kind { round, flat };
 
-struct Part {
-  double mass_kg = 0.5;
-};
 struct Whole {
   std::int64_t n = 3;
   std::optional<double> speed_mps;
@@ -24,33 +21,22 @@ struct Whole {
   std::vector<double> start_m{0.0, 1.5};
   bool drag = false;
   Kind kind = Kind::flat;
-  std::vector<Part> parts{{1.0}, {2.0}};
-  std::optional<Part> spare;
-  NamedNumbers seconds{{"fit", 0.5}};
 };
-
-const Description& members_of(const Part*) {
-  static const Description part{"Part", {member("mass_kg", &Part::mass_kg, "Mass").within(0.0, 10.0)}};
-  return part;
-}
 
 const Description& members_of(const Whole*) {
   static const Description whole{
-      "Whole",
-      {member("n", &Whole::n, "Number").within(1, 1'000'000'000), member("speed_mps", &Whole::speed_mps, "Speed"),
-       member("name", &Whole::name, "Name"), member("nodes", &Whole::nodes, "Nodes").within(0.0, 1.0),
-       member("start_m", &Whole::start_m, "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
-       member("drag", &Whole::drag, "Air"),
-       choice<Whole, Kind>("kind", &Whole::kind, {{"round", Kind::round}, {"flat", Kind::flat}}, "Form"),
-       member("parts", &Whole::parts, "Parts"), member("spare", &Whole::spare, "Spare"),
-       member("seconds", &Whole::seconds, "Seconds"),
-       computed<Whole>(
-           "twice", [](const Whole& w) { return 2 * w.n; }, "2 n")}};
+      member("n", &Whole::n, "Number").within(1, 1'000'000'000),
+      member("speed_mps", &Whole::speed_mps, "Speed"),
+      member("name", &Whole::name, "Name"),
+      member("nodes", &Whole::nodes, "Nodes").within(0.0, 1.0),
+      member("start_m", &Whole::start_m, "Start").with_commas("X,Y", 2, 2).within(-9.0, 9.0),
+      member("drag", &Whole::drag, "Air"),
+      choice<Whole, Kind>("kind", &Whole::kind, {{"round", Kind::round}, {"flat", Kind::flat}}, "Form")};
   return whole;
 }
 
 const Member& member_named(const std::string& name) {
-  for (const Member& m : members_of(static_cast<const Whole*>(nullptr)).members)
+  for (const Member& m : members_of(static_cast<const Whole*>(nullptr)))
     if (m.name == name) return m;
   throw Error("no member " + name);
 }
@@ -63,14 +49,6 @@ std::string refusal(const std::string& name, const std::string& text) {
     return error.what();
   }
   return "";
-}
-
-TEST(Description, ObjectsBecomeJsonInTheOrderOfTheirMembers) {
-  Whole whole;
-  whole.speed_mps = std::nan("");
-  EXPECT_EQ(json_of(whole),
-            R"({"n":3,"speed_mps":null,"name":"a","nodes":[0.25,0.6],"start_m":[0.0,1.5],"drag":false,"kind":"flat",)"
-            R"("parts":[{"mass_kg":1.0},{"mass_kg":2.0}],"spare":null,"seconds":{"fit":0.5},"twice":6})");
 }
 
 TEST(Description, ATextSetsTheMemberItIsReadFor) {
@@ -107,11 +85,6 @@ TEST(Description, TheDefaultAsTextIsReadBackAsTheSame) {
     const Member& m = member_named(name);
     EXPECT_EQ(value_from_text(m, text_of(m.get(&whole))), m.get(&whole)) << name;
   }
-}
-
-TEST(Description, DocumentsShowUnitAndRange) {
-  const std::string table = markdown_table(members_of(static_cast<const Part*>(nullptr)));
-  EXPECT_EQ(table, "| name | unit | meaning |\n|---|---|---|\n| `mass_kg` | kg | Mass; 0 to 10 |\n");
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ void say_out_of_memory() noexcept {
 }
 
 bool is_command(const std::vector<std::string>& typed) {
-  return !typed.empty() && command_named(typed.front()) != nullptr;
+  return !typed.empty() && command_named(all_commands(), typed.front()) != nullptr;
 }
 
 /// The arguments, with those in full that people write short: nothing asks for help, as does `help COMMAND`; recordings
@@ -144,14 +144,14 @@ void keep_standard_descriptors() {
 }
 
 /// The command with what is typed and what its configuration file sets.
-int run_command(Command& command, const std::vector<std::string>& typed, const std::vector<std::string>& line) {
+int run_command(const Command& command, const std::vector<std::string>& typed, const std::vector<std::string>& line) {
   Run call;
   call.command_line = line;
-  command.sections.push_back(common_section(call.common));
+  const std::vector<Section> sections = all_sections(command, call.common);
   const CommandLine full = line_with_config(typed, command, all_commands());
   call.arguments.assign(full.arguments.begin() + 1, full.arguments.end());
   try {
-    call.given = set_options(command.sections, call.arguments);
+    call.given = set_options(sections, call.arguments);
   } catch (const WrongUsage& error) {
     const std::string name = "bouncelab " + command.name;
     std::string message = error.what();
@@ -159,7 +159,7 @@ int run_command(Command& command, const std::vector<std::string>& typed, const s
       if (message.rfind("--" + option.name + ":", 0) == 0) message.insert(0, option.place + ": ");
     throw WrongUsage(name + ": " + printable(message, kMessage_characters - 100) + "; see " + name + " --help");
   }
-  call.parameters = parameters_of(command.sections, call.given);
+  call.parameters = parameters_of(sections, call.given);
   for (const ConfigOption& option : full.from_file)
     if (option.is_axis) call.sweep.push_back({option.name, option.values});
   const bool standard_output_is_taken = is_taken_by_an_output(call.parameters);
@@ -176,7 +176,7 @@ int run(const std::vector<std::string>& line) {
   const auto end = std::find(typed.begin(), typed.end(), "--");
   const auto asks_for = [&](const char* option) { return std::find(typed.begin(), end, option) != end; };
   if (is_command(typed)) {
-    Command command = command_named(typed.front())->make();
+    const Command command = command_named(all_commands(), typed.front())->make();
     if (asks_for("--help") || asks_for("-h")) return print(help_of(command, false), kDone);
     if (asks_for("--help-all")) return print(help_of(command, true), kDone);
     return run_command(command, typed, line);

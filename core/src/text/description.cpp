@@ -2,9 +2,9 @@
 #include "bouncelab/core/description.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "bouncelab/core/error.hpp"
@@ -13,43 +13,7 @@
 namespace bouncelab {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Kind = Member::Kind;
-
-Json json_of_value(const Value& value) {
-  return std::visit(
-      [](const auto& x) -> Json {
-        using T = std::remove_cvref_t<decltype(x)>;
-        if constexpr (std::is_same_v<T, std::monostate>) {
-          return nullptr;
-        } else if constexpr (std::is_same_v<T, NamedNumbers>) {
-          Json numbers = Json::object();
-          for (const auto& [name, number] : x) numbers[name] = number;
-          return numbers;
-        } else {
-          return x;
-        }
-      },
-      value);
-}
-
-Json json_of_object(const Described& described) {
-  Json json = Json::object();
-  for (const Member& member : described.description->members) {
-    if (!member.objects) {
-      json[member.name] = json_of_value(member.get(described.object));
-      continue;
-    }
-    const std::vector<Described> objects = member.objects(described.object);
-    if (member.kind == Kind::object) {
-      json[member.name] = objects.empty() ? Json(nullptr) : json_of_object(objects.front());
-      continue;
-    }
-    Json& list = json[member.name] = Json::array();
-    for (const Described& object : objects) list.push_back(json_of_object(object));
-  }
-  return json;
-}
 
 /// Absent where the text is not one decimal number that T holds, with or without a sign.
 template <class T>
@@ -133,17 +97,6 @@ std::string checked(const Member& member, const std::string& text) {
   refuse(text, "one of " + all);
 }
 
-/// The unit at the end of a name: "m/s" of v_mps; empty where it has none.
-std::string unit_of(const std::string& name) {
-  static const std::vector<std::pair<std::string, std::string>> units{
-      {"_mps2", "m/s²"}, {"_mps", "m/s"},     {"_radps", "rad/s"}, {"_rad", "rad"},     {"_hz", "Hz"},
-      {"_db", "dB"},     {"_kgpm3", "kg/m³"}, {"_kg", "kg"},       {"_deg", "degrees"}, {"_pa", "Pa"},
-      {"_j", "J"},       {"_m", "m"},         {"_s", "s"}};
-  for (const auto& [suffix, unit] : units)
-    if (name.ends_with(suffix)) return unit;
-  return "";
-}
-
 }  // namespace
 
 Member&& Member::within(double lo, double hi) && {
@@ -182,10 +135,6 @@ Member&& Member::positional() && {
   return std::move(*this);
 }
 
-std::string json_text(const Described& object, int indent) {
-  return json_of_object(object).dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
 Value value_from_text(const Member& member, const std::string& text) {
   if (member.may_be_unknown && text == member.unknown_text) return {};
   switch (member.kind) {
@@ -206,12 +155,9 @@ Value value_from_text(const Member& member, const std::string& text) {
       return std::vector<std::int64_t>{number<std::int64_t>(member, text)};
     case Kind::reals:
       return member.n_most > 0 ? list_with_commas(member, text) : std::vector<double>{number<double>(member, text)};
-    case Kind::named_numbers:
-    case Kind::object:
-    case Kind::objects:
-      break;
   }
-  throw Error("'" + member.name + "' is not set by a text");
+  assert(false);
+  return {};
 }
 
 Value value_from_texts(const Member& member, const std::vector<std::string>& texts) {
@@ -221,7 +167,7 @@ Value value_from_texts(const Member& member, const std::vector<std::string>& tex
     std::visit(
         [&](auto& list) {
           using T = std::remove_cvref_t<decltype(list)>;
-          if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, NamedNumbers>)
+          if constexpr (describe_detail::IsVector<T>::value)
             list.push_back(std::get<T>(value_from_text(member, texts[k])).front());
         },
         all);
@@ -238,7 +184,7 @@ std::string text_of(const Value& value) {
           return number_text(x);
         } else if constexpr (std::is_same_v<T, std::string>) {
           return x;
-        } else if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, NamedNumbers>) {
+        } else if constexpr (describe_detail::IsVector<T>::value) {
           std::string all;
           for (const auto& element : x) {
             if (&element != &x.front()) all += ',';
@@ -275,16 +221,6 @@ std::string option_name(const Member& member) {
   std::string name = member.name;
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
-}
-
-std::string markdown_table(const Description& description) {
-  std::string table = "| name | unit | meaning |\n|---|---|---|\n";
-  for (const Member& member : description.members) {
-    const std::string range = range_of(member);
-    table += "| `" + member.name + "` | " + unit_of(member.name) + (unit_of(member.name).empty() ? "| " : " | ") +
-             member.text + (range.empty() ? "" : "; " + range) + " |\n";
-  }
-  return table;
 }
 
 }  // namespace bouncelab

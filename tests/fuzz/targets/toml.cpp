@@ -18,12 +18,12 @@ struct Options {
 };
 
 const Description& members_of(const Options*) {
-  static const Description options{
-      "Options",
-      {member("drops", &Options::drops, "").within(1, 100), member("snr_db", &Options::snr_db, ""),
-       member("radius_law", &Options::radius_law, ""),
-       member("height", &Options::height, "").with_commas("X,Y", 1, 2).within(0.0, 10.0),
-       member("nodes", &Options::nodes, ""), member("force_it", &Options::force_it, "")}};
+  static const Description options{member("drops", &Options::drops, "").within(1, 100),
+                                   member("snr_db", &Options::snr_db, ""),
+                                   member("radius_law", &Options::radius_law, ""),
+                                   member("height", &Options::height, "").with_commas("X,Y", 1, 2).within(0.0, 10.0),
+                                   member("nodes", &Options::nodes, ""),
+                                   member("force_it", &Options::force_it, "")};
   return options;
 }
 

@@ -11,6 +11,8 @@
 namespace bouncelab::cli {
 
 struct FitOptions {
+  FitOptions() { config.memory = fit::UseMemory::where_long; }
+
   std::vector<std::string> samples;  ///< files
   std::string out;
   std::string table;  ///< empty: none

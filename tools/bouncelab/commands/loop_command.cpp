@@ -73,6 +73,7 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   restitution.config = loop::restitution_config_of(config.simulation);
   const Stage<fit::RestitutionCounts> intervals = run_restitution(restitution, run);
   FitOptions fit;
+  fit.config.memory = fit::UseMemory::never;  // that is for the preset `paper`
   fit.config.law.node_speeds_mps = config.node_speeds_mps;
   fit.config.budget = loop::budget_config_of(config.simulation);
   fit.samples = {samples.string()};

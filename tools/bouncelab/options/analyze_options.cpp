@@ -18,17 +18,15 @@ std::string folder_beside(const std::string& recording) {
 
 Command analyze_command() {
   using O = AnalyzeOptions;
-  static const Description recordings{"Files", {recordings_member(), list_member()}};
+  static const Description recordings{recordings_member(), list_member()};
   static const Description outputs{
-      "Files",
-      {member("out", &O::out,
-              "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab)")
-           .looks_like("FOLDER"),
-       member("diagnostics", &O::diagnostics,
-              "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")}};
+      member("out", &O::out,
+             "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab)")
+          .looks_like("FOLDER"),
+      member("diagnostics", &O::diagnostics,
+             "Details of each drop in the report: sound and marks, intervals, learned waveform, noise")};
   static const Description ball = ball_options("not known, so that drag and contact time stay open");
   auto options = std::make_shared<O>();
-  options->fit.config.memory = fit::UseMemory::where_long;
   return {"analyze",
           "Recordings -> impact times -> eps(v) -> constants and a report; nothing has to be set",
           "Example: bouncelab analyze drop.wav --out out/drop",

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "options/commands.hpp"
 
-#include <algorithm>
-
 namespace bouncelab::cli {
 
 // in the order of --help; stages in that of the data
@@ -26,12 +24,6 @@ const std::vector<CommandName>& all_commands() {
       {"completion", completion_command, beside},
   };
   return all;
-}
-
-const CommandName* command_named(const std::string& name) {
-  const auto found = std::find_if(all_commands().begin(), all_commands().end(),
-                                  [&](const CommandName& command) { return command.name == name; });
-  return found == all_commands().end() ? nullptr : &*found;
 }
 
 }  // namespace bouncelab::cli

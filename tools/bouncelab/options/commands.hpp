@@ -61,10 +61,13 @@ struct CommandName {
 /// In the order of --help.
 const std::vector<CommandName>& all_commands();
 /// nullptr where no command is called so.
-const CommandName* command_named(const std::string& name);
+const CommandName* command_named(const std::vector<CommandName>& all, const std::string& name);
 
 /// What every command has.
 Section common_section(CommonOptions& common);
+/// Those of the command, and what every command has.
+/// @param common  to be set by it
+std::vector<Section> all_sections(const Command& command, CommonOptions& common);
 
 /// An option of a command.
 struct Option {

@@ -9,17 +9,16 @@ namespace bouncelab::cli {
 Command compare_command() {
   using O = CompareOptions;
   static const Description files{
-      "Files",
-      {member("samples", &O::samples, "Samples, as restitution writes them, ordered by recording: from 4 recordings on")
-           .required()
-           .positional(),
-       member("out", &O::out, "Folder for comparison.json, comparison.csv and report.html")
-           .looks_like("FOLDER")
-           .required(),
-       member("groups", &O::groups,
-              "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
-           .looks_like("FILE"),
-       member("title", &O::title, "Title of the page")}};
+      member("samples", &O::samples, "Samples, as restitution writes them, ordered by recording: from 4 recordings on")
+          .required()
+          .positional(),
+      member("out", &O::out, "Folder for comparison.json, comparison.csv and report.html")
+          .looks_like("FOLDER")
+          .required(),
+      member("groups", &O::groups,
+             "Table of columns recording, plate, date; without it dates in the recordings' names are taken")
+          .looks_like("FILE"),
+      member("title", &O::title, "Title of the page")};
   auto options = std::make_shared<O>();
   return {"compare",
           "Many recordings of one kind of ball: the pooled law, how much they differ, drift, plates, outliers",

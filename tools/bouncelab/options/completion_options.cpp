@@ -49,17 +49,17 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 std::string offered(const std::vector<std::string>& typed) {
   std::vector<std::string> words;
   for (const CommandName& named : all_commands()) {
-    Command command = named.make();
+    const Command command = named.make();
     if (typed.size() < 2) words.push_back(named.name + "\t" + first_line(command.summary));
     if (typed.size() < 2 || named.name != typed.front()) continue;
     CommonOptions common;
-    command.sections.push_back(common_section(common));
+    const std::vector<Section> sections = all_sections(command, common);
     const std::string& before = typed[typed.size() - 2];
     const std::optional<Option> taker =
-        before.starts_with("--") ? option_named(command.sections, before.substr(2)) : std::nullopt;
+        before.starts_with("--") ? option_named(sections, before.substr(2)) : std::nullopt;
     if (taker && taker->member->kind != Member::Kind::flag) return lines_of(taker->member->choices);
     if (!typed.back().starts_with('-')) return "";
-    for (const Option& option : options_of(command.sections))
+    for (const Option& option : options_of(sections))
       if (!option.member->is_positional)
         words.push_back("--" + option_name(*option.member) + "\t" + first_line(option.member->text));
     words.emplace_back("--help\tThis help");
@@ -76,12 +76,11 @@ struct Words {
 
 Command completion_command() {
   static const Description options{
-      "Words",
-      {member("shell", &Words::shell, "bash, zsh or fish; words: what their scripts ask for")
-           .one_of({"bash", "zsh", "fish", "words"})
-           .required()
-           .positional(),
-       member("typed", &Words::typed, "Of `words`: what is typed, the word to complete last").positional()}};
+      member("shell", &Words::shell, "bash, zsh or fish; words: what their scripts ask for")
+          .one_of({"bash", "zsh", "fish", "words"})
+          .required()
+          .positional(),
+      member("typed", &Words::typed, "Of `words`: what is typed, the word to complete last").positional()};
   auto words = std::make_shared<Words>();
   return {"completion",
           "A script by which bash, zsh or fish complete bouncelab's words",

@@ -55,9 +55,8 @@ struct ConfigSection {
 /// @param stage  only those that belong to this stage; empty: all
 std::vector<std::string> keys_of(const Command& command, const std::string& stage = "") {
   CommonOptions common;
-  std::vector<Section> sections = command.sections;
-  sections.push_back(common_section(common));
   std::vector<std::string> keys;
+  const std::vector<Section> sections = all_sections(command, common);
   for (const Option& option : options_of(sections)) {
     const std::string name = option_name(*option.member);
     if (!option.member->is_positional && name != "config" && (stage.empty() || holds(option.section->stages, stage)))
@@ -69,8 +68,8 @@ std::vector<std::string> keys_of(const Command& command, const std::string& stag
 /// Absent where no command is called like the section.
 std::optional<ConfigSection> config_section(const Command& command, const std::vector<CommandName>& all,
                                             const std::string& section) {
-  const auto named = std::find_if(all.begin(), all.end(), [&](const CommandName& c) { return c.name == section; });
-  if (named == all.end()) return std::nullopt;
+  const CommandName* named = command_named(all, section);
+  if (named == nullptr) return std::nullopt;
   const std::vector<std::string> known = keys_of(named->make());
   if (section == command.name) return ConfigSection{known, known};
   if (!holds(command.stages, section)) return ConfigSection{known, std::nullopt};
@@ -180,9 +179,7 @@ class ConfigReader {
 
   ConfigOption option_of(const Entry& entry, const std::string& name, const Values& values) const {
     CommonOptions common;
-    std::vector<Section> sections = command_.sections;
-    sections.push_back(common_section(common));
-    const Member& member = *option_named(sections, name)->member;
+    const Member& member = *option_named(all_sections(command_, common), name)->member;
     const int depth = depth_of(*entry.value);
     const bool repeats = is_repeated(member);  // --channel A --channel B
     const bool joins = member.n_most > 0;      // --height A,B

@@ -9,13 +9,12 @@ namespace bouncelab::cli {
 Command convert_command() {
   using O = ConvertOptions;
   static const Description files{
-      "Files",
-      {member("input", &O::input, "Onsets or marks").required().positional(),
-       member("to", &O::outputs, "Files to write").looks_like("FILE").required(),
-       member("recording", &O::recording,
-              "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark"),
-       member("renumber", &O::renumber,
-              "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")}};
+      member("input", &O::input, "Onsets or marks").required().positional(),
+      member("to", &O::outputs, "Files to write").looks_like("FILE").required(),
+      member("recording", &O::recording,
+             "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark"),
+      member("renumber", &O::renumber,
+             "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")};
   auto options = std::make_shared<O>();
   return {"convert",
           "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"

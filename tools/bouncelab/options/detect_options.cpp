@@ -18,10 +18,9 @@ Member list_member() {
 
 Command detect_command() {
   static const Description files{
-      "Files",
-      {recordings_member(), list_member(),
-       member("out", &DetectOptions::out, "Onsets, .csv").looks_like("FILE").required(),
-       member("labels", &DetectOptions::labels, "Also an Audacity label track").looks_like("FILE")}};
+      recordings_member(), list_member(),
+      member("out", &DetectOptions::out, "Onsets, .csv").looks_like("FILE").required(),
+      member("labels", &DetectOptions::labels, "Also an Audacity label track").looks_like("FILE")};
   auto options = std::make_shared<DetectOptions>();
   return {"detect",
           "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",

@@ -9,18 +9,16 @@ namespace bouncelab::cli {
 Command fit_command() {
   using O = FitOptions;
   static const Description files{
-      "Files",
-      {member("samples", &O::samples,
-              "Samples; columns v_mps and eps are enough. Recordings, by the column `recording` or else by the name of "
-              "the file, are tested for agreement; where two files have the same drop of the same recording, they are "
-              "two recordings")
-           .required()
-           .positional(),
-       member("out", &O::out, "Results, .json").looks_like("FILE").required(),
-       member("table", &O::table, "Also the law as a table v_mps, eps, lo95, hi95").looks_like("FILE")}};
+      member("samples", &O::samples,
+             "Samples; columns v_mps and eps are enough. Recordings, by the column `recording` or else by the name of "
+             "the file, are tested for agreement; where two files have the same drop of the same recording, they are "
+             "two recordings")
+          .required()
+          .positional(),
+      member("out", &O::out, "Results, .json").looks_like("FILE").required(),
+      member("table", &O::table, "Also the law as a table v_mps, eps, lo95, hi95").looks_like("FILE")};
   static const Description ball = ball_options("what the samples say");
   auto options = std::make_shared<O>();
-  options->config.memory = fit::UseMemory::where_long;
   return {"fit",
           "The law eps(v) and the histograms p(eps) from coefficients of restitution",
           "Example: bouncelab fit samples.csv --out fit.json\n"

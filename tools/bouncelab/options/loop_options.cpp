@@ -13,15 +13,14 @@ namespace bouncelab::cli {
 std::vector<Section> loop_sections(LoopOptions& options) {
   using O = LoopOptions;
   static const Description own{
-      "Run",
-      {member("preset", &O::preset,
-              "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
-              "paper: 2,320 drops of 95 impacts, through memory")
-           .one_of({"quick", "paper"}),
-       member("out", &O::out, "Folder for every file of the run").looks_like("FOLDER").required(),
-       member("keep_sound", &O::keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
-       member("no_memory", &O::without_memory,
-              "paper: without the fits with memory, which take three quarters of the time")}};
+      member("preset", &O::preset,
+             "quick: 40 drops of the paper's ball, 96 kHz, noise at 30 dB, every stage on files.\n"
+             "paper: 2,320 drops of 95 impacts, through memory")
+          .one_of({"quick", "paper"}),
+      member("out", &O::out, "Folder for every file of the run").looks_like("FOLDER").required(),
+      member("keep_sound", &O::keep_sound, "paper: keep the sound too, DIR/sound/*.flac, 3 MB a drop"),
+      member("no_memory", &O::without_memory,
+             "paper: without the fits with memory, which take three quarters of the time")};
   static const Description ball = ball_options("");
   Section disturbances = disturbances_section(options.synthesize);
   disturbances.stages = {"synthesize"};

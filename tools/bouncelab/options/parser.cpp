@@ -175,8 +175,7 @@ Given set_options(const std::vector<Section>& sections, const std::vector<std::s
 
 std::string help_of(const Command& command, bool all) {
   CommonOptions common;
-  std::vector<Section> sections = command.sections;
-  sections.push_back(common_section(common));
+  const std::vector<Section> sections = all_sections(command, common);
   Parser parser(sections, command.summary, "bouncelab " + command.name, all);
   const bool has_more =
       std::any_of(sections.begin(), sections.end(), [](const Section& s) { return s.only_in_full_help; });

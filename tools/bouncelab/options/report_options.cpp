@@ -9,10 +9,9 @@ namespace bouncelab::cli {
 Command report_command() {
   using O = ReportOptions;
   static const Description files{
-      "Files",
-      {member("folder", &O::folder, "Folder that `loop`, `analyze` or `fit` wrote to").required().positional(),
-       member("out", &O::out, "HTML file to write; default FOLDER/report.html").looks_like("FILE"),
-       member("title", &O::title, "Title of the page")}};
+      member("folder", &O::folder, "Folder that `loop`, `analyze` or `fit` wrote to").required().positional(),
+      member("out", &O::out, "HTML file to write; default FOLDER/report.html").looks_like("FILE"),
+      member("title", &O::title, "Title of the page")};
   auto options = std::make_shared<O>();
   return {"report",
           "fit.json and what lies beside it -> one HTML file with pictures",

@@ -9,12 +9,11 @@ namespace bouncelab::cli {
 Command roughness_command() {
   using O = RoughnessOptions;
   static const Description files{
-      "Files",
-      {member("samples", &O::samples,
-              "Samples of one ball, as restitution writes them: 60 impacts or more, drops of 10 successive ones")
-           .required()
-           .positional(),
-       member("out", &O::out, "Also the results, .json").looks_like("FILE")}};
+      member("samples", &O::samples,
+             "Samples of one ball, as restitution writes them: 60 impacts or more, drops of 10 successive ones")
+          .required()
+          .positional(),
+      member("out", &O::out, "Also the results, .json").looks_like("FILE")};
   static const Description ball = ball_options("what the samples say, else a solid ball of the paper's radius");
   auto options = std::make_shared<O>();
   return {

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "options/commands.hpp"
 
+#include <algorithm>
+
 namespace bouncelab::cli {
 
 const Description& members_of(const CommonOptions*) {
   using O = CommonOptions;
   static const Description options{
-      "What every command has",
-      {member("seed", &O::seed, "Seed of all random numbers"),
-       member("threads", &O::n_threads, "Threads, 0 = all cores; results do not depend on it").within(0, 1024),
-       member("config", &O::config, "TOML file of options: KEY = VALUE; the command line wins").looks_like("FILE"),
-       member("json", &O::json, "Summary as JSON on standard output"),
-       member("quiet", &O::quiet, "No progress, no summary; errors only"),
-       member("force", &O::force, "Replace outputs that exist")}};
+      member("seed", &O::seed, "Seed of all random numbers"),
+      member("threads", &O::n_threads, "Threads, 0 = all cores; results do not depend on it").within(0, 1024),
+      member("config", &O::config, "TOML file of options: KEY = VALUE; the command line wins").looks_like("FILE"),
+      member("json", &O::json, "Summary as JSON on standard output"),
+      member("quiet", &O::quiet, "No progress, no summary; errors only"),
+      member("force", &O::force, "Replace outputs that exist")};
   return options;
 }
 
@@ -20,10 +21,21 @@ Section common_section(CommonOptions& common) {
   return {"Every command has", &members_of(&common), &common, {}, false};
 }
 
+std::vector<Section> all_sections(const Command& command, CommonOptions& common) {
+  std::vector<Section> sections = command.sections;
+  sections.push_back(common_section(common));
+  return sections;
+}
+
+const CommandName* command_named(const std::vector<CommandName>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const CommandName& c) { return c.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
 std::vector<Option> options_of(const std::vector<Section>& sections) {
   std::vector<Option> options;
   for (const Section& section : sections)
-    for (const Member& member : section.description->members) options.push_back({&member, section.object, &section});
+    for (const Member& member : *section.description) options.push_back({&member, section.object, &section});
   return options;
 }
 

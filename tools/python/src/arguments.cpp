@@ -33,7 +33,6 @@ Sections sections_of(cli::RestitutionOptions& options) {
 }
 Sections sections_of(cli::FitOptions& options) {
   static const Description world = cli::ball_options("what the samples say");
-  options.config.memory = fit::UseMemory::where_long;
   return {ball(options.world, world), {"", &members_of(&options.config), &options.config}};
 }
 Sections sections_of(cli::RoughnessOptions& options) {

@@ -39,13 +39,11 @@ struct AnalyzeCall {
 
   AnalyzeCall(const Sound& sound, const std::string& options_json) {
     using O = cli::AnalyzeOptions;
-    static const Description own{"Page",
-                                 {member("diagnostics", &O::diagnostics, "Details of each drop in the report"),
-                                  member<O>(
-                                      "lossy_coding", [](auto& o) -> auto& { return o.detect.config.lossy_coding; },
-                                      "Coding of the samples that the browser has decoded")}};
+    static const Description own{member("diagnostics", &O::diagnostics, "Details of each drop in the report"),
+                                 member<O>(
+                                     "lossy_coding", [](auto& o) -> auto& { return o.detect.config.lossy_coding; },
+                                     "Coding of the samples that the browser has decoded")};
     static const Description ball = cli::ball_options("");
-    options.fit.config.memory = fit::UseMemory::where_long;
     run = parse({{"", &own, &options},
                  {"", &members_of(&options.detect.config), &options.detect.config},
                  {"", &ball, &options.restitution.world},

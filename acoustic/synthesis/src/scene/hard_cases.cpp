@@ -80,19 +80,18 @@ constexpr Recipe kRecipes[]{
 const Description& members_of(const Disturbances*) {
   using D = Disturbances;
   static const Description options{
-      "Disturbances",
-      {member("hum", &D::hum_level, "Mains hum with harmonics").within(0.0, 1e6),
-       member("hum_hz", &D::hum_hz, "Mains frequency [Hz]").within(1.0, 1000.0),
-       member("drift", &D::drift_level, "Slow drift of the zero line").within(0.0, 1e6),
-       member("clicks", &D::clicks_per_s, "Electric clicks [1/s]").within(0.0, 1e4),
-       member("knocks", &D::knocks_per_s, "Knocks of a second object [1/s]").within(0.0, 1e4),
-       member("double_hits", &D::double_hit_fraction, "Share of impacts followed by a knock within 12 ms")
-           .within(0.0, 1.0),
-       member("robot", &D::robot_cycle, "Release click, fan, motors and pick-up; needs --pause 2 or more"),
-       member("timbre_wander", &D::timbre_wander, "Standard deviation of ln(mode amplitude) between impacts")
-           .within(0.0, 3.0),
-       member("phase_wander", &D::phase_wander_rad, "Standard deviation of mode phases between impacts [rad]")
-           .within(0.0, 10.0)}};
+      member("hum", &D::hum_level, "Mains hum with harmonics").within(0.0, 1e6),
+      member("hum_hz", &D::hum_hz, "Mains frequency [Hz]").within(1.0, 1000.0),
+      member("drift", &D::drift_level, "Slow drift of the zero line").within(0.0, 1e6),
+      member("clicks", &D::clicks_per_s, "Electric clicks [1/s]").within(0.0, 1e4),
+      member("knocks", &D::knocks_per_s, "Knocks of a second object [1/s]").within(0.0, 1e4),
+      member("double_hits", &D::double_hit_fraction, "Share of impacts followed by a knock within 12 ms")
+          .within(0.0, 1.0),
+      member("robot", &D::robot_cycle, "Release click, fan, motors and pick-up; needs --pause 2 or more"),
+      member("timbre_wander", &D::timbre_wander, "Standard deviation of ln(mode amplitude) between impacts")
+          .within(0.0, 3.0),
+      member("phase_wander", &D::phase_wander_rad, "Standard deviation of mode phases between impacts [rad]")
+          .within(0.0, 10.0)};
   return options;
 }
 

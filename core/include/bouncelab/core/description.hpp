@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// What the members of a struct of options or results are, said once: name, text, kind, range, and how to reach them.
-/// JSON, tables, options of the command line, keywords of Python and the tables of docs/formats.md are made by ordinary
-/// functions over it.
+/// What the members of a struct of options are, said once: name, text, kind, range, and how to reach them. Command
+/// line, configuration files, completion by shells and the keywords of Python are made of it by ordinary functions.
 #pragma once
 
 #include <cstddef>
@@ -17,37 +16,22 @@
 
 namespace bouncelab {
 
-/// Numbers by name, in their order: counts by reason, seconds by stage.
-using NamedNumbers = std::vector<std::pair<std::string, double>>;
-
 /// What a member holds. std::monostate: not known.
 using Value = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>,
-                           std::vector<std::int64_t>, std::vector<std::string>, NamedNumbers>;
-
-struct Description;
-
-/// An object of some struct, and what that is.
-struct Described {
-  const Description* description = nullptr;
-  const void* object = nullptr;
-};
+                           std::vector<std::int64_t>, std::vector<std::string>>;
 
 /// One member of a struct.
 struct Member {
-  /// object: one of another struct, or none; objects: a list of them.
-  enum class Kind { flag, integer, natural, real, text, reals, integers, texts, named_numbers, object, objects };
+  enum class Kind { flag, integer, natural, real, text, reals, integers, texts };
 
-  std::string name;  ///< key of JSON, column; an option has '-' for '_'. With the unit as a suffix where it has one
+  std::string name;  ///< an option has '-' for '_'; see option_name
   std::string text;  ///< what it is: a sentence without its full stop
   Kind kind = Kind::text;
   bool may_be_unknown = false;
 
-  std::function<Value(const void*)> get;                       ///< of all kinds but object and objects
-  std::function<void(void*, const Value&)> set;                ///< absent: it cannot be set
-  std::function<std::vector<Described>(const void*)> objects;  ///< of object (one or none) and objects
-  const Description* (*described_by)() = nullptr;              ///< what these are
+  std::function<Value(const void*)> get;
+  std::function<void(void*, const Value&)> set;
 
-  // of options
   double least = -std::numeric_limits<double>::infinity();  ///< of a number, or of each of a list
   double greatest = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices;               ///< texts that it may be; empty: any
@@ -57,7 +41,6 @@ struct Member {
   bool is_required = false, is_positional = false;
   std::string unknown_text;  ///< what stands for "not known" where it may be: -1, 0
 
-  // NOLINTBEGIN(*-identifier-naming): read as sentences where members are listed
   Member&& within(double lo, double hi) &&;
   Member&& one_of(std::vector<std::string> names) &&;
   Member&& looks_like(std::string how) &&;
@@ -67,14 +50,10 @@ struct Member {
   Member&& unknown_as(std::string what) &&;
   Member&& required() &&;
   Member&& positional() &&;
-  // NOLINTEND(*-identifier-naming)
 };
 
 /// All members of a struct, in the order in which they are shown.
-struct Description {
-  std::string name;  ///< of the struct, for people: "Detection"
-  std::vector<Member> members;
-};
+using Description = std::vector<Member>;
 
 // What follows makes members of pointers to them.
 
@@ -102,22 +81,16 @@ constexpr Member::Kind kind_of() {
     return Kind::integer;
   } else if constexpr (std::is_floating_point_v<T>) {
     return Kind::real;
-  } else if constexpr (std::is_same_v<T, NamedNumbers>) {
-    return Kind::named_numbers;
   } else if constexpr (IsVector<T>::value) {
     using Element = typename T::value_type;
     if constexpr (std::is_integral_v<Element>)
       return Kind::integers;
     else if constexpr (std::is_floating_point_v<Element>)
       return Kind::reals;
-    else if constexpr (std::is_convertible_v<Element, std::string>)
-      return Kind::texts;
     else
-      return Kind::objects;
-  } else if constexpr (std::is_convertible_v<T, std::string>) {
-    return Kind::text;
+      return Kind::texts;
   } else {
-    return Kind::object;
+    return Kind::text;
   }
 }
 
@@ -166,31 +139,6 @@ void set_value(T& x, const Value& value) {
   }
 }
 
-template <class T>
-constexpr bool kIsMadeOfObjects = kind_of<T>() == Member::Kind::object || kind_of<T>() == Member::Kind::objects;
-
-/// The struct that an object of type T is described as.
-template <class T>
-const Description* description_of() {
-  if constexpr (IsOptional<T>::value || IsVector<T>::value)
-    return description_of<typename T::value_type>();
-  else
-    return &members_of(static_cast<const T*>(nullptr));  // found beside T
-}
-
-template <class T>
-std::vector<Described> objects_in(const T& x) {
-  std::vector<Described> all;
-  if constexpr (IsVector<T>::value) {
-    for (const auto& element : x) all.push_back({description_of<T>(), &element});
-  } else if constexpr (IsOptional<T>::value) {
-    if (x) all.push_back({description_of<T>(), &*x});
-  } else {
-    all.push_back({description_of<T>(), &x});
-  }
-  return all;
-}
-
 }  // namespace describe_detail
 
 /// A member of S or of what S is made of.
@@ -203,13 +151,8 @@ Member member(std::string name, Reach reach, std::string text) {
   made.text = std::move(text);
   made.kind = describe_detail::kind_of<T>();
   made.may_be_unknown = describe_detail::IsOptional<T>::value;
-  if constexpr (describe_detail::kIsMadeOfObjects<T>) {
-    made.objects = [reach](const void* s) { return describe_detail::objects_in(reach(*static_cast<const S*>(s))); };
-    made.described_by = &describe_detail::description_of<T>;
-  } else {
-    made.get = [reach](const void* s) { return describe_detail::value_of(reach(*static_cast<const S*>(s))); };
-    made.set = [reach](void* s, const Value& value) { describe_detail::set_value(reach(*static_cast<S*>(s)), value); };
-  }
+  made.get = [reach](const void* s) { return describe_detail::value_of(reach(*static_cast<const S*>(s))); };
+  made.set = [reach](void* s, const Value& value) { describe_detail::set_value(reach(*static_cast<S*>(s)), value); };
   return made;
 }
 
@@ -217,21 +160,6 @@ template <class S, class T>
 Member member(std::string name, T S::*where, std::string text) {
   return member<S>(
       std::move(name), [where](auto& s) -> auto& { return s.*where; }, std::move(text));
-}
-
-/// What follows from members: it can be shown, and not be set.
-/// @param compute  from a const S& to a value, or to objects that live as long as S
-template <class S, class Compute>
-Member computed(std::string name, Compute compute, std::string text) {
-  using T = std::remove_cvref_t<decltype(compute(std::declval<const S&>()))>;
-  Member made;
-  made.name = std::move(name);
-  made.text = std::move(text);
-  made.kind = describe_detail::kind_of<T>();
-  made.may_be_unknown = describe_detail::IsOptional<T>::value;
-  static_assert(!describe_detail::kIsMadeOfObjects<T>, "objects are members");
-  made.get = [compute](const void* s) { return describe_detail::value_of(compute(*static_cast<const S*>(s))); };
-  return made;
 }
 
 /// An enumeration, whose values have names: choice<S, E>("kind", &S::kind, {{"round", E::round}}, "...").
@@ -254,21 +182,6 @@ Member choice(std::string name, Reach reach, std::vector<std::pair<std::string, 
   return made;
 }
 
-template <class T>
-Described described(const T& object) {
-  return {describe_detail::description_of<T>(), &object};
-}
-
-// What is made of descriptions.
-
-/// Members as an object of JSON, in their order; what is not known or not finite is null.
-/// @param indent  spaces for each level; -1: one line
-std::string json_text(const Described& object, int indent = -1);
-template <class T>
-std::string json_of(const T& object, int indent = -1) {
-  return json_text(described(object), indent);
-}
-
 /// The value that a text means, as it is typed or stands in a file of options.
 /// @throws InvalidArgument "'x' must be a decimal integer from 0 to 7", without the member's name
 Value value_from_text(const Member& member, const std::string& text);
@@ -284,8 +197,5 @@ std::string range_of(const Member& member);
 bool is_repeated(const Member& member);
 /// The name as an option has it: '-' for '_'.
 std::string option_name(const Member& member);
-
-/// A table of Markdown: name, unit, meaning (with range and default, of options). The unit follows from the name.
-std::string markdown_table(const Description& description);
 
 }  // namespace bouncelab
