@@ -11,7 +11,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/bouncelab-config.cmake
         DESTINATION ${package_dir} COMPONENT core)
 set(BOUNCELAB_PC_REQUIRES "sleef gsl")
 set(BOUNCELAB_PC_LIBS)
-foreach(module IN ITEMS loop fit detection synthesis audio sim core)
+foreach(module IN ITEMS report loop fit detection synthesis audio sim core)
   if(TARGET bouncelab_${module})
     string(APPEND BOUNCELAB_PC_LIBS "-lbouncelab_${module} ")
   endif()

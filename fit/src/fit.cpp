@@ -3,9 +3,8 @@
 
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
 #include "law/law_data.hpp"
-#include "text/findings.hpp"
-#include "usable_samples.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -96,13 +95,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   result.status = result.law.status;
   result.n_used = result.law.n;
   result.n_left_out = left_out.n;
-  result.first_left_out = left_out.first;
   if (!result.law.outliers.empty()) result.n_left_out["outlier"] = result.law.outliers.size();
-  result.warnings = warnings_of(result, used);
-  if (config.memory == UseMemory::always && !result.memory->holds)
-    result.warnings.insert(result.warnings.begin(), in_words(*result.memory));
-  result.answer = plain_answer(result, samples);
-  result.findings = findings_of(result);
   return result;
 }
 

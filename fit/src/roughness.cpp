@@ -7,8 +7,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "text/findings.hpp"
-#include "usable_samples.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
 
 namespace bouncelab::fit {
 
@@ -45,8 +44,6 @@ RoughnessResult measure_roughness(const RestitutionSamples& samples, const Rough
     if (!independent.outliers.empty()) left_out.n["outlier"] = independent.outliers.size();
   });
   result.n_left_out = left_out.n;
-  result.warnings = warnings_of(used, left_out);
-  if (const std::string open = open_without_ball(result.memory); !open.empty()) result.warnings.push_back(open);
   return result;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "usable_samples.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
 
 #include <cmath>
 #include <string_view>

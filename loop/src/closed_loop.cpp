@@ -138,7 +138,10 @@ void fit_everything(LoopResult& loop, const LoopConfig& config, const StageProgr
                                             fit(loop.samples_direct, loop.direct);
                                           }};
   if (!loop.smooth.drops.empty())
-    fits.emplace_back([&] { fit(samples_of(onsets_of(loop.smooth.drops)), loop.smooth_sound); });
+    fits.emplace_back([&] {
+      loop.samples_smooth = samples_of(onsets_of(loop.smooth.drops));
+      fit(loop.samples_smooth, loop.smooth_sound);
+    });
   parallel_for(fits.size(), config.n_threads, [&](std::size_t k) { fits[k](); });
 }
 

@@ -96,18 +96,16 @@ LoopScore score_loop(std::size_t n_drops, const detection::OnsetScore& onsets, c
   return score;
 }
 
-PaperResult paper_result(const LoopResult& loop) {
-  PaperResult result;
-  const fit::FitResult* smooth = loop.smooth.drops.empty() ? nullptr : &loop.smooth_sound;
-  result.conclusions = fit::paper_conclusions(loop.sound, smooth, loop.simulation.law);
+std::vector<SlopeWindow> slopes_of(const LoopResult& loop) {
+  std::vector<SlopeWindow> slopes;
   const std::size_t n = std::min(loop.sound.histograms.size(), loop.direct.histograms.size());
   for (std::size_t k = 0; k < n; ++k) {
     const fit::HistogramFit &direct = loop.direct.histograms[k], &sound = loop.sound.histograms[k];
     if (!direct.slope_rising || !sound.slope_rising || !direct.slope_falling || !sound.slope_falling) continue;
-    result.slopes.push_back({sound.v_mps, direct.n, sound.n, pair_of(*direct.slope_rising, *sound.slope_rising),
-                             pair_of(*direct.slope_falling, *sound.slope_falling)});
+    slopes.push_back({sound.v_mps, direct.n, sound.n, pair_of(*direct.slope_rising, *sound.slope_rising),
+                      pair_of(*direct.slope_falling, *sound.slope_falling)});
   }
-  return result;
+  return slopes;
 }
 
 }  // namespace bouncelab::loop

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bouncelab/fit/calibration.hpp"
-#include "bouncelab/fit/json.hpp"
 #include "synthetic_samples.hpp"
 
 namespace bouncelab::fit {
@@ -45,7 +44,6 @@ TEST(FitAll, LeavesOutAndCountsWhatIsFlaggedOrNotANumber) {
   EXPECT_EQ(result.n_left_out.at("speed_not_positive"), 1u);
   EXPECT_EQ(result.n_left_out.at("missing_impact"), 2u);
   EXPECT_EQ(result.n_left_out.at("a_word_of_somebody_else"), 1u);
-  EXPECT_THAT(result.warnings, ::testing::Contains(::testing::HasSubstr("a_word_of_somebody_else")));
 }
 
 TEST(FitAll, OutliersOfTheLawTouchNoOtherFit) {
@@ -73,48 +71,11 @@ TEST(FitAll, OfNothingSaysSo) {
     const auto result = fit_all(testing::independent_samples({}, n, 0.2, 1.4, 0.0), {});
     EXPECT_FALSE(usable(result));
     EXPECT_EQ(result.status, FitStatus::too_few_samples);
-    EXPECT_FALSE(result.warnings.empty());
-    EXPECT_NE(to_json(result).find("\"too_few_samples\""), std::string::npos);
   }
 }
 
-TEST(FitAll, WarnsInWordsOfConstantsThatCannotBeToldApart) {
-  const auto result = fit_all(testing::independent_samples({}, 5000, 0.2, 1.4, 0.0), {});
-  const auto it = std::find_if(result.warnings.begin(), result.warnings.end(),
-                               [](const auto& w) { return w.find("cannot be told apart") != std::string::npos; });
-  EXPECT_NE(it, result.warnings.end());
-}
-
-TEST(FitAll, AnswersTheFiveQuestionsOfAReader) {
-  const auto result = fit_all(testing::independent_samples({}, 20000, 0.2, 1.4, 1e-4), {});
-  ASSERT_EQ(result.findings.size(), 5u);
-  const auto says = [&](std::size_t k, const char* words) {
-    return result.findings[k].answer.find(words) != std::string::npos;
-  };
-  EXPECT_TRUE(says(0, "A2 = 0.0") && says(0, "gamma = ")) << result.findings[0].answer;
-  EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << result.findings[1].answer;
-  EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing") && says(2, "air drag")) << result.findings[2].answer;
-  EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8")) << result.findings[3].answer;
-  EXPECT_TRUE(says(4, "ε = 0.979") && says(4, "0.6 m/s")) << result.findings[4].answer;
-}
-
-TEST(FitAll, WarnsOfDragThatMovesTheCurveByMoreThanItsError) {
-  const auto samples = testing::independent_samples({}, 5000, 0.2, 1.4, 0.0);
-  const auto warned = [&](Effect drag) {
-    FitConfig config;
-    config.budget.ball = Ball{};
-    config.budget.drag = drag;
-    const auto warnings = fit_all(samples, config).warnings;
-    return std::any_of(warnings.begin(), warnings.end(),
-                       [](const auto& w) { return w.find("correct the flights") != std::string::npos; });
-  };
-  EXPECT_TRUE(warned(Effect::present));
-  EXPECT_FALSE(warned(Effect::corrected));
-  EXPECT_FALSE(warned(Effect::absent));
-}
-
 nlohmann::json json_of(const RestitutionSamples& samples) {
-  return nlohmann::json::parse(to_json(fit_all(samples, {})));
+  return nlohmann::json::parse(json_text(value_of(fit_all(samples, {}))));
 }
 
 TEST(FitJson, HasTheKeysOfTheInterface) {
@@ -186,9 +147,9 @@ TEST(FitThreads, OfCalibrateAreNoMoreThanItMayStart) {
 
 TEST(FitThreads, TheResultDoesNotDependOnTheirNumber) {
   const auto samples = testing::independent_samples({}, 5000, 0.2, 1.4, 1e-4);
-  const std::string one = to_json(fit_all(samples, config_with(1)));
-  EXPECT_EQ(to_json(fit_all(samples, config_with(3))), one);
-  EXPECT_EQ(to_json(fit_all(samples, config_with(8))), one);
+  const std::string one = json_text(value_of(fit_all(samples, config_with(1))));
+  EXPECT_EQ(json_text(value_of(fit_all(samples, config_with(3)))), one);
+  EXPECT_EQ(json_text(value_of(fit_all(samples, config_with(8)))), one);
 }
 
 }  // namespace

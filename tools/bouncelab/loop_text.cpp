@@ -95,14 +95,15 @@ std::string loop_text(const loop::LoopScore& score, const std::optional<loop::Re
   return text + "\n";
 }
 
-std::string paper_text(const loop::PaperResult& paper) {
+std::string paper_text(const std::vector<loop::SlopeWindow>& slopes,
+                       const std::vector<report::Conclusion>& conclusions) {
   std::string text =
       "\nSlopes of p(eps)              rising                                falling\n"
       "  window     simulation       sound        ratio    simulation       sound        ratio\n";
-  for (const loop::SlopeWindow& w : paper.slopes)
+  for (const loop::SlopeWindow& w : slopes)
     text += fmt::format("  {:.1f} m/s {}  {}\n", w.v_mps, pair_text(w.rising), pair_text(w.falling));
   text += "\nWhat the paper concludes\n";
-  for (const fit::Conclusion& c : paper.conclusions) {
+  for (const report::Conclusion& c : conclusions) {
     text += fmt::format("  {:<14} {}: ", c.holds ? "holds" : "DOES NOT HOLD", c.claim);
     text += c.value ? fmt::format("{:.4g}", *c.value) : "not known";
     if (c.ci95) text += fmt::format(" [{:.4g}, {:.4g}]", c.ci95->lo, c.ci95->hi);

@@ -135,6 +135,23 @@ Member&& Member::positional() && {
   return std::move(*this);
 }
 
+Member&& Member::left_out_where_unknown() && {
+  is_left_out = true;
+  return std::move(*this);
+}
+
+Object object_of(const Description& description, const void* object) {
+  Object all;
+  for (const Member& member : description) {
+    Value value = member.get(object);
+    if (member.name.empty())
+      std::ranges::move(std::get<Object>(value), std::back_inserter(all));
+    else if (!member.is_left_out || !std::holds_alternative<std::monostate>(value))
+      all.emplace_back(member.name, std::move(value));
+  }
+  return all;
+}
+
 Value value_from_text(const Member& member, const std::string& text) {
   if (member.may_be_unknown && text == member.unknown_text) return {};
   switch (member.kind) {
@@ -167,7 +184,7 @@ Value value_from_texts(const Member& member, const std::vector<std::string>& tex
     std::visit(
         [&](auto& list) {
           using T = std::remove_cvref_t<decltype(list)>;
-          if constexpr (describe_detail::IsVector<T>::value)
+          if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, Values> && !std::is_same_v<T, Object>)
             list.push_back(std::get<T>(value_from_text(member, texts[k])).front());
         },
         all);
@@ -184,7 +201,7 @@ std::string text_of(const Value& value) {
           return number_text(x);
         } else if constexpr (std::is_same_v<T, std::string>) {
           return x;
-        } else if constexpr (describe_detail::IsVector<T>::value) {
+        } else if constexpr (describe_detail::IsVector<T>::value && !std::is_same_v<T, Object>) {
           std::string all;
           for (const auto& element : x) {
             if (&element != &x.front()) all += ',';

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/linalg.hpp"
-#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include "bouncelab/core/text.hpp"
 
-#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -9,7 +9,7 @@
 #include "between/design.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "numerics/linalg.hpp"
-#include "usable_samples.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
 
 namespace bouncelab::fit {
 namespace {

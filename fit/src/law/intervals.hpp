@@ -40,9 +40,6 @@ std::optional<ProfileIntervals> profile_intervals(const LogLikelihood& loglik, c
                                                   const ProfileLevels& levels = {},
                                                   const Eigen::MatrixXd* curvature = nullptr);
 
-/// With fewer drops how they differ from each other is not known well enough to judge errors by it.
-inline constexpr std::size_t kFewestDrops = 10;
-
 /// What the estimates would be without each of the drops, by one Newton step (jackknife by drop): in coordinates in
 /// which the model's own covariance is the unit matrix
 ///

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
 #include "law/goodness.hpp"
 #include "law/intervals.hpp"
 #include "numerics/linalg.hpp"
-#include "text/format.hpp"
 
 namespace bouncelab::fit {
 namespace {

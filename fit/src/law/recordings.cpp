@@ -364,6 +364,11 @@ void add_offsets(const std::vector<OffsetLikelihood::Offset>& offsets,
 
 }  // namespace
 
+bool disagree(const Recordings& recordings) {
+  constexpr double kDoubt = 0.01;
+  return recordings.test && recordings.test->p_value < kDoubt;
+}
+
 const char* to_string(WithinUnit unit) { return unit == WithinUnit::drops ? "drops" : "samples"; }
 
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled) {

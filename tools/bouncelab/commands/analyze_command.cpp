@@ -76,7 +76,7 @@ void write_diagnostics(const std::vector<RecordingDetails>& details, const fs::p
 /// Onsets -> samples -> fit, in the folder.
 struct Constants {
   Stage<fit::RestitutionCounts> samples;
-  Stage<fit::FitResult> fit;
+  Stage<Fitted> fit;
 };
 
 Constants times_to_constants(const AnalyzeOptions& options, const fs::path& folder, const Run& run, StageClock& clock) {
@@ -121,14 +121,14 @@ Outcome analyze_found(const AnalyzeOptions& options, const Stage<DetectResult>& 
   // the report shows what lies in the folder: details of an earlier run must not stay in it
   for (const char* old : {"diagnostics.json", "diagnostics.json.meta.json"}) fs::remove(folder / old);
   if (options.diagnostics)
-    write_diagnostics(details_of(found, read_samples(folder / "samples.csv"), fit.result.law.law,
+    write_diagnostics(details_of(found, read_samples(folder / "samples.csv"), fit.result.fit.law.law,
                                  options.restitution.config.gravity_mps2, rate_hz),
                       folder / "diagnostics.json", run);
 
   const std::string summary = analyze_json({samples.result, found.recordings, clock.seconds(), warnings});
   write_text(run, folder / "summary.json", summary + "\n", {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(found.recordings)}, run);
-  const std::string answer = answer_text(fit.result);  // first of all; the text of the fit begins with it
+  const std::string answer = answer_text(fit.result.words.answer);  // first of all; the text of the fit begins with it
   // recordings that were left out are named also where the fit of the others fails
   const std::string both = detected.error.empty() || fit.outcome.error.empty() ? "" : "; ";
   return {std::max(detected.exit_code, fit.outcome.exit_code), summary,

@@ -14,10 +14,11 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/between_recordings.hpp"
+#include "bouncelab/report/comparison.hpp"
+#include "bouncelab/report/page.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"
 #include "progress_line.hpp"
-#include "report.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -130,21 +131,21 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
   between.notes = joined(outcome.warnings, between.notes);
   outcome.warnings = between.notes;
-  const std::string json = to_json(between, recordings);
-  write_text(run, folder / "comparison.json", json, inputs);
+  const std::string json = report::comparison_json(between, recordings);
+  write_text(run, folder / "comparison.json", json + "\n", inputs);
   write_table(run, folder / "comparison.csv", to_table(between, recordings), inputs);
   report::ReportInput page;
   page.title = title_of(options);
   page.comparison_json = json;
-  page.comparison_points_json = points_json(between, recordings);
+  page.comparison_points_json = report::points_json(between, recordings);
   write_text(run, folder / "report.html", report::render(page), inputs);
-  outcome.json = json.substr(0, json.find_last_not_of('\n') + 1);
+  outcome.json = json;
   if (between.status != fit::FitStatus::ok) {
     outcome.exit_code = kNotUsable;
     outcome.error = input_name(options.samples.front()) + ": " + between.message;
     return outcome;
   }
-  for (const std::string& sentence : in_words(between, recordings)) outcome.text += sentence + "\n";
+  for (const std::string& sentence : report::in_words(between, recordings)) outcome.text += sentence + "\n";
   outcome.text += "Report: " + fs::absolute(folder / "report.html").lexically_normal().string() + "\n";
   return outcome;
 }

@@ -10,8 +10,8 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/fit/json.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "files/provenance.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"
@@ -19,11 +19,6 @@
 
 namespace bouncelab::cli {
 namespace {
-
-std::string without_newline(std::string text) {
-  text.erase(text.find_last_not_of('\n') + 1);
-  return text;
-}
 
 std::string with_error(const fit::Estimate& e) {
   return fit::in_words(e.value, e.se) + (e.identified ? "" : " (not identifiable)");
@@ -53,7 +48,7 @@ std::string describe(const fit::Recordings& recordings) {
     std::stable_sort(rows.begin(), rows.end(),
                      [](const auto* a, const auto* b) { return distance(*a) > distance(*b); });
   // where they do not agree, a warning says it
-  std::string text = disagree(recordings) ? "each recording alone:\n" : in_words(recordings) + ":\n";
+  std::string text = disagree(recordings) ? "each recording alone:\n" : report::in_words(recordings) + ":\n";
   for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += describe(*rows[k]);
   if (rows.size() > kMostLines)
     text += fmt::format("  ... and {} more that differ less; all are in the results under \"recordings\"\n",
@@ -77,7 +72,8 @@ std::string describe_nodes(const fit::FitResult& result) {
 /// Nothing where memory was not asked for; where it does not hold a warning says so.
 std::string describe(const std::optional<fit::MemoryFit>& memory) {
   if (!memory || memory->status != fit::FitStatus::ok) return {};
-  return (memory->holds ? in_words(*memory) + "\n" : "") + "roughness: " + in_words(memory->roughness) + "\n";
+  return (memory->holds ? report::in_words(*memory) + "\n" : "") + "roughness: " + report::in_words(memory->roughness) +
+         "\n";
 }
 
 /// The result in a few lines, for people.
@@ -98,9 +94,9 @@ std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more
 
 }  // namespace
 
-std::string answer_text(const fit::FitResult& result) {
+std::string answer_text(const report::PlainAnswer& answer) {
   std::string text;
-  for (const std::string& sentence : result.answer.sentences) text += sentence + "\n";
+  for (const std::string& sentence : answer.sentences) text += sentence + "\n";
   return text + "\n";
 }
 
@@ -111,22 +107,22 @@ fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common
   return config;
 }
 
-Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
+Stage<Fitted> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
-  Stage<fit::FitResult> stage;
+  Stage<Fitted> stage;
   Outcome& outcome = stage.outcome;
   RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   const fit::FitConfig config = fit_config(options, run.common);
-  stage.result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
-  const fit::FitResult& result = stage.result;
-  write_text(run, options.out, to_json(result), files);
+  const fit::FitResult& result = stage.result.fit = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
+  const report::FitInWords& words = stage.result.words = report::in_words(result, samples, config.memory);
+  write_text(run, options.out, report::fit_json(result, words) + "\n", files);
   if (!options.table.empty() && !result.law.curve.empty())
     write_table(run, options.table, fit::law_table(result.law), files);
-  if (run.common.json) outcome.json = without_newline(to_json(result, 2));
-  outcome.text = answer_text(result) + describe(result);
-  outcome.warnings = joined(outcome.warnings, result.warnings);
+  if (run.common.json) outcome.json = report::fit_json(result, words, 2);
+  outcome.text = answer_text(words.answer) + describe(result);
+  outcome.warnings = joined(outcome.warnings, words.warnings);
   if (result.status != fit::FitStatus::ok) {
     outcome.exit_code = kNotUsable;
     outcome.error = input_name(files.front()) + more_files(files.size()) + ": " + result.law.message;
@@ -135,8 +131,8 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   return stage;
 }
 
-Stage<fit::FitResult> as_stage(Stage<fit::FitResult> fitted) {
-  const fit::FitResult& result = fitted.result;
+Stage<Fitted> as_stage(Stage<Fitted> fitted) {
+  const fit::FitResult& result = fitted.result.fit;
   if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return fitted;
   Outcome& outcome = fitted.outcome;
   outcome.warnings.push_back(result.law.message);

@@ -65,8 +65,8 @@ struct LoopFiles {
 };
 
 /// Impact times -> samples -> fit, each in a file of the folder.
-Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
-                                         const fs::path& samples, const fs::path& fit_json) {
+Stage<Fitted> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
+                                 const fs::path& samples, const fs::path& fit_json) {
   RestitutionOptions restitution;
   restitution.onsets = {onsets};
   restitution.out = samples;
@@ -78,7 +78,7 @@ Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const R
   fit.config.budget = loop::budget_config_of(config.simulation);
   fit.samples = {samples.string()};
   fit.out = fit_json;
-  Stage<fit::FitResult> fitted = as_stage(run_fit(fit, run));
+  Stage<Fitted> fitted = as_stage(run_fit(fit, run));
   fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);
   return fitted;
 }
@@ -130,7 +130,7 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
   std::vector<sim::Reservoir> reservoirs;
   Outcome detected = times_to_times(options, files, run, clock, reservoirs);
   if (detected.exit_code != kDone) return detected;
-  Stage<fit::FitResult> from_truth, from_sound;
+  Stage<Fitted> from_truth, from_sound;
   clock.time("restitution_and_fit", [&] {
     from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true);
     from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit);
@@ -143,17 +143,17 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
 
   const loop::LoopScore score =
       loop::score_loop(static_cast<std::size_t>(config.simulation.n_drops), detection::score_onsets(truth, found),
-                       config.simulation.law, from_truth.result, from_sound.result);
+                       config.simulation.law, from_truth.result.fit, from_sound.result.fit);
   const Outcome& fitted = from_sound.outcome;
   std::optional<loop::ScatterTheory> theory;
   std::optional<loop::ReservoirCheck> reservoir;
   clock.time("theory", [&] {
     const Impacts impacts = impacts_from_table(read_table(files.impacts, impact_columns()), files.impacts.string());
-    theory = theory_of(options, config, impacts, from_sound.result);
+    theory = theory_of(options, config, impacts, from_sound.result.fit);
     reservoir =
         loop::reservoir_check(impacts, reservoirs, truth, found, score.onsets.match,
                               samples_from_table(read_table(files.samples, sample_columns()), files.samples.string()),
-                              from_sound.result, config.simulation.gravity_mps2);
+                              from_sound.result.fit, config.simulation.gravity_mps2);
   });
   const std::string summary =
       loop_summary_json(score, clock.seconds(), fitted.warnings, theory, reservoir,

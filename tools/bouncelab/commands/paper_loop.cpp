@@ -5,8 +5,9 @@
 #include <functional>
 
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/fit/json.hpp"
 #include "bouncelab/loop/loop_score.hpp"
+#include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/conclusions.hpp"
 #include "commands/loop_command.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"
@@ -49,12 +50,18 @@ void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Ru
   parallel_for(tables.size(), run.common.n_threads, [&](std::size_t k) { tables[k](); });
 }
 
-void write_fits(const loop::LoopResult& loop, const fs::path& folder, const Run& run) {
-  write_text(run, folder / "fit.json", to_json(loop.sound), {folder / "samples.csv"});
-  write_text(run, folder / "fit_from_true_times.json", to_json(loop.true_times),
-             {folder / "samples_from_true_times.csv"});
-  write_text(run, folder / "fit_from_simulation.json", to_json(loop.direct), {folder / "impacts.csv"});
-  write_text(run, folder / "fit_smooth_ball.json", to_json(loop.smooth_sound));
+/// @param sound  fit to the sound, in words
+void write_fits(const loop::LoopResult& loop, const report::FitInWords& sound, const fs::path& folder, const Run& run) {
+  const auto write = [&](const char* name, const fit::FitResult& fit, const report::FitInWords& words,
+                         const std::vector<fs::path>& inputs) {
+    write_text(run, folder / name, report::fit_json(fit, words) + "\n", inputs);
+  };
+  write("fit.json", loop.sound, sound, {folder / "samples.csv"});
+  write("fit_from_true_times.json", loop.true_times, report::in_words(loop.true_times, loop.samples_true),
+        {folder / "samples_from_true_times.csv"});
+  write("fit_from_simulation.json", loop.direct, report::in_words(loop.direct, loop.samples_direct),
+        {folder / "impacts.csv"});
+  write("fit_smooth_ball.json", loop.smooth_sound, report::in_words(loop.smooth_sound, loop.samples_smooth), {});
 }
 
 /// Wall and processor time of the loop's stages, then of those that followed.
@@ -88,7 +95,11 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   StageClock clock;
   const loop::LoopScore score = loop::score_loop(result.rough.drops.size(), result.rough.score, result.simulation.law,
                                                  result.true_times, result.sound);
-  const loop::PaperResult paper = loop::paper_result(result);
+  const std::vector<loop::SlopeWindow> slopes = loop::slopes_of(result);
+  const fit::FitResult* smooth = result.smooth.drops.empty() ? nullptr : &result.smooth_sound;
+  const std::vector<report::Conclusion> conclusions =
+      report::paper_conclusions(result.sound, smooth, result.simulation.law);
+  const report::FitInWords words = report::in_words(result.sound, result.samples_sound);
   const sim::BallSection& ball = result.section;
   Run again = run;  // the summary is written twice
   again.common.force = true;
@@ -97,9 +108,9 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   };
   clock.time("write", [&] {
     write_tables(result, folder, run);
-    write_fits(result, folder, run);
-    write_text(run, folder / "paper.json", paper_json(result, paper) + "\n", {folder / "fit.json"});
-    write_summary(loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball));
+    write_fits(result, words, folder, run);
+    write_text(run, folder / "paper.json", paper_json(result, slopes, conclusions) + "\n", {folder / "fit.json"});
+    write_summary(loop_summary_json(score, {}, words.warnings, result.theory, result.reservoir, ball));
   });
   const Outcome shown = clock.time("report", [&] {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, run);
@@ -107,11 +118,11 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock);
   Outcome outcome;
-  outcome.json = loop_summary_json(score, {}, result.sound.warnings, result.theory, result.reservoir, ball, work);
+  outcome.json = loop_summary_json(score, {}, words.warnings, result.theory, result.reservoir, ball, work);
   write_summary(outcome.json);
-  outcome.warnings = result.sound.warnings;
-  outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) + paper_text(paper) +
-                 work_text(work, score.onsets.n_true) + shown.text;
+  outcome.warnings = words.warnings;
+  outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) +
+                 paper_text(slopes, conclusions) + work_text(work, score.onsets.n_true) + shown.text;
   if (!fit::usable(result.sound)) {
     outcome.exit_code = kNotUsable;
     outcome.error = "the detected times give no law: " + result.sound.law.message;

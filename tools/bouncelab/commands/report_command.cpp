@@ -6,10 +6,10 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/samples.hpp"
+#include "bouncelab/report/page.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "json/wave_json.hpp"
-#include "report.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "bouncelab/core/input_file.hpp"
-#include "bouncelab/fit/json.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "files/provenance.hpp"
 #include "files/sample_files.hpp"
 #include "files/table_file.hpp"
@@ -20,8 +20,8 @@ std::string describe(const fit::RoughnessResult& result) {
   std::string text = fmt::format("{} impacts of {} drops used\n", memory.n, memory.n_drops);
   if (memory.status != fit::FitStatus::ok) return text;
   const fit::Roughness& r = memory.roughness;
-  if (memory.holds) text += in_words(memory) + "\n";
-  text += in_words(r) + "\n";
+  if (memory.holds) text += report::in_words(memory) + "\n";
+  text += report::in_words(r) + "\n";
   text += fmt::format(
       "variance s2 of each component of the contact's offset over the ball's radius, J = {:.4g} m R^2 ({}): {:.3g} "
       "without slip, {:.3g} without friction\n",
@@ -48,11 +48,11 @@ Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
   config.seed = run.common.seed;
   config.n_threads = run.common.n_threads;
   const fit::RoughnessResult result = fit::measure_roughness(samples, config);
-  if (!options.out.empty()) write_text(run, options.out, to_json(result), files);
-  outcome.json = to_json(result, 2);
-  outcome.json.pop_back();  // the line's end is added where it is printed
+  const std::vector<std::string> warnings = report::warnings_of(result, samples);
+  if (!options.out.empty()) write_text(run, options.out, report::roughness_json(result, warnings) + "\n", files);
+  outcome.json = report::roughness_json(result, warnings, 2);
   outcome.text = describe(result);
-  outcome.warnings = joined(outcome.warnings, result.warnings);
+  outcome.warnings = joined(outcome.warnings, warnings);
   if (!result.memory.holds) {
     outcome.exit_code = kNotUsable;
     outcome.error =

@@ -74,7 +74,7 @@ Json json_of(const fit::Estimate& estimate) {
   return json;
 }
 
-Json json_of(const fit::Conclusion& c) {
+Json json_of(const report::Conclusion& c) {
   Json json{
       {"claim", c.claim}, {"measure", c.measure}, {"criterion", c.criterion}, {"holds", c.holds}, {"detail", c.detail}};
   json["value"] = known(c.value);
@@ -196,10 +196,11 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
   return json_text(summary, 2);
 }
 
-std::string paper_json(const loop::LoopResult& loop, const loop::PaperResult& paper) {
+std::string paper_json(const loop::LoopResult& loop, const std::vector<loop::SlopeWindow>& windows,
+                       const std::vector<report::Conclusion>& drawn) {
   Json conclusions = Json::array(), slopes = Json::array();
-  for (const fit::Conclusion& c : paper.conclusions) conclusions.push_back(json_of(c));
-  for (const loop::SlopeWindow& w : paper.slopes)
+  for (const report::Conclusion& c : drawn) conclusions.push_back(json_of(c));
+  for (const loop::SlopeWindow& w : windows)
     slopes.push_back({{"v_mps", w.v_mps},
                       {"n_simulation", w.n_simulation},
                       {"n_sound", w.n_sound},

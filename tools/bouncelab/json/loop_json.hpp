@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bouncelab/loop/loop.hpp"
+#include "bouncelab/report/conclusions.hpp"
 #include "bouncelab/sim/surface.hpp"
 
 namespace bouncelab::cli {
@@ -34,7 +35,8 @@ std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage
                               const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
 /// against speed; energy shares against bounce number.
-std::string paper_json(const loop::LoopResult& loop, const loop::PaperResult& paper);
+std::string paper_json(const loop::LoopResult& loop, const std::vector<loop::SlopeWindow>& slopes,
+                       const std::vector<report::Conclusion>& conclusions);
 /// sweep.json
 /// @param indent  spaces for each level
 std::string sweep_json(const std::vector<loop::SweepAxis>& axes, const std::vector<loop::SweepPoint>& points,

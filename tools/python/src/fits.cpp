@@ -7,12 +7,12 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/fluctuation.hpp"
 #include "bouncelab/core/restitution_law.hpp"
-#include "bouncelab/fit/json.hpp"
+#include "bouncelab/report/answer.hpp"
+#include "bouncelab/report/page.hpp"
 #include "files/table_file.hpp"
 #include "json/stage_json.hpp"
 #include "json/wave_json.hpp"
 #include "progress_line.hpp"
-#include "report.hpp"
 #include "stages.hpp"
 #include "work.hpp"
 
@@ -24,7 +24,9 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
   name_ball(samples, cli::ball_of(options.world), cli::plate_of(options.world));
   std::string json;
   python::run(run, progress, [&, &options = options, &run = run] {
-    json = to_json(fit::fit_all(samples, cli::fit_config(options, run.common), cli::progress_line(run, "fit", "fits")));
+    const fit::FitConfig config = cli::fit_config(options, run.common);
+    const fit::FitResult result = fit::fit_all(samples, config, cli::progress_line(run, "fit", "fits"));
+    json = report::fit_json(result, report::in_words(result, samples, config.memory)) + "\n";
   });
   return json;
 }
@@ -37,7 +39,10 @@ std::string roughness(const py::dict& columns, const Arguments& arguments, const
   config.seed = run.common.seed;
   config.n_threads = run.common.n_threads;
   std::string json;
-  python::run(run, progress, [&] { json = to_json(fit::measure_roughness(samples, config)); });
+  python::run(run, progress, [&] {
+    const fit::RoughnessResult result = fit::measure_roughness(samples, config);
+    json = report::roughness_json(result, report::warnings_of(result, samples)) + "\n";
+  });
   return json;
 }
 

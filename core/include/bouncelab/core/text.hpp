@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,14 @@ std::size_t utf8_character(std::string_view text);
 std::string utf8_of_bytes(std::string_view bytes);
 /// The inverse of utf8_of_bytes.
 std::string bytes_of_utf8(std::string_view text);
+
+/// Numbers in a text of any length, as printf writes them.
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), '\0');
+  std::snprintf(text.data(), text.size() + 1, format, values...);
+  return text;
+}
 
 /// The name that was probably meant: the one reached by the fewest insertions, deletions, replacements and swaps of
 /// neighbours, the first of several.

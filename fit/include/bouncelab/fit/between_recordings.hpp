@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -82,10 +83,12 @@ struct StandardDeviation {
   double value = 0.0;
   Interval ci95;  ///< by the profile of the restricted likelihood
 };
+const Description& members_of(const StandardDeviation*);
 
 struct ChiSquareTest {
   double chi2 = 0.0, ndf = 0.0, p_value = 1.0;
 };
+const Description& members_of(const ChiSquareTest*);
 
 /// eps over the campaign, as a straight line.
 struct Drift {
@@ -95,6 +98,7 @@ struct Drift {
   double begin = 0.0, end = 0.0;  ///< of the campaign: days since 1970-01-01, or 0 and the number of the last recording
   double middle = 0.0;            ///< the mean, to which the pooled law belongs
 };
+const Description& members_of(const Drift*);
 
 enum class GroupEffect {
   none,    ///< not in the model: why, is in the notes
@@ -111,11 +115,13 @@ struct GroupRow {
   /// deviation tau give; of plates the drift, of days the plates are taken out, of days the drift is not.
   double offset = 0.0, se = 0.0;
 };
+const Description& members_of(const GroupRow*);
 struct Grouping {
   GroupEffect effect = GroupEffect::none;
   std::optional<StandardDeviation> deviation;  ///< where the effect is random
   std::vector<GroupRow> rows;                  ///< in order of name
 };
+const Description& members_of(const Grouping*);
 
 /// A recording against the others.
 struct RecordingRow {
@@ -150,6 +156,8 @@ struct BetweenRecordings {
   std::vector<RecordingRow> rows;  ///< as the recordings were given
   std::vector<std::string> notes;
 };
+/// Status and message apart, which stand before the answer.
+const Description& members_of(const BetweenRecordings*);
 
 /// Recordings needed for a pooled law with a standard deviation between them.
 inline constexpr std::size_t kFewestPooled = 4;
@@ -169,17 +177,6 @@ inline constexpr std::size_t kFewestPooled = 4;
 /// Assumes: offsets are normal but for the outliers, the errors of the recordings' own laws are known, and a recording
 /// differs from the others by a constant.
 BetweenRecordings compare_campaign(const std::vector<CampaignRecording>& recordings);
-
-/// The answer in a few sentences, the most important first. @param recordings  those compared
-std::vector<std::string> in_words(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings);
-
-/// comparison.json but for the rows of the recordings, of which it has the outliers and those that could not be used.
-std::string to_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings, int indent = 1);
-
-/// What the report draws: columns of the recordings used, in order of time; of more than `most` every so manieth, and
-/// always the outliers and the fifty furthest off.
-std::string points_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,
-                        std::size_t most = 4000);
 
 /// comparison.csv: a row a recording.
 Table to_table(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
@@ -16,6 +17,7 @@ struct Snippet {
   std::string parameter;  ///< which of its parameters is filled
   std::string text;
 };
+const Description& members_of(const Snippet*);
 
 /// The fitted law at one speed for codes that take a constant coefficient of restitution; where the roughness is known,
 /// also the law of all speeds and its fluctuations for codes that can be extended.
@@ -26,6 +28,7 @@ struct DemExport {
   std::string warning;  ///< how far eps moves over the speeds of the data
   std::vector<Snippet> snippets;
 };
+const Description& members_of(const DemExport*);
 
 /// @param v_mps  where the simulated collisions are, within the data
 /// @param q      c s2 of the ball (core/fluctuation.hpp), > 0; adds a snippet that fluctuates with memory

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
+
 namespace bouncelab::fit {
 
 /// How a computation ended. What could be computed is there whatever the status.
@@ -23,6 +25,8 @@ struct Interval {
   double lo = 0.0;
   double hi = 0.0;
 };
+/// [lo, hi]
+Value as_value(const Interval& interval);
 
 /// How a confidence interval is made: from the profile likelihood, or as value -+ a multiple of the standard error.
 enum class IntervalMethod { profile, covariance };
@@ -35,6 +39,7 @@ struct BootstrapErrors {
   Interval ci68, ci95;  ///< percentiles
   std::size_t n_replicates = 0;
 };
+const Description& members_of(const BootstrapErrors*);
 
 /// What errors rest on. Impacts of one drop share the velocity that the ball has gained sideways and by spin, so they
 /// are not independent; drops are.
@@ -46,12 +51,16 @@ enum class ErrorBasis {
 /// The words of fit.json: "independent_samples", "by_sample", "by_drop".
 const char* to_string(ErrorBasis basis);
 
+/// With fewer drops how they differ from each other is not known well enough to judge errors by it.
+inline constexpr std::size_t kFewestDrops = 10;
+
 /// The drops that samples come from.
 struct DropCount {
   std::size_t n = 0;
   ErrorBasis errors =
       ErrorBasis::independent_samples;  ///< by drop from 10 drops on, else by sample from 30 a parameter on
 };
+const Description& members_of(const DropCount*);
 
 /// A number with its uncertainty. What is not known is absent.
 struct Estimate {
@@ -66,6 +75,7 @@ struct Estimate {
   std::optional<BootstrapErrors> bootstrap;       ///< by drop, where asked for
   bool identified = true;                         ///< false: the data do not determine it (see the fit's message)
 };
+const Description& members_of(const Estimate*);
 
 struct NamedEstimate {
   std::string name;
@@ -79,6 +89,7 @@ struct CurvePoint {
   std::optional<Interval> band95;
   std::optional<double> se = std::nullopt;
 };
+const Description& members_of(const CurvePoint*);
 
 /// Square matrix by rows.
 using Matrix = std::vector<std::vector<double>>;

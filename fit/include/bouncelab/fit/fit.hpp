@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Start here: impact times to coefficients of restitution (restitution.hpp), these to the law eps(v) (law_fit.hpp)
-/// and to the histograms p(eps) (histogram_fit.hpp); plain_answer.hpp says it in a few sentences; fit_all does all that
-/// a report needs, json.hpp writes it; calibration.hpp checks the law's fit against known truth; memory_fit.hpp says
-/// what the scatter tells of the surface, reservoir_gain.hpp what energy spin and sideways motion hold;
-/// between_recordings.hpp compares the recordings of a campaign.
+/// and to the histograms p(eps) (histogram_fit.hpp); fit_all does all that a report needs (the module `report` says it
+/// in sentences); calibration.hpp checks the law's fit against known truth; memory_fit.hpp says what the scatter tells
+/// of the surface, reservoir_gain.hpp what energy spin and sideways motion hold; between_recordings.hpp compares the
+/// recordings of a campaign.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,6 @@
 #include "bouncelab/fit/histogram_fit.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
-#include "bouncelab/fit/plain_answer.hpp"
 #include "bouncelab/fit/recordings.hpp"
 #include "bouncelab/fit/restitution.hpp"
 
@@ -48,12 +47,6 @@ struct FitConfig {
 /// The options: nodes, form of the law, method, replicates, windows.
 const Description& members_of(const FitConfig*);
 
-/// A question that a reader of the report has, and the answer that follows from the fit.
-struct Finding {
-  std::string question;
-  std::string answer;
-};
-
 struct FitResult {
   FitStatus status = FitStatus::too_few_samples;  ///< of the main law
   LawFit law;                                     ///< as configured; by default the asymmetric Laplace
@@ -65,13 +58,11 @@ struct FitResult {
   Recordings recordings;
   ErrorBudget budget;
   std::optional<DemExport> dem_export;
-  std::vector<std::string> warnings;  ///< in words, most important first
-  PlainAnswer answer;                 ///< what somebody who dropped a ball wants to know
-  std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
   std::size_t n_used = 0;
-  std::map<std::string, std::size_t> n_left_out;      ///< by reason
-  std::map<std::string, std::size_t> first_left_out;  ///< by reason: number of the first such sample, from 1
+  std::map<std::string, std::size_t> n_left_out;  ///< by reason
 };
+
+const Description& members_of(const FitResult*);
 
 /// Fits everything. Left out and counted: samples with a flag, not finite, with v <= 0.
 /// @param progress  called between the fits, in steps of one

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -26,6 +27,7 @@ struct Bins {
   std::size_t underflow = 0;
   std::size_t overflow = 0;
 };
+const Description& members_of(const Bins*);
 
 /// The shapes of p(eps) that are compared.
 enum class DensityShape { two_exponentials, normal, gumbel, student_t };
@@ -51,6 +53,7 @@ struct ShapeFit {
   std::optional<double> p_value;
   std::vector<double> expected;  ///< counts of Bins::counts that it expects
 };
+const Description& members_of(const ShapeFit*);
 
 /// p(eps) in a window of speeds: the paper's two exponentials.
 ///
@@ -78,6 +81,7 @@ struct HistogramFit {
   std::vector<ShapeFit> shapes;   ///< two exponentials as the paper drew them, normal, Gumbel, Student t
   std::string verdict;            ///< which of the shapes describes the window, in words
 };
+const Description& members_of(const HistogramFit*);
 
 /// @param law  its drift of eps(v) and of the scatter within each window is taken out before the fit, so that peak and
 ///             slopes refer to the window's centre; where law.law is absent the samples are taken as they are
@@ -92,6 +96,7 @@ struct DensityPicture {
   std::vector<std::vector<std::size_t>> counts;  ///< counts[eps bin][v bin]
   std::size_t n_outside = 0;
 };
+const Description& members_of(const DensityPicture*);
 
 /// Speeds from the smallest to the largest; eps over the central 99.8 % of the samples, widened by a tenth.
 /// @param n_v, n_eps  bins at most; fewer where samples are few (about sqrt(n)). Empty picture for fewer than 2

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
@@ -61,11 +62,13 @@ struct ScatterModel {
   /// From eps(v), the density's peak, to the mean.
   double mean_minus_peak(double v_mps) const;
 };
+const Description& members_of(const ScatterModel*);
 
 struct NodeEstimate {
   double v_mps = 0.0;
   Estimate eps;
 };
+const Description& members_of(const NodeEstimate*);
 
 /// Residuals in a bin of speeds.
 struct ResidualBin {
@@ -76,6 +79,7 @@ struct ResidualBin {
   double pull = 0.0;           ///< mean score of the location over its standard error: standard normal if the law holds
   double scatter_ratio = 0.0;  ///< mean absolute residual over what the scatter model expects
 };
+const Description& members_of(const ResidualBin*);
 
 /// Do the samples scatter as the fit says? By the probability transforms of all samples against the uniform
 /// distribution.
@@ -85,6 +89,7 @@ struct AndersonDarling {
       0.0;  ///< by refitting samples drawn from the fit (parametric bootstrap); at least 1/(1 + n_replicates)
   std::size_t n_replicates = 0;
 };
+const Description& members_of(const AndersonDarling*);
 
 /// Another law on the same samples with the same family of scatter.
 struct LawComparison {
@@ -93,6 +98,7 @@ struct LawComparison {
   double loglik = 0.0, aic = 0.0, bic = 0.0;
   double delta_aic = 0.0, delta_bic = 0.0;  ///< above the least of the list
 };
+const Description& members_of(const LawComparison*);
 
 struct LawFit {
   FitStatus status = FitStatus::too_few_samples;
@@ -120,6 +126,7 @@ struct LawFit {
   std::vector<std::string> notes;         ///< what was asked for and could not be had
   std::optional<RestitutionLaw> law;      ///< usable wherever a law is wanted; absent where the fit failed
 };
+const Description& members_of(const LawFit*);
 
 /// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
 ///

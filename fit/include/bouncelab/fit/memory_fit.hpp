@@ -92,6 +92,7 @@ struct MemoryFit {
   /// than independent samples.
   bool holds = false;
 };
+const Description& members_of(const MemoryFit*);
 
 /// @param samples      ordered by recording, drop, time, finite, v > 0
 /// @param independent  the fit that takes them as independent: start, and samples to leave out
@@ -109,8 +110,8 @@ const Description& members_of(const RoughnessConfig*);
 struct RoughnessResult {
   MemoryFit memory;                               ///< with the roughness, of the ball that the samples name
   std::map<std::string, std::size_t> n_left_out;  ///< by reason
-  std::vector<std::string> warnings;
 };
+const Description& members_of(const RoughnessResult*);
 
 /// The roughness of a ball from how its coefficients of restitution scatter: fit_memory with the series A2, A4, A5, and
 /// q translated into surfaces. Samples with a flag, not finite or with v <= 0 are left out and counted.
@@ -124,10 +125,5 @@ Roughness equivalent_surfaces(const Estimate& q, double inertia_factor);
 
 /// Share of the reservoir that a bounce loses: 1 - keep.
 Estimate leak_of(const MemoryFit& memory);
-
-/// Do the fluctuations remember? A sentence with its tests, and where they do not what to use instead.
-std::string in_words(const MemoryFit& memory);
-/// "q = 1.40e-06 ± 5e-08 (95 %: 1.3e-06 to 1.5e-06), rms tilt of the contact's normal 0.11 degrees without slip"
-std::string in_words(const Roughness& roughness);
 
 }  // namespace bouncelab::fit

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
 #include "bouncelab/fit/law_fit.hpp"
@@ -35,6 +36,7 @@ struct RecordingsTest {
   double p_value = 1.0;
   WithinUnit within = WithinUnit::samples;  ///< drops from ten degrees of freedom between drops on
 };
+const Description& members_of(const RecordingsTest*);
 
 /// The law of one recording alone.
 struct RecordingFit {
@@ -50,6 +52,7 @@ struct RecordingFit {
   std::vector<NamedEstimate> parameters;
   std::optional<Estimate> offset;  ///< of its eps from the curve of all, mean over all samples 0; by the test
 };
+const Description& members_of(const RecordingFit*);
 
 struct Recordings {
   std::optional<RecordingsTest> test;  ///< absent where fewer than two recordings can be compared
@@ -63,10 +66,7 @@ struct Recordings {
 /// @param pooled   that fit: nodes, form of the scatter
 Recordings compare_recordings(const RestitutionSamples& samples, const LawFitConfig& config, const LawFit& pooled);
 
-/// Do they agree, in a sentence: with p, and where they do not (p < 0.01) with the least and the greatest eps. Empty
-/// where there is one recording.
-std::string in_words(const Recordings& recordings);
-/// p < 0.01
+/// p < 0.01: they do not follow one curve.
 bool disagree(const Recordings& recordings);
 
 }  // namespace bouncelab::fit

@@ -61,6 +61,7 @@ struct LoopResult {
   RestitutionSamples samples_direct;       ///< eq. 12 of the paper: macroscopic eps of the simulation, no sound
   RestitutionSamples samples_true;         ///< eq. 2 of the paper from the true times
   RestitutionSamples samples_sound;        ///< eq. 2 of the paper from the detected times
+  RestitutionSamples samples_smooth;       ///< likewise, of the smooth ball
   fit::FitResult direct, true_times, sound, smooth_sound;
   std::optional<ScatterTheory> theory;                              ///< of the rough ball, in the windows of `sound`
   std::optional<ReservoirCheck> reservoir;                          ///< of the rough ball, from its sound

@@ -10,7 +10,6 @@
 
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/detection/score.hpp"
-#include "bouncelab/fit/conclusions.hpp"
 #include "bouncelab/fit/fit.hpp"
 
 namespace bouncelab::loop {
@@ -82,14 +81,8 @@ struct SlopeWindow {
   SlopePair rising, falling;
 };
 
-/// What the experiment says of the paper's conclusions.
-struct PaperResult {
-  std::vector<fit::Conclusion> conclusions;
-  std::vector<SlopeWindow> slopes;  ///< windows of speed in which both have both slopes
-};
-
-/// @param loop  with the smooth ball; without it, the conclusion about it is left out
-PaperResult paper_result(const LoopResult& loop);
+/// Windows of speed in which simulation and sound have both slopes.
+std::vector<SlopeWindow> slopes_of(const LoopResult& loop);
 
 // Parts of a FitResult; null where it does not have them. Speeds agree to within 1e-9 m/s.
 const fit::NodeEstimate* node_at(const fit::FitResult& fit, double v_mps);

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// What a fit says, in sentences: the answer for somebody who dropped a ball, what a user must know before using it,
+/// the questions of a reader; and fit.json, which has them beside the numbers. Nothing is computed here.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/description.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/fit.hpp"
+
+namespace bouncelab::report {
+
+/// What samples say of the drops that they come from. Where their times are not known everything is absent.
+struct DropsSeen {
+  std::size_t n_drops = 0;
+  std::optional<std::size_t> n_impacts;  ///< that the samples were made from
+  std::optional<double> duration_s;      ///< from first to last impact; of several drops the sum
+  /// Height of the release [m], h = v_0^2 / (2 g), without drag; v_0 = v_1 / eps is the speed of impact 0. Of several
+  /// drops the median. Only of drops whose first impact was seen: the recording began early enough to have heard one
+  /// bounce before it, 2 v_0 / g.
+  std::optional<double> drop_height_m;
+  std::size_t n_heights = 0;  ///< drops with a height
+};
+const Description& members_of(const DropsSeen*);
+
+/// eps at one speed within the range measured.
+struct SpeedAndRestitution {
+  double v_mps = 0.0;
+  fit::Estimate eps;
+  double energy_lost = 0.0;  ///< 1 - eps^2, share of the energy of the vertical motion that a bounce takes
+};
+const Description& members_of(const SpeedAndRestitution*);
+
+/// One recording of several, alone.
+struct RecordingAnswer {
+  std::string recording;
+  std::optional<SpeedAndRestitution> at;  ///< at a speed common to most of them, else at its own
+  std::string missing;                    ///< in words, why there is none
+  DropsSeen seen;
+};
+const Description& members_of(const RecordingAnswer*);
+
+/// The result for somebody who asks "what is the coefficient of restitution of my ball?".
+struct PlainAnswer {
+  /// At the node in the middle; absent where nothing could be fitted or recordings do not agree.
+  std::optional<SpeedAndRestitution> at;
+  /// At the least and the greatest node, where eps differs there from `at` by more than three standard errors of the
+  /// difference.
+  std::vector<SpeedAndRestitution> elsewhere;
+  bool one_value = false;    ///< too few samples for a curve: one eps for all speeds
+  bool with_memory = false;  ///< from the fit with memory, which holds
+  DropsSeen seen;
+  std::vector<RecordingAnswer> recordings;  ///< empty where there is one
+  std::vector<std::string> sentences;       ///< all of this in words, most important first
+};
+const Description& members_of(const PlainAnswer*);
+
+/// A question that a reader of the report has, and the answer that follows from the fit.
+struct Finding {
+  std::string question;
+  std::string answer;
+};
+const Description& members_of(const Finding*);
+
+struct FitInWords {
+  PlainAnswer answer;
+  std::vector<std::string> warnings;  ///< what must be known before the result is used, most important first
+  std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
+};
+
+/// @param samples  all that were given to the fit, in any order, also those that it left out
+/// @param memory   as the fit was asked for: a fit with memory that does not hold is worth a warning where it was
+FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
+                    fit::UseMemory memory = fit::UseMemory::where_long);
+
+/// Warnings of a measured roughness. @param samples  all that it was measured from
+std::vector<std::string> warnings_of(const fit::RoughnessResult& result, const RestitutionSamples& samples);
+
+/// What samples say of their drops.
+/// @param samples  in any order
+DropsSeen drops_seen(const RestitutionSamples& samples);
+
+/// Do the recordings agree: with p, and where they do not with the least and the greatest eps. Empty where there is one
+/// recording.
+std::string in_words(const fit::Recordings& recordings);
+/// Do the fluctuations remember? A sentence with its tests, and where they do not what to use instead.
+std::string in_words(const fit::MemoryFit& memory);
+/// "q = 1.40e-06 ± 5e-08 (95 %: 1.3e-06 to 1.5e-06), rms tilt of the contact's normal 0.11 degrees without slip"
+std::string in_words(const fit::Roughness& roughness);
+
+/// fit.json: the words, then everything of the fit.
+/// @param indent  spaces for each level
+std::string fit_json(const fit::FitResult& result, const FitInWords& words, int indent = 1);
+/// roughness.json
+std::string roughness_json(const fit::RoughnessResult& result, const std::vector<std::string>& warnings,
+                           int indent = 1);
+
+}  // namespace bouncelab::report

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/report/answer.hpp"
+
+#include "words.hpp"
+
+namespace bouncelab::report {
+
+FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
+  FitInWords words{plain_answer(result, samples), warnings_of(result, samples), findings_of(result)};
+  if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)
+    words.warnings.insert(words.warnings.begin(), in_words(*result.memory));
+  return words;
+}
+
+const Description& members_of(const DropsSeen*) {
+  using D = DropsSeen;
+  static const Description all{
+      result("n_drops", &D::n_drops, "Drops"),
+      result("n_impacts", &D::n_impacts, "Impacts; `null` where the samples' times are not known"),
+      result("duration_s", &D::duration_s, "From first to last impact, of several drops the sum"),
+      result("drop_height_m", &D::drop_height_m,
+             "h = v₀²/(2g) without drag, v₀ = v₁/ε, median of the `n_heights` drops whose first impact was seen, that "
+             "is, where one bounce before it would lie within the recording"),
+      result("n_heights", &D::n_heights, "Drops with a height")};
+  return all;
+}
+
+const Description& members_of(const SpeedAndRestitution*) {
+  using S = SpeedAndRestitution;
+  static const Description all{
+      result("v_mps", &S::v_mps, "Speed"),
+      result<S>(
+          "eps", [](const S& s) { return s.eps.value; }, "ε there"),
+      result<S>(
+          "se", [](const S& s) { return s.eps.se; }, "Its standard error"),
+      result<S>(
+          "ci95", [](const S& s) { return s.eps.ci95; }, "Its 95 % interval"),
+      result("energy_lost", &S::energy_lost, "1 - ε², share of the energy of the vertical motion")};
+  return all;
+}
+
+const Description& members_of(const RecordingAnswer*) {
+  using R = RecordingAnswer;
+  static const Description all{
+      result("recording", &R::recording, "Its name"), result("at", &R::at, "At a speed common to most"),
+      result("missing", &R::missing, "Why `at` is `null`"), result("seen", &R::seen, "Of its drops")};
+  return all;
+}
+
+const Description& members_of(const PlainAnswer*) {
+  using A = PlainAnswer;
+  static const Description all{
+      result("sentences", &A::sentences,
+             "Texts, most important first: what `fit` and `analyze` print first and the report begins with"),
+      result("at", &A::at,
+             "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle: `v_mps`, "
+             "`eps`, `se`, `ci95`, `energy_lost` (1 - ε², share of the energy of the vertical motion)"),
+      result("elsewhere", &A::elsewhere,
+             "The same at the greatest and the least node, each where ε differs from that of `at` by more than three "
+             "standard errors of the difference"),
+      result("one_value", &A::one_value, "Too few samples for a curve: one ε for all speeds"),
+      result("with_memory", &A::with_memory, "The values are those of `memory`, which holds"),
+      result("seen", &A::seen, "Of the samples' drops, see below"),
+      result("recordings", &A::recordings,
+             "`[{recording, at, missing, seen}]`, each alone, at a speed common to most; `missing` says why `at` is "
+             "`null`; empty where there is one recording")};
+  return all;
+}
+
+const Description& members_of(const Finding*) {
+  static const Description all{result("question", &Finding::question, "Question of a reader"),
+                               result("answer", &Finding::answer, "Its answer from the numbers")};
+  return all;
+}
+
+std::string fit_json(const fit::FitResult& result, const FitInWords& words, int indent) {
+  Object all{{"answer", value_of(words.answer)},
+             {"warnings", value_of(words.warnings)},
+             {"answers", value_of(words.findings)}};
+  std::ranges::move(object_of(members_of(&result), &result), std::back_inserter(all));
+  return json_text(all, indent);
+}
+
+std::string roughness_json(const fit::RoughnessResult& result, const std::vector<std::string>& warnings, int indent) {
+  Object all = object_of(members_of(&result), &result);
+  all.emplace_back("warnings", value_of(warnings));
+  return json_text(all, indent);
+}
+
+}  // namespace bouncelab::report

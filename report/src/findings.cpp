@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/text.hpp"
+#include "words.hpp"
+
+namespace bouncelab::report {
+using namespace fit;
+
+namespace {
+
+std::string joined(const std::vector<std::string>& parts, const char* separator = ", ") {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : separator) + part;
+  return text;
+}
+
+std::string sentence(std::string text) {
+  text.front() = text.front() == 't' ? 'T' : text.front();
+  return text + ".";
+}
+
+std::string describe_nodes(const std::vector<NodeEstimate>& estimates) {
+  std::vector<std::string> nodes;
+  for (const NodeEstimate& node : estimates)
+    nodes.push_back(fit::in_words(node.eps.value, node.eps.se) + formatted(" at %.3g m/s", node.v_mps));
+  return joined(nodes);
+}
+
+std::string dependence(const FitResult& r) {
+  std::vector<std::string> known, unknown;
+  for (const NamedEstimate& p : r.law.parameters)
+    if (p.estimate.identified)
+      known.push_back(p.name + " = " + fit::in_words(p.estimate.value, p.estimate.se));
+    else
+      unknown.push_back(p.name);
+  std::string text = "ε = " + describe_nodes(r.law.nodes) + " (± one standard error).";
+  if (!known.empty()) text += " Constants of the law: " + joined(known) + ".";
+  if (!r.law_viscoelastic.parameters.empty()) {
+    const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
+    text +=
+        " As a viscoelastic ball, with one constant of dissipation: gamma = " + fit::in_words(gamma.value, gamma.se) +
+        ".";
+  }
+  if (!unknown.empty())
+    text += " The law's constants " + joined(unknown) + " cannot be told from these " + std::to_string(r.law.n) +
+            " impacts, the curve can.";
+  return text;
+}
+
+std::string certainty(const LawFit& law) {
+  std::vector<std::string> intervals;
+  for (const NodeEstimate& node : law.nodes)
+    if (node.eps.ci95)
+      intervals.push_back(formatted("%.6f to %.6f at %.3g m/s", node.eps.ci95->lo, node.eps.ci95->hi, node.v_mps));
+  std::string text =
+      "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
+      (law.drops.errors == ErrorBasis::by_drop ? formatted(", from how %zu drops differ from each other.", law.drops.n)
+                                               : ", if impacts are independent of each other.");
+  if (law.p_value)
+    text += *law.p_value < 0.001
+                ? formatted(" The scatter is not as the fit assumes (p = %.1e, the chance of a worse one); ",
+                            *law.p_value) +
+                      (law.drops.errors == ErrorBasis::by_drop ? "errors between drops do not depend on it."
+                                                               : "errors may be too small.")
+                : formatted(
+                      " The samples are scattered as the fit assumes (χ²/ndf = %.2f, 1 expected; p = %.2g, the chance "
+                      "of a worse one).",
+                      *law.chi2 / static_cast<double>(*law.ndf), *law.p_value);
+  const bool constants = std::any_of(law.parameters.begin(), law.parameters.end(),
+                                     [](const NamedEstimate& p) { return p.estimate.identified; });
+  return constants && law.parameters.size() > 1
+             ? text + " The constants go together: use them with their correlation, or quote the curve."
+             : text;
+}
+
+/// The row in the middle of the speeds stands for the others.
+std::string limits(const FitResult& r) {
+  if (r.budget.rows.empty()) return "Not known: too few samples.";
+  const BudgetRow& row = r.budget.rows[r.budget.rows.size() / 2];
+  std::vector<std::string> parts;
+  const auto part = [&](double share, const char* cause) {
+    if (share >= 0.001) parts.push_back(formatted("%.*f %% ", share < 0.1 ? 1 : 0, 100.0 * share) + cause);
+  };
+  part(row.share_asperities, "the ball itself");
+  part(row.share_timing, "timing");
+  part(row.share_travel_time, "travel time of the sound");
+  part(row.share_unexplained, "not explained");
+  std::string text = formatted("Of the variance of ε at %.2g m/s: ", row.v_mps) + joined(parts) + ".";
+  // two exponentials have a kurtosis of 6: the variance of n samples is known to sqrt(5/n)
+  if (const double random_share = std::sqrt(5.0 / static_cast<double>(row.n));
+      row.share_unexplained >= 0.001 && row.n > 0)
+    text += formatted(" (Of %zu samples there, %.0f %% may be random error.)", row.n,
+                      std::min(100.0, 100.0 * random_share));
+  if (row.se_curve)
+    text += formatted(
+        " With %.0f samples that leaves a standard error of %.1e of the curve there; four times the samples "
+        "halve it.",
+        static_cast<double>(r.n_used), *row.se_curve);
+  const auto shift = [&](std::optional<double> BudgetRow::*member, const char* cause) {
+    const auto size = [&](const BudgetRow& b) { return std::abs((b.*member).value_or(0.0)); };
+    const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),
+                                        [&](const auto& a, const auto& b) { return size(a) < size(b); });
+    if (size(*worst) > 0.0)
+      text += formatted(" Not taken out: %s, %+.1e at %.2g m/s.", cause, *((*worst).*member), worst->v_mps);
+  };
+  const std::size_t before = text.size();
+  shift(&BudgetRow::shift_drag, "air drag");
+  shift(&BudgetRow::shift_contact_time, "contact time");
+  if (text.size() != before)
+    text += " (For " + to_text(*r.budget.ball) + (r.budget.plate ? " on " + plate_text(*r.budget.plate) : "") + ".)";
+  if (const std::string open = open_corrections(r.budget); !open.empty()) text += " Open: " + open + ".";
+  return text;
+}
+
+std::string gaussian(const std::vector<HistogramFit>& histograms) {
+  constexpr double kDecided = 10.0;
+  std::size_t n = 0, n_against = 0, n_for = 0, n_unequal = 0;
+  double least = HUGE_VAL, most = -HUGE_VAL;
+  for (const HistogramFit& h : histograms) {
+    if (!h.delta_aic_gaussian) continue;
+    ++n;
+    n_against += *h.delta_aic_gaussian > kDecided;
+    n_for += *h.delta_aic_gaussian < -kDecided;
+    n_unequal += h.p_equal_slopes && *h.p_equal_slopes < 0.05;
+    least = std::min(least, *h.delta_aic_gaussian);
+    most = std::max(most, *h.delta_aic_gaussian);
+  }
+  if (n == 0) return "Cannot be said: too few samples at any one speed.";
+  const auto of = [&](std::size_t k) { return formatted("%zu of %zu", k, n); };
+  const std::string head = n_against == n      ? "No"
+                           : n_for == n        ? "Yes"
+                           : n_against > n_for ? "Probably not"
+                                               : "Undecided";
+  return head + ": two exponentials beat a normal by more than " + formatted("%.0f", kDecided) +
+         " in AIC (twice the difference of the log-likelihoods, less the parameters) in " + of(n_against) +
+         " windows of speed, a normal beats them in " + of(n_for) +
+         formatted(" (AIC of the normal less that of the two exponentials: %.0f to %.0f). ", least, most) +
+         "Their slopes differ (95 %) in " + of(n_unequal) + " windows.";
+}
+
+std::string remembers(const MemoryFit& memory) {
+  if (!memory.holds) return "No, or not so that it could be used: " + in_words(memory) + ".";
+  return "Yes: " + in_words(memory) + ". The curve so: " + describe_nodes(memory.nodes) +
+         ". The surface: " + in_words(memory.roughness) + ".";
+}
+
+std::string in_dem(const FitResult& r) {
+  if (!r.dem_export) return "Not at all: ε is not between 0 and 1 there.";
+  return formatted("Codes with a constant coefficient: ε = %s at %.2g m/s; choose the speed of your collisions. ",
+                   fit::in_words(r.dem_export->eps, r.dem_export->se).c_str(), r.dem_export->v_mps) +
+         "Ready lines for LIGGGHTS, LAMMPS, Yade and MercuryDPM, and ε(v) as a table, are at the end" +
+         (r.memory && r.memory->holds ? "; so is C++ whose fluctuations remember." : ".");
+}
+
+}  // namespace
+
+std::vector<Finding> findings_of(const FitResult& result) {
+  if (!usable(result)) return {};
+  std::vector<Finding> findings{{"How does ε depend on speed?", dependence(result)},
+                                {"How sure is that?", certainty(result.law)},
+                                {"What limits it?", limits(result)},
+                                {"Is the scatter Gaussian?", gaussian(result.histograms)},
+                                {"How do I use it in a DEM code?", in_dem(result)}};
+  if (std::string agreement = in_words(result.recordings); !agreement.empty())
+    findings.insert(findings.begin() + 1, {"Do the recordings agree?", sentence(agreement)});
+  if (result.memory) findings.insert(findings.end() - 1, {"Do the fluctuations remember?", remembers(*result.memory)});
+  return findings;
+}
+
+}  // namespace bouncelab::report

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/text.hpp"
+#include "words.hpp"
+
+namespace bouncelab::report {
+using namespace fit;
+namespace {
+
+SpeedAndRestitution at_node(const NodeEstimate& node) {
+  return {node.v_mps, node.eps, 1.0 - node.eps.value * node.eps.value};
+}
+
+/// Decimals that show one digit of a standard error, two where that one is 1.
+int decimals_for(const Estimate& e) {
+  if (!e.se || !(*e.se > 0.0) || !std::isfinite(*e.se)) return 3;
+  const double exponent = std::floor(log10(*e.se));
+  const bool begins_with_1 = *e.se < 1.95 * pow(10.0, exponent);
+  return std::clamp(static_cast<int>(-exponent) + (begins_with_1 ? 1 : 0), 1, 8);
+}
+
+std::string rounded(double value, int decimals) { return formatted("%.*f", decimals, value); }
+
+/// "0.9477 ± 0.0003 (95 %: 0.9470 to 0.9484)"
+std::string with_interval(const Estimate& e) {
+  const int decimals = decimals_for(e);
+  std::string text = rounded(e.value, decimals);
+  if (e.se && *e.se > 0.0) text += " ± " + rounded(*e.se, decimals);
+  if (e.ci95) text += " (95 %: " + rounded(e.ci95->lo, decimals) + " to " + rounded(e.ci95->hi, decimals) + ")";
+  return text;
+}
+
+std::string speed(double v_mps) { return formatted("%.2g m/s", v_mps); }
+
+/// Two digits, without a power of ten.
+std::string two_digits(double x) {
+  const int decimals = x > 0.0 ? std::max(0, 1 - static_cast<int>(std::floor(log10(x)))) : 0;
+  return rounded(x, decimals);
+}
+
+std::string height(double h_m) {
+  return h_m < 0.01  ? two_digits(1e3 * h_m) + " mm"
+         : h_m < 1.0 ? two_digits(1e2 * h_m) + " cm"
+                     : two_digits(h_m) + " m";
+}
+
+std::string duration(double t_s) {
+  return t_s < 120.0    ? two_digits(t_s) + " s"
+         : t_s < 7200.0 ? two_digits(t_s / 60.0) + " min"
+                        : two_digits(t_s / 3600.0) + " h";
+}
+
+/// The end at `k` of the nodes, where eps there is not that of the middle one.
+std::optional<SpeedAndRestitution> differing(const std::vector<NodeEstimate>& nodes, const Matrix& correlation,
+                                             std::size_t middle, std::size_t k) {
+  const Estimate &a = nodes[middle].eps, &b = nodes[k].eps;
+  constexpr double kSeen = 3.0;  // by chance alone one answer in 200 would name a change; at 2.0 one in 11
+  if (k == middle || !a.se || !b.se) return {};
+  const double rho = k < correlation.size() && middle < correlation[k].size() ? correlation[k][middle] : 0.0;
+  const double variance = *a.se * *a.se + *b.se * *b.se - 2.0 * rho * *a.se * *b.se;
+  if (!(std::abs(b.value - a.value) > kSeen * std::sqrt(std::max(0.0, variance)))) return {};
+  return at_node(nodes[k]);
+}
+
+/// The node that most recordings reach; the middle one of equals.
+std::optional<double> common_speed(const std::vector<RecordingFit>& rows) {
+  std::map<double, std::size_t> n_at;
+  for (const RecordingFit& row : rows)
+    for (const NodeEstimate& node : row.nodes) ++n_at[node.v_mps];
+  if (n_at.empty()) return {};
+  std::size_t most = 0;
+  for (const auto& [v_mps, n] : n_at) most = std::max(most, n);
+  std::vector<double> best;
+  for (const auto& [v_mps, n] : n_at)
+    if (n == most) best.push_back(v_mps);
+  return best[best.size() / 2];
+}
+
+std::vector<RecordingAnswer> answers_by_recording(const FitResult& result, const RestitutionSamples& samples) {
+  if (result.recordings.rows.empty()) return {};
+  std::map<std::string, RestitutionSamples> of;
+  for (const RestitutionSample& s : samples) of[s.recording].push_back(s);
+  const std::optional<double> v_mps = common_speed(result.recordings.rows);
+  std::vector<RecordingAnswer> answers;
+  for (const RecordingFit& row : result.recordings.rows) {
+    RecordingAnswer answer{row.recording, {}, row.nodes.empty() ? row.message : "", drops_seen(of[row.recording])};
+    const NodeEstimate* nearest = nullptr;
+    for (const NodeEstimate& node : row.nodes)
+      if (!nearest || std::abs(node.v_mps - *v_mps) < std::abs(nearest->v_mps - *v_mps)) nearest = &node;
+    if (nearest) answer.at = at_node(*nearest);
+    answers.push_back(std::move(answer));
+  }
+  return answers;
+}
+
+std::string file_name(const std::string& recording) {
+  return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
+}
+
+std::string of_value(const PlainAnswer& answer, const FitResult& result) {
+  const SpeedAndRestitution& at = *answer.at;
+  std::string text = "ε = " + with_interval(at.eps);
+  if (answer.one_value) return text + ", one value for all speeds: too few bounces for a curve.";
+  text += " at " + speed(at.v_mps);
+  const auto& nodes = answer.with_memory ? result.memory->nodes : result.law.nodes;
+  if (answer.elsewhere.empty() && nodes.size() > 1)
+    text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
+            " no change with the speed is seen";
+  std::string verb = "; it ";
+  for (const SpeedAndRestitution& other : answer.elsewhere) {
+    text += verb + (other.eps.value < at.eps.value ? "falls to " : "rises to ") +
+            rounded(other.eps.value, std::min(decimals_for(other.eps), decimals_for(at.eps))) + " at " +
+            speed(other.v_mps);
+    verb = " and ";
+  }
+  if (answer.with_memory) text += " (by the fit with memory)";
+  return text + ".";
+}
+
+/// With one decimal where the standard error, 2 eps se, warrants it.
+std::string percent_lost(const SpeedAndRestitution& at) {
+  const bool exact = at.eps.se && 200.0 * at.eps.value * *at.eps.se < 0.5;
+  return rounded(100.0 * at.energy_lost, exact ? 1 : 0);
+}
+
+/// Where recordings differ by more than chance: their range instead of a value.
+std::string of_range(const PlainAnswer& answer) {
+  const RecordingAnswer *least = nullptr, *greatest = nullptr;
+  for (const RecordingAnswer& r : answer.recordings) {
+    if (!r.at) continue;
+    if (!least || r.at->eps.value < least->at->eps.value) least = &r;
+    if (!greatest || r.at->eps.value > greatest->at->eps.value) greatest = &r;
+  }
+  std::string text = formatted("The %zu recordings differ by more than chance: ", answer.recordings.size());
+  if (least)
+    text += "ε runs from " + rounded(least->at->eps.value, decimals_for(least->at->eps)) + " (" +
+            file_name(least->recording) + ", " + speed(least->at->v_mps) + ") to " +
+            rounded(greatest->at->eps.value, decimals_for(greatest->at->eps)) + " (" + file_name(greatest->recording) +
+            ", " + speed(greatest->at->v_mps) + "); ";
+  return text + "each has a value of its own, one for all of them would belong to no ball.";
+}
+
+/// "dropped from about 5 cm; 52 impacts in 8.2 s"
+std::string of_drops(const DropsSeen& seen, bool one_ball) {
+  std::string text;
+  if (seen.drop_height_m && one_ball) {
+    text = "Dropped from about " + height(*seen.drop_height_m);
+    if (seen.n_drops > 1) text += formatted(" (median of the %zu drops whose first impact was heard)", seen.n_heights);
+    text += "; ";
+  }
+  if (!seen.n_impacts) return text.empty() ? "" : text.substr(0, text.size() - 2) + ".";
+  text += formatted("%s %zu impacts", text.empty() ? "From" : "from", *seen.n_impacts);
+  if (seen.n_drops > 1) text += formatted(" in %zu drops", seen.n_drops);
+  return text + (seen.n_drops > 1 ? ", " : " in ") + duration(*seen.duration_s) +
+         (seen.n_drops > 1 ? " of bouncing." : ".");
+}
+
+/// Nothing fitted: what there is, and what is missing.
+std::string of_missing(const FitResult& result, const RestitutionSamples& samples) {
+  std::vector<double> eps;
+  for (const RestitutionSample& s : samples)
+    if (s.flags.empty() && std::isfinite(s.eps) && s.v_mps > 0.0) eps.push_back(s.eps);
+  if (eps.empty()) return "ε is not known: no three impacts in a row from which it could be had.";
+  if (eps.size() >= 3) return "ε cannot be stated: " + result.law.message + ".";
+  return formatted(
+      "ε is about %.2f, from %s alone: too few to say how sure that is; with three or more it can be said.",
+      eps.front(), eps.size() == 1 ? "one bounce" : "two bounces");
+}
+
+}  // namespace
+
+PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {
+  PlainAnswer answer;
+  answer.seen = drops_seen(samples);
+  answer.recordings = answers_by_recording(result, samples);
+  const bool pooled = usable(result) && !disagree(result.recordings);
+  if (pooled) {
+    answer.with_memory = result.memory && result.memory->holds && !result.memory->nodes.empty();
+    const auto& nodes = answer.with_memory ? result.memory->nodes : result.law.nodes;
+    const auto& correlation = answer.with_memory ? result.memory->node_correlation : result.law.node_correlation;
+    const std::size_t middle = nodes.size() / 2;
+    answer.at = at_node(nodes[middle]);
+    answer.one_value = result.law.kind == LawKind::constant;
+    if (!answer.one_value)
+      for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
+        if (const auto other = differing(nodes, correlation, middle, k)) answer.elsewhere.push_back(*other);
+    answer.sentences.push_back(of_value(answer, result));
+    if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
+      answer.sentences.push_back(percent_lost(*answer.at) +
+                                 " % of the energy of its motion up and down is lost in each bounce" +
+                                 (answer.one_value ? "." : " at that speed."));
+  } else {
+    answer.sentences.push_back(usable(result) ? of_range(answer) : of_missing(result, samples));
+  }
+  if (std::string drops = of_drops(answer.seen, answer.recordings.empty()); !drops.empty())
+    answer.sentences.push_back(std::move(drops));
+  return answer;
+}
+
+}  // namespace bouncelab::report

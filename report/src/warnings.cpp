@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/fit/usable_samples.hpp"
+#include "words.hpp"
+
+namespace bouncelab::report {
+using namespace fit;
+namespace {
+
+/// One line for all pairs: the worst one stands for them.
+void warn_of_correlation(const LawFit& law, std::vector<std::string>& warnings) {
+  std::size_t worst_i = 0, worst_j = 0;
+  double worst = 0.99;
+  for (std::size_t i = 0; i < law.parameters.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::abs(law.correlation[i][j]) > worst) {
+        worst = std::abs(law.correlation[i][j]);
+        worst_i = i;
+        worst_j = j;
+      }
+  if (worst_i == worst_j) return;
+  warnings.push_back(
+      law.parameters[worst_j].name + " and " + law.parameters[worst_i].name +
+      formatted(" cannot be told apart with these speeds: their correlation is %.4f; use the curve ε(v), "
+                "or the constants with their covariance",
+                law.correlation[worst_i][worst_j]));
+}
+
+/// The constants matter to few and the curve is known without them: their warnings come last.
+void warn_of_constants(const LawFit& law, std::vector<std::string>& warnings) {
+  warn_of_correlation(law, warnings);
+  if (!law.message.empty() && law.status == FitStatus::not_identifiable) warnings.push_back(law.message);
+}
+
+/// What one drop's impacts share cannot be seen without other drops. (Figures: docs/physics.md, errors by drop.)
+void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warnings) {
+  if (drops.n == 0 || drops.errors == ErrorBasis::by_drop) return;
+  const std::string why = drops.n >= kFewestDrops
+                              ? "nearly all that is known comes from one drop"
+                              : formatted("%zu drop%s, fewer than %zu", drops.n, drops.n == 1 ? "" : "s", kFewestDrops);
+  warnings.push_back(why +
+                     ": standard errors take impacts as independent; those of the slopes may be up to 1.7 times too "
+                     "small at low speeds, those of ε(v) hardly");
+}
+
+void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
+  if (!law.message.empty() && law.status != FitStatus::not_identifiable) warnings.push_back(law.message);
+  warnings.insert(warnings.end(), law.notes.begin(), law.notes.end());
+  if (law.p_value && *law.p_value < 0.001) {
+    double ratio = 0.0;
+    for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
+    warnings.push_back(formatted("the scatter about ε(v) is not as the fit assumes: χ²/ndf = %.2f, p = %.1e; ",
+                                 *law.chi2 / static_cast<double>(*law.ndf), *law.p_value) +
+                       (ratio < 0.8 ? formatted("it is %.2f of what the stated timing errors alone explain: these are "
+                                                "stated too large, and so are all errors given here",
+                                                ratio)
+                        : law.drops.errors == ErrorBasis::by_drop
+                            ? "standard errors are by drop and do not depend on it"
+                            : "standard errors may be too small"));
+  }
+  warn_of_few_drops(law.drops, warnings);
+  if (!law.outliers.empty())
+    warnings.push_back(
+        formatted("%zu sample%s further from ε(v) than the scatter can put one and left out, of the histograms too: "
+                  "missed or invented impacts?",
+                  law.outliers.size(), law.outliers.size() == 1 ? " is" : "s are"));
+}
+
+/// Where the noise that neighbouring samples share is not what the detector states.
+void warn_of_timing(const ErrorBudget& budget, std::vector<std::string>& warnings) {
+  if (!budget.timing || !budget.timing->stated_s || !(*budget.timing->stated_s > 0.0)) return;
+  const TimingNoise& t = *budget.timing;
+  const double stated2 = *t.stated_s * *t.stated_s;
+  if (std::abs(t.variance_s2 - stated2) < 4.0 * t.variance_se_s2 || !t.sigma_s) return;
+  // a tenth of the noise is of no consequence however well it is measured
+  if (std::abs(*t.sigma_s / *t.stated_s - 1.0) < 0.1) return;
+  warnings.push_back(formatted("neighbouring samples show a timing noise of %.2g us where %.2g us are stated",
+                               *t.sigma_s * 1e6, *t.stated_s * 1e6));
+}
+
+void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& warnings) {
+  const auto count = [&](auto&& condition) {
+    return static_cast<double>(std::count_if(used.begin(), used.end(), condition));
+  };
+  const double n = static_cast<double>(used.size());
+  const double unknown = count([](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
+  if (unknown > 0.0)
+    warnings.push_back(
+        formatted("%.0f of %.0f samples state no timing error: it is neglected there, and the scatter "
+                  "includes it",
+                  unknown, n));
+  const double above_one = count([](const auto& s) { return s.eps > 1.0; });
+  if (above_one > 0.1 * n)
+    warnings.push_back(formatted("%.0f of %.0f samples have ε > 1: time order or units of the input?", above_one, n));
+  const double below_zero = count([](const auto& s) { return s.eps < 0.0; });
+  if (below_zero > 0.1 * n)
+    warnings.push_back(
+        formatted("%.0f of %.0f samples have ε < 0: time order or columns of the input?", below_zero, n));
+  const double implausible = count([](const auto& s) { return s.v_mps > 20.0 || s.v_mps < 0.005; });
+  if (implausible > 0.1 * n)
+    warnings.push_back(
+        formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
+}
+
+/// Rows that a flag of the detector or of the intervals excludes were counted where the flag was set. Rows that are
+/// excluded by their values, or by a word that nothing of ours writes, were not.
+void warn_of_rows_left_out(const LeftOut& left_out, std::vector<std::string>& warnings) {
+  for (const auto& [reason, first] : left_out.first) {
+    const std::optional<Flag> flag = flag_named(reason);
+    if (flag && *flag != Flag::not_finite) continue;
+    std::string in_words = "flag " + reason;
+    if (flag) in_words = "not finite";
+    if (reason == "speed_not_positive") in_words = "speed not positive";
+    warnings.push_back(formatted("%zu of the samples left out: %s; the first is number %zu", left_out.n.at(reason),
+                                 in_words.c_str(), first));
+  }
+}
+
+void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::string>& warnings) {
+  const auto differs = [&](const RestitutionSample& s) { return s.conditions != used.front().conditions; };
+  const auto n = std::count_if(used.begin(), used.end(), differs);
+  if (n > 0)
+    warnings.push_back(
+        formatted("%td of the samples were computed with other corrections, or for another ball, gravity or "
+                  "wave speed than the first: the error budget is that of the first",
+                  n));
+}
+
+/// The worst node of a shift that is still in the samples, where it exceeds the error of the curve there.
+void warn_of_shift(const ErrorBudget& budget, std::optional<double> BudgetRow::*shift, const std::string& cause,
+                   const std::string& remedy, std::vector<std::string>& warnings) {
+  const BudgetRow* worst = nullptr;
+  for (const BudgetRow& row : budget.rows)
+    if (row.se_curve && *row.se_curve > 0.0 && row.*shift && std::isfinite(*(row.*shift)) &&
+        (!worst || std::abs(*(row.*shift)) / *row.se_curve > std::abs(*(worst->*shift)) / *worst->se_curve))
+      worst = &row;
+  if (!worst || std::abs(*(worst->*shift)) <= *worst->se_curve) return;
+  warnings.push_back(cause +
+                     formatted(" is not taken out: it moves ε(%.2g m/s) by %+.1e, %.1f standard errors; ", worst->v_mps,
+                               *(worst->*shift), std::abs(*(worst->*shift)) / *worst->se_curve) +
+                     remedy);
+}
+
+void warn_of_shifts(const ErrorBudget& budget, std::vector<std::string>& warnings) {
+  const std::string ball = budget.ball ? " (" + to_text(*budget.ball) : " (";
+  const std::string on_plate = budget.plate ? " on " + plate_text(*budget.plate) : "";
+  warn_of_shift(budget, &BudgetRow::shift_drag, "air drag" + ball + ")", "correct the flights for it", warnings);
+  warn_of_shift(budget, &BudgetRow::shift_contact_time, "the duration of contact" + ball + on_plate + ")",
+                "correct the intervals for it", warnings);
+}
+
+bool is_present(const ErrorBudget& budget, const std::string& cause) {
+  return std::any_of(budget.effects.begin(), budget.effects.end(),
+                     [&](const auto& effect) { return effect.first == cause && effect.second == Effect::present; });
+}
+
+/// Of the samples alone, whatever is fitted to them.
+void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
+  warn_of_samples(used, warnings);
+  warn_of_rows_left_out(left_out, warnings);
+}
+
+/// What is open of the fit with memory, which needs a radius and a moment of inertia.
+std::string open_without_ball(const MemoryFit& memory) {
+  if (memory.status != FitStatus::ok || memory.ball) return "";
+  return formatted(
+      "no ball was named (--ball): the fit with memory takes a solid one, J = %.3g m R^2, of %.3g mm radius",
+      kSolidBallInertia, 1e3 * Ball{}.radius_m);
+}
+
+}  // namespace
+
+std::string open_corrections(const ErrorBudget& budget) {
+  if (budget.rows.empty()) return "";
+  const BudgetRow& row = budget.rows.front();
+  const bool drag = is_present(budget, "air drag") && !row.shift_drag;
+  const bool contact = is_present(budget, "contact time") && !row.shift_contact_time;
+  if (!drag && !contact) return "";
+  std::string why = "Hertz's theory does not give the contact time of " + (budget.ball ? to_text(*budget.ball) : "") +
+                    " on " + (budget.plate ? plate_text(*budget.plate) : "") + " (--ball ...,contact-time=...)";
+  if (!budget.plate) why = "no plate was named (--plate)";
+  if (!budget.ball) why = "no ball was named (--ball, --plate)";
+  if (drag && contact) return "air drag and contact time are not taken out, and how much they shift ε is open: " + why;
+  return std::string(drag ? "air drag" : "contact time") +
+         " is not taken out, and how much it shifts ε is open: " + why;
+}
+
+std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& samples) {
+  LeftOut left_out;
+  const PartOfSamples part = usable_samples(samples, left_out);
+  const RestitutionSamples& used = *part;
+  std::vector<std::string> warnings;
+  if (disagree(result.recordings)) warnings.push_back(in_words(result.recordings));
+  warn_of_law(result.law, warnings);
+  warn_of_timing(result.budget, warnings);
+  warn_of_all_samples(used, left_out, warnings);
+  warn_of_mixed_conditions(used, warnings);
+  warn_of_shifts(result.budget, warnings);
+  if (const std::string open = open_corrections(result.budget); !open.empty()) warnings.push_back(open);
+  if (const std::string open = result.memory ? open_without_ball(*result.memory) : ""; !open.empty())
+    warnings.push_back(open);
+  warn_of_constants(result.law, warnings);
+  return warnings;
+}
+
+std::vector<std::string> warnings_of(const RoughnessResult& result, const RestitutionSamples& samples) {
+  LeftOut left_out;
+  const PartOfSamples part = usable_samples(samples, left_out);
+  std::vector<std::string> warnings;
+  warn_of_all_samples(*part, left_out, warnings);
+  if (const std::string open = open_without_ball(result.memory); !open.empty()) warnings.push_back(open);
+  return warnings;
+}
+
+}  // namespace bouncelab::report

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/report/answer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/restitution.hpp"
+#include "synthetic_samples.hpp"
+
+namespace bouncelab::report {
+namespace {
+
+using namespace fit;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+FitInWords told(const RestitutionSamples& samples) { return in_words(fit_all(samples, {}), samples); }
+
+constexpr double kG = 9.81;  // kDefaultGravity_mps2, with which samples are made and read
+
+/// Onsets of balls dropped from a height, eps the same at every impact; the first fall begins at begin_s.
+Onsets dropped(double height_m, double eps, std::size_t n_impacts, double begin_s, std::int64_t drop = 0) {
+  Onsets onsets;
+  double t_s = begin_s + std::sqrt(2.0 * height_m / kG), v_mps = std::sqrt(2.0 * kG * height_m);
+  for (std::size_t k = 0; k < n_impacts; ++k) {
+    Onset onset;
+    onset.recording = "ball.wav";
+    onset.drop = drop;
+    onset.impact = static_cast<std::int64_t>(k);
+    onset.t_s = t_s;
+    onset.sigma_t_s = 1e-5;
+    onsets.push_back(onset);
+    v_mps *= eps;
+    t_s += 2.0 * v_mps / kG;
+  }
+  return onsets;
+}
+
+TEST(DropsSeen, TellTheHeightOfTheReleaseTheImpactsAndHowLongTheyLast) {
+  const Onsets onsets = dropped(0.12, 0.9, 20, 2.0);
+  const DropsSeen seen = drops_seen(restitution_samples(onsets, {}).samples);
+  EXPECT_EQ(seen.n_drops, 1u);
+  EXPECT_EQ(seen.n_impacts, 20u);
+  ASSERT_TRUE(seen.drop_height_m && seen.duration_s);
+  EXPECT_NEAR(*seen.drop_height_m, 0.12, 1e-9);  // exact but for rounding: eps is the same at every impact
+  EXPECT_NEAR(*seen.duration_s, onsets.back().t_s - onsets.front().t_s, 1e-9);
+}
+
+TEST(DropsSeen, KnowNoHeightWhereTheRecordingBeginsTooLateToTellWhichImpactIsTheFirst) {
+  // released at the first sample: a bounce before the first impact seen would lie before the recording
+  EXPECT_FALSE(drops_seen(restitution_samples(dropped(0.12, 0.9, 20, 0.0), {}).samples).drop_height_m);
+  // the first impact was not detected
+  RestitutionSamples late = restitution_samples(dropped(0.12, 0.9, 20, 2.0), {}).samples;
+  late.erase(late.begin());
+  EXPECT_FALSE(drops_seen(late).drop_height_m);
+  EXPECT_EQ(drops_seen(late).n_impacts, 19u);
+}
+
+TEST(DropsSeen, OfSeveralDropsTakeTheMedianHeightInAnyOrderOfTheSamples) {
+  RestitutionSamples samples;
+  for (const double height_m : {0.3, 0.1, 0.2}) {
+    const auto drop = static_cast<std::int64_t>(std::lround(10 * height_m));
+    const auto of_one = restitution_samples(dropped(height_m, 0.8, 9, 2.0 + 10.0 * height_m, drop), {}).samples;
+    samples.insert(samples.begin(), of_one.rbegin(), of_one.rend());
+  }
+  const DropsSeen seen = drops_seen(samples);
+  EXPECT_EQ(seen.n_heights, 3u);
+  EXPECT_NEAR(seen.drop_height_m.value_or(0.0), 0.2, 1e-9);
+  EXPECT_EQ(seen.n_impacts, 27u);
+}
+
+TEST(DropsSeen, OfATableOfSpeedsAndEpsAloneKnowNeitherImpactsNorTimes) {
+  RestitutionSamples samples(10);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k].impact = static_cast<std::int64_t>(k);  // as such a table is read
+    samples[k].v_mps = 1.0 - 0.01 * static_cast<double>(k);
+    samples[k].eps = 0.9;
+  }
+  const DropsSeen seen = drops_seen(samples);
+  EXPECT_FALSE(seen.n_impacts || seen.duration_s || seen.drop_height_m);
+}
+
+TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
+  bouncelab::testing::SyntheticRun run;
+  run.timing_sigma_s = 3e-6;
+  const RestitutionSamples samples = restitution_samples(bouncelab::testing::synthetic_onsets(run), {}).samples;
+  const auto result = fit_all(samples, {});
+  const FitInWords words = in_words(result, samples);
+  const PlainAnswer& answer = words.answer;
+  ASSERT_TRUE(answer.at);
+  const NodeEstimate& middle = result.law.nodes.at(1);
+  EXPECT_EQ(answer.at->v_mps, middle.v_mps);
+  EXPECT_EQ(answer.at->eps.value, middle.eps.value);
+  EXPECT_DOUBLE_EQ(answer.at->energy_lost, 1.0 - middle.eps.value * middle.eps.value);
+  ASSERT_EQ(answer.elsewhere.size(), 2u);  // a law that falls by .007 between the nodes, known to some 1e-5
+  EXPECT_EQ(answer.elsewhere[0].v_mps, result.law.nodes.back().v_mps);
+  EXPECT_THAT(answer.sentences.at(0), HasSubstr("ε = 0.97"));
+  EXPECT_THAT(answer.sentences.at(0), HasSubstr(" m/s; it falls to "));
+  EXPECT_THAT(answer.sentences.at(0), HasSubstr(" and rises to "));
+  EXPECT_THAT(answer.sentences.at(1), HasSubstr(" % of the energy"));
+  EXPECT_THAT(answer.sentences.at(2), HasSubstr("3880 impacts in 40 drops"));
+  for (const std::string& sentence : answer.sentences) EXPECT_EQ(sentence.find("A2"), std::string::npos) << sentence;
+
+  const auto json = nlohmann::json::parse(fit_json(result, words)).at("answer");
+  EXPECT_EQ(json.at("at").at("eps"), middle.eps.value);
+  EXPECT_EQ(json.at("seen").at("n_impacts"), 3880);
+  EXPECT_EQ(json.at("sentences").size(), answer.sentences.size());
+}
+
+TEST(PlainAnswer, HasOneValueWhereThereIsTooLittleForACurve) {
+  RestitutionSamples samples = restitution_samples(dropped(0.2, 0.8, 6, 2.0), {}).samples;  // four samples
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k].eps += k % 2 == 0 ? 0.004 : -0.004;
+  const PlainAnswer answer = told(samples).answer;
+  ASSERT_TRUE(answer.at);
+  EXPECT_TRUE(answer.one_value);
+  EXPECT_TRUE(answer.elsewhere.empty());
+  EXPECT_THAT(answer.sentences.at(0), HasSubstr("one value for all speeds"));
+}
+
+TEST(PlainAnswer, SaysWhatIsMissingWhereThereIsNothing) {
+  EXPECT_THAT(told({}).answer.sentences.at(0), HasSubstr("ε is not known"));
+  const PlainAnswer one = told(restitution_samples(dropped(0.2, 0.8, 3, 2.0), {}).samples).answer;
+  EXPECT_FALSE(one.at);
+  EXPECT_THAT(one.sentences.at(0), HasSubstr("ε is about 0.80, from one bounce alone"));
+}
+
+TEST(PlainAnswer, OfUnlikeRecordingsNamesTheirRangeAndNoCommonValue) {
+  bouncelab::testing::SyntheticRun run;
+  RestitutionSamples samples = bouncelab::testing::independent_samples(run, 300, 0.2, 1.4, 1e-4);
+  for (RestitutionSample& s : samples) s.recording = "here/a.wav";
+  const std::size_t n = samples.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    samples.push_back(samples[k]);
+    samples.back().recording = "there/b.wav";
+    samples.back().eps -= 0.05;  // a hundred times its scatter
+  }
+  const PlainAnswer answer = told(samples).answer;
+  EXPECT_FALSE(answer.at);
+  ASSERT_EQ(answer.recordings.size(), 2u);
+  ASSERT_TRUE(answer.recordings[0].at && answer.recordings[1].at);
+  EXPECT_EQ(answer.recordings[0].at->v_mps, answer.recordings[1].at->v_mps);
+  // the same scatter about both: the difference is what was taken off, but for the errors of the two fits
+  EXPECT_NEAR(answer.recordings[0].at->eps.value - answer.recordings[1].at->eps.value, 0.05, 1e-3);
+  EXPECT_THAT(answer.sentences.at(0), HasSubstr("(b.wav, "));
+  EXPECT_THAT(answer.sentences.at(0), Not(HasSubstr("there/")));
+}
+
+TEST(FitInWords, WarnsInWordsOfConstantsThatCannotBeToldApart) {
+  EXPECT_THAT(told(bouncelab::testing::independent_samples({}, 5000, 0.2, 1.4, 0.0)).warnings,
+              Contains(HasSubstr("cannot be told apart")));
+}
+
+TEST(FitInWords, AnswersTheFiveQuestionsOfAReader) {
+  const FitInWords words = told(bouncelab::testing::independent_samples({}, 20000, 0.2, 1.4, 1e-4));
+  ASSERT_EQ(words.findings.size(), 5u);
+  const auto says = [&](std::size_t k, const char* part) {
+    return words.findings[k].answer.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(says(0, "A2 = 0.0") && says(0, "gamma = ")) << words.findings[0].answer;
+  EXPECT_TRUE(says(1, "95 % intervals") && says(1, "as the fit assumes")) << words.findings[1].answer;
+  EXPECT_TRUE(says(2, "the ball itself") && says(2, "timing") && says(2, "air drag")) << words.findings[2].answer;
+  EXPECT_TRUE(says(3, "No: ") && says(3, "8 of 8")) << words.findings[3].answer;
+  EXPECT_TRUE(says(4, "ε = 0.979") && says(4, "0.6 m/s")) << words.findings[4].answer;
+}
+
+TEST(FitInWords, WarnsOfDragThatMovesTheCurveByMoreThanItsError) {
+  const auto samples = bouncelab::testing::independent_samples({}, 5000, 0.2, 1.4, 0.0);
+  const auto warned = [&](Effect drag) {
+    FitConfig config;
+    config.budget.ball = Ball{};
+    config.budget.drag = drag;
+    const auto warnings = in_words(fit_all(samples, config), samples).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const auto& w) { return w.find("correct the flights") != std::string::npos; });
+  };
+  EXPECT_TRUE(warned(Effect::present));
+  EXPECT_FALSE(warned(Effect::corrected));
+  EXPECT_FALSE(warned(Effect::absent));
+}
+
+TEST(FitInWords, WarnsOfFlagsThatNothingOfOursWrites) {
+  RestitutionSamples samples = bouncelab::testing::independent_samples({}, 500, 0.2, 1.4, 0.0);
+  samples[6].flags = Flags::from_text("missing_impact|other");
+  samples[7].flags = Flags::from_text("a_word_of_somebody_else");
+  EXPECT_THAT(told(samples).warnings, Contains(HasSubstr("a_word_of_somebody_else")));
+  EXPECT_FALSE(told({}).warnings.empty());
+}
+
+TEST(FitInWords, WarnsWhereErrorsCannotBeByDrop) {
+  RestitutionSamples samples = bouncelab::testing::independent_samples({}, 400, 0.2, 1.4, 0.0);
+  const auto in_drops = [&](auto drop_of) {
+    for (std::size_t k = 0; k < samples.size(); ++k) samples[k].drop = static_cast<std::int64_t>(drop_of(k));
+    return told(samples).warnings;
+  };
+  EXPECT_THAT(in_drops([](std::size_t k) { return k % 9; }),
+              Contains(HasSubstr("9 drops, fewer than 10: standard errors take impacts as independent")));
+  EXPECT_THAT(in_drops([](std::size_t k) { return k < 14 ? k : 14; }),
+              Contains(HasSubstr("nearly all that is known comes from one drop")));
+  EXPECT_THAT(in_drops([](std::size_t k) { return k % 10; }), Not(Contains(HasSubstr("as independent"))));
+}
+
+TEST(FitInWords, SaysFirstThatRecordingsDoNotAgreeAndWhichAreFurthestOff) {
+  RestitutionSamples samples = bouncelab::testing::independent_samples({}, 200, 0.2, 1.4, 0.0);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k].recording = k < 192 ? "a" : "b";
+    if (k >= 192) samples[k].eps -= 0.2;
+  }
+  const std::vector<std::string> warnings = told(samples).warnings;
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_THAT(warnings.front(), HasSubstr("the 2 recordings do not agree"));
+  EXPECT_THAT(warnings.front(), HasSubstr("(b) to "));
+  std::erase_if(samples, [n = 0](const RestitutionSample& s) mutable { return s.recording == "b" && ++n > 2; });
+  EXPECT_THAT(in_words(fit_all(samples, {}).recordings), HasSubstr("cannot be compared"));
+  EXPECT_EQ(in_words(fit::Recordings{}), "");
+}
+
+}  // namespace
+}  // namespace bouncelab::report

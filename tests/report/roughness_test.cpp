@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fit with memory as users get it: within fit_all, as fit.json, as text, and as the roughness of a ball.
+#include "bouncelab/fit/memory_fit.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/core/restitution_with_memory.hpp"
+#include "bouncelab/report/answer.hpp"
+#include "numerics/distributions.hpp"
+
+namespace bouncelab::report {
+using namespace fit;
+
+namespace {
+
+constexpr double kQ = 2e-5;
+
+/// Ten drops of 50 impacts of the paper's law, without timing errors; the first impact, which has no interval before
+/// it, is not among them. Without memory each impact finds the reservoir
+/// of a drop of its own.
+RestitutionSamples drops(bool with_memory) {
+  const RestitutionLaw law = SeriesLaw{};
+  const auto eps = [&](double v) { return restitution(law, v); };
+  RestitutionSamples samples;
+  for (int drop = 0; drop < 10; ++drop) {
+    Random random(17, RandomStream::test, static_cast<std::uint64_t>(drop));
+    double v = 1.4 * std::sqrt(random.uniform(0.9, 1.0)), w = 0.0, mean_w = 0.0;
+    for (int k = 0; k <= 50; ++k) {
+      if (!with_memory) w = mean_w * random.exponential();
+      mean_w += 2.0 * kQ * (1.0 + eps(v)) * (1.0 + eps(v)) * v * v;
+      RestitutionSample s;
+      s.drop = drop;
+      s.impact = k;
+      s.t_s = k;
+      s.v_mps = v;
+      const double z2 = random.normal(), z1 = random.normal();
+      s.eps = restitution_with_memory(v, eps, kQ, z1, z2, w);
+      s.conditions.ball = Ball{1e-6};  // these contacts have no height
+      if (k > 0) samples.push_back(s);
+      v *= s.eps;
+    }
+  }
+  return samples;
+}
+
+FitConfig with_memory() {
+  FitConfig config;
+  config.memory = UseMemory::always;
+  config.n_goodness = 0;
+  return config;
+}
+
+const FitResult& of_a_rough_ball() {
+  static const FitResult result = fit_all(drops(true), with_memory());
+  return result;
+}
+
+TEST(MemoryOfFitAll, IsFittedBesideTheMainLawWhichItLeavesAlone) {
+  FitConfig without = with_memory();
+  without.memory = UseMemory::never;
+  const FitResult alone = fit_all(drops(true), without);
+  const FitResult& both = of_a_rough_ball();
+  ASSERT_TRUE(both.memory);
+  ASSERT_TRUE(both.memory->holds) << both.memory->message;
+  ASSERT_EQ(both.memory->nodes.size(), both.law.nodes.size());
+  for (std::size_t k = 0; k < both.law.nodes.size(); ++k) {
+    const NodeEstimate& node = both.memory->nodes[k];
+    EXPECT_EQ(node.v_mps, both.law.nodes[k].v_mps);
+    EXPECT_EQ(both.law.nodes[k].eps.value, alone.law.nodes[k].eps.value);
+    // a normal exceeds 4 standard errors once in 16,000
+    EXPECT_LT(std::abs(node.eps.value - restitution(SeriesLaw{}, node.v_mps)), 4.0 * *node.eps.se);
+    // what drops know of themselves is worth much, if little at the end of drops as short as these, of which the
+    // release is not known
+    EXPECT_LT(*node.eps.se, 0.85 * *both.law.nodes[k].eps.se);
+  }
+  // nothing of what is written without memory changes with it
+  auto j = nlohmann::ordered_json::parse(json_text(value_of(both)));
+  const auto j_alone = nlohmann::ordered_json::parse(json_text(value_of(alone)));
+  EXPECT_FALSE(alone.memory);
+  EXPECT_FALSE(j_alone.contains("memory"));
+  EXPECT_FALSE(j_alone.contains("roughness"));
+  for (const char* key : {"memory", "roughness", "answer", "answers", "hand_off"}) j.erase(key);
+  for (const auto& [key, value] : j.items()) EXPECT_EQ(value, j_alone.at(key)) << key;
+}
+
+TEST(MemoryOfFitAll, IsInFitJson) {
+  const MemoryFit& memory = *of_a_rough_ball().memory;
+  const auto j = nlohmann::json::parse(json_text(value_of(of_a_rough_ball())));
+  const auto& m = j.at("memory");
+  EXPECT_EQ(m.at("status"), "ok");
+  EXPECT_EQ(m.at("holds"), true);
+  EXPECT_EQ(m.at("n"), 500);
+  EXPECT_EQ(m.at("n_drops"), 10);
+  EXPECT_EQ(m.at("n_chains"), 10);
+  EXPECT_EQ(m.at("parameters"), (std::vector<std::string>{"A2", "A4", "A5"}));
+  EXPECT_EQ(m.at("A4").at("value"), memory.parameters[1].estimate.value);
+  EXPECT_EQ(m.at("nodes").at(1).at("eps"), memory.nodes[1].eps.value);
+  EXPECT_EQ(m.at("leak").at("value"), 1.0 - memory.keep.value);
+  EXPECT_EQ(m.at("leak").at("ci95").at(0), 1.0 - memory.keep.ci95->hi);
+  EXPECT_EQ(m.at("leak").at("ci95").at(1), 1.0 - memory.keep.ci95->lo);
+  EXPECT_GT(m.at("loglik").get<double>(), m.at("loglik_independent").get<double>());
+  EXPECT_TRUE(m.at("anderson_darling").is_null());
+  double n = 0.0;
+  for (const double count : m.at("transform_counts")) n += count;
+  EXPECT_EQ(n, 500.0);
+  // two-sided; the last by how 10 drops differ
+  const auto& tests = m.at("tests");
+  for (const std::string test : {"leak", "release"})
+    EXPECT_NEAR(tests.at(test + "_p").get<double>(),
+                std::erfc(std::abs(tests.at(test + "_z").get<double>()) / std::sqrt(2.0)), 1e-9);
+  EXPECT_NEAR(tests.at("mechanism_p").get<double>(),
+              2.0 * student_t_below(-std::abs(tests.at("mechanism_z").get<double>()), 9.0), 1e-9);
+  EXPECT_EQ(m.at("curve").size(), memory.curve.size());
+  const auto& r = j.at("roughness");
+  EXPECT_EQ(r.at("q"), memory.roughness.q.value);
+  EXPECT_EQ(r.at("q_se"), *memory.roughness.q.se);
+  EXPECT_LT(r.at("q_ci95").at(0), r.at("q_ci95").at(1));
+  EXPECT_EQ(r.at("mechanism_p"), m.at("tests").at("mechanism_p"));
+  EXPECT_EQ(r.at("leak"), m.at("leak"));
+}
+
+TEST(MemoryOfFitAll, IsAnsweredInATextAndHandedOnToDemCodes) {
+  const FitResult& result = of_a_rough_ball();
+  const FitInWords words = in_words(result, drops(true));
+  const auto answer = std::find_if(words.findings.begin(), words.findings.end(),
+                                   [](const Finding& f) { return f.question == "Do the fluctuations remember?"; });
+  ASSERT_NE(answer, words.findings.end());
+  EXPECT_THAT(answer->answer, ::testing::StartsWith("Yes: "));
+  EXPECT_THAT(answer->answer, ::testing::HasSubstr("rms tilt of the contact's normal"));
+  ASSERT_TRUE(result.dem_export);
+  EXPECT_THAT(result.dem_export->snippets.back().text, ::testing::HasSubstr("restitution_with_memory"));
+}
+
+TEST(MemoryOfFitAll, GivesThePlainAnswerItsEpsAndSaysSo) {
+  const FitResult& result = of_a_rough_ball();
+  const FitInWords words = in_words(result, drops(true));
+  ASSERT_TRUE(result.memory && result.memory->holds && words.answer.at);
+  EXPECT_TRUE(words.answer.with_memory);
+  EXPECT_EQ(words.answer.at->eps.value, result.memory->nodes.at(result.memory->nodes.size() / 2).eps.value);
+  EXPECT_THAT(words.answer.sentences.at(0), ::testing::HasSubstr("by the fit with memory"));
+}
+
+TEST(MemoryOfFitAll, OfIndependentImpactsIsWarnedOfAndNotHandedOn) {
+  const FitResult result = fit_all(drops(false), with_memory());
+  const FitInWords words = in_words(result, drops(false), UseMemory::always);
+  ASSERT_TRUE(result.memory);
+  EXPECT_FALSE(result.memory->holds);
+  EXPECT_TRUE(usable(result));
+  EXPECT_THAT(words.warnings.front(), ::testing::HasSubstr("memory"));
+  for (const Finding& f : words.findings)
+    if (f.question == "Do the fluctuations remember?") {
+      EXPECT_THAT(f.answer, ::testing::StartsWith("No"));
+    }
+  for (const Snippet& snippet : result.dem_export->snippets)
+    EXPECT_THAT(snippet.text, ::testing::Not(::testing::HasSubstr("restitution_with_memory")));
+  EXPECT_EQ(nlohmann::json::parse(json_text(value_of(result))).at("memory").at("holds"), false);
+}
+
+TEST(MemoryOfFitAll, WhereLongIsMadeOfFiveDropsOfThirtyImpactsAndNotOfLess) {
+  FitConfig config = with_memory();
+  config.memory = UseMemory::where_long;
+  config.compare_recordings = false;
+  const RestitutionSamples all = drops(true);
+  const auto part = [&](std::int64_t n_drops, std::int64_t n_impacts) {
+    RestitutionSamples samples;
+    for (const RestitutionSample& s : all)
+      if (s.drop < n_drops && s.impact <= n_impacts) samples.push_back(s);
+    EXPECT_EQ(samples.size(), static_cast<std::size_t>(n_drops * n_impacts));
+    return samples;
+  };
+  EXPECT_TRUE(fit_all(part(5, 30), config).memory);
+  EXPECT_FALSE(fit_all(part(4, 30), config).memory);
+  EXPECT_FALSE(fit_all(part(5, 29), config).memory);
+}
+
+TEST(MemoryOfFitAll, WhereLongSaysNothingOfAFailureThatNobodyAskedAbout) {
+  FitConfig config = with_memory();
+  config.memory = UseMemory::where_long;
+  RestitutionSamples samples = drops(false);
+  std::erase_if(samples, [](const RestitutionSample& s) { return s.drop > 4; });
+  const FitResult result = fit_all(samples, config);
+  ASSERT_TRUE(result.memory);
+  EXPECT_FALSE(result.memory->holds);
+  EXPECT_THAT(in_words(result, samples).warnings, ::testing::Not(::testing::Contains(::testing::HasSubstr("memory"))));
+}
+
+TEST(MemoryOfFitAll, IsAStepOfTheProgress) {
+  RestitutionSamples few = drops(true);
+  few.resize(40);
+  std::vector<double> done;
+  const FitResult result = fit_all(few, with_memory(), [&](double n, double of) {
+    EXPECT_EQ(of, 7.0);
+    done.push_back(n);
+  });
+  EXPECT_THAT(done, ::testing::ElementsAre(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0));
+  ASSERT_TRUE(result.memory);
+  EXPECT_EQ(result.memory->status, FitStatus::too_few_samples);
+  const auto j = nlohmann::json::parse(json_text(value_of(result)));
+  EXPECT_TRUE(j.at("roughness").is_null());
+  EXPECT_TRUE(j.at("memory").at("leak").is_null());
+  EXPECT_TRUE(j.at("memory").at("tests").is_null());
+  EXPECT_THAT(in_words(result, few, UseMemory::always).warnings,
+              ::testing::Contains(::testing::StartsWith("memory could not be fitted: ")));
+}
+
+TEST(RoughnessOfABall, IsFoundWithinItsErrorWhateverItsInertia) {
+  RoughnessConfig config;
+  config.n_goodness = 0;
+  RestitutionSamples samples = drops(true);
+  Ball thin_shell = *samples.front().conditions.ball;
+  thin_shell.inertia_factor = 2.0 / 3.0;
+  name_ball(samples, thin_shell, {});
+  samples[7].flags = {Flag::missing_impact};
+  const RoughnessResult shell = measure_roughness(samples, config);
+  ASSERT_TRUE(shell.memory.holds) << shell.memory.message;
+  EXPECT_LT(std::abs(shell.memory.roughness.q.value - kQ), 4.0 * *shell.memory.roughness.q.se);
+  // 500 widths know q to a tenth or so; were it the start value there would be no such error
+  EXPECT_LT(*shell.memory.roughness.q.se, 0.2 * kQ);
+  EXPECT_DOUBLE_EQ(shell.memory.roughness.s2_no_slip, shell.memory.roughness.q.value * (5.0 / 3.0));
+  EXPECT_EQ(shell.n_left_out.at("missing_impact"), 1u);
+  EXPECT_EQ(shell.memory.n_chains, 11u);  // the flagged impact parts its drop
+  const auto j = nlohmann::json::parse(json_text(value_of(shell)));
+  EXPECT_EQ(j.at("roughness").at("s2_no_slip"), shell.memory.roughness.s2_no_slip);
+  EXPECT_EQ(j.at("roughness").at("inertia_factor"), 2.0 / 3.0);
+  EXPECT_THAT(warnings_of(shell, samples), ::testing::Contains(::testing::HasSubstr("state no timing error")));
+}
+
+TEST(RoughnessOfABall, NamesSurfacesWhoseOffsetsHaveThatVariance) {
+  // 1e5 asperities of one radius, solid ball: s2 = 2/N, c = 5/7 without slip and 5/2 without friction
+  const double s2 = 2e-5;
+  Estimate q;
+  q.value = 5.0 / 7.0 * s2;
+  const Roughness solid = equivalent_surfaces(q, kSolidBallInertia);
+  EXPECT_NEAR(solid.s2_no_slip, s2, 1e-15 * s2 * 4);
+  EXPECT_NEAR(solid.s2_frictionless, q.value / 2.5, 1e-20);
+  EXPECT_NEAR(solid.n_constant_radii, 1e5, 1e-8);
+  EXPECT_NEAR(solid.lambda_exponential, s2, 1e-19);
+  // s2 = (1/2) sqrt(pi w/N) of uniform radii
+  EXPECT_NEAR(0.5 * std::sqrt(std::numbers::pi * solid.width_uniform_1e6 / 1e6), s2, 1e-17);
+  // two components
+  EXPECT_NEAR(std::pow(solid.rms_tilt_no_slip_deg * std::numbers::pi / 180.0, 2), 2.0 * s2, 1e-17);
+  // as fit_memory has it
+  const Roughness& of_fit = of_a_rough_ball().memory->roughness;
+  const Roughness again = equivalent_surfaces(of_fit.q, kSolidBallInertia);
+  EXPECT_DOUBLE_EQ(again.s2_frictionless, of_fit.s2_frictionless);
+  EXPECT_DOUBLE_EQ(again.n_constant_radii, of_fit.n_constant_radii);
+  EXPECT_DOUBLE_EQ(again.width_uniform_1e6, of_fit.width_uniform_1e6);
+}
+
+TEST(RoughnessOfABall, RefusesInertiaThatNoBallHas) {
+  for (const double factor : {0.0, -0.4, 1.1, std::nan("")})
+    EXPECT_THROW(equivalent_surfaces({}, factor), InvalidArgument) << factor;
+}
+
+}  // namespace
+}  // namespace bouncelab::report
