@@ -6,7 +6,6 @@
 #include <cstddef>
 #include "bouncelab/core/text.hpp"
 
-
 namespace bouncelab::fit {
 namespace {
 

@@ -8,8 +8,8 @@
 
 #include "between/design.hpp"
 #include "bouncelab/fit/law_fit.hpp"
-#include "numerics/linalg.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
