@@ -6,6 +6,7 @@
 #include "bouncelab/fit/calibration.hpp"
 #include "bouncelab/fit/fit.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -684,6 +685,34 @@ const Description& members_of(const BetweenRecordings*) {
                   "with `prediction95`"),
       result("plates", &B::plates, "Groups by plate, with the drift taken out"),
       result("days", &B::days, "Groups by day, with the plates taken out")};
+  return all;
+}
+
+const Description& members_of(const RestitutionCounts*) {
+  using C = RestitutionCounts;
+  static const Description all{result("n_onsets", &C::n_onsets, "Impacts read"),
+                               result("n_drops", &C::n_drops, "Drops"),
+                               result("n_samples", &C::n_samples, "Coefficients of restitution"),
+                               result("n_flagged", &C::n_flagged, "Of these with a flag: they stay out of the fit"),
+                               result("eps_median", &C::eps_median, "Of the others"),
+                               result<C>(
+                                   "breaks",
+                                   [](const C& c) {
+                                     Object breaks;
+                                     for (const auto& [reason, n] : c.breaks)
+                                       breaks.emplace_back(name_of(reason), value_of(n));
+                                     return breaks;
+                                   },
+                                   "Places where the chain of a drop is broken: reason → number")};
+  return all;
+}
+
+const Description& members_of(const IntervalPrediction*) {
+  using P = IntervalPrediction;
+  static const Description all{result("impact", &P::impact, "That the interval follows"),
+                               result("found_s", &P::measured_s, "As measured"),
+                               result("expected_s", &P::predicted_s, "By the law; `null` without one"),
+                               result("sigma_s", &P::sigma_s, "Standard error of the measured one")};
   return all;
 }
 

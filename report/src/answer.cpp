@@ -73,18 +73,18 @@ const Description& members_of(const Finding*) {
   return all;
 }
 
-std::string fit_json(const fit::FitResult& result, const FitInWords& words, int indent) {
+Object object_of(const fit::FitResult& result, const FitInWords& words) {
   Object all{{"answer", value_of(words.answer)},
              {"warnings", value_of(words.warnings)},
              {"answers", value_of(words.findings)}};
-  std::ranges::move(object_of(members_of(&result), &result), std::back_inserter(all));
-  return json_text(all, indent);
+  std::ranges::move(bouncelab::object_of(members_of(&result), &result), std::back_inserter(all));
+  return all;
 }
 
-std::string roughness_json(const fit::RoughnessResult& result, const std::vector<std::string>& warnings, int indent) {
-  Object all = object_of(members_of(&result), &result);
+Object object_of(const fit::RoughnessResult& result, const std::vector<std::string>& warnings) {
+  Object all = bouncelab::object_of(members_of(&result), &result);
   all.emplace_back("warnings", value_of(warnings));
-  return json_text(all, indent);
+  return all;
 }
 
 }  // namespace bouncelab::report

@@ -44,14 +44,14 @@ Values not_used_of(const std::vector<CampaignRecording>& recordings) {
 
 }  // namespace
 
-std::string comparison_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
+Object object_of(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings) {
   Object all{{"status", to_string(between.status)},
              {"message", between.message},
              {"answer", value_of(in_words(between, recordings))}};
-  std::ranges::move(object_of(members_of(&between), &between), std::back_inserter(all));
+  std::ranges::move(bouncelab::object_of(members_of(&between), &between), std::back_inserter(all));
   all.emplace_back("outliers", outliers_of(between, recordings));
   all.emplace_back("not_used", not_used_of(recordings));
-  return json_text(all, 1);
+  return all;
 }
 
 std::string points_json(const BetweenRecordings& between, const std::vector<CampaignRecording>& recordings,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "assets.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
 
@@ -53,6 +54,18 @@ std::string escaped(const std::string& text) {
 }
 
 }  // namespace
+
+std::string samples_json(const RestitutionSamples& samples) {
+  constexpr std::size_t kMostShown = 400;
+  if (samples.size() > kMostShown) return {};
+  Values v_mps, eps, sigma_eps;
+  for (const RestitutionSample& sample : samples) {
+    v_mps.push_back(sample.v_mps);
+    eps.push_back(sample.eps);
+    sigma_eps.push_back(value_of(sample.sigma_eps));
+  }
+  return json_text(Object{{"v_mps", v_mps}, {"eps", eps}, {"sigma_eps", sigma_eps}});
+}
 
 std::string render(const ReportInput& input) {
   Json data;

@@ -107,7 +107,7 @@ TEST(PlainAnswer, SaysEpsAtTheMiddleSpeedWhereItChangesAndWhatEnergyIsLost) {
   EXPECT_THAT(answer.sentences.at(2), HasSubstr("3880 impacts in 40 drops"));
   for (const std::string& sentence : answer.sentences) EXPECT_EQ(sentence.find("A2"), std::string::npos) << sentence;
 
-  const auto json = nlohmann::json::parse(fit_json(result, words)).at("answer");
+  const auto json = nlohmann::json::parse(json_text(object_of(result, words))).at("answer");
   EXPECT_EQ(json.at("at").at("eps"), middle.eps.value);
   EXPECT_EQ(json.at("seen").at("n_impacts"), 3880);
   EXPECT_EQ(json.at("sentences").size(), answer.sentences.size());

@@ -54,7 +54,7 @@ enum ExitCode : int { kDone = 0, kNotUsable = 1, kWrongUsage = 2, kFileError = 3
 /// The result of a command. Its files are written already.
 struct Outcome {
   int exit_code = kDone;
-  std::string json = "{}";            ///< printed with --json
+  Object result;                      ///< printed with --json
   std::string text;                   ///< printed on standard output otherwise
   std::vector<std::string> warnings;  ///< one line each, on standard error
   std::string error;                  ///< why the result is not usable: one line on standard error, even with --quiet

@@ -24,7 +24,6 @@
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/core/version.hpp"
 #include "command.hpp"
-#include "json/json_text.hpp"
 #include "options/commands.hpp"
 #include "options/config_file.hpp"
 #include "options/parser.hpp"
@@ -125,10 +124,14 @@ int report(const Outcome& outcome, const CommonOptions& common, bool standard_ou
   if (!common.quiet)
     for (const std::string& warning : outcome.warnings) say("warning: " + warning);
   if (!outcome.error.empty()) say("bouncelab: " + outcome.error);
-  if (common.json)
-    return print(
-        (outcome.error.empty() ? outcome.json : with_error(outcome.json, outcome.error, outcome.exit_code)) + "\n",
-        outcome.exit_code);
+  if (common.json) {
+    Object result = outcome.result;
+    if (!outcome.error.empty()) {
+      result.emplace_back("error", outcome.error);
+      result.emplace_back("exit_code", value_of(outcome.exit_code));
+    }
+    return print(json_text(result, 2) + "\n", outcome.exit_code);
+  }
   if (common.quiet || outcome.text.empty()) return outcome.exit_code;
   if (!standard_output_is_taken) return print(outcome.text, outcome.exit_code);
   std::cerr << outcome.text;
@@ -192,7 +195,8 @@ int run(const std::vector<std::string>& line) {
 int fail(const std::string& message, int exit_code, const std::vector<std::string>& line) {
   say(message);
   const bool json = std::find(line.begin(), std::find(line.begin(), line.end(), "--"), "--json") != line.end();
-  return json ? print(error_json(message, exit_code) + "\n", exit_code) : exit_code;
+  return json ? print(json_text(Object{{"error", message}, {"exit_code", value_of(exit_code)}}, 2) + "\n", exit_code)
+              : exit_code;
 }
 
 /// @return the exit code, after one line of what went wrong

@@ -69,7 +69,7 @@ std::optional<double> in_si(std::string_view text, const Quantity& quantity) {
 }
 
 /// What a description is made of: NAME, NAME:SIZE, KEY=VALUE, between commas.
-struct Description {
+struct WrittenBall {
   std::string name;  ///< empty: numbers only
   Numbers numbers;
 };
@@ -79,8 +79,8 @@ class DescriptionReader {
   DescriptionReader(std::string_view kind, std::string_view text, std::vector<std::string> keys)
       : kind_(kind), text_(text), keys_(std::move(keys)) {}
 
-  Description read() const {
-    Description result;
+  WrittenBall read() const {
+    WrittenBall result;
     for (std::size_t begin = 0; begin <= text_.size();) {
       const std::size_t end = std::min(text_.find(',', begin), text_.size());
       const std::string_view part = text_.substr(begin, end - begin);
@@ -181,7 +181,7 @@ std::string formatted_g(double value, const char* unit) {
 
 Ball ball_from_text(const std::string& text) {
   constexpr std::string_view kBall = "ball";
-  const Description given =
+  const WrittenBall given =
       DescriptionReader(kBall, text, {"radius", "diameter", "mass", "density", "E", "nu", "inertia", "contact-time"})
           .read();
   const Numbers& numbers = given.numbers;
@@ -249,7 +249,7 @@ std::string describe(const Ball& ball) {
 
 Material plate_from_text(const std::string& text) {
   constexpr std::string_view kPlate = "plate";
-  const Description given = DescriptionReader(kPlate, text, {"E", "nu", "density"}).read();
+  const WrittenBall given = DescriptionReader(kPlate, text, {"E", "nu", "density"}).read();
   Material plate{0.0, 0.0, 0.0, false};
   if (!given.name.empty()) plate = kind_named(kPlate, text, given.name, plate_kinds()).material;
   if (const double* density = find(given.numbers, "density")) plate.density_kgpm3 = *density;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
+#include "bouncelab/loop/analyze.hpp"
 #include "command.hpp"
 #include "commands/detect_command.hpp"
 #include "commands/fit_command.hpp"
 #include "commands/restitution_command.hpp"
-#include "stage_clock.hpp"
 
 namespace bouncelab::cli {
 
@@ -19,12 +21,13 @@ struct AnalyzeOptions {
   bool diagnostics = false;  ///< details of each drop in the report
 };
 
+loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOptions& common);
+
 Outcome run_analyze(const AnalyzeOptions& options, const Run& run);
 
-/// What follows detection: samples, fit and report of the onsets that lie in the folder options.out.
-/// @param detection  of at least one recording with impacts
-/// @param clock      of the stages before
-Outcome analyze_found(const AnalyzeOptions& options, const Stage<DetectResult>& detection, const Run& run,
-                      StageClock& clock);
+/// The files of an analysis in the folder, and what there is to say of it.
+/// @param warnings  of the recordings' files
+Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
+                       std::vector<std::string> warnings, const std::filesystem::path& folder, const Run& run);
 
 }  // namespace bouncelab::cli

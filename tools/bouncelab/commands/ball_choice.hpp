@@ -37,4 +37,7 @@ inline std::optional<Material> plate_of(const BallChoice& choice) {
   return choice.plate.empty() ? std::nullopt : std::optional(plate_from_text(choice.plate));
 }
 
+/// All balls, materials and plates.
+Object catalogue();
+
 }  // namespace bouncelab::cli

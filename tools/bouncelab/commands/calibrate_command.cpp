@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/error.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -88,7 +87,7 @@ Outcome run_memory_calibration(const CalibrateOptions& options, const Run& run) 
   if (!options.out.empty()) write_table(run, options.out, to_table(experiments));
   Outcome outcome;
   outcome.text = memory_text(groups);
-  outcome.json = memory_calibration_json(groups);
+  outcome.result = summary_of(groups);
   if (groups.front().n_failed == groups.front().n) {
     outcome.exit_code = kNotUsable;
     outcome.error = "no experiment gave a fit with memory: " + experiments.front().message;
@@ -97,6 +96,12 @@ Outcome run_memory_calibration(const CalibrateOptions& options, const Run& run) 
 }
 
 }  // namespace
+
+Object summary_of(const std::vector<loop::MemoryCalibrationGroup>& groups) {
+  return {{"n_experiments", value_of(groups.front().n)},
+          {"n_failed", value_of(groups.front().n_failed)},
+          {"groups", value_of(groups)}};
+}
 
 fit::CalibrationConfig calibration_config(const CalibrateOptions& options, const CommonOptions& common) {
   fit::CalibrationConfig config = options.config;
@@ -126,7 +131,7 @@ Outcome run_calibrate(const CalibrateOptions& options, const Run& run) {
   const fit::CalibrationResult result = fit::calibrate(config, progress_line(run, "calibrate", "seeds"));
   Outcome outcome;
   outcome.text = table_of(result);
-  outcome.json = calibrate_json(result);
+  outcome.result = object_of(members_of(&result), &result);
   return outcome;
 }
 

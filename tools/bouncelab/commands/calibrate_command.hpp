@@ -28,6 +28,9 @@ fit::CalibrationConfig calibration_config(const CalibrateOptions& options, const
 /// The same where options.memory is set. @throws InvalidArgument
 loop::MemoryCalibrationConfig memory_calibration_config(const CalibrateOptions& options, const CommonOptions& common);
 
+/// What --json prints of the study with memory.
+Object summary_of(const std::vector<loop::MemoryCalibrationGroup>& groups);
+
 Outcome run_calibrate(const CalibrateOptions& options, const Run& run);
 
 }  // namespace bouncelab::cli

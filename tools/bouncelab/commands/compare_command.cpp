@@ -131,7 +131,8 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   fit::BetweenRecordings between = fit::compare_campaign(recordings);
   between.notes = joined(outcome.warnings, between.notes);
   outcome.warnings = between.notes;
-  const std::string json = report::comparison_json(between, recordings);
+  outcome.result = report::object_of(between, recordings);
+  const std::string json = json_text(outcome.result, 1);
   write_text(run, folder / "comparison.json", json + "\n", inputs);
   write_table(run, folder / "comparison.csv", to_table(between, recordings), inputs);
   report::ReportInput page;
@@ -139,7 +140,6 @@ Outcome run_compare(const CompareOptions& options, const Run& run) {
   page.comparison_json = json;
   page.comparison_points_json = report::points_json(between, recordings);
   write_text(run, folder / "report.html", report::render(page), inputs);
-  outcome.json = json;
   if (between.status != fit::FitStatus::ok) {
     outcome.exit_code = kNotUsable;
     outcome.error = input_name(options.samples.front()) + ": " + between.message;

@@ -22,7 +22,6 @@
 #include "files/label_track.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -204,7 +203,7 @@ Outcome run_convert(const ConvertOptions& options, const Run& run) {
       is_table(options.input) && std::all_of(options.outputs.begin(), options.outputs.end(), is_table);
   const Converted converted = tables_only ? convert_table(options, run) : convert_marks(options, run);
   Outcome outcome;
-  outcome.json = convert_json(converted.n_onsets, converted.n_by_hand);
+  outcome.result = {{"n_onsets", value_of(converted.n_onsets)}, {"n_by_hand", value_of(converted.n_by_hand)}};
   outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", converted.n_onsets, converted.n_by_hand);
   return outcome;
 }

@@ -18,7 +18,6 @@
 #include "files/provenance.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -40,23 +39,27 @@ std::vector<std::string> first_of(std::vector<std::string> lines, const char* wh
 std::string name_of(const std::filesystem::path& recording) { return printable(input_name(recording)); }
 
 /// One line a recording, for people.
-std::string describe(const RecordingResult& r) {
-  std::string line = fmt::format("{}: {}", name_of(r.recording), r.message);
-  if (r.summary.restitution_median) line += fmt::format(", ε = {:.4f} in the median", *r.summary.restitution_median);
-  if (r.summary.n_channels > 1) line += fmt::format("; channel {} ({})", r.summary.channel, r.summary.channel_reason);
+std::string describe(const detection::RecordingDetection& r) {
+  std::string line = fmt::format("{}: {}", name_of(r.recording), r.found.message);
+  if (r.found.summary.restitution_median)
+    line += fmt::format(", ε = {:.4f} in the median", *r.found.summary.restitution_median);
+  if (r.found.summary.n_channels > 1)
+    line += fmt::format("; channel {} ({})", r.found.summary.channel, r.found.summary.channel_reason);
   return line;
 }
 
-bool is_unreadable(const RecordingResult& r) { return r.status == detection::DetectionStatus::unreadable; }
+bool is_unreadable(const detection::RecordingDetection& r) {
+  return r.found.status == detection::DetectionStatus::unreadable;
+}
 
 /// One line on the drops of low odds: how many, and where the first are; empty where there is none.
-std::string doubtful_drops(const std::vector<RecordingResult>& recordings) {
+std::string doubtful_drops(const Recordings& recordings) {
   constexpr std::size_t kMostNamed = 5;
   std::size_t n_drops = 0, n_doubtful = 0;
   std::string where;
-  for (const RecordingResult& r : recordings) {
-    n_drops += r.drops.size();
-    for (const detection::DropSummary& drop : r.drops) {
+  for (const detection::RecordingDetection& r : recordings) {
+    n_drops += r.found.drops.size();
+    for (const detection::DropSummary& drop : r.found.drops) {
       if (!drop.is_doubtful() || ++n_doubtful > kMostNamed) continue;
       where += fmt::format("{}{} at {:.1f} s ({:.1f} to 1)", where.empty() ? "" : ", ", name_of(r.recording),
                            drop.begin_s, drop.odds);
@@ -69,15 +72,15 @@ std::string doubtful_drops(const std::vector<RecordingResult>& recordings) {
 }
 
 /// A line a recording; of very many a sum, and a line for each in which nothing was found.
-std::string describe_all(const std::vector<RecordingResult>& recordings) {
+std::string describe_all(const Recordings& recordings) {
   std::vector<std::string> lines;
   std::size_t n_onsets = 0;
   std::int64_t n_drops = 0;
   const bool many = recordings.size() > kMostLines;
-  for (const RecordingResult& r : recordings) {
+  for (const detection::RecordingDetection& r : recordings) {
     n_onsets += r.n_onsets;
-    n_drops += r.summary.n_drops;
-    if (!is_unreadable(r) && !(many && r.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
+    n_drops += r.found.summary.n_drops;
+    if (!is_unreadable(r) && !(many && r.found.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
   }
   std::string text;
   for (const std::string& line : first_of(std::move(lines), "with --json all of them are listed")) text += line + "\n";
@@ -86,15 +89,15 @@ std::string describe_all(const std::vector<RecordingResult>& recordings) {
 }
 
 /// What went wrong with the recordings as a whole: exit code and error of the outcome.
-void conclude(const std::vector<RecordingResult>& recordings, bool found_any, Outcome& outcome) {
+void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
   const auto n_unreadable = std::count_if(recordings.begin(), recordings.end(), is_unreadable);
   const std::size_t n_others = recordings.size() - 1;
   const std::string others = n_others > 0 ? fmt::format(" (nor in the {} others)", n_others) : "";
   if (n_unreadable > 0) {
-    const RecordingResult& first = *std::find_if(recordings.begin(), recordings.end(), is_unreadable);
+    const detection::RecordingDetection& first = *std::find_if(recordings.begin(), recordings.end(), is_unreadable);
     outcome.exit_code = kFileError;
-    outcome.error =
-        n_unreadable == 1 ? first.message : fmt::format("{} (and {} more)", first.message, n_unreadable - 1);
+    outcome.error = n_unreadable == 1 ? first.found.message
+                                      : fmt::format("{} (and {} more)", first.found.message, n_unreadable - 1);
   }
   if (!found_any) {
     const auto readable = std::find_if_not(recordings.begin(), recordings.end(), is_unreadable);
@@ -102,7 +105,7 @@ void conclude(const std::vector<RecordingResult>& recordings, bool found_any, Ou
       outcome.exit_code = kNotUsable;
       outcome.error =
           fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
-                      name_of(readable->recording), readable->message, others);
+                      name_of(readable->recording), readable->found.message, others);
     }
     outcome.text.clear();
   } else if (n_unreadable > 0) {
@@ -111,31 +114,26 @@ void conclude(const std::vector<RecordingResult>& recordings, bool found_any, Ou
   }
 }
 
-/// Keeps `found` if it is among the first ones.
-void keep_first(std::size_t k, detection::Detection&& found, std::map<std::size_t, detection::Detection>& first) {
-  if (found.onsets.empty()) return;
-  first.emplace(k, std::move(found));
-  if (first.size() > kMostDetections) first.erase(std::prev(first.end()));
-}
-
 /// Files are read in parallel; their onsets go into the table, in the order of the recordings.
-DetectResult detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& recordings,
-                        TableWriter& table, const Run& run) {
-  DetectResult result;
-  result.recordings.resize(recordings.size());
+Recordings detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& files, TableWriter& table,
+                      const Run& run) {
+  Recordings recordings(files.size());
   const auto take = [&](std::size_t k, detection::Detection&& d) {
     table.add(k, to_table(d.onsets));
-    result.recordings[k] = recording_result(recordings[k].string(), d);
-    keep_first(k, std::move(d), result.first);
+    recordings[k] = {files[k].string(), d.onsets.size(), std::move(d)};
+    if (files.size() == 1) return;
+    recordings[k].found.onsets = {};
+    recordings[k].found.wave.reset();
+    recordings[k].found.noise.reset();
   };
-  const ProgressCallback progress = progress_line(run, "detect", recordings.size() == 1 ? "s of sound" : "recordings");
+  const ProgressCallback progress = progress_line(run, "detect", files.size() == 1 ? "s of sound" : "recordings");
   const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
   // the checksums of the provenance while the sound is searched, as a thread has time for them
   parallel_for(2, n_threads, [&](std::size_t work) {
-    if (work == 1) return compute_sha256_ahead(recordings, n_threads);
-    detection::detect_each(recordings, options.config, n_threads, take, progress);
+    if (work == 1) return compute_sha256_ahead(files, n_threads);
+    detection::detect_each(files, options.config, n_threads, take, progress);
   });
-  return result;
+  return recordings;
 }
 
 }  // namespace
@@ -156,47 +154,60 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
   return all;
 }
 
-RecordingResult recording_result(const std::string& recording, const detection::Detection& found) {
-  return {recording, found.status, found.message, found.summary, found.drops, found.warnings, found.onsets.size()};
-}
-
-std::vector<std::string> warnings_of(const std::vector<RecordingResult>& recordings) {
+std::vector<std::string> warnings_of(const Recordings& recordings) {
   std::vector<std::string> warnings;
-  for (const RecordingResult& r : recordings) {
-    if (is_unreadable(r)) warnings.push_back(r.message + "; left out");
-    for (const std::string& warning : r.warnings) warnings.push_back(name_of(r.recording) + ": " + warning);
+  for (const detection::RecordingDetection& r : recordings) {
+    if (is_unreadable(r)) warnings.push_back(r.found.message + "; left out");
+    for (const std::string& warning : r.found.warnings) warnings.push_back(name_of(r.recording) + ": " + warning);
   }
   return warnings;
 }
 
-Stage<DetectResult> run_detect(const DetectOptions& options, const Run& run) {
+bool found_any(const Recordings& recordings) {
+  return std::any_of(recordings.begin(), recordings.end(),
+                     [](const detection::RecordingDetection& r) { return r.n_onsets > 0; });
+}
+
+std::vector<std::filesystem::path> readable_of(const Recordings& recordings) {
+  std::vector<std::filesystem::path> files;
+  for (const detection::RecordingDetection& r : recordings)
+    if (!is_unreadable(r)) files.emplace_back(r.recording);
+  return files;
+}
+
+Object summary_of(const Recordings& recordings, const std::vector<std::string>& warnings) {
+  std::size_t n_onsets = 0;
+  for (const detection::RecordingDetection& r : recordings) n_onsets += r.n_onsets;
+  return {{"n_onsets", value_of(n_onsets)}, {"recordings", value_of(recordings)}, {"warnings", warnings}};
+}
+
+Outcome detection_outcome(const Recordings& recordings, std::vector<std::string> warnings) {
+  Outcome outcome;
+  if (std::string doubtful = doubtful_drops(recordings); !doubtful.empty()) warnings.push_back(std::move(doubtful));
+  outcome.text = describe_all(recordings);
+  outcome.result = summary_of(recordings, warnings);
+  outcome.warnings = first_of(joined(warnings, warnings_of(recordings)), "with --json all of them are listed");
+  conclude(recordings, found_any(recordings), outcome);
+  return outcome;
+}
+
+Outcome run_detect(const DetectOptions& options, const Run& run) {
   const std::vector<std::filesystem::path> given = recordings_of(options);
   if (!options.labels.empty() && given.size() > 1)
     throw InvalidArgument("--labels: a label track belongs to one recording; give one");
   std::vector<std::filesystem::path> outputs{options.out, options.labels};
   if (!options.labels.empty()) outputs.push_back(onsets_beside(options.labels));
   check_files(run, given, outputs);
-  Stage<DetectResult> stage;
-  Outcome& outcome = stage.outcome;
-  const std::vector<std::filesystem::path> recordings =
-      each_once(given, run.common.n_threads, "recording", outcome.warnings);
+  std::vector<std::string> warnings;
+  const std::vector<std::filesystem::path> files = each_once(given, run.common.n_threads, "recording", warnings);
   TableWriter table(run, options.out);
-  stage.result = detect_all(options, recordings, table, run);
-  const std::vector<RecordingResult>& results = stage.result.recordings;
-  std::vector<std::filesystem::path> inputs;
-  for (const RecordingResult& r : results)
-    if (!is_unreadable(r)) inputs.emplace_back(r.recording);
-  if (std::string doubtful = doubtful_drops(results); !doubtful.empty())
-    outcome.warnings.push_back(std::move(doubtful));
-  outcome.text = describe_all(results);
-  outcome.json = detect_json(results, outcome.warnings);
-  outcome.warnings = first_of(joined(outcome.warnings, warnings_of(results)), "with --json all of them are listed");
-  conclude(results, !stage.result.first.empty(), outcome);
-  if (stage.result.first.empty()) return stage;
-  table.finish(inputs);
-  if (!options.labels.empty())
-    write_label_track(run, options.labels, stage.result.first.begin()->second.onsets, inputs);
-  return stage;
+  const Recordings recordings = detect_all(options, files, table, run);
+  if (found_any(recordings)) {
+    table.finish(readable_of(recordings));
+    if (!options.labels.empty())
+      write_label_track(run, options.labels, recordings.front().found.onsets, readable_of(recordings));
+  }
+  return detection_outcome(recordings, std::move(warnings));
 }
 
 }  // namespace bouncelab::cli

@@ -107,38 +107,42 @@ fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common
   return config;
 }
 
-Stage<Fitted> run_fit(const FitOptions& options, const Run& run) {
-  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
-  const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
-  Stage<Fitted> stage;
-  Outcome& outcome = stage.outcome;
-  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
-  name_ball(samples, ball_of(options.world), plate_of(options.world));
-  const fit::FitConfig config = fit_config(options, run.common);
-  const fit::FitResult& result = stage.result.fit = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
-  const report::FitInWords& words = stage.result.words = report::in_words(result, samples, config.memory);
-  write_text(run, options.out, report::fit_json(result, words) + "\n", files);
-  if (!options.table.empty() && !result.law.curve.empty())
-    write_table(run, options.table, fit::law_table(result.law), files);
-  if (run.common.json) outcome.json = report::fit_json(result, words, 2);
+Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
+  Outcome outcome;
   outcome.text = answer_text(words.answer) + describe(result);
-  outcome.warnings = joined(outcome.warnings, words.warnings);
-  if (result.status != fit::FitStatus::ok) {
-    outcome.exit_code = kNotUsable;
-    outcome.error = input_name(files.front()) + more_files(files.size()) + ": " + result.law.message;
-    std::erase(outcome.warnings, result.law.message);
-  }
-  return stage;
+  outcome.warnings = words.warnings;
+  if (result.status == fit::FitStatus::ok) return outcome;
+  outcome.exit_code = kNotUsable;
+  outcome.error = samples + ": " + result.law.message;
+  std::erase(outcome.warnings, result.law.message);
+  return outcome;
 }
 
-Stage<Fitted> as_stage(Stage<Fitted> fitted) {
-  const fit::FitResult& result = fitted.result.fit;
-  if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return fitted;
-  Outcome& outcome = fitted.outcome;
+Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
+  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
+  const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
+  std::vector<std::string> warnings;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, warnings);
+  name_ball(samples, ball_of(options.world), plate_of(options.world));
+  const fit::FitConfig config = fit_config(options, run.common);
+  fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
+  const report::FitInWords words = report::in_words(result, samples, config.memory);
+  const Object all = report::object_of(result, words);
+  write_text(run, options.out, json_text(all, 1) + "\n", files);
+  if (!options.table.empty() && !result.law.curve.empty())
+    write_table(run, options.table, fit::law_table(result.law), files);
+  Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
+  outcome.result = all;
+  outcome.warnings = joined(warnings, outcome.warnings);
+  return {std::move(outcome), std::move(result)};
+}
+
+Outcome as_stage(Outcome outcome, const fit::FitResult& result) {
+  if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return outcome;
   outcome.warnings.push_back(result.law.message);
   outcome.exit_code = kDone;
   outcome.error.clear();
-  return fitted;
+  return outcome;
 }
 
 }  // namespace bouncelab::cli

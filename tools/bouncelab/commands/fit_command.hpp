@@ -21,20 +21,18 @@ struct FitOptions {
   BallChoice world;  ///< in place of what the samples say
 };
 
-struct Fitted {
-  fit::FitResult fit;
-  report::FitInWords words;
-};
-
 /// The plain answer, a sentence a line, and an empty line: what the text of run_fit begins with.
 std::string answer_text(const report::PlainAnswer& answer);
 
 /// What the options describe.
 fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common);
 
-/// Exit code 1 where the fit did not converge or a constant is not identifiable; what is known is written all the same.
-Stage<Fitted> run_fit(const FitOptions& options, const Run& run);
+/// Text and warnings; exit code 1 where the fit did not converge or a constant is not identifiable.
+/// @param samples  where they are from, for the error
+Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples);
+/// What is known is written whatever the exit code.
+Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run);
 /// Within `loop` and `analyze` the curve is the result: constants that are not identifiable are only a warning there.
-Stage<Fitted> as_stage(Stage<Fitted> fitted);
+Outcome as_stage(Outcome outcome, const fit::FitResult& result);
 
 }  // namespace bouncelab::cli

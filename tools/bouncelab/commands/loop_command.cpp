@@ -17,9 +17,7 @@
 #include "commands/report_command.hpp"
 #include "commands/restitution_command.hpp"
 #include "files/table_file.hpp"
-#include "json/loop_json.hpp"
-#include "json/wave_json.hpp"
-#include "loop_text.hpp"
+#include "loop_results.hpp"
 #include "progress_line.hpp"
 #include "stage_clock.hpp"
 
@@ -65,8 +63,8 @@ struct LoopFiles {
 };
 
 /// Impact times -> samples -> fit, each in a file of the folder.
-Stage<Fitted> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
-                                 const fs::path& samples, const fs::path& fit_json) {
+Stage<fit::FitResult> times_to_constants(const loop::LoopConfig& config, const Run& run, const fs::path& onsets,
+                                         const fs::path& samples, const fs::path& fit_json) {
   RestitutionOptions restitution;
   restitution.onsets = {onsets};
   restitution.out = samples;
@@ -78,7 +76,8 @@ Stage<Fitted> times_to_constants(const loop::LoopConfig& config, const Run& run,
   fit.config.budget = loop::budget_config_of(config.simulation);
   fit.samples = {samples.string()};
   fit.out = fit_json;
-  Stage<Fitted> fitted = as_stage(run_fit(fit, run));
+  Stage<fit::FitResult> fitted = run_fit(fit, run);
+  fitted.outcome = as_stage(std::move(fitted.outcome), fitted.result);
   fitted.outcome.warnings = joined(intervals.outcome.warnings, fitted.outcome.warnings);
   return fitted;
 }
@@ -102,7 +101,7 @@ Outcome times_to_times(const LoopOptions& options, const LoopFiles& files, const
   DetectOptions detect;
   detect.recordings = {files.recording};
   detect.out = files.onsets;
-  return clock.time("detect", [&] { return run_detect(detect, run).outcome; });
+  return clock.time("detect", [&] { return run_detect(detect, run); });
 }
 
 std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const loop::LoopConfig& config,
@@ -130,35 +129,36 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
   std::vector<sim::Reservoir> reservoirs;
   Outcome detected = times_to_times(options, files, run, clock, reservoirs);
   if (detected.exit_code != kDone) return detected;
-  Stage<Fitted> from_truth, from_sound;
+  Stage<fit::FitResult> from_truth, from_sound;
   clock.time("restitution_and_fit", [&] {
     from_truth = times_to_constants(config, run, files.truth, files.samples_true, files.fit_true);
     from_sound = times_to_constants(config, run, files.onsets, files.samples, files.fit);
   });
   const Onsets truth = read_onsets(files.truth), found = read_onsets(files.onsets);
   clock.time("wave", [&] {
-    write_text(run, files.wave, wave_json(detection::wave_preview(files.recording, 0, found)) + "\n",
+    write_text(run, files.wave, json_text(value_of(detection::wave_preview(files.recording, 0, found))) + "\n",
                {files.recording});
   });
 
   const loop::LoopScore score =
       loop::score_loop(static_cast<std::size_t>(config.simulation.n_drops), detection::score_onsets(truth, found),
-                       config.simulation.law, from_truth.result.fit, from_sound.result.fit);
+                       config.simulation.law, from_truth.result, from_sound.result);
   const Outcome& fitted = from_sound.outcome;
   std::optional<loop::ScatterTheory> theory;
   std::optional<loop::ReservoirCheck> reservoir;
   clock.time("theory", [&] {
     const Impacts impacts = impacts_from_table(read_table(files.impacts, impact_columns()), files.impacts.string());
-    theory = theory_of(options, config, impacts, from_sound.result.fit);
+    theory = theory_of(options, config, impacts, from_sound.result);
     reservoir =
         loop::reservoir_check(impacts, reservoirs, truth, found, score.onsets.match,
                               samples_from_table(read_table(files.samples, sample_columns()), files.samples.string()),
-                              from_sound.result.fit, config.simulation.gravity_mps2);
+                              from_sound.result, config.simulation.gravity_mps2);
   });
-  const std::string summary =
-      loop_summary_json(score, clock.seconds(), fitted.warnings, theory, reservoir,
-                        section_of(config.simulation.ball, surface_of(options.simulate, config.simulation)));
-  write_text(run, files.summary, summary + "\n", {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
+  const Object summary =
+      loop_summary(score, clock.seconds(), fitted.warnings, theory, reservoir,
+                   section_of(config.simulation.ball, surface_of(options.simulate, config.simulation)));
+  write_text(run, files.summary, json_text(summary, 2) + "\n",
+             {files.impacts, files.truth, files.onsets, files.fit, files.fit_true});
   const Outcome shown = run_report({folder, files.report, "The closed loop: what went in and what came out"}, run);
   return {fitted.exit_code, summary,
           ball_line(options.world) + loop_text(score, reservoir, clock.seconds()) + shown.text, fitted.warnings,

@@ -11,8 +11,7 @@
 #include "commands/loop_command.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"
-#include "json/loop_json.hpp"
-#include "loop_text.hpp"
+#include "loop_results.hpp"
 #include "progress_line.hpp"
 #include "stage_clock.hpp"
 
@@ -54,7 +53,7 @@ void write_tables(const loop::LoopResult& loop, const fs::path& folder, const Ru
 void write_fits(const loop::LoopResult& loop, const report::FitInWords& sound, const fs::path& folder, const Run& run) {
   const auto write = [&](const char* name, const fit::FitResult& fit, const report::FitInWords& words,
                          const std::vector<fs::path>& inputs) {
-    write_text(run, folder / name, report::fit_json(fit, words) + "\n", inputs);
+    write_text(run, folder / name, json_text(report::object_of(fit, words), 1) + "\n", inputs);
   };
   write("fit.json", loop.sound, sound, {folder / "samples.csv"});
   write("fit_from_true_times.json", loop.true_times, report::in_words(loop.true_times, loop.samples_true),
@@ -103,14 +102,16 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   const sim::BallSection& ball = result.section;
   Run again = run;  // the summary is written twice
   again.common.force = true;
-  const auto write_summary = [&](const std::string& text) {
-    write_text(again, folder / "summary.json", text + "\n", {folder / "onsets.csv", folder / "fit.json"});
+  const auto write_summary = [&](const Object& summary) {
+    write_text(again, folder / "summary.json", json_text(summary, 2) + "\n",
+               {folder / "onsets.csv", folder / "fit.json"});
   };
   clock.time("write", [&] {
     write_tables(result, folder, run);
     write_fits(result, words, folder, run);
-    write_text(run, folder / "paper.json", paper_json(result, slopes, conclusions) + "\n", {folder / "fit.json"});
-    write_summary(loop_summary_json(score, {}, words.warnings, result.theory, result.reservoir, ball));
+    write_text(run, folder / "paper.json", json_text(paper_results(result, slopes, conclusions), 1) + "\n",
+               {folder / "fit.json"});
+    write_summary(loop_summary(score, {}, words.warnings, result.theory, result.reservoir, ball));
   });
   const Outcome shown = clock.time("report", [&] {
     return run_report({folder, folder / "report.html", "The paper's experiment, through sound and back"}, run);
@@ -118,8 +119,8 @@ Outcome run_paper_loop(const LoopOptions& options, const Run& run) {
   // times and memory differ from run to run: they go into the summary alone, when everything else is written
   const LoopWork work = work_of(result, clock);
   Outcome outcome;
-  outcome.json = loop_summary_json(score, {}, words.warnings, result.theory, result.reservoir, ball, work);
-  write_summary(outcome.json);
+  outcome.result = loop_summary(score, {}, words.warnings, result.theory, result.reservoir, ball, work);
+  write_summary(outcome.result);
   outcome.warnings = words.warnings;
   outcome.text = ball_line(options.world) + loop_text(score, result.reservoir, work.wall_s) +
                  paper_text(slopes, conclusions) + work_text(work, score.onsets.n_true) + shown.text;

@@ -8,16 +8,11 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/report/page.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
-#include "json/wave_json.hpp"
 
 namespace bouncelab::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Few samples are shown one by one; more only as a density, which fit.json has.
-constexpr std::size_t kMaxSamplesShown = 400;
 
 /// What a report is made of, where it exists.
 const char* const kShown[] = {"fit.json",   "summary.json",     "wave.json",  "paper.json", "fit_from_simulation.json",
@@ -31,10 +26,9 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
 
 std::string samples_if_few(const fs::path& path, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
-  const RestitutionSamples samples = samples_from_table(read_table(path, sample_columns()), path.string());
-  if (samples.size() > kMaxSamplesShown) return {};
-  inputs.push_back(path);
-  return samples_json(samples);
+  std::string few = report::samples_json(samples_from_table(read_table(path, sample_columns()), path.string()));
+  if (!few.empty()) inputs.push_back(path);
+  return few;
 }
 
 /// Its last part: where it lies says nothing to a reader.
@@ -67,7 +61,7 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   input.samples_json = samples_if_few(folder / "samples.csv", inputs);
   write_text(run, out, report::render(input), inputs);
   const std::string name = is_stream(out) ? out.string() : fs::absolute(out).lexically_normal().string();
-  return {kDone, report_json(out.string()), "Report: " + name + "\n", {}, {}};
+  return {kDone, {{"report", out.string()}}, "Report: " + name + "\n", {}, {}};
 }
 
 }  // namespace bouncelab::cli

@@ -14,7 +14,6 @@
 #include "bouncelab/core/statistics.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -87,6 +86,20 @@ fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
   return config;
 }
 
+std::string text_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
+  return describe(counts) + "\n" +
+         (config.ball ? "ball: " + bouncelab::describe(*config.ball) +
+                            (config.plate ? " on " + plate_text(*config.plate) : std::string()) + "\n"
+                      : std::string());
+}
+
+Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
+  Object summary = object_of(members_of(&counts), &counts);
+  summary.emplace_back("ball", value_of(config.ball));
+  summary.emplace_back("plate", value_of(config.plate));
+  return summary;
+}
+
 Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run) {
   std::vector<std::filesystem::path> inputs(options.onsets.begin(), options.onsets.end());
   inputs.emplace_back(options.positions);
@@ -99,11 +112,8 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
   TableWriter samples(run, options.out);
   const fit::RestitutionCounts& counts = stage.result = restitution_of_files(inputs, config, samples, outcome.warnings);
   if (!options.positions.empty()) inputs.emplace_back(options.positions);
-  outcome.text = describe(counts) + "\n";
-  if (config.ball)
-    outcome.text += "ball: " + bouncelab::describe(*config.ball) +
-                    (config.plate ? " on " + plate_text(*config.plate) : std::string()) + "\n";
-  outcome.json = restitution_json(counts, config.ball, config.plate);
+  outcome.text = text_of(counts, config);
+  outcome.result = summary_of(counts, config);
   samples.finish(inputs);
   if (counts.n_samples == 0) {
     outcome.exit_code = kNotUsable;

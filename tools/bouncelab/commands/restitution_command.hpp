@@ -24,6 +24,10 @@ const Description& members_of(const RestitutionOptions*);
 /// What the options describe; reads the positions. @throws InvalidArgument, FileError
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
 
+std::string text_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);
+/// What --json prints.
+Object summary_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);
+
 /// The samples are in the file only: there may be more than the memory holds.
 Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options, const Run& run);
 

@@ -49,8 +49,8 @@ Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
   config.n_threads = run.common.n_threads;
   const fit::RoughnessResult result = fit::measure_roughness(samples, config);
   const std::vector<std::string> warnings = report::warnings_of(result, samples);
-  if (!options.out.empty()) write_text(run, options.out, report::roughness_json(result, warnings) + "\n", files);
-  outcome.json = report::roughness_json(result, warnings, 2);
+  outcome.result = report::object_of(result, warnings);
+  if (!options.out.empty()) write_text(run, options.out, json_text(outcome.result, 1) + "\n", files);
   outcome.text = describe(result);
   outcome.warnings = joined(outcome.warnings, warnings);
   if (!result.memory.holds) {

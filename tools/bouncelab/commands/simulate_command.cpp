@@ -11,7 +11,6 @@
 #include "bouncelab/core/input_file.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -86,6 +85,12 @@ sim::SimulationConfig simulation_config(const SimulateOptions& options, const Co
   return config;
 }
 
+Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
+  Object summary = object_of(members_of(&result), &result);
+  summary.emplace_back("ball", value_of(ball));
+  return summary;
+}
+
 Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs) {
   sim::SimulationConfig config = simulation_config(options, run.common);
   config.with_state = config.with_state || reservoirs != nullptr;
@@ -116,7 +121,7 @@ Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector
   Outcome outcome;
   outcome.exit_code = result.n_impacts == 0 ? kNotUsable : kDone;
   if (result.n_impacts == 0) outcome.error = "no drop had an impact; see --plate-size, --min-speed and --max-time";
-  outcome.json = simulate_json(result, config.ball);
+  outcome.result = summary_of(result, config.ball);
   outcome.text = text_of(options, config, result);
   outcome.warnings = result.warnings;
   return outcome;

@@ -52,6 +52,9 @@ sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationCon
 /// The files that a simulation reads: surface, table of the law.
 std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options);
 
+/// What --json prints.
+Object summary_of(const sim::SimulationResult& result, const Ball& ball);
+
 /// Simulates and writes options.out (and options.write_surface where named).
 /// @param reservoirs  takes those after each impact, which the table of impacts has only with states; null: not wanted
 Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs = nullptr);

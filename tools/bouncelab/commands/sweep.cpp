@@ -6,8 +6,7 @@
 #include "commands/loop_command.hpp"
 #include "commands/report_command.hpp"
 #include "files/table_file.hpp"
-#include "json/loop_json.hpp"
-#include "loop_text.hpp"
+#include "loop_results.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -55,9 +54,12 @@ Outcome run_sweep(const LoopOptions& options, const Run& run) {
   }
 
   write_table(run, folder / "sweep.csv", to_table(points));
-  write_text(run, folder / "sweep.json", sweep_json(run.sweep, points, 1) + "\n");
+  Object lists;
+  for (const loop::SweepAxis& axis : run.sweep) lists.emplace_back(axis.option, axis.values);
+  const Object sweep{{"lists", lists}, {"points", value_of(points)}};
+  write_text(run, folder / "sweep.json", json_text(sweep, 1) + "\n");
   const Outcome shown = run_report({folder, folder / "report.html", "Sweep: results for each combination"}, run);
-  return {kDone, sweep_json(run.sweep, points, 2), sweep_text(points) + shown.text, {}, ""};
+  return {kDone, sweep, sweep_text(points) + shown.text, {}, ""};
 }
 
 }  // namespace bouncelab::cli

@@ -20,7 +20,6 @@
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "files/provenance.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
 #include "progress_line.hpp"
 
 namespace bouncelab::cli {
@@ -220,7 +219,9 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
 
   Outcome outcome;
   outcome.warnings = result.warnings;
-  outcome.json = synthesize_json(result, config.ball, contact_material(config.ground));
+  outcome.result = object_of(members_of(&result), &result);
+  outcome.result.emplace_back("ball", value_of(config.ball));
+  outcome.result.emplace_back("plate", value_of(contact_material(config.ground)));
   outcome.text =
       fmt::format("{:.1f} s of sound with {} impacts in {}, truth in {}\nball: {} on {}\n", result.duration_s,
                   result.n_impacts, options.each_drop ? std::to_string(result.n_files) + " files" : out.string(),

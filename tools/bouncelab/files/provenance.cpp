@@ -22,7 +22,6 @@
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/version.hpp"
-#include "json/json_text.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;
@@ -31,10 +30,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Parameters& parameters) {
-  Json json = Json::object();
-  for (const Parameter& p : parameters) json[p.name] = p.values.size() == 1 ? Json(p.values.front()) : Json(p.values);
-  return json;
+Object object_of(const Parameters& parameters) {
+  Object object;
+  for (const Parameter& p : parameters)
+    object.emplace_back(p.name, p.values.size() == 1 ? Value(p.values.front()) : Value(p.values));
+  return object;
 }
 
 /// A checksum that is being computed.
@@ -156,16 +156,16 @@ std::optional<std::string> parameter_in_provenance(const fs::path& file, const s
 }
 
 std::string provenance(const Run& run, const std::vector<fs::path>& inputs) {
-  Json meta;
-  meta["command_line"] = run.command_line;
-  meta["version"] = version();
-  meta["commit"] = commit();
-  meta["seed"] = run.common.seed;
-  meta["inputs"] = Json::array();
+  Values files;
   for (const fs::path& input : inputs)
-    meta["inputs"].push_back({{"path", input_name(input)}, {"sha256", sha256_of_file(input)}});
-  if (const std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta["ffmpeg"] = ffmpeg;
-  meta["parameters"] = json_of(run.parameters);
+    files.push_back(Object{{"path", input_name(input)}, {"sha256", sha256_of_file(input)}});
+  Object meta{{"command_line", run.command_line},
+              {"version", std::string(version())},
+              {"commit", std::string(commit())},
+              {"seed", run.common.seed},
+              {"inputs", files}};
+  if (std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta.emplace_back("ffmpeg", ffmpeg);
+  meta.emplace_back("parameters", object_of(run.parameters));
   return json_text(meta, 2) + "\n";
 }
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "bouncelab/core/ball.hpp"
-#include "json/ball_json.hpp"
+#include "commands/ball_choice.hpp"
 #include "options/commands.hpp"
 
 namespace bouncelab::cli {
@@ -57,7 +57,7 @@ Outcome run_balls() {
   for (const PlateKind& kind : plate_kinds()) outcome.text += line(kind);
   outcome.text +=
       "\nSources of the balls\n" + sources(ball_kinds()) + "Sources of the plates\n" + sources(plate_kinds());
-  outcome.json = balls_json();
+  outcome.result = catalogue();
   return outcome;
 }
 

@@ -26,7 +26,7 @@ Command detect_command() {
           "Impact times of bouncing balls in recordings, with standard errors; nothing has to be set",
           "Example: bouncelab detect drop.wav --out onsets.csv --labels drop.txt",
           {{"", &files, options.get()}, {"Detection", &members_of(&options->config), &options->config}},
-          [options](Run& run) { return run_detect(*options, run).outcome; }};
+          [options](Run& run) { return run_detect(*options, run); }};
 }
 
 }  // namespace bouncelab::cli

@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
-#include "json/ball_json.hpp"
+#include "commands/ball_choice.hpp"
 #include "stages.hpp"
 
 namespace bouncelab::python {
@@ -41,7 +41,7 @@ PYBIND11_MODULE(_core, m) {
   });
   m.def("version", [] { return std::string(version()); });
   m.def("commit", [] { return std::string(commit()); });
-  m.def("balls", [] { return cli::balls_json(); });
+  m.def("balls", [] { return json_text(cli::catalogue(), 2); });
   m.def("options", &options_json);
   m.def("simulate", &simulate);
   m.def("synthesize", &synthesize);

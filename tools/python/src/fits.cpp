@@ -10,8 +10,6 @@
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/page.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
-#include "json/wave_json.hpp"
 #include "progress_line.hpp"
 #include "stages.hpp"
 #include "work.hpp"
@@ -26,7 +24,7 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
   python::run(run, progress, [&, &options = options, &run = run] {
     const fit::FitConfig config = cli::fit_config(options, run.common);
     const fit::FitResult result = fit::fit_all(samples, config, cli::progress_line(run, "fit", "fits"));
-    json = report::fit_json(result, report::in_words(result, samples, config.memory)) + "\n";
+    json = json_text(report::object_of(result, report::in_words(result, samples, config.memory)), 1) + "\n";
   });
   return json;
 }
@@ -41,7 +39,7 @@ std::string roughness(const py::dict& columns, const Arguments& arguments, const
   std::string json;
   python::run(run, progress, [&] {
     const fit::RoughnessResult result = fit::measure_roughness(samples, config);
-    json = report::roughness_json(result, report::warnings_of(result, samples)) + "\n";
+    json = json_text(report::object_of(result, report::warnings_of(result, samples)), 1) + "\n";
   });
   return json;
 }
@@ -55,7 +53,7 @@ py::dict calibrate(const Arguments& arguments, const py::object& progress) {
     python::run(run, progress, [&, &run = run] {
       calibrated = fit::calibrate(config, cli::progress_line(run, "calibrate", "seeds"));
     });
-    result["summary"] = cli::calibrate_json(calibrated);
+    result["summary"] = json_text(value_of(calibrated), 2);
     result["columns"] = py::none();
     return result;
   }
@@ -64,7 +62,7 @@ py::dict calibrate(const Arguments& arguments, const py::object& progress) {
   python::run(run, progress, [&, &run = run] {
     experiments = loop::calibrate_memory(config, cli::progress_line(run, "calibrate", "experiments"));
   });
-  result["summary"] = cli::memory_calibration_json(loop::memory_calibration_groups(experiments));
+  result["summary"] = json_text(cli::summary_of(loop::memory_calibration_groups(experiments)), 2);
   result["columns"] = columns_of(to_table(experiments));
   return result;
 }
@@ -74,7 +72,7 @@ py::dict loop(const Arguments& arguments, const py::object& progress) {
   cli::Outcome outcome;
   python::run(run, progress, [&, &options = options, &run = run] { outcome = cli::run_loop(options, run); });
   py::dict result;
-  result["summary"] = outcome.json;
+  result["summary"] = json_text(outcome.result, 2);
   result["warnings"] = outcome.warnings;
   result["error"] = outcome.error;
   return result;
@@ -124,15 +122,11 @@ py::tuple scatter(double v_ref_mps, const std::vector<double>& log_below, const 
 
 void write_report(const std::string& path, const std::string& title, const std::string& fit_json,
                   const std::string& wave_json, const py::dict& columns, bool force) {
-  constexpr std::size_t kMostSamplesShown = 400;  // as in `bouncelab report`
   report::ReportInput input;
   input.title = title;
   input.fit_json = fit_json;
   input.wave_json = wave_json;
-  if (!columns.empty()) {
-    const RestitutionSamples samples = samples_of(columns);
-    if (samples.size() <= kMostSamplesShown) input.samples_json = cli::samples_json(samples);
-  }
+  if (!columns.empty()) input.samples_json = report::samples_json(samples_of(columns));
   cli::write_text(writing(force), path, report::render(input));
 }
 

@@ -18,8 +18,6 @@
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
-#include "json/stage_json.hpp"
-#include "json/wave_json.hpp"
 #include "progress_line.hpp"
 #include "work.hpp"
 
@@ -51,17 +49,17 @@ Onsets onsets_of(const py::dict& columns) {
 py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
                   std::vector<std::string> warnings) {
   Table table = to_table(Onsets{});
-  std::vector<cli::RecordingResult> recordings;
+  cli::Recordings recordings;
   bool any = false;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    recordings.push_back(cli::recording_result(names[k], found[k]));
-    if (found[k].onsets.empty()) continue;
-    Table rows = to_table(found[k].onsets);
+    recordings.push_back({names[k], found[k].onsets.size(), std::move(found[k])});
+    if (recordings[k].n_onsets == 0) continue;
+    Table rows = to_table(recordings[k].found.onsets);
     any ? table.append(rows) : void(table = std::move(rows));
     any = true;
   }
   py::dict result;
-  result["summary"] = cli::detect_json(recordings, warnings);
+  result["summary"] = json_text(cli::summary_of(recordings, warnings), 2);
   for (const std::string& warning : cli::warnings_of(recordings)) warnings.push_back(warning);
   result["columns"] = columns_of(std::move(table));
   result["warnings"] = warnings;
@@ -140,7 +138,7 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
     throw InvalidArgument("no drop had an impact; see plate_size, min_speed and max_time");
   py::dict result;
   result["columns"] = columns_of(std::move(table));
-  result["summary"] = cli::simulate_json(simulated, config.ball);
+  result["summary"] = json_text(cli::summary_of(simulated, config.ball), 2);
   result["warnings"] = simulated.warnings;
   return result;
 }
@@ -226,13 +224,13 @@ py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
   py::dict result;
   result["columns"] = columns_of(to_table(found.samples));
-  result["summary"] = cli::restitution_json(found.counts, config.ball, config.plate);
+  result["summary"] = json_text(cli::summary_of(found.counts, config), 2);
   return result;
 }
 
 std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz) {
-  return cli::wave_json(detection::wave_preview(fs::path(recording), channel, onsets_of(onsets),
-                                                rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt));
+  return json_text(value_of(detection::wave_preview(fs::path(recording), channel, onsets_of(onsets),
+                                                    rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt)));
 }
 
 std::string wave_of_samples(const py::array& array, double rate_hz, const std::string& recording, int channel,
@@ -242,15 +240,15 @@ std::string wave_of_samples(const py::array& array, double rate_hz, const std::s
     throw InvalidArgument("channel " + std::to_string(channel) + ": the sound has " +
                           std::to_string(sound.n_channels()));
   if (sound.n_channels() == 1)
-    return cli::wave_json(
-        detection::wave_preview(audio::source_in_memory(sound.samples(), rate_hz), recording, 0, onsets_of(onsets)));
+    return json_text(value_of(
+        detection::wave_preview(audio::source_in_memory(sound.samples(), rate_hz), recording, 0, onsets_of(onsets))));
   std::vector<float> one;
   const auto samples = sound.samples();
   for (auto k = static_cast<std::size_t>(channel); k < samples.size();
        k += static_cast<std::size_t>(sound.n_channels()))
     one.push_back(samples[k]);
-  return cli::wave_json(
-      detection::wave_preview(audio::source_in_memory(one, rate_hz), recording, channel, onsets_of(onsets)));
+  return json_text(
+      value_of(detection::wave_preview(audio::source_in_memory(one, rate_hz), recording, channel, onsets_of(onsets))));
 }
 
 void write_sound(const std::string& path, const py::array& array, int rate_hz, const std::string& bits, bool force) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab {
@@ -21,6 +22,8 @@ struct Material {
 
   friend bool operator==(const Material&, const Material&) = default;
 };
+/// With the text that plate_text has for it.
+const Description& members_of(const Material*);
 
 /// Bearing steel of Montaine et al., Phys. Rev. E 84, 041306 (2011), doi:10.1103/PhysRevE.84.041306.
 inline constexpr Material kSteel{200e9, 0.30, 7900.0};
@@ -44,6 +47,8 @@ struct Ball {
 
   friend bool operator==(const Ball&, const Ball&) = default;
 };
+/// With the text that to_text has for it, and its material's numbers.
+const Description& members_of(const Ball*);
 
 /// 4/3 pi rho R^3 [kg], rho the mean density.
 double mass_kg(const Ball& ball);
@@ -90,6 +95,7 @@ struct BallKind {
   double inertia_factor = kSolidBallInertia;  ///< J/(m R^2)
   std::string source;
 };
+const Description& members_of(const BallKind*);
 
 /// What the ball falls on, by its name.
 struct PlateKind {
@@ -99,6 +105,7 @@ struct PlateKind {
   double loss_factor = 0.0;  ///< of the bending vibrations that make the sound
   std::string source;
 };
+const Description& members_of(const PlateKind*);
 
 /// Balls of sports, then materials. Masses and diameters are the middle of what the rules allow, or their limit.
 const std::vector<BallKind>& ball_kinds();

@@ -225,6 +225,18 @@ Member member(std::string name, T S::*where, std::string text) {
       std::move(name), [where](auto& s) -> auto& { return s.*where; }, std::move(text));
 }
 
+/// Described structs as a table: a list by the name of each member.
+template <class T>
+Object as_lists(const std::vector<T>& rows) {
+  Object lists;
+  for (const Member& member : members_of(static_cast<const T*>(nullptr))) {
+    Values list;
+    for (const T& row : rows) list.push_back(member.get(&row));
+    lists.emplace_back(member.name, std::move(list));
+  }
+  return lists;
+}
+
 /// A member of a struct of results, which is written and not read: whatever `value_of` takes.
 /// @param reach  pointer to the member, or a function of S: result<LawFit>("n_outliers", [](const LawFit& f) {...}, "")
 template <class S, class Reach>

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/restitution_law.hpp"
@@ -64,6 +65,7 @@ struct RestitutionCounts {
   std::optional<double> mean_shift_drag, mean_shift_contact_time;
   std::optional<double> rms_shift_travel_time;  ///< its mean is nearly zero: the ball goes to and fro
 };
+const Description& members_of(const RestitutionCounts*);
 
 struct Restitution {
   RestitutionSamples samples;  ///< ordered as the onsets
@@ -127,6 +129,7 @@ struct IntervalPrediction {
   std::optional<double> predicted_s;  ///< eps(v) T, with that of the law; absent without a law
   std::optional<double> sigma_s;  ///< standard error of measured_s from the timing; absent where the sample has none
 };
+const Description& members_of(const IntervalPrediction*);
 
 /// T_{k+1} = eps T_k with T_k = 2 v / g, for the samples of one drop.
 /// @param gravity_mps2  > 0, as the samples were made with

@@ -2,6 +2,7 @@
 /// Start here: the closed loop, impact times -> sound -> impact times -> constants, in memory.
 #pragma once
 
+#include "bouncelab/loop/analyze.hpp"             // recordings -> impact times -> law
 #include "bouncelab/loop/closed_loop.hpp"         // the whole chain in one call
 #include "bouncelab/loop/drops.hpp"               // drops to sound and back
 #include "bouncelab/loop/loop_score.hpp"          // what went in beside what came out; the paper's conclusions

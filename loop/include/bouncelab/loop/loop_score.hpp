@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/fit/fit.hpp"
@@ -27,22 +28,26 @@ struct ComparedNode {
   Compared eps;
   Compared eps_with_memory;  ///< absent where there was no fit with memory
 };
+const Description& members_of(const ComparedNode*);
 
 struct ComparedConstant {
   std::string name;             ///< A2, A4, A5
   std::optional<double> truth;  ///< absent where the law simulated is no series
   Compared value;
 };
+const Description& members_of(const ComparedConstant*);
 
 struct ComparedSlopes {
   double v_mps = 0.0;
   Compared rising, falling;
 };
+const Description& members_of(const ComparedSlopes*);
 
 struct LawPoint {
   double v_mps = 0.0;
   double eps = 0.0;
 };
+const Description& members_of(const LawPoint*);
 
 /// What went into a closed loop beside what came out of it.
 struct LoopScore {
@@ -54,6 +59,7 @@ struct LoopScore {
   std::vector<ComparedSlopes> slopes;       ///< of p(eps) at 0.3, 0.6 and 1 m/s
   std::vector<LawPoint> truth_curve;        ///< the law simulated at the speeds of the curve fitted to the sound
 };
+const Description& members_of(const LoopScore*);
 
 /// @param onsets      detected against true times, of all drops
 /// @param truth       the law simulated
@@ -74,12 +80,15 @@ struct SlopePair {
   fit::Estimate simulation, sound;
   double ratio = 1.0;  ///< sound over simulation
 };
+/// {simulation, sound, ratio}
+Value as_value(const SlopePair& pair);
 
 struct SlopeWindow {
   double v_mps = 0.0;
   std::size_t n_simulation = 0, n_sound = 0;  ///< samples
   SlopePair rising, falling;
 };
+const Description& members_of(const SlopeWindow*);
 
 /// Windows of speed in which simulation and sound have both slopes.
 std::vector<SlopeWindow> slopes_of(const LoopResult& loop);

@@ -93,10 +93,8 @@ std::string in_words(const fit::MemoryFit& memory);
 std::string in_words(const fit::Roughness& roughness);
 
 /// fit.json: the words, then everything of the fit.
-/// @param indent  spaces for each level
-std::string fit_json(const fit::FitResult& result, const FitInWords& words, int indent = 1);
+Object object_of(const fit::FitResult& result, const FitInWords& words);
 /// roughness.json
-std::string roughness_json(const fit::RoughnessResult& result, const std::vector<std::string>& warnings,
-                           int indent = 1);
+Object object_of(const fit::RoughnessResult& result, const std::vector<std::string>& warnings);
 
 }  // namespace bouncelab::report

@@ -15,8 +15,7 @@ std::vector<std::string> in_words(const fit::BetweenRecordings& between,
                                   const std::vector<fit::CampaignRecording>& recordings);
 
 /// comparison.json but for the rows of the recordings, of which it has the outliers and those that could not be used.
-std::string comparison_json(const fit::BetweenRecordings& between,
-                            const std::vector<fit::CampaignRecording>& recordings);
+Object object_of(const fit::BetweenRecordings& between, const std::vector<fit::CampaignRecording>& recordings);
 
 /// What the page draws: columns of the recordings used, in order of time; of more than `most` every so manieth, and
 /// always the outliers and the fifty furthest off.

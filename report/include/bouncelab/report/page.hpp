@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "bouncelab/core/samples.hpp"
+
 namespace bouncelab::report {
 
 /// What the report shows. All texts are JSON as the commands leave them in files; an empty text is left out of the
@@ -17,9 +19,13 @@ struct ReportInput {
   std::string sweep_json;              ///< sweep.json
   std::string diagnostics_json;        ///< diagnostics.json of `analyze --diagnostics`
   std::string comparison_json;         ///< comparison.json of `compare`
-  std::string comparison_points_json;  ///< fit::points_json
+  std::string comparison_points_json;  ///< report::points_json
   std::string samples_json;            ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
 };
+
+/// Speeds, coefficients of restitution and their standard errors, for ReportInput::samples_json; empty where they are
+/// more than would be shown one by one (fit.json has their density).
+std::string samples_json(const RestitutionSamples& samples);
 
 /// One HTML file that carries everything it needs (pictures are drawn by the plotting library inside it; no network).
 /// @throws InvalidArgument where a text is not JSON

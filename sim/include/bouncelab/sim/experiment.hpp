@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/impacts.hpp"
 #include "bouncelab/core/parallel.hpp"
@@ -95,6 +96,8 @@ struct SimulationResult {
   std::int64_t n_smooth = 0;  ///< impacts of the smooth sphere between the asperities
   std::vector<std::string> warnings;
 };
+/// Its counts and energies.
+const Description& members_of(const SimulationResult*);
 
 /// Takes each drop once it is simulated; from one thread at a time, in any order.
 /// @param k  its place among the drops of the configuration

@@ -36,6 +36,9 @@ enum class DetectionStatus {
   unreadable,       ///< one of several files that could not be read; the message says why
 };
 
+/// The words of summary.json: "ok", "too_few_impacts", ...
+const char* to_string(DetectionStatus status);
+
 /// Odds above this are stated as this: no set of recordings is so large that the model could be tested beyond.
 constexpr double kMostOdds = 1e6;
 
@@ -50,6 +53,7 @@ struct DropSummary {
 
   static constexpr double kDoubtfulOdds = 10.0;  ///< of drops with such odds one in eleven is none
 };
+const Description& members_of(const DropSummary*);
 
 /// Estimates of one recording as a whole.
 struct RecordingSummary {
@@ -73,6 +77,7 @@ struct RecordingSummary {
   std::int64_t n_drops = 0;                  ///< tracks found
   std::optional<double> restitution_median;  ///< of T_{k+1} / T_k over all tracks; absent where there is none
 };
+const Description& members_of(const RecordingSummary*);
 
 /// Mean sound of an impact of the recording (full scale = 1), from a little before the start of contact: the
 /// matched-filter template before whitening.
@@ -83,12 +88,14 @@ struct LearnedWave {
   std::vector<double> spread;  ///< standard deviation from impact to impact
   std::int64_t n_impacts = 0;  ///< that the template is the mean of
 };
+const Description& members_of(const LearnedWave*);
 
 /// Power spectral density of the quiet parts [1/Hz], full scale = 1.
 struct NoiseSpectrum {
   std::vector<double> frequency_hz;
   std::vector<double> psd;
 };
+const Description& members_of(const NoiseSpectrum*);
 
 struct Detection {
   Onsets onsets;
@@ -100,6 +107,14 @@ struct Detection {
   std::string message;                ///< one line: what was found, or why not
   std::vector<std::string> warnings;  ///< one line each
 };
+
+/// One of several recordings. Of very many the onsets, wave and noise need not be kept.
+struct RecordingDetection {
+  std::string recording;  ///< as it was given
+  std::size_t n_onsets = 0;
+  Detection found;
+};
+const Description& members_of(const RecordingDetection*);
 
 /// What is to be said of the times in sound of a RecordingSummary::lossy_coding; one line.
 std::string lossy_coding_warning(const std::string& coding);

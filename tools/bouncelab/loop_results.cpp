@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "loop_text.hpp"
+#include "loop_results.hpp"
 
 #include <fmt/format.h>
 
@@ -72,7 +72,56 @@ std::string cell(const loop::SweepPoint& point, const std::string& name, const c
   return "-";
 }
 
+/// Spread of eps against speed, as the budget has it.
+Object spread_of(const fit::FitResult& fit) {
+  std::vector<double> v_mps, spread;
+  for (const fit::BudgetRow& row : fit.budget.rows) {
+    v_mps.push_back(row.v_mps);
+    spread.push_back(row.spread);
+  }
+  Value exponent;
+  if (const std::optional<fit::Estimate>& k = fit.budget.width_exponent) {
+    Object known{{"value", k->value}};
+    if (k->se) known.emplace_back("se", *k->se);
+    if (k->ci95) known.emplace_back("ci95", value_of(*k->ci95));
+    exponent = std::move(known);
+  }
+  return {{"v_mps", v_mps}, {"spread", spread}, {"exponent", exponent}};
+}
+
 }  // namespace
+
+Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
+                    const std::vector<std::string>& warnings, const std::optional<loop::ScatterTheory>& theory,
+                    const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
+                    const std::optional<LoopWork>& work) {
+  Object summary = object_of(members_of(&score), &score);
+  if (theory) summary.emplace_back("theory", value_of(*theory));
+  if (reservoir) summary.emplace_back("reservoir", value_of(*reservoir));
+  if (ball.n_asperities > 0) summary.emplace_back("ball", value_of(ball));
+  summary.emplace_back("seconds", value_of(work ? work->wall_s : seconds));
+  summary.emplace_back("warnings", warnings);
+  if (work) {
+    summary.emplace_back("sound_s", work->sound_s);
+    summary.emplace_back("processor_seconds", value_of(work->processor_s));
+    summary.emplace_back("peak_memory_bytes", work->peak_memory_bytes);
+  }
+  return summary;
+}
+
+Object paper_results(const loop::LoopResult& loop, const std::vector<loop::SlopeWindow>& slopes,
+                     const std::vector<report::Conclusion>& conclusions) {
+  return {{"conclusions", value_of(conclusions)},
+          {"slopes", value_of(slopes)},
+          {"spread", Object{{"simulation", spread_of(loop.direct)},
+                            {"sound", spread_of(loop.sound)},
+                            {"smooth_ball", spread_of(loop.smooth_sound)}}},
+          {"smooth_ball", Object{{"n_drops", value_of(loop.smooth.drops.size())},
+                                 {"n_impacts", value_of(loop.smooth.score.n_true)},
+                                 {"n_missed", value_of(loop.smooth.score.n_missed)},
+                                 {"n_invented", value_of(loop.smooth.score.n_invented)}}},
+          {"energy_shares", as_lists(loop.shares)}};
+}
 
 std::string loop_text(const loop::LoopScore& score, const std::optional<loop::ReservoirCheck>& reservoir,
                       const SecondsByStage& seconds) {

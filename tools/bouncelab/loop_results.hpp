@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Results of closed loops as JSON text.
+/// Results of closed loops, as objects and as tables for people.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,18 +29,22 @@ struct LoopWork {
 /// @param theory     of its scatter, where it applies
 /// @param reservoir  from its sound, where there are three drops or more
 /// @param ball       cut open, for a picture
-std::string loop_summary_json(const loop::LoopScore& score, const SecondsByStage& seconds,
-                              const std::vector<std::string>& warnings,
-                              const std::optional<loop::ScatterTheory>& theory,
-                              const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
-                              const std::optional<LoopWork>& work = {});
+Object loop_summary(const loop::LoopScore& score, const SecondsByStage& seconds,
+                    const std::vector<std::string>& warnings, const std::optional<loop::ScatterTheory>& theory,
+                    const std::optional<loop::ReservoirCheck>& reservoir, const sim::BallSection& ball,
+                    const std::optional<LoopWork>& work = {});
 /// paper.json: the conclusions as checks with numbers; slopes from the simulation and from the sound; the scatter
 /// against speed; energy shares against bounce number.
-std::string paper_json(const loop::LoopResult& loop, const std::vector<loop::SlopeWindow>& slopes,
+Object paper_results(const loop::LoopResult& loop, const std::vector<loop::SlopeWindow>& slopes,
+                     const std::vector<report::Conclusion>& conclusions);
+
+std::string loop_text(const loop::LoopScore& score, const std::optional<loop::ReservoirCheck>& reservoir,
+                      const SecondsByStage& seconds);
+/// Slopes and conclusions.
+std::string paper_text(const std::vector<loop::SlopeWindow>& slopes,
                        const std::vector<report::Conclusion>& conclusions);
-/// sweep.json
-/// @param indent  spaces for each level
-std::string sweep_json(const std::vector<loop::SweepAxis>& axes, const std::vector<loop::SweepPoint>& points,
-                       int indent);
+/// Processor time by stage, per hour of sound and per impact; memory.
+std::string work_text(const LoopWork& work, std::size_t n_impacts);
+std::string sweep_text(const std::vector<loop::SweepPoint>& points);
 
 }  // namespace bouncelab::cli

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/description.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/detection/detect.hpp"
+#include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/restitution.hpp"
+#include "bouncelab/loop/closed_loop.hpp"
+
+namespace bouncelab::loop {
+
+/// Recordings of a ball -> impact times -> coefficients of restitution -> law. Nothing has to be set.
+struct AnalyzeConfig {
+  detection::DetectionConfig detection;
+  fit::RestitutionConfig restitution;
+  fit::FitConfig fit;
+  bool with_details = false;  ///< fill Analysis::details
+  int n_threads = 0;          ///< of detection; 0: all cores. The result does not depend on it
+};
+
+/// One drop: its sound and marks, and its intervals measured and as the fitted law predicts them.
+struct DropDetails {
+  detection::WavePreview preview;
+  std::vector<fit::IntervalPrediction> intervals;
+};
+const Description& members_of(const DropDetails*);
+
+struct RecordingDetails {
+  std::string recording;
+  std::int64_t n_drops = 0;  ///< in the recording; not all need be in `drops`
+  std::vector<DropDetails> drops;
+  std::optional<detection::LearnedWave> wave;
+  std::optional<detection::NoiseSpectrum> noise;
+};
+const Description& members_of(const RecordingDetails*);
+
+/// Drops that `details` show, and recordings of which wave and noise are kept.
+constexpr std::int64_t kMostShown = 30;
+
+struct Analysis {
+  std::vector<detection::RecordingDetection> recordings;  ///< as they were given
+  fit::Restitution restitution;
+  fit::FitResult fit;
+  std::optional<detection::WavePreview> wave;           ///< of the first recording in which impacts were found
+  std::vector<RecordingDetails> details;                ///< of the first kMostShown drops
+  std::vector<std::pair<std::string, double>> seconds;  ///< wall time by stage
+};
+
+/// The onsets of all recordings, one after the other.
+Onsets onsets_of(const std::vector<detection::RecordingDetection>& recordings);
+
+/// The whole chain, with all data in memory: a hundred bytes or so an impact.
+/// @param recordings  each once
+/// @throws FileError where the only recording cannot be read, InvalidArgument naming the setting that is out of range,
+///         what `progress` throws
+/// @return without samples where no impact was found
+Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
+                 const StageProgress& progress = {});
+
+/// What follows detection: of recordings whose impacts are known, by hand for instance.
+Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
+                       const StageProgress& progress = {});
+
+}  // namespace bouncelab::loop

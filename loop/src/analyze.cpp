@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/analyze.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/input_file.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+using Recordings = std::vector<detection::RecordingDetection>;
+
+template <class Work>
+void timed(Analysis& analysis, const char* stage, Work&& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  analysis.seconds.emplace_back(stage, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+}
+
+ProgressCallback callback(const StageProgress& progress, const char* label, const char* unit) {
+  return progress ? progress(label, unit) : ProgressCallback{};
+}
+
+Recordings detected(const std::vector<std::filesystem::path>& files, const AnalyzeConfig& config,
+                    const StageProgress& progress) {
+  Recordings recordings(files.size());
+  const auto take = [&](std::size_t k, detection::Detection&& found) {
+    recordings[k] = {files[k].string(), found.onsets.size(), std::move(found)};
+    if (std::cmp_less(k, kMostShown)) return;
+    recordings[k].found.wave.reset();
+    recordings[k].found.noise.reset();
+  };
+  detection::detect_each(files, config.detection, config.n_threads, take,
+                         callback(progress, "detect", files.size() == 1 ? "s of sound" : "recordings"));
+  return recordings;
+}
+
+/// The first recording in which impacts were found; there is one.
+const detection::RecordingDetection& first_found(const Recordings& recordings) {
+  return *std::find_if(recordings.begin(), recordings.end(), [](const auto& r) { return r.n_onsets > 0; });
+}
+
+std::vector<RecordingDetails> details_of(const Analysis& analysis, const AnalyzeConfig& config) {
+  std::vector<RecordingDetails> all;
+  std::int64_t n_shown = 0;
+  for (const detection::RecordingDetection& r : analysis.recordings) {
+    if (r.n_onsets == 0 || n_shown >= kMostShown) continue;
+    const detection::Detection& d = r.found;
+    const std::string name = input_name(r.recording);
+    RecordingDetails details{r.recording, d.summary.n_drops, {}, d.wave, d.noise};
+    audio::AudioReader reader(r.recording, config.detection.rate_hz);
+    const auto sound = reader.source(d.summary.channel);
+    for (std::int64_t drop = 0; drop < d.summary.n_drops && n_shown < kMostShown; ++drop, ++n_shown)
+      details.drops.push_back({detection::drop_preview(sound, name, d.summary.channel, d.onsets, drop),
+                               fit::predict_intervals(analysis.restitution.samples, name, drop, analysis.fit.law.law,
+                                                      config.restitution.gravity_mps2)});
+    all.push_back(std::move(details));
+  }
+  return all;
+}
+
+void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
+  timed(analysis, "restitution",
+        [&] { analysis.restitution = fit::restitution_samples(onsets_of(analysis.recordings), config.restitution); });
+  timed(analysis, "fit", [&] {
+    analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
+  });
+  const detection::RecordingDetection& shown = first_found(analysis.recordings);
+  analysis.wave = detection::wave_preview(std::filesystem::path(shown.recording), shown.found.summary.channel,
+                                          shown.found.onsets, config.detection.rate_hz);
+  if (config.with_details) analysis.details = details_of(analysis, config);
+}
+
+bool any_found(const Recordings& recordings) {
+  return std::any_of(recordings.begin(), recordings.end(), [](const auto& r) { return r.n_onsets > 0; });
+}
+
+}  // namespace
+
+Onsets onsets_of(const std::vector<detection::RecordingDetection>& recordings) {
+  Onsets all;
+  for (const detection::RecordingDetection& r : recordings)
+    all.insert(all.end(), r.found.onsets.begin(), r.found.onsets.end());
+  return all;
+}
+
+Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
+                 const StageProgress& progress) {
+  Analysis analysis;
+  timed(analysis, "detect", [&] { analysis.recordings = detected(recordings, config, progress); });
+  if (any_found(analysis.recordings)) times_to_constants(analysis, config, progress);
+  return analysis;
+}
+
+Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
+                       const StageProgress& progress) {
+  Analysis analysis;
+  analysis.recordings = std::move(recordings);
+  if (any_found(analysis.recordings)) times_to_constants(analysis, config, progress);
+  return analysis;
+}
+
+const Description& members_of(const DropDetails*) {
+  using D = DropDetails;
+  static const Description all{
+      result<D>(
+          "", [](const D& d) { return std::get<Object>(value_of(d.preview)); }, "As wave.json"),
+      result<D>(
+          "intervals", [](const D& d) { return as_lists(d.intervals); },
+          "Lists `impact`, `found_s`, `expected_s`, `sigma_s`")};
+  return all;
+}
+
+const Description& members_of(const RecordingDetails*) {
+  using R = RecordingDetails;
+  static const Description all{
+      result<R>(
+          "recording", [](const R& r) { return input_name(r.recording); }, "As it was given"),
+      result("n_drops", &R::n_drops, "In the recording; not all need be in `drops`"),
+      result("drops", &R::drops, "Each as wave.json, and `intervals`"),
+      result("wave", &R::wave, "Learned template: `t0_s`, `dt_s`, `mean`, `spread`, `n_impacts`")
+          .left_out_where_unknown(),
+      result("noise", &R::noise, "`frequency_hz`, `psd` in 1/Hz").left_out_where_unknown()};
+  return all;
+}
+
+}  // namespace bouncelab::loop
