@@ -126,4 +126,13 @@ const Description& members_of(const RecordingDetails*) {
   return all;
 }
 
+const Description& members_of(const Analysis*) {
+  using A = Analysis;
+  static const Description all{
+      result<A>(
+          "", [](const A& a) { return std::get<Object>(value_of(a.restitution.counts)); }, "What was counted"),
+      result("recordings", &A::recordings, "As `detect --json`"), result("seconds", &A::seconds, "Stage → wall time")};
+  return all;
+}
+
 }  // namespace bouncelab::loop

@@ -77,7 +77,7 @@ Object object_of(const fit::FitResult& result, const FitInWords& words) {
   Object all{{"answer", value_of(words.answer)},
              {"warnings", value_of(words.warnings)},
              {"answers", value_of(words.findings)}};
-  std::ranges::move(bouncelab::object_of(members_of(&result), &result), std::back_inserter(all));
+  append(all, bouncelab::object_of(members_of(&result), &result));
   return all;
 }
 

@@ -48,7 +48,7 @@ Object object_of(const BetweenRecordings& between, const std::vector<CampaignRec
   Object all{{"status", to_string(between.status)},
              {"message", between.message},
              {"answer", value_of(in_words(between, recordings))}};
-  std::ranges::move(bouncelab::object_of(members_of(&between), &between), std::back_inserter(all));
+  append(all, bouncelab::object_of(members_of(&between), &between));
   all.emplace_back("outliers", outliers_of(between, recordings));
   all.emplace_back("not_used", not_used_of(recordings));
   return all;

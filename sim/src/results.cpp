@@ -70,7 +70,7 @@ const Description& members_of(const BallSection*) {
           "section",
           [](const B& b) {
             Object section{{"half_angle_rad", b.half_angle_rad}};
-            std::ranges::move(as_lists(b.circles), std::back_inserter(section));
+            append(section, as_lists(b.circles));
             return section;
           },
           "`half_angle_rad`, and of the asperities that a plane through the centre cuts on that piece "

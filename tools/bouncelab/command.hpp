@@ -13,7 +13,11 @@
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/loop/sweep.hpp"
 
+namespace bouncelab::options {}
+
 namespace bouncelab::cli {
+
+using namespace options;  // those of the stages, which Python and the page have too
 
 /// Options that every command has.
 struct CommonOptions {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -10,6 +9,7 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
@@ -58,7 +58,7 @@ using Numbers = std::map<std::string, double, std::less<>>;
 
 std::optional<double> in_si(std::string_view text, const Quantity& quantity) {
   double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc{}) return std::nullopt;
   std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
   unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
@@ -161,7 +161,7 @@ void set_elastic(std::string_view kind, std::string_view text, const Numbers& nu
 /// Shortest text of the number.
 std::string shortest(double value) {
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  const auto end = bouncelab::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   return {buffer.data(), end};
 }
 

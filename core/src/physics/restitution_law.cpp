@@ -2,13 +2,13 @@
 #include "bouncelab/core/restitution_law.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -139,7 +139,7 @@ namespace {
 template <class T>
 T number(std::string_view part, std::string_view text) {
   T value{};
-  const auto [end, status] = std::from_chars(part.data(), part.data() + part.size(), value);
+  const auto [end, status] = bouncelab::from_chars(part.data(), part.data() + part.size(), value);
   if (status != std::errc{} || end != part.data() + part.size()) refuse(text);
   return value;
 }

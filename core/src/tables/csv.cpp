@@ -2,7 +2,6 @@
 #include "bouncelab/core/table.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -16,6 +15,7 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/standard.hpp"
 
 namespace bouncelab {
 namespace {
@@ -165,7 +165,7 @@ using Fault = const char*;
 template <class T>
 std::errc parse(std::string_view text, T& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
   return status == std::errc{} && end != text.data() + text.size() ? std::errc::invalid_argument : status;
 }
 
@@ -319,7 +319,7 @@ struct Writer {
   template <class T>
   void number(T value) {
     char buffer[32];
-    const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
+    const auto result = bouncelab::to_chars(buffer, buffer + sizeof buffer, value);
     out.append(buffer, result.ptr);
   }
   void nothing() {

@@ -2,10 +2,10 @@
 #include "bouncelab/core/table.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
 
 namespace bouncelab {
 namespace {
@@ -117,7 +117,7 @@ std::optional<std::int64_t> whole_number(double value) {
 
 std::string short_number(double value) {
   char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr;
+  const auto end = bouncelab::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 6).ptr;
   return {buffer, end};
 }
 

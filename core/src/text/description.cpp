@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cassert>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
@@ -20,7 +20,7 @@ template <class T>
 std::optional<T> decimal(std::string_view text) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   T value{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   if constexpr (std::is_floating_point_v<T>)
     if (!std::isfinite(value)) return std::nullopt;
@@ -34,7 +34,7 @@ std::string number_text(T number) {
       return std::to_string(static_cast<std::int64_t>(number));
   std::string text(32, '\0');
   text.resize(
-      static_cast<std::size_t>(std::to_chars(text.data(), text.data() + text.size(), number).ptr - text.data()));
+      static_cast<std::size_t>(bouncelab::to_chars(text.data(), text.data() + text.size(), number).ptr - text.data()));
   return text;
 }
 
@@ -140,12 +140,16 @@ Member&& Member::left_out_where_unknown() && {
   return std::move(*this);
 }
 
+void append(Object& all, Object more) {
+  for (auto& named : more) all.push_back(std::move(named));
+}
+
 Object object_of(const Description& description, const void* object) {
   Object all;
   for (const Member& member : description) {
     Value value = member.get(object);
     if (member.name.empty())
-      std::ranges::move(std::get<Object>(value), std::back_inserter(all));
+      append(all, std::get<Object>(value));
     else if (!member.is_left_out || !std::holds_alternative<std::monostate>(value))
       all.emplace_back(member.name, std::move(value));
   }

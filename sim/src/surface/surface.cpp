@@ -2,7 +2,6 @@
 #include "bouncelab/sim/surface.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,6 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/standard.hpp"
 
 namespace bouncelab::sim {
 namespace {
@@ -66,7 +66,7 @@ void read_parameters(const Description& law, std::string_view parameters, std::s
   if (parts.size() != law.parameters.size()) refuse(text);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const char* end = parts[k].data() + parts[k].size();
-    const auto read = std::from_chars(parts[k].data(), end, *law.parameters[k]);
+    const auto read = bouncelab::from_chars(parts[k].data(), end, *law.parameters[k]);
     if (read.ec != std::errc{} || read.ptr != end) refuse(text);
   }
 }
@@ -97,7 +97,7 @@ std::string to_text(const RadiusLaw& law) {
   std::string text = description.name;
   char buffer[32];
   for (std::size_t k = 0; k < description.parameters.size(); ++k) {
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, *description.parameters[k]).ptr;
+    const auto end = bouncelab::to_chars(buffer, buffer + sizeof buffer, *description.parameters[k]).ptr;
     text += (k == 0 ? ':' : ',') + std::string(buffer, end);
   }
   return text;

@@ -33,14 +33,6 @@ void write_json(const Run& run, const fs::path& path, const Value& value, int in
   write_text(run, path, json_text(value, indent) + "\n", inputs);
 }
 
-Object summary_of(const loop::Analysis& found, const std::vector<std::string>& warnings) {
-  Object summary = object_of(members_of(&found.restitution.counts), &found.restitution.counts);
-  summary.emplace_back("recordings", value_of(found.recordings));
-  summary.emplace_back("seconds", value_of(found.seconds));
-  summary.emplace_back("warnings", warnings);
-  return summary;
-}
-
 void write_files(const loop::Analysis& found, const report::FitInWords& words, const fs::path& folder, const Run& run) {
   write_table(run, folder / "onsets.csv", to_table(loop::onsets_of(found.recordings)), readable_of(found.recordings));
   write_table(run, folder / "samples.csv", to_table(found.restitution.samples), {folder / "onsets.csv"});
@@ -91,7 +83,8 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   write_files(found, words, folder, run);
   Outcome outcome;
   outcome.warnings = joined(detected.warnings, fitted.warnings);
-  outcome.result = summary_of(found, outcome.warnings);
+  outcome.result = object_of(members_of(&found), &found);
+  outcome.result.emplace_back("warnings", outcome.warnings);
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(found.recordings)}, run);
   const std::string answer = answer_text(words.answer);  // first of all; the text of the fit begins with it

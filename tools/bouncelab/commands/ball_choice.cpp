@@ -33,6 +33,4 @@ std::string ball_line(const BallChoice& choice) {
   return "ball: " + (ball ? describe(*ball) : "not named") + (plate ? " on " + plate_text(*plate) : "") + "\n";
 }
 
-Object catalogue() { return {{"balls", value_of(ball_kinds())}, {"plates", value_of(plate_kinds())}}; }
-
 }  // namespace bouncelab::cli

@@ -14,6 +14,7 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
+#include "bouncelab/report/detection.hpp"
 #include "files/label_track.hpp"
 #include "files/provenance.hpp"
 #include "files/several_files.hpp"
@@ -50,25 +51,6 @@ std::string describe(const detection::RecordingDetection& r) {
 
 bool is_unreadable(const detection::RecordingDetection& r) {
   return r.found.status == detection::DetectionStatus::unreadable;
-}
-
-/// One line on the drops of low odds: how many, and where the first are; empty where there is none.
-std::string doubtful_drops(const Recordings& recordings) {
-  constexpr std::size_t kMostNamed = 5;
-  std::size_t n_drops = 0, n_doubtful = 0;
-  std::string where;
-  for (const detection::RecordingDetection& r : recordings) {
-    n_drops += r.found.drops.size();
-    for (const detection::DropSummary& drop : r.found.drops) {
-      if (!drop.is_doubtful() || ++n_doubtful > kMostNamed) continue;
-      where += fmt::format("{}{} at {:.1f} s ({:.1f} to 1)", where.empty() ? "" : ", ", name_of(r.recording),
-                           drop.begin_s, drop.odds);
-    }
-  }
-  if (n_doubtful == 0) return {};
-  if (n_doubtful > kMostNamed) where += fmt::format(" and {} more", n_doubtful - kMostNamed);
-  return fmt::format("{} of {} drops {} doubtful, odds below {:.0f} to 1 for a bouncing ball: {}; kept, listen there",
-                     n_doubtful, n_drops, n_doubtful == 1 ? "is" : "are", detection::DropSummary::kDoubtfulOdds, where);
 }
 
 /// A line a recording; of very many a sum, and a line for each in which nothing was found.
@@ -154,15 +136,6 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
   return all;
 }
 
-std::vector<std::string> warnings_of(const Recordings& recordings) {
-  std::vector<std::string> warnings;
-  for (const detection::RecordingDetection& r : recordings) {
-    if (is_unreadable(r)) warnings.push_back(r.found.message + "; left out");
-    for (const std::string& warning : r.found.warnings) warnings.push_back(name_of(r.recording) + ": " + warning);
-  }
-  return warnings;
-}
-
 bool found_any(const Recordings& recordings) {
   return std::any_of(recordings.begin(), recordings.end(),
                      [](const detection::RecordingDetection& r) { return r.n_onsets > 0; });
@@ -183,10 +156,10 @@ Object summary_of(const Recordings& recordings, const std::vector<std::string>& 
 
 Outcome detection_outcome(const Recordings& recordings, std::vector<std::string> warnings) {
   Outcome outcome;
-  if (std::string doubtful = doubtful_drops(recordings); !doubtful.empty()) warnings.push_back(std::move(doubtful));
+  warnings = joined(std::move(warnings), report::warnings_of_drops(recordings));
   outcome.text = describe_all(recordings);
   outcome.result = summary_of(recordings, warnings);
-  outcome.warnings = first_of(joined(warnings, warnings_of(recordings)), "with --json all of them are listed");
+  outcome.warnings = first_of(joined(warnings, report::warnings_of(recordings)), "with --json all of them are listed");
   conclude(recordings, found_any(recordings), outcome);
   return outcome;
 }

@@ -116,8 +116,8 @@ std::optional<loop::ScatterTheory> theory_of(const LoopOptions& options, const l
 /// 40 drops or so, every stage on the files of the contract: any of them can be run again by hand.
 Outcome run_through_files(const LoopOptions& options, const Run& run) {
   loop::LoopConfig config;  // what is wrong with it is said before the work
-  config.simulation = simulation_config(simulate_options(options), run.common);
-  synthesis_config(synthesize_options(options), run.common);
+  config.simulation = simulation_config(simulate_options(options), run.common.seed, run.common.n_threads);
+  synthesis_config(synthesize_options(options), run.common.seed, run.common.n_threads);
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
   std::vector<fs::path> outputs;
@@ -169,8 +169,8 @@ Outcome run_through_files(const LoopOptions& options, const Run& run) {
 
 loop::LoopConfig loop_config(const LoopOptions& options, const CommonOptions& common) {
   loop::LoopConfig config;
-  config.simulation = simulation_config(simulate_options(options), common);
-  config.synthesis = synthesis_config(synthesize_options(options), common);
+  config.simulation = simulation_config(simulate_options(options), common.seed, common.n_threads);
+  config.synthesis = synthesis_config(synthesize_options(options), common.seed, common.n_threads);
   if (config.synthesis.channels.size() != 1)
     throw InvalidArgument("--channel: a loop through memory has one sensor, not " +
                           std::to_string(config.synthesis.channels.size()) +

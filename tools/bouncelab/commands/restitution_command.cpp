@@ -75,9 +75,7 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
 }  // namespace
 
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options) {
-  fit::RestitutionConfig config = options.config;
-  if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = ball;
-  if (const std::optional<Material> plate = plate_of(options.world)) config.plate = plate;
+  fit::RestitutionConfig config = with_ball(options);
   if (options.positions.empty()) return config;
   const Table positions = read_table(options.positions, fit::position_columns());
   check_columns(positions, fit::position_columns(), options.positions);

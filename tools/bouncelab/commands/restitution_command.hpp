@@ -4,24 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/fit/restitution.hpp"
 #include "command.hpp"
 #include "commands/ball_choice.hpp"
+#include "stage_options/restitution_options.hpp"
 
 namespace bouncelab::cli {
 
-struct RestitutionOptions {
-  std::vector<std::string> onsets;  ///< files
-  std::string out;
-  fit::RestitutionConfig config;
-  BallChoice world;       ///< where a part is not named, that of `config`
-  std::string positions;  ///< of the impacts, for the correction of travel times; empty: no correction
-  std::vector<double> sensor_m{0.0, 0.0};
-};
-/// All but the files and the ball.
-const Description& members_of(const RestitutionOptions*);
-
-/// What the options describe; reads the positions. @throws InvalidArgument, FileError
+/// What the options describe, with the positions of their file. @throws InvalidArgument, FileError
 fit::RestitutionConfig restitution_config(const RestitutionOptions& options);
 
 std::string text_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);

@@ -16,18 +16,6 @@
 namespace bouncelab::cli {
 namespace {
 
-sim::ContactModel contact_model(const SimulateOptions& options) {
-  if (options.contact == "frictionless") return sim::FrictionlessContact{};
-  if (options.contact == "coulomb") return sim::CoulombContact{options.mu};
-  if (options.contact == "stronge") return sim::StrongeContact{options.mu};
-  return sim::PaperContact{options.beta};
-}
-
-template <std::size_t N>
-void copy(const std::vector<double>& from, std::array<double, N>& to) {
-  for (std::size_t k = 0; k < from.size() && k < N; ++k) to[k] = from[k];
-}
-
 std::string text_of(const SimulateOptions& options, const sim::SimulationConfig& config,
                     const sim::SimulationResult& result) {
   const sim::EnergyLedger& energy = result.energy;
@@ -66,25 +54,6 @@ sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationCon
                            config.seed, progress);
 }
 
-sim::SimulationConfig simulation_config(const SimulateOptions& options, const CommonOptions& common) {
-  sim::SimulationConfig config = options.config;
-  config.seed = common.seed;
-  config.n_threads = common.n_threads;
-  config.law = restitution_law_from_text(options.restitution_law);
-  config.contact = contact_model(options);
-  if (options.drag) config.air = Air{};
-  if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = *ball;
-  if (options.contact_patch) config.patch_plate = plate_of(options.world).value_or(kGlass);
-  config.drop_height_min_m = options.height_m.front();
-  config.drop_height_max_m = options.height_m.back();
-  copy(options.plate_m, config.plate_size_m);
-  copy(options.start_m, config.start_position_m);
-  copy(options.velocity_mps, config.start_velocity_mps);
-  copy(options.spin_radps, config.start_spin_radps);
-  validate(config);
-  return config;
-}
-
 Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
   Object summary = object_of(members_of(&result), &result);
   summary.emplace_back("ball", value_of(ball));
@@ -92,7 +61,7 @@ Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
 }
 
 Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs) {
-  sim::SimulationConfig config = simulation_config(options, run.common);
+  sim::SimulationConfig config = simulation_config(options, run.common.seed, run.common.n_threads);
   config.with_state = config.with_state || reservoirs != nullptr;
   check_files(run, simulation_inputs(options), {options.out, options.write_surface});
 

@@ -80,34 +80,6 @@ synthesis::DropSource impact_file(const std::filesystem::path& path) {
   };
 }
 
-audio::SampleEncoding encoding_of(const std::string& bits) {
-  if (bits == "16") return audio::SampleEncoding::pcm16;
-  if (bits == "32") return audio::SampleEncoding::pcm32;
-  return bits == "float" ? audio::SampleEncoding::float32 : audio::SampleEncoding::pcm24;
-}
-
-/// False where the text is not one finite decimal number.
-bool read_number(std::string_view text, double& value) {
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-}
-
-synthesis::Channel channel_of(const std::string& text, double default_z_m) {
-  synthesis::Channel channel;
-  channel.z_m = default_z_m;
-  double* const fields[] = {&channel.x_m, &channel.y_m, &channel.z_m, &channel.gain};
-  std::string_view rest = text;
-  for (std::size_t n = 0; n < std::size(fields); ++n) {
-    const auto comma = rest.find(',');
-    if (!read_number(rest.substr(0, comma), *fields[n])) break;
-    if (comma == std::string_view::npos && n >= 1) return channel;
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
-  throw InvalidArgument("--channel: '" + printable(text) +
-                        "' is not X,Y[,Z[,GAIN]], finite decimal numbers, in metres");
-}
-
 std::filesystem::path beside(const std::filesystem::path& out, const std::string& ending) {
   return out.parent_path() / (out.stem().string() + ending);
 }
@@ -184,25 +156,8 @@ synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const syn
 
 }  // namespace
 
-synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, const CommonOptions& common) {
-  synthesis::SynthesisConfig config = options.config;
-  config.seed = common.seed;
-  config.n_threads = common.n_threads;
-  if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = *ball;
-  if (const std::optional<Material> plate = plate_of(options.world)) config.ground = synthesis::ground_of(*plate);
-  config.encoding = encoding_of(options.bits);
-  config.simulated_positions = options.positions == "simulated";
-  const bool by_air = options.sensor == "microphone";
-  if (by_air) config.sensor = synthesis::microphone();
-  const double default_z_m = by_air ? 0.3 : 0.0;
-  config.channels.front().z_m = default_z_m;
-  if (!options.channels.empty()) config.channels.clear();
-  for (const std::string& text : options.channels) config.channels.push_back(channel_of(text, default_z_m));
-  return options.hard_case.empty() ? config : synthesis::with_hard_case(config, options.hard_case);
-}
-
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
-  const synthesis::SynthesisConfig config = synthesis_config(options, run.common);
+  const synthesis::SynthesisConfig config = synthesis_config(options, run.common.seed, run.common.n_threads);
   const std::filesystem::path out = options.out;
   if (is_stream(out) && options.truth.empty())
     throw InvalidArgument("--out " + printable(options.out) + ": no truth can lie beside it; name one with --truth");

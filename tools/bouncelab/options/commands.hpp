@@ -9,18 +9,9 @@
 
 #include "bouncelab/core/description.hpp"
 #include "command.hpp"
+#include "stage_options/section.hpp"
 
 namespace bouncelab::cli {
-
-/// The options of one struct, and the object that they set.
-struct Section {
-  std::string heading;  ///< in --help; empty: the command's own
-  const Description* description = nullptr;
-  void* object = nullptr;
-  /// Stages whose options these are: the sections of a configuration file in which they may stand too.
-  std::vector<std::string> stages{};
-  bool only_in_full_help = false;  ///< shown by --help-all alone
-};
 
 struct Command {
   std::string name, summary, example;
@@ -45,11 +36,6 @@ Command completion_command();
 Command balls_command();
 
 struct LoopOptions;
-struct SimulateOptions;
-struct SynthesizeOptions;
-/// What only a simulation of its own has: first drop, preset, states. `preset` is applied by apply_paper_preset.
-Section simulation_alone_section(SimulateOptions& options);
-Section disturbances_section(SynthesizeOptions& options);
 /// With the folder and the ball.
 std::vector<Section> loop_sections(LoopOptions& options);
 
@@ -68,16 +54,6 @@ Section common_section(CommonOptions& common);
 /// Those of the command, and what every command has.
 /// @param common  to be set by it
 std::vector<Section> all_sections(const Command& command, CommonOptions& common);
-
-/// An option of a command.
-struct Option {
-  const Member* member = nullptr;
-  void* object = nullptr;
-  const Section* section = nullptr;
-};
-std::vector<Option> options_of(const std::vector<Section>& sections);
-/// By the name without dashes in front; absent where there is none, or it is positional.
-std::optional<Option> option_named(const std::vector<Section>& sections, const std::string& name);
 
 /// Every option with its texts: those typed, else the default as it would be typed.
 Parameters parameters_of(const std::vector<Section>& sections, const Given& given);

@@ -32,19 +32,6 @@ const CommandName* command_named(const std::vector<CommandName>& all, const std:
   return found == all.end() ? nullptr : &*found;
 }
 
-std::vector<Option> options_of(const std::vector<Section>& sections) {
-  std::vector<Option> options;
-  for (const Section& section : sections)
-    for (const Member& member : *section.description) options.push_back({&member, section.object, &section});
-  return options;
-}
-
-std::optional<Option> option_named(const std::vector<Section>& sections, const std::string& name) {
-  for (const Option& option : options_of(sections))
-    if (!option.member->is_positional && option_name(*option.member) == name) return option;
-  return std::nullopt;
-}
-
 Parameters parameters_of(const std::vector<Section>& sections, const Given& given) {
   Parameters parameters;
   for (const Option& option : options_of(sections)) {

@@ -15,6 +15,7 @@
 #include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/scratch_file.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/report/detection.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
@@ -60,7 +61,7 @@ py::dict detected(std::vector<detection::Detection>& found, const std::vector<st
   }
   py::dict result;
   result["summary"] = json_text(cli::summary_of(recordings, warnings), 2);
-  for (const std::string& warning : cli::warnings_of(recordings)) warnings.push_back(warning);
+  for (const std::string& warning : report::warnings_of(recordings)) warnings.push_back(warning);
   result["columns"] = columns_of(std::move(table));
   result["warnings"] = warnings;
   return result;
@@ -126,7 +127,7 @@ cli::Run writing(bool force) {
 
 py::dict simulate(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = simulate_call(arguments);
-  const sim::SimulationConfig config = cli::simulation_config(options, run.common);
+  const sim::SimulationConfig config = cli::simulation_config(options, run.common.seed, run.common.n_threads);
   sim::SimulationResult simulated;
   Table table;
   python::run(run, progress, [&, &options = options, &run = run] {
@@ -148,7 +149,7 @@ py::dict synthesize(const py::dict& columns, const std::string& recording, const
   auto [options, run] = synthesize_call(arguments);
   if (options.world.ball.empty()) options.world.ball = cli::kPaperBall.ball;
   if (options.world.plate.empty()) options.world.plate = cli::kPaperBall.plate;
-  const synthesis::SynthesisConfig config = cli::synthesis_config(options, run.common);
+  const synthesis::SynthesisConfig config = cli::synthesis_config(options, run.common.seed, run.common.n_threads);
   const Impacts impacts = impacts_of(columns);
   std::vector<float> samples;
   Table truth, others;

@@ -2,11 +2,11 @@
 // The files that the command line leaves, saved by the browser; the worker keeps them until they are asked for.
 
 const kFiles = [
-  {kind: 'reportHtml', name: 'report.html', label: 'Report', type: 'text/html'},
-  {kind: 'onsetsCsv', name: 'onsets.csv', label: 'Times of the bounces (CSV)', type: 'text/csv'},
-  {kind: 'samplesCsv', name: 'samples.csv', label: 'Speeds and ε (CSV)', type: 'text/csv'},
-  {kind: 'fitJson', name: 'fit.json', label: 'Fit (JSON)', type: 'application/json'},
-  {kind: 'labels', name: 'labels.txt', label: 'Audacity labels', type: 'text/plain'},
+  {name: 'report.html', label: 'Report', type: 'text/html'},
+  {name: 'onsets.csv', label: 'Times of the bounces (CSV)', type: 'text/csv'},
+  {name: 'samples.csv', label: 'Speeds and ε (CSV)', type: 'text/csv'},
+  {name: 'fit.json', label: 'Fit (JSON)', type: 'application/json'},
+  {name: 'labels.txt', label: 'Audacity labels', type: 'text/plain'},
 ];
 
 export function save(name, parts, type) {
@@ -27,7 +27,7 @@ export function showDownloads(host, engine, stem, found, wav, trouble) {
     b.addEventListener('click', () => action().catch(trouble));
     return b;
   };
-  const buttons = (found ? kFiles : []).map(f => button(f.name, f.label, async () => save(`${stem}-${f.name}`, [(await engine.run({task: 'save', kind: f.kind})).text], f.type)));
+  const buttons = (found ? kFiles : []).map(f => button(f.name, f.label, async () => save(`${stem}-${f.name}`, [(await engine.run({task: 'save', name: f.name})).text], f.type)));
   if (wav) buttons.push(button('sound.wav', 'Sound (WAV)', async () => save(`${stem}.wav`, [(await wav()).bytes], 'audio/wav')));
   host.replaceChildren(...buttons);
   host.parentElement.hidden = !buttons.length;

@@ -48,9 +48,10 @@ export class Live {
     const begin = performance.now(), n = this.n, longest = this.cost > 0 ? Math.max(this.leastWindow_s(), kBudget_s / this.cost) : Infinity;
     const from = Math.max(0, n - Math.floor(longest * this.rate_hz)), from_s = from / this.rate_hz;
     this.n_detected = n;
-    const found = JSON.parse(this.module.detect(this.samples.slice(from, n), this.rate_hz, 1, 'microphone', '{}'));
-    const doubtful = new Set((found.recordings[0].drops ?? []).flatMap((drop, k) => drop.doubtful ? [k] : []));
-    const onsets = areDoubtful => found.onsets.filter(o => doubtful.has(o.drop) === areDoubtful).map(o => ({t_s: o.t_s + from_s, drop: o.drop, impact: o.impact}));
+    const {summary, onsets: heard} = this.module.detect(this.samples.slice(from, n), this.rate_hz, 1, 'microphone', '{}');
+    const doubtful = new Set((JSON.parse(summary).recordings[0].drops ?? []).flatMap((drop, k) => drop.doubtful ? [k] : []));
+    const all = Array.from(heard.t_s, (t_s, k) => ({t_s: t_s + from_s, drop: heard.drop[k], impact: heard.impact[k]}));
+    const onsets = areDoubtful => all.filter(o => doubtful.has(o.drop) === areDoubtful);
     const marked = this.merge(onsets(false), from_s);
     // drops that are not yet ten times as probable as anything else: of this detection alone, the next one may drop them
     const provisional = onsets(true).filter(o => !this.onsets.some(mark => Math.abs(mark.t_s - o.t_s) < kSame_s));

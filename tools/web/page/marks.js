@@ -6,7 +6,7 @@ const kByHand = {sigma_t_s: '', amplitude: '', snr_db: '', flags: 'by_hand', pro
 const byTime = (a, b) => a.t_s - b.t_s;
 
 export function moved(marks, index, t_s) {
-  return marks.map((mark, k) => k === index ? {...mark, ...kByHand, t_s, t_text: undefined} : mark).sort(byTime);
+  return marks.map((mark, k) => k === index ? {...mark, ...kByHand, t_s} : mark).sort(byTime);
 }
 
 /// An impact more, of the drop that it lies within, or of the nearest. It takes the number after the one before it; those
@@ -20,7 +20,7 @@ export function added(marks, t_s) {
   const own = marks.filter(m => m.drop === drop), before = own.findLast(m => m.t_s <= t_s), after = own.find(m => m.t_s > t_s);
   const impact = before ? before.impact + 1 : Math.max(0, (after?.impact ?? 1) - 1), shift = after && after.impact <= impact ? 1 : 0;
   const shifted = marks.map(m => m.drop === drop && m.t_s > t_s ? {...m, impact: m.impact + shift} : m);
-  return [...shifted, {drop, impact, t_s, t_text: undefined, ...kByHand}].sort(byTime);
+  return [...shifted, {drop, impact, t_s, ...kByHand}].sort(byTime);
 }
 
 /// An impact less: those after it in its drop move down, as there was none.

@@ -1,42 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of docs/formats.md as the page needs them. Texts in the first column may be quoted (RFC 4180).
+// Onsets as the module gives and takes them, an object of columns, and as marks, a list.
 
-function cells(line) {
-  if (!line.includes('"')) return line.split(',');
-  const out = [];
-  for (const match of line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)) out.push(match[1] !== undefined ? match[1].replaceAll('""', '"') : match[2]);
-  return out;
+const kNumbers = ['drop', 'impact', 't_s', 'sigma_t_s', 'amplitude', 'snr_db', 'probability'];
+const known = x => x === undefined || Number.isNaN(x) ? '' : x;
+
+/// Columns as ordinary lists, and their length `n`.
+export function lists(columns) {
+  const all = Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, Array.from(column)]));
+  return {n: Object.values(all)[0].length, ...all};
 }
 
-function rows(csv) {
-  const lines = csv.split('\n').map(line => line.replace(/\r$/, '')).filter(Boolean);
-  return {head: cells(lines[0] ?? ''), rows: lines.slice(1).map(cells)};
-}
-const toNumber = text => text === undefined || text === '' ? NaN : Number(text);
-
-/// Columns by name, numbers and texts; those that the table does not have are left out.
-export function columns(csv, numbers, texts) {
-  const table = rows(csv), out = {n: table.rows.length};
-  for (const name of [...numbers, ...texts]) {
-    const at = table.head.indexOf(name);
-    if (at >= 0) out[name] = table.rows.map(row => numbers.includes(name) ? toNumber(row[at]) : row[at] ?? '');
-  }
-  return out;
+/// Columns as a list of marks; what is not known is ''.
+export function marksFrom(columns) {
+  return Array.from(columns.t_s, (_, k) => ({...Object.fromEntries(kNumbers.map(name => [name, known(columns[name]?.[k])])), flags: columns.flags?.[k] ?? ''}));
 }
 
-const kColumns = ['drop', 'impact', 't_s', 'sigma_t_s', 'amplitude', 'snr_db', 'flags', 'probability'];
-
-/// onsets.csv as a list of marks; numbers keep their digits as text, so that what nobody touched is written as it was.
-export function marksFrom(csv) {
-  const table = rows(csv), at = Object.fromEntries(kColumns.map(name => [name, table.head.indexOf(name)]));
-  return table.rows.map(row => ({
-    drop: Number(row[at.drop]), impact: Number(row[at.impact]), t_s: Number(row[at.t_s]), t_text: row[at.t_s], sigma_t_s: row[at.sigma_t_s] ?? '', amplitude: row[at.amplitude] ?? '',
-    snr_db: row[at.snr_db] ?? '', flags: row[at.flags] ?? '', probability: at.probability < 0 ? '' : row[at.probability] ?? ''}));
-}
-
-/// Marks as onsets.csv.
-export function onsetsCsv(recording, marks) {
-  const name = /[",\n]/.test(recording) ? `"${recording.replaceAll('"', '""')}"` : recording;
-  return ['recording,' + kColumns.join(','),
-          ...marks.map(m => [name, m.drop, m.impact, m.t_text ?? m.t_s, m.sigma_t_s, m.amplitude, m.snr_db, m.flags, m.probability].join(','))].join('\n') + '\n';
+/// Marks as columns.
+export function columnsFrom(marks) {
+  const numbers = kNumbers.map(name => [name, Float64Array.from(marks, m => m[name] === '' ? NaN : m[name])]);
+  return {...Object.fromEntries(numbers), flags: marks.map(m => m.flags)};
 }

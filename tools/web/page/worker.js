@@ -4,23 +4,21 @@
 import createModule from './bouncelab.js';
 import {Live} from './live.js';
 import {interleave, soundSummary, envelopeOf, channelOf} from './sound.js';
-import {marksFrom, onsetsCsv, columns} from './tables.js';
+import {lists, marksFrom, columnsFrom} from './tables.js';
 
-let module = null, sound = null, found = null, live = null;
+let module = null, sound = null, live = null;
 
-/// What the page draws; the rest stays here until it is saved.
+/// What the page draws; the rest stays in the module until it is saved.
 function resultFor(analysis, withSound) {
-  found = analysis;
-  const summary = JSON.parse(analysis.summary), fit = JSON.parse(analysis.fitJson), wave = analysis.waveJson ? JSON.parse(analysis.waveJson) : null;
+  const summary = JSON.parse(analysis.summary), fit = JSON.parse(analysis.fit), channel = analysis.channel;
   const recording = summary.recordings?.[0] ?? {};
-  const channel = wave?.channel ?? recording.channel ?? 0;
   const result = {
     summary, channel, status: recording.status, message: recording.message,
     answer: fit?.answer ?? null, curve: fit?.law?.curve ?? [],
     histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
     warnings: [...new Set([...sound.warnings, ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
-    samples: columns(analysis.samplesCsv, ['v_mps', 'eps', 'sigma_eps'], ['flags']),
-    marks: marksFrom(analysis.onsetsCsv),
+    samples: lists(analysis.samples),
+    marks: marksFrom(analysis.onsets),
   };
   return withSound ? {...result, ...drawn(channelOf(sound, channel))} : result;
 }
@@ -52,7 +50,7 @@ const tasks = {
     return {version: module.version(), ...JSON.parse(module.balls())};
   },
   open({name, bytes, channels, rate_hz, format, lossy}) {
-    sound = found = null;
+    sound = null;
     if (bytes) {
       const read = module.readSound(bytes, name);
       sound = {name, samples: read.samples, rate_hz: read.rate_hz, n_channels: read.n_channels, format: read.format, lossy: read.lossy_coding, warnings: [...read.warnings]};
@@ -72,20 +70,18 @@ const tasks = {
     return resultFor(analysis, true);
   },
   refit({marks, options}) {
-    return resultFor(module.analyzeOnsets(onsetsCsv(sound.name, marks), ...soundAnd(options)), false);
+    return resultFor(module.analyzeOnsets(columnsFrom(marks), ...soundAnd(options)), false);
   },
   simulate({options}) {
     const made = module.simulate(JSON.stringify(options));
     sound = {name: 'simulated', samples: made.samples, rate_hz: made.rate_hz, n_channels: 1, format: 'simulated', warnings: []};
-    found = null;
     const playable = made.samples.slice();
-    return {...soundSummary(sound), samples: playable, truth: columns(made.truthCsv, ['drop', 'impact', 't_s', 'travel_time_s', 'v_mps'], []),
-            impacts: columns(made.impactsCsv, ['drop', 'impact', 't_s', 'vn_before_mps', 'vn_after_mps', 'v_before_mps', 'v_after_mps', 'eps'], []),
-            law: JSON.parse(made.lawJson), transfer: [playable.buffer]};
+    return {...soundSummary(sound), samples: playable, truth: lists(made.truth), impacts: lists(made.impacts),
+            law: JSON.parse(made.law), transfer: [playable.buffer]};
   },
-  async save({kind}) {
-    const text = found[kind];
-    return {text: kind === 'reportHtml' ? module.withPlotly(text, await (await fetch('plotly.js')).text()) : text};
+  async save({name}) {
+    const text = module.file(name);
+    return {text: name === 'report.html' ? module.withPlotly(text, await (await fetch('plotly.js')).text()) : text};
   },
   scatter({options}) {
     return {theory: JSON.parse(module.scatter(JSON.stringify(options)))};
@@ -103,7 +99,7 @@ const tasks = {
   'live-end'({name}) {
     sound = {name, samples: live.all(), rate_hz: live.rate_hz, n_channels: 1, format: 'microphone, 32-bit float', warnings: []};
     live.end();
-    live = found = null;
+    live = null;
     return soundSummary(sound);
   },
 };

@@ -2,144 +2,144 @@
 #include "analysis.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
+#include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "commands/analyze_command.hpp"
+#include "bouncelab/report/detection.hpp"
+#include "bouncelab/report/page.hpp"
 #include "files.hpp"
-#include "files/json_lines_table.hpp"
-#include "files/label_track.hpp"
-#include "files/table_file.hpp"
-#include "json/json_text.hpp"
 #include "options.hpp"
+#include "stage_options/restitution_options.hpp"
 
 namespace bouncelab::web {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-const char* const kOut = "out";  // folder of the results
-
-Json rows_of(const Table& table) {
-  std::stringstream lines;
-  cli::write_json_lines(lines, table);
-  Json rows = Json::array();
-  for (std::string line; std::getline(lines, line);) rows.push_back(Json::parse(line));
-  return rows;
+/// Options of an analysis, as people set them.
+loop::AnalyzeConfig config_of(const std::string& options_json) {
+  static const Description own{
+      member("diagnostics", &loop::AnalyzeConfig::with_details, "Details of each drop in the report"),
+      member<loop::AnalyzeConfig>(
+          "lossy_coding", [](auto& c) -> auto& { return c.detection.lossy_coding; },
+          "Coding of the samples that the browser has decoded")};
+  static const Description ball = options::ball_options("");
+  loop::AnalyzeConfig config;
+  config.n_threads = config.fit.n_threads = 1;
+  config.fit.memory = fit::UseMemory::where_long;
+  options::RestitutionOptions restitution;
+  std::uint64_t seed = config.fit.law.seed;
+  static const Description common{member<std::uint64_t>(
+      "seed", [](auto& s) -> auto& { return s; }, "Seed of all random numbers")};
+  set_options({{"", &own, &config},
+               {"", &members_of(&config.detection), &config.detection},
+               {"", &ball, &restitution.world},
+               {"", &members_of(&restitution), &restitution},
+               {"", &members_of(&config.fit), &config.fit},
+               {"", &common, &seed}},
+              options_json);
+  config.fit.law.seed = seed;
+  config.restitution = with_ball(restitution);
+  return config;
 }
 
-/// Options of `analyze`.
-struct AnalyzeCall {
-  cli::AnalyzeOptions options;
-  cli::Run run;
-
-  AnalyzeCall(const Sound& sound, const std::string& options_json) {
-    using O = cli::AnalyzeOptions;
-    static const Description own{member("diagnostics", &O::diagnostics, "Details of each drop in the report"),
-                                 member<O>(
-                                     "lossy_coding", [](auto& o) -> auto& { return o.detect.config.lossy_coding; },
-                                     "Coding of the samples that the browser has decoded")};
-    static const Description ball = cli::ball_options("");
-    run = parse({{"", &own, &options},
-                 {"", &members_of(&options.detect.config), &options.detect.config},
-                 {"", &ball, &options.restitution.world},
-                 {"", &members_of(&options.restitution), &options.restitution},
-                 {"", &members_of(&options.fit.config), &options.fit.config}},
-                options_json);
-    options.out = kOut;
-    options.detect.recordings = {file_name(sound.name)};
-    write_sound(options.detect.recordings.front(), sound);
-  }
-};
-
-/// What the command left in its folder. @throws InvalidArgument where that is not even a report
-Analysis results(const cli::Outcome& outcome, const cli::Run& run) {
-  const std::filesystem::path folder = kOut;
-  Analysis found{read_file(folder / "summary.json"),
-                 read_file(folder / "onsets.csv"),
-                 read_file(folder / "samples.csv"),
-                 read_file(folder / "fit.json"),
-                 read_file(folder / "wave.json"),
-                 read_file(folder / "report.html"),
-                 ""};
-  if (found.report_html.empty())
-    throw InvalidArgument(outcome.error.empty() ? "no result for the recording" : outcome.error);
-  const Onsets onsets = onsets_from_table(cli::read_table(folder / "onsets.csv", onset_columns()), "onsets.csv");
-  cli::write_label_track(run, "labels.txt", onsets, {});
-  found.labels = read_file("labels.txt");
-  return found;
+Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config) {
+  const detection::RecordingDetection& recording = found.recordings.front();
+  if (recording.n_onsets == 0)
+    throw InvalidArgument(recording.recording + ": " + recording.found.message +
+                          ". Listen to it: is this the recording, and the channel?");
+  Analysis analysis{std::move(found), {}, {}};
+  const loop::Analysis& all = analysis.found;
+  analysis.words = report::in_words(all.fit, all.restitution.samples, config.fit.memory);
+  std::vector<std::string> warnings = report::warnings_of_drops(all.recordings);
+  for (const auto& more : {report::warnings_of(all.recordings), analysis.words.warnings})
+    for (const std::string& warning : more)
+      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+  analysis.summary = object_of(members_of(&all), &all);
+  analysis.summary.emplace_back("warnings", warnings);
+  return analysis;
 }
 
-/// Onsets of the sound as if they had been detected.
-cli::Stage<cli::DetectResult> as_detected(const Onsets& onsets, const Sound& sound, const cli::DetectOptions& options) {
+std::string csv_of(const Table& table) {
+  std::ostringstream text;
+  write_csv(text, table);
+  return text.str();
+}
+
+/// The sound as if its impacts had been found in it.
+detection::RecordingDetection marked(Onsets onsets, const Sound& sound, const std::string& recording,
+                                     const detection::DetectionConfig& config) {
   detection::Detection found;
-  found.onsets = onsets;
   found.status = detection::DetectionStatus::ok;
   found.message = std::to_string(onsets.size()) + " impacts as marked";
-  found.summary.lossy_coding = options.config.lossy_coding;
+  found.summary.lossy_coding = config.lossy_coding;
   found.summary.rate_hz = sound.rate_hz;
   found.summary.n_channels = sound.n_channels;
-  found.summary.channel = std::clamp(options.config.channel.value_or(0), 0, sound.n_channels - 1);
+  found.summary.channel = std::clamp(config.channel.value_or(0), 0, sound.n_channels - 1);
   found.summary.channel_reason = "as marked";
   found.summary.duration_s =
       static_cast<double>(sound.samples.size()) / static_cast<double>(sound.n_channels) / sound.rate_hz;
   std::set<std::int64_t> drops;
-  for (const Onset& onset : onsets) drops.insert(onset.drop);
-  found.summary.n_drops = std::ssize(drops);
-  cli::Stage<cli::DetectResult> stage;
-  if (!options.config.lossy_coding.empty()) {
-    found.warnings.push_back(detection::lossy_coding_warning(options.config.lossy_coding));
-    stage.outcome.warnings.push_back(options.recordings.front() + ": " + found.warnings.back());
+  for (Onset& onset : onsets) {
+    onset.recording = recording;
+    drops.insert(onset.drop);
   }
-  stage.result.recordings.push_back({options.recordings.front(), found.status, found.message, found.summary,
-                                     found.drops, found.warnings, onsets.size()});
-  stage.result.first.emplace(0, std::move(found));
-  return stage;
+  found.summary.n_drops = std::ssize(drops);
+  if (!config.lossy_coding.empty()) found.warnings.push_back(detection::lossy_coding_warning(config.lossy_coding));
+  found.onsets = std::move(onsets);
+  return {recording, found.onsets.size(), std::move(found)};
 }
 
 }  // namespace
 
-std::string detect(const Sound& sound, const std::string& options_json) {
+std::vector<detection::RecordingDetection> detect(const Sound& sound, const std::string& options_json) {
   const WorkingFolder folder;
-  AnalyzeCall call(sound, options_json);
-  call.options.detect.out = "onsets.csv";
-  cli::Stage<cli::DetectResult> stage;
-  with_threads(1, [&] { stage = cli::run_detect(call.options.detect, call.run); });
-  const cli::Outcome& outcome = stage.outcome;
-  Json json = Json::parse(outcome.error.empty() ? outcome.json
-                                                : cli::with_error(outcome.json, outcome.error, outcome.exit_code));
-  const bool any = !stage.result.first.empty();
-  json["onsets"] = any ? rows_of(to_table(stage.result.first.begin()->second.onsets)) : Json::array();
-  return cli::json_text(json);
+  const std::string recording = file_name(sound.name);
+  write_sound(recording, sound);
+  detection::Detection found = detection::detect(recording, config_of(options_json).detection);
+  const std::size_t n_onsets = found.onsets.size();
+  return {{recording, n_onsets, std::move(found)}};
 }
 
 Analysis analyze(const Sound& sound, const std::string& options_json) {
   const WorkingFolder folder;
-  const AnalyzeCall call(sound, options_json);
-  cli::Outcome outcome;
-  with_threads(1, [&] { outcome = cli::run_analyze(call.options, call.run); });
-  return results(outcome, call.run);
+  const loop::AnalyzeConfig config = config_of(options_json);
+  const std::string recording = file_name(sound.name);
+  write_sound(recording, sound);
+  loop::Analysis found;
+  with_threads(1, [&] { found = loop::analyze({recording}, config); });
+  return completed(std::move(found), config);
 }
 
-Analysis analyze_onsets(const std::string& onsets_csv, const Sound& sound, const std::string& options_json) {
-  const WorkingFolder folder;
-  const AnalyzeCall call(sound, options_json);
-  write_file("marks.csv", onsets_csv);
-  Onsets onsets = onsets_from_table(cli::read_table("marks.csv", onset_columns()), "marks.csv");
+Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& options_json) {
   if (onsets.empty()) throw InvalidArgument("no impact is marked; mark at least three");
-  for (Onset& onset : onsets) onset.recording = call.options.detect.recordings.front();
-  std::filesystem::create_directories(kOut);
-  cli::write_table(call.run, std::filesystem::path(kOut) / "onsets.csv", to_table(onsets));
-  cli::Outcome outcome;
-  cli::StageClock clock;
-  with_threads(1, [&] {
-    outcome = cli::analyze_found(call.options, as_detected(onsets, sound, call.options.detect), call.run, clock);
-  });
-  return results(outcome, call.run);
+  const WorkingFolder folder;
+  const loop::AnalyzeConfig config = config_of(options_json);
+  const std::string recording = file_name(sound.name);
+  write_sound(recording, sound);
+  loop::Analysis found;
+  with_threads(
+      1, [&] { found = loop::analyze_found({marked(std::move(onsets), sound, recording, config.detection)}, config); });
+  return completed(std::move(found), config);
+}
+
+std::string Analysis::file(const std::string& name) const {
+  if (name == "onsets.csv") return csv_of(to_table(loop::onsets_of(found.recordings)));
+  if (name == "samples.csv") return csv_of(to_table(found.restitution.samples));
+  if (name == "fit.json") return json_text(report::object_of(found.fit, words), 1) + "\n";
+  if (name == "wave.json") return json_text(value_of(*found.wave)) + "\n";
+  if (name == "labels.txt")
+    return audio::audacity_labels(audio::shortened(audio::annotations_of(loop::onsets_of(found.recordings))));
+  if (name != "report.html") throw InvalidArgument("no file '" + name + "'");
+  report::ReportInput input;
+  input.title = "Restitution from " + found.recordings.front().recording;
+  input.fit_json = file("fit.json");
+  input.wave_json = file("wave.json");
+  input.summary_json = json_text(summary);
+  if (!found.details.empty()) input.diagnostics_json = json_text(Object{{"recordings", value_of(found.details)}});
+  input.samples_json = report::samples_json(found.restitution.samples);
+  return report::render(input);
 }
 
 }  // namespace bouncelab::web

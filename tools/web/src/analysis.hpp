@@ -1,23 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// What the page asks for, with the texts of the command line's files. All throw what the commands throw, and
-/// InvalidArgument or FileError where a command has no result that could be shown.
+/// What the page asks for. All throw InvalidArgument or FileError where there is no result that could be shown.
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "bouncelab/detection/detect.hpp"
+#include "bouncelab/loop/analyze.hpp"
+#include "bouncelab/report/answer.hpp"
 #include "sound.hpp"
 
 namespace bouncelab::web {
 
-/// As `bouncelab detect --json`, with `onsets`, an array of the rows of onsets.csv.
-std::string detect(const Sound& sound, const std::string& options_json);
+/// Impacts of the sound. @return one recording
+std::vector<detection::RecordingDetection> detect(const Sound& sound, const std::string& options_json);
 
+/// An analysis of one sound with what is said of it.
 struct Analysis {
-  std::string summary, onsets_csv, samples_csv, fit_json, wave_json, report_html, labels;
+  loop::Analysis found;
+  report::FitInWords words;
+  Object summary;  ///< as summary.json
+
+  /// Files that the command line would leave: onsets.csv, samples.csv, fit.json, wave.json, report.html, labels.txt.
+  std::string file(const std::string& name) const;
 };
-/// As `bouncelab analyze`.
+/// @throws InvalidArgument where no impact was found
 Analysis analyze(const Sound& sound, const std::string& options_json);
-/// The same of onsets that are given.
-Analysis analyze_onsets(const std::string& onsets_csv, const Sound& sound, const std::string& options_json);
+/// The same of impacts that are given.
+Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& options_json);
 
 }  // namespace bouncelab::web

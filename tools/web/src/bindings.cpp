@@ -7,6 +7,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,8 +15,9 @@
 #include "analysis.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/version.hpp"
-#include "json/ball_json.hpp"
+#include "columns.hpp"
 #include "simulation.hpp"
+#include "stage_options/ball_choice.hpp"
 
 namespace bouncelab::web {
 namespace {
@@ -68,23 +70,25 @@ val value_of(const Sound& sound) {
   return value;
 }
 
-val value_of(const Analysis& analysis) {
+/// The analysis that was made last, of which files may be asked for.
+std::optional<Analysis> last;
+
+val shown(Analysis analysis) {
+  last = std::move(analysis);
   val value = val::object();
-  value.set("summary", analysis.summary);
-  value.set("onsetsCsv", analysis.onsets_csv);
-  value.set("samplesCsv", analysis.samples_csv);
-  value.set("fitJson", analysis.fit_json);
-  value.set("waveJson", analysis.wave_json);
-  value.set("reportHtml", analysis.report_html);
-  value.set("labels", analysis.labels);
+  value.set("summary", json_text(last->summary));
+  value.set("fit", last->file("fit.json"));
+  value.set("channel", last->found.wave->channel);
+  value.set("onsets", columns_of(to_table(loop::onsets_of(last->found.recordings))));
+  value.set("samples", columns_of(to_table(last->found.restitution.samples)));
   return value;
 }
 
 val value_of(const Simulation& made) {
   val value = value_of(made.sound);
-  value.set("impactsCsv", made.impacts_csv);
-  value.set("truthCsv", made.truth_csv);
-  value.set("lawJson", made.law_json);
+  value.set("impacts", columns_of(made.impacts));
+  value.set("truth", columns_of(made.truth));
+  value.set("law", made.law_json);
   return value;
 }
 
@@ -92,7 +96,7 @@ val bound_version() {
   return guarded([] { return std::string(version()) + " (" + std::string(commit()) + ")"; });
 }
 val bound_balls() {
-  return guarded([] { return cli::balls_json(); });
+  return guarded([] { return json_text(options::catalogue()); });
 }
 val bound_read_sound(const val& bytes, const std::string& name) {
   return guarded([&] {
@@ -102,16 +106,30 @@ val bound_read_sound(const val& bytes, const std::string& name) {
 }
 val bound_detect(const val& samples, double rate_hz, int n_channels, const std::string& name,
                  const std::string& options) {
-  return guarded([&] { return detect(sound_of(samples, rate_hz, n_channels, name), options); });
+  return guarded([&] {
+    const auto found = detect(sound_of(samples, rate_hz, n_channels, name), options);
+    val value = val::object();
+    value.set("summary", json_text(Object{{"recordings", bouncelab::value_of(found)}}));
+    value.set("onsets", columns_of(to_table(found.front().found.onsets)));
+    return value;
+  });
 }
 val bound_analyze(const val& samples, double rate_hz, int n_channels, const std::string& name,
                   const std::string& options) {
-  return guarded([&] { return value_of(analyze(sound_of(samples, rate_hz, n_channels, name), options)); });
+  return guarded([&] { return shown(analyze(sound_of(samples, rate_hz, n_channels, name), options)); });
 }
-val bound_analyze_onsets(const std::string& onsets_csv, const val& samples, double rate_hz, int n_channels,
-                         const std::string& name, const std::string& options) {
-  return guarded(
-      [&] { return value_of(analyze_onsets(onsets_csv, sound_of(samples, rate_hz, n_channels, name), options)); });
+val bound_analyze_onsets(const val& onsets, const val& samples, double rate_hz, int n_channels, const std::string& name,
+                         const std::string& options) {
+  return guarded([&] {
+    return shown(analyze_onsets(onsets_from_table(table_of(onsets, onset_columns(), "marks"), "marks"),
+                                sound_of(samples, rate_hz, n_channels, name), options));
+  });
+}
+val bound_file(const std::string& name) {
+  return guarded([&] {
+    if (!last) throw InvalidArgument("nothing was analysed");
+    return last->file(name);
+  });
 }
 val bound_simulate(const std::string& options) {
   return guarded([&] { return value_of(simulate(options)); });
@@ -135,6 +153,7 @@ EMSCRIPTEN_BINDINGS(bouncelab) {
   emscripten::function("bound_detect", &bound_detect);
   emscripten::function("bound_analyze", &bound_analyze);
   emscripten::function("bound_analyzeOnsets", &bound_analyze_onsets);
+  emscripten::function("bound_file", &bound_file);
   emscripten::function("bound_simulate", &bound_simulate);
   emscripten::function("bound_scatter", &bound_scatter);
   emscripten::function("bound_wav", &bound_wav);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
@@ -11,30 +10,36 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/loop/scatter_theory.hpp"
 #include "bouncelab/sim/sim.hpp"
-#include "commands/simulate_command.hpp"
-#include "commands/synthesize_command.hpp"
-#include "files.hpp"
-#include "json/json_text.hpp"
-#include "json/stage_json.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "options.hpp"
+#include "stage_options/simulate_options.hpp"
+#include "stage_options/synthesize_options.hpp"
 
 namespace bouncelab::web {
 namespace {
 
 /// Options of `simulate` and `synthesize`.
 struct SimulateCall {
-  cli::SimulateOptions simulated;
-  cli::SynthesizeOptions synthesized;
-  cli::Run run;
+  options::SimulateOptions simulated;
+  options::SynthesizeOptions synthesized;
+  std::uint64_t seed = 1;
 
   explicit SimulateCall(const std::string& options_json) {
-    static const Description ball = cli::ball_options("steel:6mm on glass");
-    run = parse({{"", &ball, &simulated.world},
+    static const Description ball = options::ball_options("steel:6mm on glass");
+    static const Description common{member<std::uint64_t>(
+        "seed", [](auto& s) -> auto& { return s; }, "Seed of all random numbers")};
+    set_options({{"", &ball, &simulated.world},
                  {"", &members_of(&simulated), &simulated},
                  {"", &members_of(&synthesized), &synthesized},
-                 cli::disturbances_section(synthesized)},
+                 disturbances_section(synthesized),
+                 {"", &common, &seed}},
                 options_json);
     synthesized.world = simulated.world;
+  }
+  sim::SimulationConfig simulation() const { return simulation_config(simulated, seed, 1); }
+  sim::Surface surface(const sim::SimulationConfig& config) const {
+    return sim::make_surface(config.ball, simulated.n_asperities, sim::radius_law_from_text(simulated.radius_law),
+                             seed);
   }
 };
 
@@ -42,12 +47,12 @@ struct SimulateCall {
 std::string law_json(const sim::SimulationConfig& config) {
   constexpr int kPoints = 100;
   const double fastest_mps = std::sqrt(2.0 * config.gravity_mps2 * config.drop_height_max_m);
-  nlohmann::ordered_json curve = nlohmann::ordered_json::array();
+  Values curve;
   for (int k = 1; k <= kPoints; ++k) {
     const double v_mps = fastest_mps * k / kPoints;
-    curve.push_back({{"v_mps", v_mps}, {"eps", restitution(config.law, v_mps)}});
+    curve.push_back(Object{{"v_mps", v_mps}, {"eps", restitution(config.law, v_mps)}});
   }
-  return cli::json_text(nlohmann::ordered_json{{"law", describe(config.law)}, {"curve", curve}});
+  return json_text(Object{{"law", describe(config.law)}, {"curve", curve}});
 }
 
 /// Above this share of contacts with the smooth sphere between the asperities the offsets are far from normal, which
@@ -90,57 +95,58 @@ std::vector<fit::HistogramFit> with_bins(std::vector<fit::HistogramFit> windows,
 }  // namespace
 
 Simulation simulate(const std::string& options_json) {
-  const WorkingFolder folder;
-  SimulateCall call(options_json);
-  cli::SimulateOptions& simulated = call.simulated;
-  cli::SynthesizeOptions& synthesized = call.synthesized;
-  const cli::Run& run = call.run;
-  simulated.out = synthesized.impacts = "impacts.csv";
-  synthesized.out = "simulated.wav";
-  synthesized.truth = "truth.csv";
+  const SimulateCall call(options_json);
+  const sim::SimulationConfig config = call.simulation();
+  const synthesis::SynthesisConfig sound_config = synthesis_config(call.synthesized, call.seed, 1);
   Simulation made;
   with_threads(1, [&] {
-    for (const cli::Outcome& outcome : {cli::run_simulate(simulated, run), cli::run_synthesize(synthesized, run)})
-      if (!outcome.error.empty()) throw InvalidArgument(outcome.error);
+    const Impacts impacts = sim::simulate(config, call.surface(config)).impacts;
+    if (impacts.rows.empty()) throw InvalidArgument("no drop had an impact");
+    const synthesis::SyntheticRecording recording(impacts, sound_config);
+    made.sound = {recording.samples_as_read_back(),
+                  static_cast<double>(sound_config.rate_hz),
+                  static_cast<int>(sound_config.channels.size()),
+                  "simulated",
+                  {},
+                  {},
+                  {}};
+    made.truth = synthesis::truth_table(recording.truth(), "simulated");
+    made.impacts = to_table(impacts);
   });
-  made.impacts_csv = read_file(simulated.out);
-  made.truth_csv = read_file(synthesized.truth);
-  made.law_json = law_json(cli::simulation_config(simulated, run.common));
-  made.sound = read_recording(synthesized.out);
+  made.law_json = law_json(config);
   return made;
 }
 
 std::string scatter(const std::string& options_json) {
-  const WorkingFolder folder;
   const SimulateCall call(options_json);
-  const sim::SimulationConfig config = cli::simulation_config(call.simulated, call.run.common);
-  const sim::ContactOffset offset =
-      loop::contact_offset_of(config.ball, nullptr, sim::radius_law_from_text(call.simulated.radius_law),
-                              call.simulated.n_asperities, call.run.common.n_threads);
+  const sim::SimulationConfig config = call.simulation();
+  const sim::ContactOffset offset = loop::contact_offset_of(
+      config.ball, nullptr, sim::radius_law_from_text(call.simulated.radius_law), call.simulated.n_asperities, 1);
   std::optional<loop::ScatterTheory> theory;
   std::vector<fit::HistogramFit> windows = windows_of_fit();
   if (offset.smooth_share <= kMostSmooth)
     with_threads(1, [&] {
-      const Impacts impacts = sim::simulate(config, cli::surface_of(call.simulated, config)).impacts;
+      const Impacts impacts = sim::simulate(config, call.surface(config)).impacts;
       theory = loop::scatter_theory(config, offset, impacts, windows);
       if (!theory) return;
       windows = with_bins(std::move(windows), config.law, theory->slopes);
       theory = loop::scatter_theory(config, offset, impacts, windows);
     });
-  const double smooth_share = offset.smooth_share;
-  if (!theory) {
-    return cli::json_text(
-        nlohmann::ordered_json{{"smooth_share", smooth_share}, {"densities", nlohmann::ordered_json::array()}});
-  }
-  nlohmann::ordered_json json = cli::scatter_json(*theory);
-  json["n_drops"] = config.n_drops;
-  json["smooth_share"] = smooth_share;
+  if (!theory) return json_text(Object{{"smooth_share", offset.smooth_share}, {"densities", Values{}}});
+  Values densities;
   for (std::size_t k = 0; k < windows.size(); ++k) {  // none is without impacts
-    json["densities"][k]["v_lo_mps"] = windows[k].v_lo_mps;
-    json["densities"][k]["v_hi_mps"] = windows[k].v_hi_mps;
-    json["densities"][k]["eps_edges"] = windows[k].bins.eps_edges;
+    Object density = object_of(members_of(&theory->densities[k]), &theory->densities[k]);
+    density.emplace_back("v_lo_mps", windows[k].v_lo_mps);
+    density.emplace_back("v_hi_mps", windows[k].v_hi_mps);
+    density.emplace_back("eps_edges", windows[k].bins.eps_edges);
+    densities.push_back(std::move(density));
   }
-  return cli::json_text(json);
+  Object all = object_of(members_of(&*theory), &*theory);
+  for (auto& [name, value] : all)
+    if (name == "densities") value = std::move(densities);
+  all.emplace_back("n_drops", config.n_drops);
+  all.emplace_back("smooth_share", offset.smooth_share);
+  return json_text(all);
 }
 
 }  // namespace bouncelab::web

@@ -3,12 +3,14 @@
 
 #include <string>
 
+#include "bouncelab/core/table.hpp"
 #include "sound.hpp"
 
 namespace bouncelab::web {
 
 struct Simulation {
-  std::string impacts_csv, truth_csv, law_json;
+  Table impacts, truth;
+  std::string law_json;
   Sound sound;
 };
 /// As `bouncelab simulate` and `bouncelab synthesize`, whose options are taken together.

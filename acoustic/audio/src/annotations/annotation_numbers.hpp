@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <string_view>
 #include <system_error>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
 
 namespace bouncelab::audio {
 
 /// The fewest digits that read back to the same number.
 inline std::string number_text(double value) {
   char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+  return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
 /// The same without an exponent: Praat and Audacity do not read one.
 inline std::string plain_number_text(double value) {
   char buffer[400];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr};
+  return {buffer, bouncelab::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr};
 }
 
 /// All of the text as a number; false if it is something else.
 template <class Number>
 bool parse_number(std::string_view text, Number& value) {
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
   return status == std::errc{} && end == text.data() + text.size() && !text.empty();
 }
 

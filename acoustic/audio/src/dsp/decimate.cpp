@@ -40,7 +40,7 @@ std::vector<float> low_pass(int factor) {
 AudioSource decimate(const AudioSource& source, int factor) {
   const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
     const std::size_t n = out.size() * static_cast<std::size_t>(factor) + taps.size();
-    const auto memory = std::make_unique_for_overwrite<float[]>(n);  // a vector would be set to zero first
+    const auto memory = std::unique_ptr<float[]>(new float[n]);  // a vector would be set to zero first
     const std::span<float> x(memory.get(), n);
     read_padded(source, (first - 8) * factor, x);
     filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);

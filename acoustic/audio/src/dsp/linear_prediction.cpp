@@ -151,7 +151,7 @@ void read_innovations(const AudioSource& source, const ArModel& model, std::int6
   const std::size_t order = model.filter.size() - 1;
   const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
   // not a vector, which would set to zero what is overwritten at once
-  const auto sound = std::make_unique_for_overwrite<float[]>(std::min(kAtOnce, out.size()) + order);
+  const auto sound = std::unique_ptr<float[]>(new float[std::min(kAtOnce, out.size()) + order]);
   for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
     const std::size_t n = std::min(kAtOnce, out.size() - at);
     const std::span<float> filled{sound.get(), n + order};

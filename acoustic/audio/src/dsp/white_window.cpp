@@ -27,7 +27,7 @@ WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whit
 
 WhiteSound::WhiteSound(const AudioSource& source)
     : source_(source),
-      own_(std::make_unique_for_overwrite<float[]>(kOwn)),
+      own_(std::unique_ptr<float[]>(new float[kOwn])),
       memory_(own_.get(), kOwn),
       places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
 

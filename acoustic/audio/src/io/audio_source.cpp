@@ -2,12 +2,12 @@
 #include "bouncelab/audio/audio_source.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 bool are_finite(std::span<const float> samples) {
   constexpr std::uint32_t kAllOnes = 0x7f800000;
   std::uint32_t n_bad = 0;
-  for (const float x : samples) n_bad += (std::bit_cast<std::uint32_t>(x) & kAllOnes) == kAllOnes;
+  for (const float x : samples) n_bad += (bouncelab::bit_cast<std::uint32_t>(x) & kAllOnes) == kAllOnes;
   return n_bad == 0;
 }
 

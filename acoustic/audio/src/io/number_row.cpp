@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/standard.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -31,7 +31,7 @@ double rounding_of(std::string_view number) {
   if (exponent_at < number.size()) {
     const char* begin = number.data() + exponent_at + 1;
     if (begin < number.data() + number.size() && *begin == '+') ++begin;
-    std::from_chars(begin, number.data() + number.size(), exponent);
+    bouncelab::from_chars(begin, number.data() + number.size(), exponent);
   }
   return 0.5 * pow(10.0, exponent - n_decimals);
 }
@@ -75,7 +75,7 @@ std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
     std::replace(text.begin(), text.end(), ',', '.');
   }
   double value = 0.0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  const auto [end, error] = bouncelab::from_chars(number.data(), number.data() + number.size(), value);
   if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value)) return std::nullopt;
   return NumberCell{value, rounding_of(number)};
 }

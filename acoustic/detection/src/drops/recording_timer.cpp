@@ -30,7 +30,7 @@ class SampleMemory {
   std::span<float> of_size(std::size_t n) {
     if (n > n_held_) {
       held_.reset();
-      held_ = std::make_unique_for_overwrite<float[]>(n);
+      held_ = std::unique_ptr<float[]>(new float[n]);
       n_held_ = n;
     }
     return {held_.get(), n};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/standard.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -28,7 +28,7 @@ inline double student3(double x, double width) {
 inline double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
 
 /// The exponent of x > 0 as a power of two. The C library's ilogb is a call.
-inline int binary_exponent(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52) - 1023; }
+inline int binary_exponent(double x) { return static_cast<int>(bouncelab::bit_cast<std::uint64_t>(x) >> 52) - 1023; }
 
 /// No less than log(x), without taking it; of what is not a number no more than of 0.
 inline double largest_log(double x) {

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
+#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
@@ -52,9 +52,9 @@ constexpr std::uint32_t kFewBits = 1U << 7;
 /// log u to 1 unit in the last place, u > 0 and normal: Cephes' logf (S. L. Moshier), without branches.
 [[gnu::always_inline]] inline float log_of(float u) {
   constexpr std::uint32_t kSqrtHalf = 0x3f3504f3U, kMantissa = 0x007fffffU;
-  const std::uint32_t above = std::bit_cast<std::uint32_t>(u) - kSqrtHalf;
+  const std::uint32_t above = bouncelab::bit_cast<std::uint32_t>(u) - kSqrtHalf;
   const auto exponent = static_cast<float>(static_cast<std::int32_t>(above) >> 23);
-  const float x = std::bit_cast<float>((above & kMantissa) + kSqrtHalf) - 1.0F, z = x * x;
+  const float x = bouncelab::bit_cast<float>((above & kMantissa) + kSqrtHalf) - 1.0F, z = x * x;
   float p = 7.0376836292e-2F;
   p = p * x - 1.1514610310e-1F;
   p = p * x + 1.1676998740e-1F;
@@ -84,7 +84,7 @@ constexpr std::uint32_t kFewBits = 1U << 7;
   const float cosine =
       (1.0F - 0.5F * z) + z * z * ((2.443315711809948e-5F * z - 1.388731625493765e-3F) * z + 4.166664568298827e-2F);
   const bool is_exchanged = (word & kExchange) != 0;
-  const float signed_radius = std::bit_cast<float>(std::bit_cast<std::uint32_t>(radius) ^ (word & kSign));
+  const float signed_radius = bouncelab::bit_cast<float>(bouncelab::bit_cast<std::uint32_t>(radius) ^ (word & kSign));
   x = signed_radius * (is_exchanged ? sine : cosine);
   y = signed_radius * (is_exchanged ? cosine : sine);
 }

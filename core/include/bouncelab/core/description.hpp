@@ -74,6 +74,9 @@ using Description = std::vector<Member>;
 /// name holds, an object, stands in this one.
 Object object_of(const Description& description, const void* object);
 
+/// The values of `more` behind those of `all`.
+void append(Object& all, Object more);
+
 // What follows makes members of pointers to them.
 
 namespace describe_detail {

@@ -55,6 +55,9 @@ struct Analysis {
   std::vector<std::pair<std::string, double>> seconds;  ///< wall time by stage
 };
 
+/// summary.json: counts, recordings, seconds.
+const Description& members_of(const Analysis*);
+
 /// The onsets of all recordings, one after the other.
 Onsets onsets_of(const std::vector<detection::RecordingDetection>& recordings);
 

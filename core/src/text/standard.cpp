@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "standard_library.hpp"
+#include "bouncelab/core/standard.hpp"
 
 #ifndef __cpp_lib_to_chars
 
@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 
+namespace bouncelab {
 namespace {
 
 /// Has the text of a number another digit than 0 before its exponent?
@@ -22,12 +23,9 @@ bool is_not_zero(std::string_view text) {
 }
 
 template <class Real>
-std::from_chars_result read(const char* first, const char* last, Real& value, std::chars_format format) {
+std::from_chars_result read(const char* first, const char* last, Real& value) {
   Real read{};
-  const auto style = format == std::chars_format::fixed        ? fast_float::chars_format::fixed
-                     : format == std::chars_format::scientific ? fast_float::chars_format::scientific
-                                                               : fast_float::chars_format::general;
-  const auto [end, status] = fast_float::from_chars(first, last, read, style);
+  const auto [end, status] = fast_float::from_chars(first, last, read);
   if (status != std::errc{}) return {end, status};
   // fast_float 3 rounds to infinity and zero in silence
   const std::string_view text(first, static_cast<std::size_t>(end - first));
@@ -90,26 +88,24 @@ std::to_chars_result write_shortest(char* first, char* last, Real value) {
 
 }  // namespace
 
-namespace std {
-
-from_chars_result from_chars(const char* first, const char* last, double& value, chars_format format) {
-  return read(first, last, value, format);
+std::from_chars_result from_chars(const char* first, const char* last, double& value) {
+  return read(first, last, value);
 }
-from_chars_result from_chars(const char* first, const char* last, float& value, chars_format format) {
-  return read(first, last, value, format);
+std::from_chars_result from_chars(const char* first, const char* last, float& value) {
+  return read(first, last, value);
 }
-to_chars_result to_chars(char* first, char* last, double value) { return write_shortest(first, last, value); }
-to_chars_result to_chars(char* first, char* last, float value) { return write_shortest(first, last, value); }
-to_chars_result to_chars(char* first, char* last, double value, chars_format) {
-  if (!isfinite(value)) return put(first, last, fmt::format("{}", value));
+std::to_chars_result to_chars(char* first, char* last, double value) { return write_shortest(first, last, value); }
+std::to_chars_result to_chars(char* first, char* last, float value) { return write_shortest(first, last, value); }
+std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format) {
+  if (!std::isfinite(value)) return put(first, last, fmt::format("{}", value));
   return put(first, last, fixed(shortest(value)));
 }
-to_chars_result to_chars(char* first, char* last, double value, chars_format, int precision) {
+std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format, int precision) {
   char text[64];
-  snprintf(text, sizeof text, "%.*g", precision, value);
+  std::snprintf(text, sizeof text, "%.*g", precision, value);
   return put(first, last, text);
 }
 
-}  // namespace std
+}  // namespace bouncelab
 
 #endif

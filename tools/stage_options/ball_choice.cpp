@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/ball.hpp"
-#include "commands/ball_choice.hpp"
+#include "stage_options/ball_choice.hpp"
 
-namespace bouncelab::cli {
+namespace bouncelab::options {
 
 Description ball_options(const std::string& unnamed) {
   const std::string otherwise = unnamed.empty() ? "" : "; default: " + unnamed;
@@ -18,4 +17,6 @@ Description ball_options(const std::string& unnamed) {
               .checked_by([](const std::string& text) { plate_from_text(text); })};
 }
 
-}  // namespace bouncelab::cli
+Object catalogue() { return {{"balls", value_of(ball_kinds())}, {"plates", value_of(plate_kinds())}}; }
+
+}  // namespace bouncelab::options

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// What there is to say of recordings in which impacts were looked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bouncelab/detection/detect.hpp"
+
+namespace bouncelab::report {
+
+/// One line on the drops of low odds: how many, and where the first are; none where there is no such drop.
+std::vector<std::string> warnings_of_drops(const std::vector<detection::RecordingDetection>& recordings);
+/// What to tell people of each recording, a line each.
+std::vector<std::string> warnings_of(const std::vector<detection::RecordingDetection>& recordings);
+
+}  // namespace bouncelab::report

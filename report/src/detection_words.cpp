@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/report/detection.hpp"
+
+namespace bouncelab::report {
+namespace {
+
+/// A recording's name for people.
+std::string name_of(const detection::RecordingDetection& r) { return printable(input_name(r.recording)); }
+
+}  // namespace
+
+std::vector<std::string> warnings_of_drops(const std::vector<detection::RecordingDetection>& recordings) {
+  constexpr std::size_t kMostNamed = 5;
+  std::size_t n_drops = 0, n_doubtful = 0;
+  std::string where;
+  for (const detection::RecordingDetection& r : recordings) {
+    n_drops += r.found.drops.size();
+    for (const detection::DropSummary& drop : r.found.drops) {
+      if (!drop.is_doubtful() || ++n_doubtful > kMostNamed) continue;
+      where += (where.empty() ? "" : ", ") + name_of(r) + formatted(" at %.1f s (%.1f to 1)", drop.begin_s, drop.odds);
+    }
+  }
+  if (n_doubtful == 0) return {};
+  if (n_doubtful > kMostNamed) where += formatted(" and %zu more", n_doubtful - kMostNamed);
+  return {formatted("%zu of %zu drops %s doubtful, odds below %.0f to 1 for a bouncing ball: ", n_doubtful, n_drops,
+                    n_doubtful == 1 ? "is" : "are", detection::DropSummary::kDoubtfulOdds) +
+          where + "; kept, listen there"};
+}
+
+std::vector<std::string> warnings_of(const std::vector<detection::RecordingDetection>& recordings) {
+  std::vector<std::string> warnings;
+  for (const detection::RecordingDetection& r : recordings) {
+    if (r.found.status == detection::DetectionStatus::unreadable) warnings.push_back(r.found.message + "; left out");
+    for (const std::string& warning : r.found.warnings) warnings.push_back(name_of(r) + ": " + warning);
+  }
+  return warnings;
+}
+
+}  // namespace bouncelab::report

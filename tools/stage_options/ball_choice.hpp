@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
+
+namespace bouncelab::options {
+
+/// The ball and what it falls on, as the user describes them.
+struct BallChoice {
+  std::string ball;   ///< for ball_from_text; empty: not named
+  std::string plate;  ///< for plate_from_text; empty: not named
+};
+
+/// Options --ball and --plate.
+/// @param unnamed  what is taken where they are not given; empty: the default says it
+Description ball_options(const std::string& unnamed);
+
+/// The ball that is simulated where none is named: the paper's, on its glass plate.
+inline const BallChoice kPaperBall{"steel:6mm", "glass"};
+
+inline std::optional<Ball> ball_of(const BallChoice& choice) {
+  return choice.ball.empty() ? std::nullopt : std::optional(ball_from_text(choice.ball));
+}
+inline std::optional<Material> plate_of(const BallChoice& choice) {
+  return choice.plate.empty() ? std::nullopt : std::optional(plate_from_text(choice.plate));
+}
+
+/// All balls, materials and plates.
+Object catalogue();
+
+}  // namespace bouncelab::options

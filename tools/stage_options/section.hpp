@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Options as data, for whatever lets people set them: command line, Python, page.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/description.hpp"
+
+namespace bouncelab::options {
+
+/// The options of one struct, and the object that they set.
+struct Section {
+  std::string heading;  ///< in --help; empty: the command's own
+  const Description* description = nullptr;
+  void* object = nullptr;
+  /// Stages whose options these are: the sections of a configuration file in which they may stand too.
+  std::vector<std::string> stages{};
+  bool only_in_full_help = false;  ///< shown by --help-all alone
+};
+
+/// An option of a section.
+struct Option {
+  const Member* member = nullptr;
+  void* object = nullptr;
+  const Section* section = nullptr;
+};
+std::vector<Option> options_of(const std::vector<Section>& sections);
+/// By the name without dashes in front; absent where there is none, or it is positional.
+std::optional<Option> option_named(const std::vector<Section>& sections, const std::string& name);
+
+}  // namespace bouncelab::options

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stage_options/synthesize_options.hpp"
+
+#include <cmath>
+#include <iterator>
+#include <string_view>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
+
+namespace bouncelab::options {
+namespace {
+
+std::string hard_case_help() {
+  std::string help = "A recording in which impacts are hard to detect:";
+  for (const synthesis::HardCase& hard : synthesis::hard_cases()) help += "\n  " + hard.name + ": " + hard.what;
+  return help;
+}
+
+audio::SampleEncoding encoding_of(const std::string& bits) {
+  if (bits == "16") return audio::SampleEncoding::pcm16;
+  if (bits == "32") return audio::SampleEncoding::pcm32;
+  return bits == "float" ? audio::SampleEncoding::float32 : audio::SampleEncoding::pcm24;
+}
+
+/// False where the text is not one finite decimal number.
+bool read_number(std::string_view text, double& value) {
+  const auto [end, status] = bouncelab::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+}
+
+synthesis::Channel channel_of(const std::string& text, double default_z_m) {
+  synthesis::Channel channel;
+  channel.z_m = default_z_m;
+  double* const fields[] = {&channel.x_m, &channel.y_m, &channel.z_m, &channel.gain};
+  std::string_view rest = text;
+  for (std::size_t n = 0; n < std::size(fields); ++n) {
+    const auto comma = rest.find(',');
+    if (!read_number(rest.substr(0, comma), *fields[n])) break;
+    if (comma == std::string_view::npos && n >= 1) return channel;
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  throw InvalidArgument("--channel: '" + printable(text) +
+                        "' is not X,Y[,Z[,GAIN]], finite decimal numbers, in metres");
+}
+
+}  // namespace
+
+const Description& members_of(const SynthesizeOptions*) {
+  using O = SynthesizeOptions;
+  static const Description options{
+      member("sensor", &O::sensor, "Sensor").one_of({"piezo", "microphone"}),
+      member("channel", &O::channels,
+             "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; GAIN "
+             "0 is a dead channel"),
+      member<O>(
+          "rate", [](auto& o) -> auto& { return o.config.rate_hz; }, "Sample rate [Hz]")
+          .within(8000, 2e6),
+      member("bits", &O::bits, "Bits of a sample").one_of({"16", "24", "32", "float"}),
+      member<O>(
+          "snr_db", [](auto& o) -> auto& { return o.config.snr_db; },
+          "Clean peak of the weakest wanted impact over the rms of the noise [dB]")
+          .within(-40.0, 200.0),
+      member<O>(
+          "noise_corner", [](auto& o) -> auto& { return o.config.noise_corner_hz; },
+          "Noise grows like 1/f below this [Hz]; 0: white")
+          .within(0.0, 1e6),
+      member<O>(
+          "peak", [](auto& o) -> auto& { return o.config.peak; },
+          "Clean peak of the strongest impact, full scale = 1; above 1 it is clipped")
+          .within(1e-6, 1e3),
+      member<O>(
+          "lead_in", [](auto& o) -> auto& { return o.config.lead_in_s; }, "Before the first release [s]")
+          .within(0.01, 3600.0),
+      member<O>(
+          "pause", [](auto& o) -> auto& { return o.config.pause_s; }, "After each drop's last impact [s]")
+          .within(0.05, 3600.0),
+      member("positions", &O::positions,
+             "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
+          .one_of({"simulated", "drawn"}),
+      member<O>(
+          "spread", [](auto& o) -> auto& { return o.config.start_spread_m; },
+          "Drawn positions lie within this of the middle [m]")
+          .within(0.0, 10.0),
+      member<O>(
+          "max_mode", [](auto& o) -> auto& { return o.config.max_mode_hz; }, "Modes of the ground up to this [Hz]")
+          .within(100.0, 200e3),
+      member("hard", &O::hard_case, hard_case_help())};
+  return options;
+}
+
+Section disturbances_section(SynthesizeOptions& options) {
+  synthesis::Disturbances& disturbances = options.config.disturbances;
+  return {"Disturbances (levels in units of the weakest wanted impact's peak)", &members_of(&disturbances),
+          &disturbances};
+}
+
+synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, std::uint64_t seed, int n_threads) {
+  synthesis::SynthesisConfig config = options.config;
+  config.seed = seed;
+  config.n_threads = n_threads;
+  if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = *ball;
+  if (const std::optional<Material> plate = plate_of(options.world)) config.ground = synthesis::ground_of(*plate);
+  config.encoding = encoding_of(options.bits);
+  config.simulated_positions = options.positions == "simulated";
+  const bool by_air = options.sensor == "microphone";
+  if (by_air) config.sensor = synthesis::microphone();
+  const double default_z_m = by_air ? 0.3 : 0.0;
+  config.channels.front().z_m = default_z_m;
+  if (!options.channels.empty()) config.channels.clear();
+  for (const std::string& text : options.channels) config.channels.push_back(channel_of(text, default_z_m));
+  return options.hard_case.empty() ? config : synthesis::with_hard_case(config, options.hard_case);
+}
+
+}  // namespace bouncelab::options
