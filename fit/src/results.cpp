@@ -64,76 +64,9 @@ std::optional<std::string> text_of_ball(const std::optional<Thing>& ball) {
     return plate_text(*ball);
 }
 
-Object tests_of(const MemoryFit& memory) {
-  using M = MemoryFit;
-  static const Description tests{
-      result<M>(
-          "leak_z", [](const M& m) { return m.leak.z; }, "No leak, in standard errors"),
-      result<M>(
-          "leak_p", [](const M& m) { return m.leak.p_value; }, "Its p, two-sided"),
-      result<M>(
-          "release_z", [](const M& m) { return m.release.z; },
-          "No reservoir at the release, a statement on which nothing in the fit depends"),
-      result<M>(
-          "release_p", [](const M& m) { return m.release.p_value; }, "Its p, two-sided"),
-      result<M>(
-          "mechanism_z", [](const M& m) { return m.mechanism.z; }, "The scatter's offset and its width by the same q"),
-      result<M>(
-          "mechanism_p", [](const M& m) { return m.mechanism.p_value; }, "Its p, two-sided"),
-      result<M>(
-          "by_speed_z", [](const M& m) { return m.by_speed.z; },
-          "The same q at every speed; above 0: faster impacts want more"),
-      result<M>(
-          "by_speed_p", [](const M& m) { return m.by_speed.p_value; }, "Its p, two-sided"),
-      result<M>(
-          "between_drops_ratio",
-          [](const M& m) { return m.between_drops ? std::optional(m.between_drops->ratio) : std::nullopt; },
-          "Variance between drops of what they ask of the parameters over what their impacts make it, 1 but for "
-          "chance; `null` of one drop"),
-      result<M>(
-          "between_drops_p",
-          [](const M& m) { return m.between_drops ? std::optional(m.between_drops->p_value) : std::nullopt; },
-          "Its p, one-sided")};
-  return object_of(tests, &memory);
-}
+Object tests_of(const MemoryFit& memory) { return object_of(members_of_tests(), &memory); }
 
-Object roughness_of(const MemoryFit& memory) {
-  using M = MemoryFit;
-  static const Description roughness{
-      result<M>(
-          "q", [](const M& m) { return m.roughness.q.value; }, "c s₂, all that the scatter knows of ball and surface"),
-      result<M>(
-          "q_se", [](const M& m) { return m.roughness.q.se; }, "Its standard error"),
-      result<M>(
-          "q_ci95", [](const M& m) { return m.roughness.q.ci95; }, "Its 95 % interval"),
-      result<M>(
-          "ball", [](const M& m) { return text_of_ball(m.ball); },
-          "That the following is for; `null` where none was named: a solid sphere"),
-      result<M>(
-          "inertia_factor", [](const M& m) { return m.roughness.inertia_factor; }, "Its J/(m R²)"),
-      result<M>(
-          "s2_no_slip", [](const M& m) { return m.roughness.s2_no_slip; },
-          "s₂, variance of each component of the contact's offset over R, without slip: q (1 + J/(m R²))"),
-      result<M>(
-          "s2_frictionless", [](const M& m) { return m.roughness.s2_frictionless; },
-          "The same without friction: q J/(m R²)"),
-      result<M>(
-          "rms_tilt_no_slip_deg", [](const M& m) { return m.roughness.rms_tilt_no_slip_deg; },
-          "Root mean square angle of the contact's normal, √(2 s₂), in degrees"),
-      result<M>(
-          "n_constant_radii", [](const M& m) { return m.roughness.n_constant_radii; },
-          "A surface with that `s2_no_slip`: number of asperities of one radius"),
-      result<M>(
-          "lambda_exponential", [](const M& m) { return m.roughness.lambda_exponential; },
-          "Another: mean radius over R of exponential ones"),
-      result<M>(
-          "width_uniform_1e6", [](const M& m) { return m.roughness.width_uniform_1e6; },
-          "Another: width over R of uniform ones, 1e6 of them"),
-      result<M>("leak", leak_of, "As of the memory"),
-      result<M>(
-          "mechanism_p", [](const M& m) { return m.mechanism.p_value; }, "As of the memory")};
-  return object_of(roughness, &memory);
-}
+Object roughness_of(const MemoryFit& memory) { return object_of(members_of_roughness(), &memory); }
 
 Object pooled_law(const BetweenRecordings& between) {
   using B = BetweenRecordings;
@@ -295,13 +228,10 @@ const Description& members_of(const LawFit*) {
       result("covariance", &F::covariance, "Matrix by rows"),
       result("condition_number", &F::condition_number, "Of the correlation matrix"),
       result("nodes", &F::nodes,
-             "`[{v_mps, eps, se, se_independent, ci68, ci95, bootstrap}]`, by default at 0.25, 0.6, 1.2 m/s where the "
+             "By default at 0.25, 0.6, 1.2 m/s where the "
              "data reach there, else within the data"),
       result("node_correlation", &F::node_correlation, "Matrix by rows"),
-      result("scatter", &F::scatter,
-             "`form`, `v_ref_mps`, `log_below`, `log_above`, `normal_ratio`: two exponentials, log b = Σ c_k "
-             "log(v/v_ref)^k, b their means below (rising side) and above (falling side), and a normal part of "
-             "standard deviation normal_ratio √(b₋ b₊), 0 without one; ε(v) is the peak of the sum"),
+      result("scatter", &F::scatter, "Of the samples about ε(v), see below"),
       result("loglik", &F::loglik, "Log-likelihood"),
       result("aic", &F::aic, "AIC"),
       result("bic", &F::bic, "BIC"),
@@ -310,10 +240,78 @@ const Description& members_of(const LawFit*) {
       result("p_value", &F::p_value, "Its p"),
       result("anderson_darling", &F::anderson_darling, "`null`, or `{a2, p_value, n_replicates}`"),
       result("curve", &F::curve, "`[{v_mps, eps, lo95, hi95}]`"),
-      result("residuals", &F::residuals,
-             "Bins of speed `[{v_mps, n, mean_residual, median_residual, pull, scatter_ratio}]`: median speed; "
-             "residuals of ε - ε(v); mean score over its standard error; mean absolute residual over what is "
-             "expected")};
+      result("residuals", &F::residuals, "Bins of speed, see below")};
+  return all;
+}
+
+const Description& members_of_tests() {
+  using M = MemoryFit;
+  static const Description all{
+      result<M>(
+          "leak_z", [](const M& m) { return m.leak.z; }, "No leak, in standard errors"),
+      result<M>(
+          "leak_p", [](const M& m) { return m.leak.p_value; }, "Its p, two-sided"),
+      result<M>(
+          "release_z", [](const M& m) { return m.release.z; },
+          "No reservoir at the release, a statement on which nothing in the fit depends"),
+      result<M>(
+          "release_p", [](const M& m) { return m.release.p_value; }, "Its p, two-sided"),
+      result<M>(
+          "mechanism_z", [](const M& m) { return m.mechanism.z; }, "The scatter's offset and its width by the same q"),
+      result<M>(
+          "mechanism_p", [](const M& m) { return m.mechanism.p_value; }, "Its p, two-sided"),
+      result<M>(
+          "by_speed_z", [](const M& m) { return m.by_speed.z; },
+          "The same q at every speed; above 0: faster impacts want more"),
+      result<M>(
+          "by_speed_p", [](const M& m) { return m.by_speed.p_value; }, "Its p, two-sided"),
+      result<M>(
+          "between_drops_ratio",
+          [](const M& m) { return m.between_drops ? std::optional(m.between_drops->ratio) : std::nullopt; },
+          "Variance between drops of what they ask of the parameters over what their impacts make it, 1 but for "
+          "chance; `null` of one drop"),
+      result<M>(
+          "between_drops_p",
+          [](const M& m) { return m.between_drops ? std::optional(m.between_drops->p_value) : std::nullopt; },
+          "Its p, one-sided")};
+  return all;
+}
+
+const Description& members_of_roughness() {
+  using M = MemoryFit;
+  static const Description all{
+      result<M>(
+          "q", [](const M& m) { return m.roughness.q.value; }, "c s₂, all that the scatter knows of ball and surface"),
+      result<M>(
+          "q_se", [](const M& m) { return m.roughness.q.se; }, "Its standard error"),
+      result<M>(
+          "q_ci95", [](const M& m) { return m.roughness.q.ci95; }, "Its 95 % interval"),
+      result<M>(
+          "ball", [](const M& m) { return text_of_ball(m.ball); },
+          "That the following is for; `null` where none was named: a solid sphere"),
+      result<M>(
+          "inertia_factor", [](const M& m) { return m.roughness.inertia_factor; }, "Its J/(m R²)"),
+      result<M>(
+          "s2_no_slip", [](const M& m) { return m.roughness.s2_no_slip; },
+          "s₂, variance of each component of the contact's offset over R, without slip: q (1 + J/(m R²))"),
+      result<M>(
+          "s2_frictionless", [](const M& m) { return m.roughness.s2_frictionless; },
+          "The same without friction: q J/(m R²)"),
+      result<M>(
+          "rms_tilt_no_slip_deg", [](const M& m) { return m.roughness.rms_tilt_no_slip_deg; },
+          "Root mean square angle of the contact's normal, √(2 s₂), in degrees"),
+      result<M>(
+          "n_constant_radii", [](const M& m) { return m.roughness.n_constant_radii; },
+          "A surface with that `s2_no_slip`: number of asperities of one radius"),
+      result<M>(
+          "lambda_exponential", [](const M& m) { return m.roughness.lambda_exponential; },
+          "Another: mean radius over R of exponential ones"),
+      result<M>(
+          "width_uniform_1e6", [](const M& m) { return m.roughness.width_uniform_1e6; },
+          "Another: width over R of uniform ones, 1e6 of them"),
+      result<M>("leak", leak_of, "As of the memory"),
+      result<M>(
+          "mechanism_p", [](const M& m) { return m.mechanism.p_value; }, "As of the memory")};
   return all;
 }
 
@@ -349,13 +347,7 @@ const Description& members_of(const MemoryFit*) {
           "transform_counts",
           [](const M& m) { return std::vector<double>(m.transform_counts.begin(), m.transform_counts.end()); },
           "Impacts by twentieths of the transform: equal, where the model holds"),
-      where_ok<M>("tests", tests_of,
-                  "`leak_z`, `leak_p`: no leak; `release_z`, `release_p`: no reservoir at the release, a statement on "
-                  "which nothing in the fit depends; `mechanism_z`, `mechanism_p`: the scatter's offset and its width "
-                  "by the same q; `by_speed_z`, `by_speed_p`: the same q at every speed (z > 0: faster impacts want "
-                  "more); `between_drops_ratio`, `between_drops_p`: variance between drops of what they ask of the "
-                  "parameters over what their impacts make it, 1 but for chance, `null` of one drop. z in standard "
-                  "errors, p two-sided, of the ratio one-sided. `null` where `status` is not `ok`"),
+      where_ok<M>("tests", tests_of, "See below; `null` where `status` is not `ok`"),
       result("curve", &M::curve, "As of a law")};
   return all;
 }
@@ -388,7 +380,10 @@ const Description& members_of(const RoughnessResult*) {
 const Description& members_of(const ShapeFit*) {
   using S = ShapeFit;
   static const Description all{
-      result("shape", &S::shape, "`two_exponentials`, `normal`, `gumbel` or `student_t`"),
+      result("shape", &S::shape,
+             "`two_exponentials` (`peak_eps`, `slope_rising`, `slope_falling`), `normal` (`mean`, `sd`), `gumbel` "
+             "(`mode`, `scale`) "
+             "or `student_t` (`location`, `scale`, `nu`)"),
       result("status", &S::status, "How its fit ended"),
       result<S>(
           "parameters", [](const S& s) { return by_name(s.parameters); }, "An estimate each, by name"),
@@ -427,10 +422,7 @@ const Description& members_of(const HistogramFit*) {
       result<H>(
           "curve", [](const H& h) { return as_columns(h.curve, "eps", "density"); },
           "`eps`, `density`: the fitted density with the timing errors"),
-      result("shapes", &H::shapes,
-             "`[{shape, status, parameters, loglik, delta_aic, chi2, ndf, p_value, expected}]`: `two_exponentials` "
-             "(`peak_eps`, `slope_rising`, `slope_falling`), `normal` (`mean`, `sd`), `gumbel` (`mode`, `scale`), "
-             "`student_t` (`location`, `scale`, `nu`), fitted to the counts"),
+      result("shapes", &H::shapes, "Shapes fitted to the counts, see below"),
       result("verdict", &H::verdict, "In words")};
   return all;
 }
@@ -489,10 +481,7 @@ const Description& members_of(const BudgetRow*) {
 const Description& members_of(const ErrorBudget*) {
   using B = ErrorBudget;
   static const Description all{
-      result("timing", &B::timing,
-             "`null`, or `n_pairs`, `lag1_correlation`, `lag1_correlation_se`, `variance_s2`, `variance_se_s2`, "
-             "`sigma_s`, `upper95_s`, `stated_s`: the timing noise that neighbouring samples show, and the median of "
-             "what `sigma_eps` states"),
+      result("timing", &B::timing, "`null`, or the timing noise that neighbouring samples show, see below"),
       result("width_exponent", &B::width_exponent, "Estimate of k in spread ∝ v^k"),
       result<B>(
           "width_law", [](const B& b) { return as_columns(b.width_law, "v_mps", "spread"); },
@@ -510,11 +499,7 @@ const Description& members_of(const ErrorBudget*) {
           "ball", [](const B& b) { return text_of_ball(b.ball); }, "That the shifts are for; `null`: not named"),
       result<B>(
           "plate", [](const B& b) { return text_of_ball(b.plate); }, "Likewise"),
-      result("rows", &B::rows,
-             "Bins of speed: `v_mps`, `n`; standard deviations `spread`, `spread_asperities`, `spread_timing_stated`, "
-             "`spread_timing_lag1`, `spread_travel_time`; shares of the variance `share_asperities`, `share_timing`, "
-             "`share_travel_time`, `share_unexplained` (sum 1); shifts of ε `shift_drag`, `shift_contact_time`, "
-             "`null` where the ball or its contact time is not known; `mean_minus_peak`; `se_curve`")};
+      result("rows", &B::rows, "Bins of speed, see below")};
   return all;
 }
 
@@ -677,9 +662,7 @@ const Description& members_of(const BetweenRecordings*) {
       where_ok<B>(
           "shapes", [](const B& b) { return b.shapes.ndf > 0.0 ? std::optional(b.shapes) : std::nullopt; },
           "The same: whether their curves differ by more than a constant (`null`: one speed)"),
-      result("drift", &B::drift,
-             "`null`, or `per` (`day`; `recording` where fewer than half have a date: in their order), `slope` (an "
-             "estimate), `p_value`, `begin`, `end`, `middle` in days since 1970-01-01"),
+      result("drift", &B::drift, "`null`, or ε over the campaign, see below"),
       where_ok<B>("law", pooled_law,
                   "`kind`, `parameters` and an estimate of each, `correlation`, `nodes`, `curve` as of a fit; `curve` "
                   "with `prediction95`"),

@@ -53,8 +53,8 @@ const Description& members_of(const PlainAnswer*) {
       result("sentences", &A::sentences,
              "Texts, most important first: what `fit` and `analyze` print first and the report begins with"),
       result("at", &A::at,
-             "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle: `v_mps`, "
-             "`eps`, `se`, `ci95`, `energy_lost` (1 - ε², share of the energy of the vertical motion)"),
+             "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, see "
+             "below"),
       result("elsewhere", &A::elsewhere,
              "The same at the greatest and the least node, each where ε differs from that of `at` by more than three "
              "standard errors of the difference"),
@@ -73,10 +73,20 @@ const Description& members_of(const Finding*) {
   return all;
 }
 
+const Description& members_of(const FitInWords*) {
+  using W = FitInWords;
+  static const Description all{
+      result("answer", &W::answer, "The result for somebody who dropped a ball, see [below](#answer)"),
+      result("warnings", &W::warnings, "Texts"),
+      result(
+          "answers", &W::findings,
+          "`[{question, answer}]`: five questions of a reader, with several recordings and with a fit with memory one "
+          "more each, answered from the numbers")};
+  return all;
+}
+
 Object object_of(const fit::FitResult& result, const FitInWords& words) {
-  Object all{{"answer", value_of(words.answer)},
-             {"warnings", value_of(words.warnings)},
-             {"answers", value_of(words.findings)}};
+  Object all = bouncelab::object_of(members_of(&words), &words);
   append(all, bouncelab::object_of(members_of(&result), &result));
   return all;
 }

@@ -93,6 +93,9 @@ struct MemoryFit {
   bool holds = false;
 };
 const Description& members_of(const MemoryFit*);
+/// Its tests, and its roughness, as objects of their own.
+const Description& members_of_tests();
+const Description& members_of_roughness();
 
 /// @param samples      ordered by recording, drop, time, finite, v > 0
 /// @param independent  the fit that takes them as independent: start, and samples to leave out

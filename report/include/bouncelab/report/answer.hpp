@@ -71,6 +71,7 @@ struct FitInWords {
   std::vector<std::string> warnings;  ///< what must be known before the result is used, most important first
   std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
 };
+const Description& members_of(const FitInWords*);
 
 /// @param samples  all that were given to the fit, in any order, also those that it left out
 /// @param memory   as the fit was asked for: a fit with memory that does not hold is worth a warning where it was
