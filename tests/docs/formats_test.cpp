@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tables of docs/formats.md that descriptions hold: between "<!-- of LawFit -->" and "<!-- end -->" stands what the
-// members of LawFit say. BOUNCELAB_WRITE_DOCS=1 in the environment writes the page instead of comparing it.
+// members of LawFit say, behind "<!-- columns of Onset -->" what the columns of a table of onsets are.
+// BOUNCELAB_WRITE_DOCS=1 in the environment writes the page instead of comparing it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <sstream>
 
 #include "bouncelab/fit/between_recordings.hpp"
@@ -59,6 +62,24 @@ const std::map<std::string, const Description*>& all_described() {
   return all;
 }
 
+/// Columns of tables.
+const std::map<std::string, Description>& all_columns() {
+  static const std::map<std::string, Description> all{
+      {"Impact", description_of(columns_of(static_cast<const Impact*>(nullptr)))},
+      {"ImpactState", description_of(columns_of(static_cast<const ImpactState*>(nullptr)))},
+      {"Onset", description_of(columns_of(static_cast<const Onset*>(nullptr)))},
+      {"RestitutionSample", description_of(columns_of(static_cast<const RestitutionSample*>(nullptr)))},
+      {"TrueImpact", description_of(columns_of(static_cast<const synthesis::TrueImpact*>(nullptr)))}};
+  return all;
+}
+
+const Description& description_named(const std::string& name, bool is_table) {
+  static const Description none;
+  const bool is_known = is_table ? all_columns().contains(name) : all_described().contains(name);
+  EXPECT_TRUE(is_known) << name;
+  return !is_known ? none : is_table ? all_columns().at(name) : *all_described().at(name);
+}
+
 /// Rows of a table in Markdown. Members without a text are named in the row before them.
 std::string rows_of(const Description& description) {
   std::string rows;
@@ -72,24 +93,23 @@ std::string rows_of(const Description& description) {
   return rows;
 }
 
-/// The page with all tables as they are to be. @param names  of a marker: "FitInWords FitResult" is one table of both
+/// The page with all tables as they are to be. A marker may name several: "FitInWords FitResult" is one table of both.
 std::string rewritten(const std::string& page) {
-  const std::string begin = "<!-- of ", end_of_begin = " -->\n", end = "<!-- end -->\n";
+  static const std::regex marker("<!-- (of|columns of) ([A-Za-z ]+) -->\n");
+  const std::string end = "<!-- end -->\n";
   std::string out;
-  std::size_t at = 0;
-  for (std::size_t found; (found = page.find(begin, at)) != std::string::npos;) {
-    const std::size_t names_at = found + begin.size(), names_end = page.find(end_of_begin, names_at);
-    out += page.substr(at, names_end + end_of_begin.size() - at) + "| key | meaning |\n|---|---|\n";
-    std::istringstream names(page.substr(names_at, names_end - names_at));
-    for (std::string name; names >> name;) {
-      EXPECT_TRUE(all_described().contains(name)) << name;
-      if (all_described().contains(name)) out += rows_of(*all_described().at(name));
-    }
-    at = page.find(end, names_end);
-    EXPECT_NE(at, std::string::npos) << "no end of a table";
-    if (at == std::string::npos) return out;
+  auto at = page.begin();
+  for (std::smatch found; std::regex_search(at, page.end(), found, marker);) {
+    const bool is_table = found[1] == "columns of";
+    out.append(at, found[0].second);
+    out += is_table ? "| column | meaning |\n" : "| key | meaning |\n";
+    out += "|---|---|\n";
+    std::istringstream names(found[2]);
+    for (std::string name; names >> name;) out += rows_of(description_named(name, is_table));
+    at = std::search(found[0].second, page.end(), end.begin(), end.end());
+    EXPECT_NE(at, page.end()) << "no end of a table";
   }
-  return out + page.substr(at);
+  return out.append(at, page.end());
 }
 
 TEST(Formats, PageHasTheTablesOfTheDescriptions) {

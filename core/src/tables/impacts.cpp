@@ -2,160 +2,122 @@
 #include "bouncelab/core/impacts.hpp"
 
 #include <cmath>
-#include <span>
 #include <string>
 
 #include "bouncelab/core/error.hpp"
-#include "tables/optional_cells.hpp"
 
 namespace bouncelab {
 namespace {
 
 constexpr double kLargestEps = 1e6;  // more is no coefficient of restitution
 
-/// Names of the state columns and where each number lives.
-struct StateColumn {
-  const char* name;
-  double (*get)(const ImpactState&);
-  void (*set)(ImpactState&, double);
-};
+constexpr Range kState{-1e9, 1e9, false, false};  // metres, m/s, rad/s, joules
 
-#define BOUNCELAB_STATE_COLUMN(column, member, k)                                                               \
-  StateColumn {                                                                                                 \
-    column, [](const ImpactState& s) { return s.member[k]; }, [](ImpactState& s, double x) { s.member[k] = x; } \
-  }
-
-const StateColumn kStateColumns[] = {
-    BOUNCELAB_STATE_COLUMN("x_m", position_m, 0),
-    BOUNCELAB_STATE_COLUMN("y_m", position_m, 1),
-    BOUNCELAB_STATE_COLUMN("z_m", position_m, 2),
-    BOUNCELAB_STATE_COLUMN("qw", orientation, 0),
-    BOUNCELAB_STATE_COLUMN("qx", orientation, 1),
-    BOUNCELAB_STATE_COLUMN("qy", orientation, 2),
-    BOUNCELAB_STATE_COLUMN("qz", orientation, 3),
-    BOUNCELAB_STATE_COLUMN("vx_mps", velocity_mps, 0),
-    BOUNCELAB_STATE_COLUMN("vy_mps", velocity_mps, 1),
-    BOUNCELAB_STATE_COLUMN("vz_mps", velocity_mps, 2),
-    BOUNCELAB_STATE_COLUMN("wx_radps", spin_radps, 0),
-    BOUNCELAB_STATE_COLUMN("wy_radps", spin_radps, 1),
-    BOUNCELAB_STATE_COLUMN("wz_radps", spin_radps, 2),
-    BOUNCELAB_STATE_COLUMN("vx_after_mps", velocity_after_mps, 0),
-    BOUNCELAB_STATE_COLUMN("vy_after_mps", velocity_after_mps, 1),
-    BOUNCELAB_STATE_COLUMN("vz_after_mps", velocity_after_mps, 2),
-    BOUNCELAB_STATE_COLUMN("wx_after_radps", spin_after_radps, 0),
-    BOUNCELAB_STATE_COLUMN("wy_after_radps", spin_after_radps, 1),
-    BOUNCELAB_STATE_COLUMN("wz_after_radps", spin_after_radps, 2),
-};
-const StateColumn kEnergyColumns[] = {
-    BOUNCELAB_STATE_COLUMN("energy_vertical_j", energy_j, 0),
-    BOUNCELAB_STATE_COLUMN("energy_horizontal_j", energy_j, 1),
-    BOUNCELAB_STATE_COLUMN("energy_rotational_j", energy_j, 2),
-    BOUNCELAB_STATE_COLUMN("energy_vertical_after_j", energy_after_j, 0),
-    BOUNCELAB_STATE_COLUMN("energy_horizontal_after_j", energy_after_j, 1),
-    BOUNCELAB_STATE_COLUMN("energy_rotational_after_j", energy_after_j, 2),
-    {"dissipated_j", [](const ImpactState& s) { return s.dissipated_j; },
-     [](ImpactState& s, double x) { s.dissipated_j = x; }},
-    {"created_j", [](const ImpactState& s) { return s.created_j; }, [](ImpactState& s, double x) { s.created_j = x; }},
-};
-#undef BOUNCELAB_STATE_COLUMN
-
-void append_columns(std::span<const StateColumn> columns, const std::vector<ImpactState>& states, Table& table) {
-  for (const StateColumn& column : columns) {
-    std::vector<double> values;
-    values.reserve(states.size());
-    for (const ImpactState& state : states) values.push_back(column.get(state));
-    table.columns.push_back({column.name, std::move(values)});
-  }
+/// The k-th number of an array of a state.
+template <auto member, std::size_t k>
+RowColumn<ImpactState> at(std::string name, std::string text) {
+  return column<ImpactState>(
+      std::move(name), [](auto& s) -> auto& { return (s.*member)[k]; }, std::move(text), kState);
 }
 
-void read_column(const Table& table, const StateColumn& column, std::vector<ImpactState>& states) {
-  const auto* values = table.reals(column.name);
-  for (std::size_t k = 0; values != nullptr && k < states.size(); ++k) column.set(states[k], (*values)[k]);
-}
-
-struct ImpactColumns {
-  std::vector<std::int64_t> drop, impact, asperity;
-  std::vector<double> t, v, v_after, eps_macro, v_contact, eps_contact;
-};
+/// Columns of energies, without which states are whole.
+bool is_energy(const std::string& name) { return name.ends_with("_j"); }
 
 }  // namespace
 
+const RowColumns<Impact>& columns_of(const Impact*) {
+  using I = Impact;
+  constexpr double kFastest_mps = 1e4;
+  constexpr Range kSpeeds_mps{-kFastest_mps, kFastest_mps};
+  static const RowColumns<I> all{
+      column("drop", &I::drop, "Number of the drop", kIndexRange).required(),
+      column("impact", &I::impact, "Number of the impact within its drop", kIndexRange).required(),
+      column("t_s", &I::t_s, "Start of contact, from the release of this drop", known(kTimeRange_s)).required(),
+      column("v_mps", &I::v_mps, "Downward normal speed of the centre before the impact, > 0",
+             known(positive_up_to(kFastest_mps)))
+          .required(),
+      column("v_after_mps", &I::v_after_mps,
+             "Upward normal speed of the centre after it; may exceed `v_mps` or be negative", known(kSpeeds_mps))
+          .required(),
+      column("eps_macro", &I::eps_macro, "`v_after_mps / v_mps`, never clamped").only_written(),
+      column("v_contact_mps", &I::v_contact_mps, "Normal approach speed of the point of contact", kSpeeds_mps),
+      column("eps_contact", &I::eps_contact, "ε(`v_contact_mps`), the value of the law", {-kLargestEps, kLargestEps}),
+      column("asperity", &I::asperity, "Index into the surface; -1: the smooth sphere", {-1.0, kIndexRange.greatest})};
+  return all;
+}
+
+const RowColumns<ImpactState>& columns_of(const ImpactState*) {
+  using S = ImpactState;
+  static const RowColumns<S> all{
+      at<&S::position_m, 0>("x_m", "Position of the ball's centre"),
+      at<&S::position_m, 1>("y_m", ""),
+      at<&S::position_m, 2>("z_m", ""),
+      at<&S::orientation, 0>("qw", "Orientation, body → lab, unit quaternion"),
+      at<&S::orientation, 1>("qx", ""),
+      at<&S::orientation, 2>("qy", ""),
+      at<&S::orientation, 3>("qz", ""),
+      at<&S::velocity_mps, 0>("vx_mps", "Velocity of the centre before"),
+      at<&S::velocity_mps, 1>("vy_mps", ""),
+      at<&S::velocity_mps, 2>("vz_mps", ""),
+      at<&S::spin_radps, 0>("wx_radps", "Angular velocity in the lab frame before"),
+      at<&S::spin_radps, 1>("wy_radps", ""),
+      at<&S::spin_radps, 2>("wz_radps", ""),
+      at<&S::velocity_after_mps, 0>("vx_after_mps", "Velocity of the centre after"),
+      at<&S::velocity_after_mps, 1>("vy_after_mps", ""),
+      at<&S::velocity_after_mps, 2>("vz_after_mps", ""),
+      at<&S::spin_after_radps, 0>("wx_after_radps", "Angular velocity in the lab frame after"),
+      at<&S::spin_after_radps, 1>("wy_after_radps", ""),
+      at<&S::spin_after_radps, 2>("wz_after_radps", ""),
+      at<&S::energy_j, 0>("energy_vertical_j", "Kinetic energies before"),
+      at<&S::energy_j, 1>("energy_horizontal_j", ""),
+      at<&S::energy_j, 2>("energy_rotational_j", ""),
+      at<&S::energy_after_j, 0>("energy_vertical_after_j", "Kinetic energies after"),
+      at<&S::energy_after_j, 1>("energy_horizontal_after_j", ""),
+      at<&S::energy_after_j, 2>("energy_rotational_after_j", ""),
+      column("dissipated_j", &S::dissipated_j, "Before + created = after + dissipated; one of the two is 0", kState),
+      column("created_j", &S::created_j, "", kState)};
+  return all;
+}
+
 Table to_table(const Impacts& impacts) {
-  ImpactColumns c;
-  for (const Impact& i : impacts.rows) {
-    c.drop.push_back(i.drop);
-    c.impact.push_back(i.impact);
-    c.t.push_back(i.t_s);
-    c.v.push_back(i.v_mps);
-    c.v_after.push_back(i.v_after_mps);
-    c.eps_macro.push_back(i.eps_macro);
-    c.v_contact.push_back(i.v_contact_mps);
-    c.eps_contact.push_back(i.eps_contact);
-    c.asperity.push_back(i.asperity);
-  }
-  Table table{{{"drop", std::move(c.drop)},
-               {"impact", std::move(c.impact)},
-               {"t_s", std::move(c.t)},
-               {"v_mps", std::move(c.v)},
-               {"v_after_mps", std::move(c.v_after)},
-               {"eps_macro", std::move(c.eps_macro)},
-               {"v_contact_mps", std::move(c.v_contact)},
-               {"eps_contact", std::move(c.eps_contact)},
-               {"asperity", std::move(c.asperity)}}};
+  Table table = table_of<Impact>(columns_of(impacts.rows.data()), impacts.rows);
   if (impacts.states.empty()) return table;
-  append_columns(kStateColumns, impacts.states, table);
-  append_columns(kEnergyColumns, impacts.states, table);
+  for (Column& c : table_of<ImpactState>(columns_of(impacts.states.data()), impacts.states).columns)
+    table.columns.push_back(std::move(c));
   return table;
 }
 
 std::vector<ColumnSpec> impact_columns() {
-  constexpr double kFastest_mps = 1e4;
-  constexpr Range kSpeeds_mps{-kFastest_mps, kFastest_mps};
-  constexpr Range kState{-1e9, 1e9, false, false};  // metres, m/s, rad/s, joules
-  std::vector<ColumnSpec> columns{{"drop", ColumnType::integer, true, kIndexRange},
-                                  {"impact", ColumnType::integer, true, kIndexRange},
-                                  {"t_s", ColumnType::real, true, known(kTimeRange_s)},
-                                  {"v_mps", ColumnType::real, true, known(positive_up_to(kFastest_mps))},
-                                  {"v_after_mps", ColumnType::real, true, known(kSpeeds_mps)},
-                                  {"v_contact_mps", ColumnType::real, false, kSpeeds_mps},
-                                  {"eps_contact", ColumnType::real, false, {-kLargestEps, kLargestEps}},
-                                  {"asperity", ColumnType::integer, false, {-1.0, kIndexRange.greatest}}};
-  for (const StateColumn& column : kStateColumns) columns.push_back({column.name, ColumnType::real, false, kState});
-  for (const StateColumn& column : kEnergyColumns) columns.push_back({column.name, ColumnType::real, false, kState});
-  return columns;
+  std::vector<ColumnSpec> all = specs_of(columns_of(static_cast<const Impact*>(nullptr)));
+  for (ColumnSpec& spec : specs_of(columns_of(static_cast<const ImpactState*>(nullptr))))
+    all.push_back(std::move(spec));
+  return all;
 }
 
 Impacts impacts_from_table(const Table& table, const std::string& name, const Impact* before) {
   check_columns(table, impact_columns(), name);
-  const auto& drop = *table.integers("drop");
-  const auto& impact = *table.integers("impact");
-  const auto& t = *table.reals("t_s");
-  const auto& v = *table.reals("v_mps");
-  const auto& v_after = *table.reals("v_after_mps");
-  const auto* v_contact = table.reals("v_contact_mps");
-  const auto* eps_contact = table.reals("eps_contact");
-  const auto* asperity = table.integers("asperity");
-
-  Impacts impacts;
-  impacts.rows.reserve(t.size());
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    if (before && drop[k] < before->drop)
+  Impacts impacts{rows_of(columns_of(static_cast<const Impact*>(nullptr)), table), {}};
+  const std::vector<double>*v_contact = table.reals("v_contact_mps"), *eps_contact = table.reals("eps_contact");
+  const auto is_known = [](const std::vector<double>* cells, std::size_t k) {
+    return cells && !std::isnan((*cells)[k]);
+  };
+  for (std::size_t k = 0; k < impacts.rows.size(); ++k) {
+    Impact& row = impacts.rows[k];
+    if (before && row.drop < before->drop)
       throw FileError(name, table.place_of(k) + ": drops must not go back; sort the file");
-    if (before && drop[k] == before->drop && t[k] <= before->t_s)
+    if (before && row.drop == before->drop && row.t_s <= before->t_s)
       throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop; sort the file");
-    const double eps = v_after[k] / v[k];
-    if (!(std::abs(eps) <= kLargestEps))
+    row.eps_macro = row.v_after_mps / row.v_mps;
+    if (!(std::abs(row.eps_macro) <= kLargestEps))
       throw FileError(name, table.place_of(k) + ": v_after_mps is more than a million times v_mps; correct the speeds");
-    impacts.rows.push_back({drop[k], impact[k], t[k], v[k], v_after[k], eps, optional_cell(v_contact, k).value_or(v[k]),
-                            optional_cell(eps_contact, k).value_or(eps), asperity ? (*asperity)[k] : -1});
-    before = &impacts.rows.back();
+    if (!is_known(v_contact, k)) row.v_contact_mps = row.v_mps;
+    if (!is_known(eps_contact, k)) row.eps_contact = row.eps_macro;
+    before = &row;
   }
-  bool has_state = true;
-  for (const StateColumn& column : kStateColumns) has_state = has_state && table.has(column.name);
-  if (!has_state) return impacts;
-  impacts.states.resize(t.size());
-  for (const StateColumn& column : kStateColumns) read_column(table, column, impacts.states);
-  for (const StateColumn& column : kEnergyColumns) read_column(table, column, impacts.states);
+  const RowColumns<ImpactState>& states = columns_of(static_cast<const ImpactState*>(nullptr));
+  for (const RowColumn<ImpactState>& c : states)
+    if (!is_energy(c.spec.name) && !table.has(c.spec.name)) return impacts;
+  impacts.states = rows_of(states, table);
   return impacts;
 }
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "tables/optional_cells.hpp"
 
 namespace bouncelab {
 
@@ -76,70 +75,49 @@ std::string recording_cell(const std::string& recording) {
   return !recording.empty() && formula.find(recording.front()) != std::string_view::npos ? "./" + recording : recording;
 }
 
-Table to_table(const Onsets& onsets) {
-  std::vector<std::string> recording, flags;
-  std::vector<std::int64_t> drop, impact;
-  std::vector<double> t, sigma, amplitude, snr, probability;
-  for (const Onset& o : onsets) {
-    recording.push_back(recording_cell(o.recording));
-    drop.push_back(o.drop);
-    impact.push_back(o.impact);
-    t.push_back(o.t_s);
-    sigma.push_back(cell_of(o.sigma_t_s));
-    amplitude.push_back(cell_of(o.amplitude));
-    snr.push_back(cell_of(o.snr_db));
-    flags.push_back(o.flags.text());
-    probability.push_back(cell_of(o.probability));
-  }
-  return {{{"recording", std::move(recording)},
-           {"drop", std::move(drop)},
-           {"impact", std::move(impact)},
-           {"t_s", std::move(t)},
-           {"sigma_t_s", std::move(sigma)},
-           {"amplitude", std::move(amplitude)},
-           {"snr_db", std::move(snr)},
-           {"flags", std::move(flags)},
-           {"probability", std::move(probability)}}};
+const RowColumns<Onset>& columns_of(const Onset*) {
+  using O = Onset;
+  static const RowColumns<O> all{
+      recording_column<O>(),
+      column("drop", &O::drop, "Drop within the recording", kIndexRange),
+      column("impact", &O::impact, "Impact within the drop (jumps where an impact was not found)", kIndexRange),
+      column("t_s", &O::t_s,
+             "Start of contact plus the travel time of the sound, from the first sample of the recording, sub-sample",
+             known(kTimeRange_s))
+          .required(),
+      column("sigma_t_s", &O::sigma_t_s,
+             "Standard error of `t_s` against the other times of its drop; independent from impact to impact. What all "
+             "times of a drop share, a constant and the error of the contact-time law, is not in it "
+             "(`contact_time_sigma_s`)",
+             positive_up_to(kTimeRange_s.greatest)),
+      column("amplitude", &O::amplitude, "Peak of the impact's sound, full scale = 1", {0.0, 1e30}),
+      column("snr_db", &O::snr_db, "`amplitude` over the noise rms [dB]"),
+      column("flags", &O::flags, "See below"),
+      column("probability", &O::probability,
+             "That this mark is an impact of this ball: that of the drop, odds/(1 + odds), times that of the impact "
+             "given the drop and that of its place. Empty: not known (a table of an earlier version, a mark made by "
+             "hand). `restitution` does not use it",
+             {0.0, 1.0})};
+  return all;
 }
 
-std::vector<ColumnSpec> onset_columns() {
-  return {{"recording", ColumnType::text, false},
-          {"drop", ColumnType::integer, false, kIndexRange},
-          {"impact", ColumnType::integer, false, kIndexRange},
-          {"t_s", ColumnType::real, true, known(kTimeRange_s)},
-          {"sigma_t_s", ColumnType::real, false, positive_up_to(kTimeRange_s.greatest)},
-          {"amplitude", ColumnType::real, false, {0.0, 1e30}},
-          {"snr_db", ColumnType::real, false},
-          {"flags", ColumnType::text, false},
-          {"probability", ColumnType::real, false, {0.0, 1.0}}};
-}
+Table to_table(const Onsets& onsets) { return table_of<Onset>(columns_of(onsets.data()), onsets); }
+
+std::vector<ColumnSpec> onset_columns() { return specs_of(columns_of(static_cast<const Onset*>(nullptr))); }
 
 Onsets onsets_from_table(const Table& table, const std::string& name, const Onset* before) {
   check_columns(table, onset_columns(), name);
-  const auto& t = *table.reals("t_s");
-  const auto* recording = table.texts("recording");
-  const auto* drop = table.integers("drop");
-  const auto* impact = table.integers("impact");
-  const auto* flags = table.texts("flags");
-  Onsets onsets;
-  onsets.reserve(t.size());
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    Onset onset;
-    if (recording) onset.recording = (*recording)[k];
-    if (drop) onset.drop = (*drop)[k];
+  Onsets onsets = rows_of(columns_of(static_cast<const Onset*>(nullptr)), table);
+  const bool is_numbered = table.integers("impact") != nullptr;
+  for (std::size_t k = 0; k < onsets.size(); ++k) {
+    Onset& onset = onsets[k];
     const bool goes_on = before && before->recording == onset.recording && before->drop == onset.drop;
-    if (goes_on && t[k] <= before->t_s)
+    if (goes_on && onset.t_s <= before->t_s)
       throw FileError(name, table.place_of(k) + ", column t_s: times must increase within a drop, but " +
-                                std::to_string(t[k]) + " follows " + std::to_string(before->t_s) + "; sort the file");
-    onset.impact = impact ? (*impact)[k] : (goes_on ? before->impact + 1 : 0);
-    onset.t_s = t[k];
-    onset.sigma_t_s = optional_cell(table.reals("sigma_t_s"), k);
-    onset.amplitude = optional_cell(table.reals("amplitude"), k);
-    onset.snr_db = optional_cell(table.reals("snr_db"), k);
-    onset.probability = optional_cell(table.reals("probability"), k);
-    if (flags) onset.flags = Flags::from_text((*flags)[k]);
-    onsets.push_back(std::move(onset));
-    before = &onsets.back();
+                                std::to_string(onset.t_s) + " follows " + std::to_string(before->t_s) +
+                                "; sort the file");
+    if (!is_numbered) onset.impact = goes_on ? before->impact + 1 : 0;
+    before = &onset;
   }
   return onsets;
 }

@@ -6,7 +6,6 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/onsets.hpp"
-#include "tables/optional_cells.hpp"
 
 namespace bouncelab {
 namespace {
@@ -33,44 +32,56 @@ void read_corrected(const std::string& text, SampleConditions& conditions) {
     conditions.*corrected = words.find("|" + std::string(word) + "|") != std::string::npos;
 }
 
-/// The numbers of the conditions, by column.
-struct ConditionColumn {
-  const char* name;
-  std::optional<double> SampleConditions::*member;
-  double greatest;
-};
-constexpr ConditionColumn kConditionColumns[] = {{"gravity_mps2", &SampleConditions::gravity_mps2, 1e4},
-                                                 {"wave_speed_mps", &SampleConditions::wave_speed_mps, 1e6}};
-
-/// Descriptions as cells: nearly always that of the row before, which need not be written or understood again.
-template <class Value>
-class Descriptions {
- public:
-  std::string text_of(const std::optional<Value>& value, std::string (*to_text)(const Value&)) {
-    if (value != value_) {
-      value_ = value;
-      text_ = value ? to_text(*value) : "";
+/// A column of descriptions: nearly always that of the row before, which need not be written or understood again.
+template <class Thing>
+RowColumn<RestitutionSample> described(const std::string& name, std::optional<Thing> SampleConditions::*member,
+                                       std::string (*to_text)(const Thing&), Thing (*from_text)(const std::string&),
+                                       std::string text) {
+  RowColumn<RestitutionSample> made{{name, ColumnType::text, false}, std::move(text), {}};
+  made.write = [=](std::span<const RestitutionSample> rows) {
+    std::vector<std::string> cells;
+    const std::optional<Thing>* before = nullptr;
+    for (const RestitutionSample& row : rows) {
+      const std::optional<Thing>& thing = row.conditions.*member;
+      cells.push_back(before && *before == thing ? cells.back() : thing ? to_text(*thing) : "");
+      before = &thing;
     }
-    return text_;
-  }
-
-  /// @throws FileError
-  std::optional<Value> value_of(const std::string& text, Value (*from_text)(const std::string&),
-                                const std::string& place, const std::string& name) {
-    if (text == text_) return value_;
-    try {
-      value_ = text.empty() ? std::nullopt : std::optional(from_text(text));
-    } catch (const InvalidArgument& error) {
-      throw FileError(name, place + ": " + error.what());
+    return Column{name, std::move(cells)};
+  };
+  made.read = [=](const Table& table, std::span<RestitutionSample> rows) {
+    const std::vector<std::string>* cells = table.texts(name);
+    for (std::size_t k = 0; cells && k < rows.size(); ++k) {
+      std::optional<Thing>& thing = rows[k].conditions.*member;
+      if (k > 0 && (*cells)[k] == (*cells)[k - 1]) {
+        thing = rows[k - 1].conditions.*member;
+        continue;
+      }
+      try {
+        if (!(*cells)[k].empty()) thing = from_text((*cells)[k]);
+      } catch (const InvalidArgument& error) {
+        throw InvalidArgument(table.place_of(k) + ": " + error.what());
+      }
     }
-    text_ = text;
-    return value_;
-  }
+  };
+  return made;
+}
 
- private:
-  std::optional<Value> value_;
-  std::string text_;
-};
+RowColumn<RestitutionSample> corrected_column() {
+  RowColumn<RestitutionSample> made{
+      {"corrected", ColumnType::text, false},
+      "What was taken out of the intervals: `drag`, `contact_time`, `travel_time`, joined by `\\|`; empty: nothing",
+      {}};
+  made.write = [](std::span<const RestitutionSample> rows) {
+    std::vector<std::string> cells;
+    for (const RestitutionSample& row : rows) cells.push_back(corrected_text(row.conditions));
+    return Column{"corrected", std::move(cells)};
+  };
+  made.read = [](const Table& table, std::span<RestitutionSample> rows) {
+    const std::vector<std::string>* cells = table.texts("corrected");
+    for (std::size_t k = 0; cells && k < rows.size(); ++k) read_corrected((*cells)[k], rows[k].conditions);
+  };
+  return made;
+}
 
 /// Of samples that the fit takes. Orders of magnitude above what any ball does: what is beyond is a fault of the table,
 /// and one such row would outweigh all others. A flagged sample may be of a pair of intervals that are no pair.
@@ -98,96 +109,58 @@ void name_ball(RestitutionSamples& samples, const std::optional<Ball>& ball, con
   }
 }
 
+const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
+  using S = RestitutionSample;
+  static const RowColumns<S> all{
+      recording_column<S>(),
+      column("drop", &S::drop, "Drop within the recording", kIndexRange),
+      column("impact", &S::impact, "The impact at the end of the first of the two intervals", kIndexRange),
+      column("t_s", &S::t_s, "Its time", {kTimeRange_s.least, kTimeRange_s.greatest}),
+      column("v_mps", &S::v_mps, "Normal impact speed, g T / 2 (corrected where asked for)").required(),
+      column("eps", &S::eps, "Coefficient of restitution; may exceed 1, never clamped").required(),
+      column("sigma_v_mps", &S::sigma_v_mps, "Standard error of `v_mps` from timing alone", kSigma),
+      column("sigma_eps", &S::sigma_eps,
+             "Standard error of `eps` from timing alone; empty: not known (the fit then neglects it, and says so)",
+             kSigma),
+      column("flags", &S::flags,
+             "`missing_impact` or `extra_impact`: the ratio jumps as where an impact was missed or invented; "
+             "`not_finite`: set on reading. Flagged samples stay in the table and out of the fit. A word that is none "
+             "of these excludes a sample too; the fit warns of it"),
+      corrected_column(),
+      described<Ball>("ball", &SampleConditions::ball, to_text, ball_from_text,
+                      "[Description](#balls-and-plates) of what was corrected for, where that was named; for the fit's "
+                      "error budget where nothing was"),
+      described<Material>("plate", &SampleConditions::plate, plate_text, plate_from_text, "Likewise"),
+      column<S>(
+          "gravity_mps2", [](auto& s) -> auto& { return s.conditions.gravity_mps2; }, "Of the speeds",
+          positive_up_to(1e4)),
+      column<S>(
+          "wave_speed_mps", [](auto& s) -> auto& { return s.conditions.wave_speed_mps; },
+          "Of the sound from impact to sensor", positive_up_to(1e6))};
+  return all;
+}
+
 Table to_table(const RestitutionSamples& samples) {
-  std::vector<std::string> recording, flags, corrected, ball, plate;
-  Descriptions<Ball> balls;
-  Descriptions<Material> plates;
-  std::vector<std::int64_t> drop, impact;
-  std::vector<double> t, v, eps, sigma_v, sigma_eps;
-  for (const RestitutionSample& s : samples) {
-    recording.push_back(recording_cell(s.recording));
-    drop.push_back(s.drop);
-    impact.push_back(s.impact);
-    t.push_back(s.t_s);
-    v.push_back(s.v_mps);
-    eps.push_back(s.eps);
-    sigma_v.push_back(cell_of(s.sigma_v_mps));
-    sigma_eps.push_back(cell_of(s.sigma_eps));
-    flags.push_back(s.flags.text());
-    corrected.push_back(corrected_text(s.conditions));
-    ball.push_back(balls.text_of(s.conditions.ball, to_text));
-    plate.push_back(plates.text_of(s.conditions.plate, plate_text));
-  }
-  Table table{{{"recording", std::move(recording)},
-               {"drop", std::move(drop)},
-               {"impact", std::move(impact)},
-               {"t_s", std::move(t)},
-               {"v_mps", std::move(v)},
-               {"eps", std::move(eps)},
-               {"sigma_v_mps", std::move(sigma_v)},
-               {"sigma_eps", std::move(sigma_eps)},
-               {"flags", std::move(flags)},
-               {"corrected", std::move(corrected)},
-               {"ball", std::move(ball)},
-               {"plate", std::move(plate)}}};
-  for (const auto& column : kConditionColumns) {
-    std::vector<double> values;
-    for (const RestitutionSample& s : samples) values.push_back(cell_of(s.conditions.*column.member));
-    table.columns.push_back({column.name, std::move(values)});
-  }
-  return table;
+  return table_of<RestitutionSample>(columns_of(samples.data()), samples);
 }
 
 std::vector<ColumnSpec> sample_columns() {
-  std::vector<ColumnSpec> columns{{"recording", ColumnType::text, false},
-                                  {"drop", ColumnType::integer, false, kIndexRange},
-                                  {"impact", ColumnType::integer, false, kIndexRange},
-                                  {"t_s", ColumnType::real, false, {kTimeRange_s.least, kTimeRange_s.greatest}},
-                                  {"v_mps", ColumnType::real},
-                                  {"eps", ColumnType::real},
-                                  {"sigma_v_mps", ColumnType::real, false, kSigma},
-                                  {"sigma_eps", ColumnType::real, false, kSigma},
-                                  {"flags", ColumnType::text, false},
-                                  {"corrected", ColumnType::text, false},
-                                  {"ball", ColumnType::text, false},
-                                  {"plate", ColumnType::text, false}};
-  for (const auto& column : kConditionColumns)
-    columns.push_back({column.name, ColumnType::real, false, positive_up_to(column.greatest)});
-  return columns;
+  return specs_of(columns_of(static_cast<const RestitutionSample*>(nullptr)));
 }
 
 RestitutionSamples samples_from_table(const Table& table, const std::string& name) {
   check_columns(table, sample_columns(), name);
-  const auto& v = *table.reals("v_mps");
-  const auto& eps = *table.reals("eps");
-  const auto* recording = table.texts("recording");
-  const auto* drop = table.integers("drop");
-  const auto* impact = table.integers("impact");
-  const auto* t = table.reals("t_s");
-  const auto* flags = table.texts("flags");
-  const auto* corrected = table.texts("corrected");
-  const auto* ball = table.texts("ball");
-  const auto* plate = table.texts("plate");
-  Descriptions<Ball> balls;
-  Descriptions<Material> plates;
-  RestitutionSamples samples(v.size());
-  for (std::size_t k = 0; k < v.size(); ++k) {
+  RestitutionSamples samples;
+  try {
+    samples = rows_of(columns_of(static_cast<const RestitutionSample*>(nullptr)), table);
+  } catch (const InvalidArgument& error) {  // of a ball or a plate
+    throw FileError(name, error.what());
+  }
+  const bool is_numbered = table.integers("impact") != nullptr;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
     RestitutionSample& s = samples[k];
-    if (recording) s.recording = (*recording)[k];
-    if (drop) s.drop = (*drop)[k];
-    s.impact = impact ? (*impact)[k] : static_cast<std::int64_t>(k);
-    if (t) s.t_s = (*t)[k];
-    s.v_mps = v[k];
-    s.eps = eps[k];
-    s.sigma_v_mps = optional_cell(table.reals("sigma_v_mps"), k);
-    s.sigma_eps = optional_cell(table.reals("sigma_eps"), k);
-    if (flags) s.flags = Flags::from_text((*flags)[k]);
-    if (corrected) read_corrected((*corrected)[k], s.conditions);
-    if (ball) s.conditions.ball = balls.value_of((*ball)[k], ball_from_text, table.place_of(k), name);
-    if (plate) s.conditions.plate = plates.value_of((*plate)[k], plate_from_text, table.place_of(k), name);
-    for (const auto& column : kConditionColumns)
-      s.conditions.*column.member = optional_cell(table.reals(column.name), k);
-    if (!std::isfinite(v[k]) || !std::isfinite(eps[k])) s.flags.add(Flag::not_finite);
+    if (!is_numbered) s.impact = static_cast<std::int64_t>(k);
+    if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) s.flags.add(Flag::not_finite);
     check_used(s, table.place_of(k), name);
   }
   return samples;

@@ -110,9 +110,7 @@ void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertO
     OutputFile file(out, run.common.force);
     audio::copy_with_cues(annotations.recording, annotations, file.temporary_path(), out.string());
     const std::string origin = provenance(run, inputs);
-    file.commit();
-    write_provenance(out, origin);
-    return;
+    return commit_with_provenance(file, out, origin);
   }
   std::string text;
   if (format == Format::sonic_visualiser) {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <ctime>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -167,6 +168,17 @@ std::string provenance(const Run& run, const std::vector<fs::path>& inputs) {
   if (std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta.emplace_back("ffmpeg", ffmpeg);
   meta.emplace_back("parameters", object_of(run.parameters));
   return json_text(meta, 2) + "\n";
+}
+
+void commit_with_provenance(OutputFile& file, const fs::path& output, const std::string& provenance) {
+  if (is_stream(output)) return file.commit();
+  const fs::path path = provenance_path(output);
+  OutputFile beside(path, true);
+  std::ofstream out(beside.temporary_path(), std::ios::binary | std::ios::trunc);
+  out << provenance;
+  close_written(out, path);
+  file.commit();  // both are written: what is left are two changes of names
+  beside.commit();
 }
 
 void write_provenance(const fs::path& output, const std::string& provenance) {

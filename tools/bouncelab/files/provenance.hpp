@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/output_file.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {
@@ -32,6 +33,8 @@ std::optional<std::string> parameter_in_provenance(const std::filesystem::path& 
 /// @throws FileError, Interrupted
 std::string provenance(const Run& run, const std::vector<std::filesystem::path>& inputs);
 
+/// Puts an output in its place, and its provenance beside it: both, or neither. @throws FileError
+void commit_with_provenance(OutputFile& file, const std::filesystem::path& output, const std::string& provenance);
 /// Writes the provenance beside an output, unless that is a stream. @throws FileError
 void write_provenance(const std::filesystem::path& output, const std::string& provenance);
 

@@ -93,15 +93,17 @@ void TableWriter::finish(const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
   close_written(out_, path_);
   const std::string origin = provenance(run_, inputs);
-  file_.commit();
-  write_provenance(path_, origin);
+  commit_with_provenance(file_, path_, origin);
 }
 
 void write_text(const Run& run, const fs::path& path, const std::string& content, const std::vector<fs::path>& inputs) {
   throw_if_stop_requested();
   const std::string origin = provenance(run, inputs);
-  write_whole(path, content, run.common.force);
-  write_provenance(path, origin);
+  OutputFile file(path, run.common.force);
+  std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  close_written(out, path);
+  commit_with_provenance(file, path, origin);
 }
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {

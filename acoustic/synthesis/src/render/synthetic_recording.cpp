@@ -132,32 +132,28 @@ Onsets onsets_of_truth(const std::vector<TrueImpact>& truth, const std::string& 
   return onsets;
 }
 
+const RowColumns<TrueImpact>& columns_of(const TrueImpact*) {
+  using T = TrueImpact;
+  static const RowColumns<T> all{column("drop", &T::drop, "As of onsets"),
+                                 column("impact", &T::impact, "Likewise"),
+                                 column("t_s", &T::t_s, "Start of contact at the plate"),
+                                 column("sigma_t_s", &T::sigma_t_s, "Cramér-Rao bound of `t_s` for the known waveform"),
+                                 column("amplitude", &T::amplitude, "As of onsets"),
+                                 column("snr_db", &T::snr_db, "Likewise"),
+                                 column("flags", &T::flags, "Likewise"),
+                                 column("contact_time_s", &T::contact_time_s, "Hertzian contact time"),
+                                 column("travel_time_s", &T::travel_time_s,
+                                        "The sound begins at `t_s + travel_time_s` at the (first live) sensor"),
+                                 column("x_m", &T::x_m, "Point of contact on the plate"),
+                                 column("y_m", &T::y_m, ""),
+                                 column("v_mps", &T::v_mps, "Normal impact speed")};
+  return all;
+}
+
 Table truth_table(const std::vector<TrueImpact>& truth, const std::string& recording) {
-  const auto reals = [&](const char* name, auto member) {
-    std::vector<double> values;
-    for (const TrueImpact& impact : truth) values.push_back(impact.*member);
-    return Column{name, std::move(values)};
-  };
-  std::vector<std::int64_t> drop, impact;
-  std::vector<std::string> flags;
-  for (const TrueImpact& row : truth) {
-    drop.push_back(row.drop);
-    impact.push_back(row.impact);
-    flags.push_back(row.flags.text());
-  }
-  return {{{"recording", std::vector<std::string>(truth.size(), recording_cell(recording))},
-           {"drop", std::move(drop)},
-           {"impact", std::move(impact)},
-           reals("t_s", &TrueImpact::t_s),
-           reals("sigma_t_s", &TrueImpact::sigma_t_s),
-           reals("amplitude", &TrueImpact::amplitude),
-           reals("snr_db", &TrueImpact::snr_db),
-           {"flags", std::move(flags)},
-           reals("contact_time_s", &TrueImpact::contact_time_s),
-           reals("travel_time_s", &TrueImpact::travel_time_s),
-           reals("x_m", &TrueImpact::x_m),
-           reals("y_m", &TrueImpact::y_m),
-           reals("v_mps", &TrueImpact::v_mps)}};
+  Table table{{{"recording", std::vector<std::string>(truth.size(), recording_cell(recording))}}};
+  for (Column& c : table_of<TrueImpact>(columns_of(truth.data()), truth).columns) table.columns.push_back(std::move(c));
+  return table;
 }
 
 Table others_table(const std::vector<OtherSound>& others) {

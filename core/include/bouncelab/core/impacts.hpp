@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bouncelab/core/columns.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -43,6 +44,8 @@ struct Impacts {
   std::vector<ImpactState> states;  ///< empty, or one for each row
 };
 
+const RowColumns<Impact>& columns_of(const Impact*);
+const RowColumns<ImpactState>& columns_of(const ImpactState*);
 /// The `impacts` table of docs/formats.md; with the state columns where states are present.
 Table to_table(const Impacts& impacts);
 

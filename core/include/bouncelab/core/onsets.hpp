@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bouncelab/core/columns.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {
@@ -55,6 +56,9 @@ class Flags {
   std::string text_;
 };
 
+inline const std::string& cell_of(const Flags& flags) { return flags.text(); }
+inline void set_cell(Flags& flags, const std::string& cell) { flags = Flags::from_text(cell); }
+
 /// One impact as detected in a recording.
 struct Onset {
   std::string recording;    ///< file as named by the user
@@ -75,7 +79,20 @@ using Onsets = std::vector<Onset>;
 /// The name of a recording as a table has it: ./NAME where NAME begins with = + - @ or a control character, which a
 /// spreadsheet would take for a formula. It is the same file.
 std::string recording_cell(const std::string& recording);
+/// The column `recording` of a table of S.
+template <class S>
+RowColumn<S> recording_column() {
+  RowColumn<S> made = column("recording", &S::recording, "File as the user named it");
+  made.write = [](std::span<const S> rows) {
+    std::vector<std::string> cells;
+    cells.reserve(rows.size());
+    for (const S& row : rows) cells.push_back(recording_cell(row.recording));
+    return Column{"recording", std::move(cells)};
+  };
+  return made;
+}
 
+const RowColumns<Onset>& columns_of(const Onset*);
 /// The `onsets` table of docs/formats.md.
 Table to_table(const Onsets& onsets);
 /// Columns that onsets_from_table understands; only `t_s` is required (drop 0, numbered in order, where not said).

@@ -43,6 +43,7 @@ struct RestitutionSample {
 /// Samples ordered by recording, drop, time.
 using RestitutionSamples = std::vector<RestitutionSample>;
 
+const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*);
 /// The `samples` table of docs/formats.md.
 Table to_table(const RestitutionSamples& samples);
 /// `samples` as those of this ball on this plate, as far as they are given: where a table does not say so itself.

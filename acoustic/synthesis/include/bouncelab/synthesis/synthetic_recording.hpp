@@ -83,6 +83,8 @@ struct TrueImpact {
   double v_mps = 0.0;           ///< normal impact speed
   Flags flags;                  ///< clipped or none
 };
+/// All but the recording.
+const RowColumns<TrueImpact>& columns_of(const TrueImpact*);
 
 /// What makes a sound that is not an impact of the ball.
 enum class OtherSoundKind { release, click, knock, fan, motor, pickup };
