@@ -76,7 +76,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
 
 Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
                        std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
-  const Outcome detected = detection_outcome(found.recordings, std::move(warnings));
+  Outcome detected = detection_outcome(found.recordings, std::move(warnings));
   if (!found_any(found.recordings)) return detected;
   const report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);

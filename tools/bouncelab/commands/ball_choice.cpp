@@ -11,7 +11,7 @@ namespace {
 
 /// The value that an option of the command which wrote the files had; empty: none, or not known.
 std::string common_parameter(const std::vector<std::string>& files, const std::string& option) {
-  const std::string first = parameter_in_provenance(files.front(), option).value_or("");
+  std::string first = parameter_in_provenance(files.front(), option).value_or("");
   for (const std::string& file : files)
     if (const std::string other = parameter_in_provenance(file, option).value_or(""); other != first)
       throw InvalidArgument(printable(file) + ": was made with --" + option + " '" + printable(other) + "', but " +

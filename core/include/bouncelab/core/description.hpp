@@ -144,9 +144,7 @@ template <class T>
 Value value_of(const T& x) {
   using namespace describe_detail;
   constexpr Member::Kind kind = kind_of<T>();
-  if constexpr (std::is_same_v<T, Value>) {
-    return x;
-  } else if constexpr (WrittenAs<T>) {
+  if constexpr (WrittenAs<T>) {
     return as_value(x);
   } else if constexpr (IsOptional<T>::value) {
     return x ? value_of(*x) : Value{};
@@ -173,7 +171,7 @@ Value value_of(const T& x) {
     all.reserve(x.size());
     for (const auto& element : x) all.push_back(value_of(element));
     return all;
-  } else if constexpr (kind == Member::Kind::text) {
+  } else if constexpr (kind == Member::Kind::text && !std::is_same_v<T, Value>) {
     return std::string(x);
   } else {
     return x;
