@@ -28,18 +28,13 @@ Recordings detected(const std::vector<std::filesystem::path>& files, const Analy
   Recordings recordings(files.size());
   const auto take = [&](std::size_t k, detection::Detection&& found) {
     recordings[k] = {files[k].string(), found.onsets.size(), std::move(found)};
-    if (std::cmp_less(k, kMostShown)) return;
+    if (config.with_details) return;
     recordings[k].found.wave.reset();
     recordings[k].found.noise.reset();
   };
   detection::detect_each(files, config.detection, config.n_threads, take,
                          callback(progress, "detect", files.size() == 1 ? "s of sound" : "recordings"));
   return recordings;
-}
-
-/// The first recording in which impacts were found; there is one.
-const detection::RecordingDetection& first_found(const Recordings& recordings) {
-  return *std::find_if(recordings.begin(), recordings.end(), [](const auto& r) { return r.n_onsets > 0; });
 }
 
 std::vector<RecordingDetails> details_of(const Analysis& analysis, const AnalyzeConfig& config) {
@@ -67,14 +62,10 @@ void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const S
   timed(analysis, "fit", [&] {
     analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
   });
-  const detection::RecordingDetection& shown = first_found(analysis.recordings);
+  const detection::RecordingDetection& shown = *first_found(analysis.recordings);
   analysis.wave = detection::wave_preview(std::filesystem::path(shown.recording), shown.found.summary.channel,
                                           shown.found.onsets, config.detection.rate_hz);
   if (config.with_details) analysis.details = details_of(analysis, config);
-}
-
-bool any_found(const Recordings& recordings) {
-  return std::any_of(recordings.begin(), recordings.end(), [](const auto& r) { return r.n_onsets > 0; });
 }
 
 }  // namespace
@@ -90,7 +81,7 @@ Analysis analyze(const std::vector<std::filesystem::path>& recordings, const Ana
                  const StageProgress& progress) {
   Analysis analysis;
   timed(analysis, "detect", [&] { analysis.recordings = detected(recordings, config, progress); });
-  if (any_found(analysis.recordings)) times_to_constants(analysis, config, progress);
+  if (first_found(analysis.recordings)) times_to_constants(analysis, config, progress);
   return analysis;
 }
 
@@ -98,7 +89,7 @@ Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, co
                        const StageProgress& progress) {
   Analysis analysis;
   analysis.recordings = std::move(recordings);
-  if (any_found(analysis.recordings)) times_to_constants(analysis, config, progress);
+  if (first_found(analysis.recordings)) times_to_constants(analysis, config, progress);
   return analysis;
 }
 

@@ -159,13 +159,11 @@ const Description& members_of(const ReservoirOfDrop*) {
       result("first_impact", &D::first_impact, "Of the longest stretch without a missing impact"),
       result("last_impact", &D::last_impact, "Likewise"),
       result("simulated_m2ps2", &D::simulated_m2ps2, "As simulated"),
-      result<D>(
-          "sound_m2ps2", [](const D& d) { return d.sound.gain_m2ps2; }, "From the sound"),
+      result("sound_m2ps2", path(&D::sound, &fit::ReservoirGain::gain_m2ps2), "From the sound"),
       result<D>(
           "own_se_m2ps2", [](const D& d) { return hypot(d.sound.timing_se_m2ps2, d.sound.offset_se_m2ps2); },
           "Timing and offset"),
-      result<D>(
-          "law_se_m2ps2", [](const D& d) { return d.sound.law_se_m2ps2; }, "The law, common to all drops")};
+      result("law_se_m2ps2", path(&D::sound, &fit::ReservoirGain::law_se_m2ps2), "The law, common to all drops")};
   return all;
 }
 

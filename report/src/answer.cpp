@@ -28,13 +28,9 @@ const Description& members_of(const DropsSeen*) {
 const Description& members_of(const SpeedAndRestitution*) {
   using S = SpeedAndRestitution;
   static const Description all{
-      result("v_mps", &S::v_mps, "Speed"),
-      result<S>(
-          "eps", [](const S& s) { return s.eps.value; }, "ε there"),
-      result<S>(
-          "se", [](const S& s) { return s.eps.se; }, "Its standard error"),
-      result<S>(
-          "ci95", [](const S& s) { return s.eps.ci95; }, "Its 95 % interval"),
+      result("v_mps", &S::v_mps, "Speed"), result("eps", path(&S::eps, &fit::Estimate::value), "ε there"),
+      result("se", path(&S::eps, &fit::Estimate::se), "Its standard error"),
+      result("ci95", path(&S::eps, &fit::Estimate::ci95), "Its 95 % interval"),
       result("energy_lost", &S::energy_lost, "1 - ε², share of the energy of the vertical motion")};
   return all;
 }

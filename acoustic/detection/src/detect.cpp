@@ -232,6 +232,11 @@ const Description& members_of(const DetectionConfig*) {
   return options;
 }
 
+const RecordingDetection* first_found(const std::vector<RecordingDetection>& recordings) {
+  const auto found = std::find_if(recordings.begin(), recordings.end(), [](const auto& r) { return r.n_onsets > 0; });
+  return found == recordings.end() ? nullptr : &*found;
+}
+
 std::string lossy_coding_warning(const std::string& coding) {
   return "lossy coding (" + coding + "): times may be off by more than stated; record as WAV or FLAC";
 }

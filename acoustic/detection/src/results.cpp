@@ -109,18 +109,13 @@ const Description& members_of(const RecordingDetection*) {
   static const Description all{
       result<R>(
           "recording", [](const R& r) { return input_name(r.recording); }, "As it was given"),
-      result<R>(
-          "status", [](const R& r) { return r.found.status; }, "`ok`, `too_few_impacts`, `silent` or `unreadable`"),
-      result<R>(
-          "message", [](const R& r) { return r.found.message; }, "What was found, or why not"),
+      result("status", path(&R::found, &Detection::status), "`ok`, `too_few_impacts`, `silent` or `unreadable`"),
+      result("message", path(&R::found, &Detection::message), "What was found, or why not"),
       result("n_onsets", &R::n_onsets, "Impacts found"),
-      result<R>(
-          "drops", [](const R& r) { return value_of(r.found.drops); },
-          "`[{begin_s, n_impacts, odds, probability, doubtful}]`"),
+      result("drops", path(&R::found, &Detection::drops), "`[{begin_s, n_impacts, odds, probability, doubtful}]`"),
       result<R>(
           "", [](const R& r) { return std::get<Object>(value_of(r.found.summary)); }, "Of the recording"),
-      result<R>(
-          "warnings", [](const R& r) { return r.found.warnings; }, "Texts")};
+      result("warnings", path(&R::found, &Detection::warnings), "Texts")};
   return all;
 }
 

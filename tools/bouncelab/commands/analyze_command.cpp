@@ -37,9 +37,7 @@ void write_files(const loop::Analysis& found, const report::FitInWords& words, c
   write_table(run, folder / "onsets.csv", to_table(loop::onsets_of(found.recordings)), readable_of(found.recordings));
   write_table(run, folder / "samples.csv", to_table(found.restitution.samples), {folder / "onsets.csv"});
   write_json(run, folder / "fit.json", report::object_of(found.fit, words), 1, {folder / "samples.csv"});
-  const auto shown = std::find_if(found.recordings.begin(), found.recordings.end(),
-                                  [](const detection::RecordingDetection& r) { return r.n_onsets > 0; });
-  write_json(run, folder / "wave.json", value_of(*found.wave), -1, {shown->recording});
+  write_json(run, folder / "wave.json", value_of(*found.wave), -1, {first_found(found.recordings)->recording});
   // the report shows what lies in the folder: details of an earlier run must not stay in it
   for (const char* old : {"diagnostics.json", "diagnostics.json.meta.json"}) fs::remove(folder / old);
   if (found.details.empty()) return;
@@ -77,7 +75,7 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
 Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
                        std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
   Outcome detected = detection_outcome(found.recordings, std::move(warnings));
-  if (!found_any(found.recordings)) return detected;
+  if (!first_found(found.recordings)) return detected;
   const report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
   write_files(found, words, folder, run);

@@ -136,11 +136,6 @@ std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
   return all;
 }
 
-bool found_any(const Recordings& recordings) {
-  return std::any_of(recordings.begin(), recordings.end(),
-                     [](const detection::RecordingDetection& r) { return r.n_onsets > 0; });
-}
-
 std::vector<std::filesystem::path> readable_of(const Recordings& recordings) {
   std::vector<std::filesystem::path> files;
   for (const detection::RecordingDetection& r : recordings)
@@ -160,7 +155,7 @@ Outcome detection_outcome(const Recordings& recordings, std::vector<std::string>
   outcome.text = describe_all(recordings);
   outcome.result = summary_of(recordings, warnings);
   outcome.warnings = first_of(joined(warnings, report::warnings_of(recordings)), "with --json all of them are listed");
-  conclude(recordings, found_any(recordings), outcome);
+  conclude(recordings, first_found(recordings) != nullptr, outcome);
   return outcome;
 }
 
@@ -175,7 +170,7 @@ Outcome run_detect(const DetectOptions& options, const Run& run) {
   const std::vector<std::filesystem::path> files = each_once(given, run.common.n_threads, "recording", warnings);
   TableWriter table(run, options.out);
   const Recordings recordings = detect_all(options, files, table, run);
-  if (found_any(recordings)) {
+  if (first_found(recordings)) {
     table.finish(readable_of(recordings));
     if (!options.labels.empty())
       write_label_track(run, options.labels, recordings.front().found.onsets, readable_of(recordings));

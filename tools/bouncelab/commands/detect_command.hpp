@@ -28,7 +28,6 @@ using Recordings = std::vector<detection::RecordingDetection>;
 /// @throws FileError where the list cannot be read; InvalidArgument where there is no recording
 std::vector<std::filesystem::path> recordings_of(const DetectOptions& options);
 
-bool found_any(const Recordings& recordings);
 std::vector<std::filesystem::path> readable_of(const Recordings& recordings);
 /// What --json prints. @param warnings  that are not of one recording alone
 Object summary_of(const Recordings& recordings, const std::vector<std::string>& warnings);

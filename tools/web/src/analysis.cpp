@@ -30,14 +30,12 @@ loop::AnalyzeConfig config_of(const std::string& options_json) {
   config.fit.memory = fit::UseMemory::where_long;
   options::RestitutionOptions restitution;
   std::uint64_t seed = config.fit.law.seed;
-  static const Description common{member<std::uint64_t>(
-      "seed", [](auto& s) -> auto& { return s; }, "Seed of all random numbers")};
   set_options({{"", &own, &config},
                {"", &members_of(&config.detection), &config.detection},
                {"", &ball, &restitution.world},
                {"", &members_of(&restitution), &restitution},
                {"", &members_of(&config.fit), &config.fit},
-               {"", &common, &seed}},
+               seed_section(seed)},
               options_json);
   config.fit.law.seed = seed;
   config.restitution = with_ball(restitution);

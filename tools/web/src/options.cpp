@@ -33,6 +33,12 @@ std::string text_of(const Json& value) {
 
 }  // namespace
 
+options::Section seed_section(std::uint64_t& seed) {
+  static const Description all{member<std::uint64_t>(
+      "seed", [](auto& s) -> auto& { return s; }, "Seed of all random numbers")};
+  return {"", &all, &seed};
+}
+
 void set_options(const Sections& sections, const std::string& json) {
   const Json options = json.empty() ? Json::object() : Json::parse(json, nullptr, false);
   if (!options.is_object()) throw InvalidArgument("the options are not a JSON object");

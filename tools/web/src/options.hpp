@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "stage_options/section.hpp"
 
 namespace bouncelab::web {
+
+/// The seed, which every stage has.
+options::Section seed_section(std::uint64_t& seed);
 
 /// Sets options from a JSON object: {"ball": "steel:6mm", "drop_height_m": 0.5, "correct-drag": true}; names as on the
 /// command line without the dashes in front, '_' is '-', and a unit at the end may stand (drop_height_m, gravity_mps2).

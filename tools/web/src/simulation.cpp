@@ -26,13 +26,11 @@ struct SimulateCall {
 
   explicit SimulateCall(const std::string& options_json) {
     static const Description ball = options::ball_options("steel:6mm on glass");
-    static const Description common{member<std::uint64_t>(
-        "seed", [](auto& s) -> auto& { return s; }, "Seed of all random numbers")};
     set_options({{"", &ball, &simulated.world},
                  {"", &members_of(&simulated), &simulated},
                  {"", &members_of(&synthesized), &synthesized},
                  disturbances_section(synthesized),
-                 {"", &common, &seed}},
+                 seed_section(seed)},
                 options_json);
     synthesized.world = simulated.world;
   }

@@ -238,6 +238,23 @@ Object as_lists(const std::vector<T>& rows) {
   return lists;
 }
 
+/// From a struct to a member of what it is made of: path(&MemoryFit::leak, &MemoryTest::z).
+template <class S, class Reach>
+struct Path {
+  Reach reach;
+  decltype(auto) operator()(const S& s) const { return reach(s); }
+};
+template <class S, class T, class... Further>
+auto path(T S::*first, Further... further) {
+  const auto reach = [=](const S& s) -> const auto& {
+    if constexpr (sizeof...(further) == 0)
+      return s.*first;
+    else
+      return path(further...)(s.*first);
+  };
+  return Path<S, decltype(reach)>{reach};
+}
+
 /// A member of a struct of results, which is written and not read: whatever `value_of` takes.
 /// @param reach  pointer to the member, or a function of S: result<LawFit>("n_outliers", [](const LawFit& f) {...}, "")
 template <class S, class Reach>
@@ -254,6 +271,11 @@ Member result(std::string name, Reach reach, std::string text) {
 template <class S, class T>
 Member result(std::string name, T S::*where, std::string text) {
   return result<S, T S::*>(std::move(name), where, std::move(text));
+}
+
+template <class S, class Reach>
+Member result(std::string name, Path<S, Reach> where, std::string text) {
+  return result<S, Path<S, Reach>>(std::move(name), where, std::move(text));
 }
 
 /// An enumeration, whose values have names: choice<S, E>("kind", &S::kind, {{"round", E::round}}, "...").

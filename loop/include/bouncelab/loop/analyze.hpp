@@ -43,11 +43,11 @@ struct RecordingDetails {
 };
 const Description& members_of(const RecordingDetails*);
 
-/// Drops that `details` show, and recordings of which wave and noise are kept.
+/// Drops that `details` show.
 constexpr std::int64_t kMostShown = 30;
 
 struct Analysis {
-  std::vector<detection::RecordingDetection> recordings;  ///< as they were given
+  std::vector<detection::RecordingDetection> recordings;  ///< as they were given; wave and noise with details alone
   fit::Restitution restitution;
   fit::FitResult fit;
   std::optional<detection::WavePreview> wave;           ///< of the first recording in which impacts were found

@@ -115,6 +115,8 @@ struct RecordingDetection {
   Detection found;
 };
 const Description& members_of(const RecordingDetection*);
+/// The first recording in which impacts were found; nullptr where there is none.
+const RecordingDetection* first_found(const std::vector<RecordingDetection>& recordings);
 
 /// What is to be said of the times in sound of a RecordingSummary::lossy_coding; one line.
 std::string lossy_coding_warning(const std::string& coding);

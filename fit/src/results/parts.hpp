@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// What the descriptions of several results share.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/description.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+
+namespace bouncelab::fit {
+
+/// `name` where the fit has a result, else not known.
+template <class S, class Reach>
+Member where_ok(std::string name, Reach reach, std::string text) {
+  return result<S>(
+      std::move(name),
+      [reach](const S& s) { return s.status == FitStatus::ok ? value_of(std::invoke(reach, s)) : Value{}; },
+      std::move(text));
+}
+
+/// The names of parameters, and each under its own.
+template <class S>
+Member estimates_by_name() {
+  return result<S>(
+      "",
+      [](const S& s) {
+        std::vector<std::string> names;
+        Object all;
+        for (const NamedEstimate& p : s.parameters) {
+          names.push_back(p.name);
+          all.emplace_back(p.name, value_of(p.estimate));
+        }
+        all.emplace_back("parameters", value_of(names));
+        return all;
+      },
+      "`A2`, `A4`, `A5` ... or `gamma` or `eps`: an estimate each; `parameters`: their names, in the order of "
+      "matrices");
+}
+
+template <class Thing>
+std::optional<std::string> text_of_ball(const std::optional<Thing>& ball) {
+  if (!ball) return std::nullopt;
+  if constexpr (std::is_same_v<Thing, Ball>)
+    return to_text(*ball);
+  else
+    return plate_text(*ball);
+}
+
+/// The points of a curve as two lists.
+Object as_columns(const std::vector<CurvePoint>& curve, const std::string& x, const std::string& y);
+/// The roughness where the fit has a result, else not known.
+Value roughness_if_fitted(const MemoryFit& memory);
+
+}  // namespace bouncelab::fit
