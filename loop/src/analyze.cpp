@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 
 namespace bouncelab::loop {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/report/detection.hpp"
 

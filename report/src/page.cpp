@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "assets.hpp"
+#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/version.hpp"
 
 namespace bouncelab::report {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/file_bytes.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <gtest/gtest.h>
 

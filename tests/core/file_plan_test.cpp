@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/file_plan.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

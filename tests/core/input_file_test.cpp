@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_bytes.hpp"
 #include "bouncelab/core/table.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/fit/flight_correction.hpp"
+#include "restitution/flight_correction.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

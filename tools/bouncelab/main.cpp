@@ -18,11 +18,11 @@
 #include <string_view>
 #include <vector>
 
+#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/core/version.hpp"
 #include "command.hpp"
 #include "options/commands.hpp"
 #include "options/config_file.hpp"

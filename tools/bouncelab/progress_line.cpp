@@ -13,7 +13,7 @@
 #include <ctime>
 #include <memory>
 
-#include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::cli {
 namespace {

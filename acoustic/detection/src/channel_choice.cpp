@@ -25,14 +25,14 @@ constexpr double kAroundImpact_s = 5e-3;  // sound takes 3 ms from one microphon
 constexpr double kNoMore = 1.02;
 
 /// How much a channel rises around some times, which are in ascending order.
-double rise_near(const audio::AudioSource& sound, const audio::ArModel& model, const std::vector<double>& t_s,
+double rise_near(const audio::AudioSource& sound, const ArModel& model, const std::vector<double>& t_s,
                  double within_s) {
   const std::vector<double> rises = highest_rises(sound, model, t_s, within_s);
   return std::accumulate(rises.begin(), rises.end(), 0.0);
 }
 
 /// At places that lie evenly over the channel.
-double rise_at_places(const audio::AudioSource& sound, const audio::ArModel& model) {
+double rise_at_places(const audio::AudioSource& sound, const ArModel& model) {
   const double duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   const auto n = std::clamp<std::size_t>(static_cast<std::size_t>(duration_s / kPlacesApart_s), 1, kMostPlaces);
   std::vector<double> t_s(n);
@@ -74,10 +74,10 @@ ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, in
                              const ProgressCallback& progress) {
   const auto search = [&](std::size_t c) { return searched(BandsOfChannel(channels[c], n_threads, progress), c); };
   if (channels.size() == 1) return search(0);
-  std::vector<audio::ArModel> models(channels.size());
+  std::vector<ArModel> models(channels.size());
   std::vector<double> rises(channels.size());
   parallel_for(channels.size(), n_threads, [&](std::size_t c) {
-    models[c] = audio::learn_ar_models(channels[c], kArOrder).signal;
+    models[c] = learn_ar_models(channels[c], kArOrder).signal;
     rises[c] = rise_at_places(channels[c], models[c]);
   });
   std::optional<ChosenChannel> best;

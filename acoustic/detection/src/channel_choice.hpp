@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "channel_tracks.hpp"
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <utility>
 
-#include "bouncelab/audio/dsp/decimate.hpp"
 #include "template/waveform_likeness.hpp"
 #include "tracking/first_arrivals.hpp"
+#include "whitening/decimate.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -57,7 +57,7 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   band.decimation = decimations_[b];
   band.sound = sound_of(b);
   if (b == 0 && progress_) progress_(0.0, static_cast<double>(band.sound.n_samples) / band.sound.rate_hz);
-  band.models = audio::learn_ar_models(band.sound, kArOrder);
+  band.models = learn_ar_models(band.sound, kArOrder);
   CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
   band.candidates = std::move(found.candidates);
   band.same_source = SameSource(found.band_energies);
@@ -69,7 +69,7 @@ const audio::AudioSource& BandsOfChannel::sound_of(std::size_t b) {
   // from the band above where its rate allows: most of a filter's time goes at the highest rate
   const bool is_of_above = b > 0 && decimations_[b] % decimations_[b - 1] == 0;
   const audio::AudioSource& above = is_of_above ? sound_of(b - 1) : *sounds_[0];
-  return sounds_[b].emplace(audio::decimate(above, decimations_[b] / (is_of_above ? decimations_[b - 1] : 1)));
+  return sounds_[b].emplace(decimate(above, decimations_[b] / (is_of_above ? decimations_[b - 1] : 1)));
 }
 
 double ChannelTracks::log_odds() const {

@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "tracking/tracker.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 
@@ -21,7 +21,7 @@ constexpr int kArOrder = 48;
 struct BandOfChannel {
   audio::AudioSource sound;
   int decimation = 1;  ///< of the recording's sampling rate; 1 = all frequencies
-  audio::ArModels models;
+  ArModels models;
   std::vector<Candidate> candidates;
   SameSource same_source;
 };

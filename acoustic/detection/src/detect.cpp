@@ -12,15 +12,15 @@
 #include <utility>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/statistics.hpp"
 #include "channel_choice.hpp"
 #include "drops/recording_timer.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -34,7 +34,7 @@ NoiseSpectrum noise_spectrum(const BandOfChannel& found) {
   NoiseSpectrum spectrum;
   for (int k = 1; k <= kPoints; ++k) {  // without 0 Hz: the model is one of the differenced signal
     spectrum.frequency_hz.push_back(0.5 * found.sound.rate_hz * k / kPoints);
-    spectrum.psd.push_back(audio::quiet_psd(found.models.noise, found.sound.rate_hz, spectrum.frequency_hz.back()));
+    spectrum.psd.push_back(quiet_psd(found.models.noise, found.sound.rate_hz, spectrum.frequency_hz.back()));
   }
   return spectrum;
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/detection/wave_preview.hpp"

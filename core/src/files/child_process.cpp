@@ -25,7 +25,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab {
 namespace {

@@ -15,9 +15,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_plan.hpp"
-#include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,8 +17,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_bytes.hpp"
-#include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "files/file_target.hpp"
 #include "files/temporary_file.hpp"
 

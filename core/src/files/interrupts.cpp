@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/parallel.hpp"
 
 #include <atomic>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/interrupts.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "files/file_target.hpp"
 #include "files/temporary_file.hpp"
 

@@ -21,10 +21,8 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/folder_lock.hpp"
-#include "bouncelab/core/interrupts.hpp"
-#include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/scratch_file.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab {
 namespace fs = std::filesystem;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 #include <algorithm>
 #include <cassert>

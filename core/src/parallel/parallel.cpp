@@ -12,8 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/interrupts.hpp"
-
 namespace bouncelab {
 namespace {
 

@@ -9,7 +9,6 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {

@@ -8,8 +8,8 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/table.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {

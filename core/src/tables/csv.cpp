@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {

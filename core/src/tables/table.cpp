@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 namespace {

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/standard.hpp"
 #include "bouncelab/core/text.hpp"
 
 namespace bouncelab {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 
 #ifndef __cpp_lib_to_chars
 

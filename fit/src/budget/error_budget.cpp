@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "law/law_data.hpp"
 #include "numerics/distributions.hpp"
+#include "restitution/flight_correction.hpp"
 
 namespace bouncelab::fit {
 

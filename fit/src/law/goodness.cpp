@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/statistics.hpp"
 #include "numerics/distributions.hpp"
 
 namespace bouncelab::fit {

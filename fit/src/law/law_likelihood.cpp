@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::fit {
 namespace {

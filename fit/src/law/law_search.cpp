@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "law/law_data.hpp"
 #include "numerics/linalg.hpp"
 

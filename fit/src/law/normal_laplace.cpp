@@ -7,7 +7,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::fit {
 namespace {

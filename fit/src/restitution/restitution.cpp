@@ -10,7 +10,8 @@
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "restitution/flight_correction.hpp"
 
 namespace bouncelab::fit {
 namespace {

@@ -10,7 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::sim {
 namespace {

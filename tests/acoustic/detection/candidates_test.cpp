@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "candidates/band_energies.hpp"
 #include "support/modal_sound.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -33,7 +33,7 @@ std::vector<float> struck(double rate_hz) {
 }
 
 CandidatesOfSound found_in(const audio::AudioSource& sound, int n_threads) {
-  return find_candidates(sound, audio::learn_ar_models(sound, 48).signal, n_threads, {});
+  return find_candidates(sound, learn_ar_models(sound, 48).signal, n_threads, {});
 }
 
 void expect_equal(const CandidatesOfSound& a, const CandidatesOfSound& b) {
@@ -101,7 +101,7 @@ TEST(Candidates, ALookAtSomePlacesShowsTheSameRisesAsTheSearch) {
     }
     ASSERT_GT(t_s.size(), 20U);
     between_s.resize(between_s.size() - 2);  // to within the sound
-    const audio::ArModel model = audio::learn_ar_models(sound, 48).signal;
+    const ArModel model = learn_ar_models(sound, 48).signal;
     EXPECT_THAT(highest_rises(sound, model, t_s, kWithin_s), testing::Pointwise(testing::DoubleNear(kRounding), rises))
         << rate_hz;
     EXPECT_EQ(highest_rises(sound, model, between_s, kWithin_s), std::vector(between_s.size(), 0.0)) << rate_hz;

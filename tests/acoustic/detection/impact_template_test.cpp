@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -33,8 +33,8 @@ TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsOfAnotherSource) {
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::vector<bool> clipped(impacts.size(), false);
-  audio::WhiteSound white(sound);
-  const auto learned = estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
+  WhiteSound white(sound);
+  const auto learned = estimate_template(white, learn_ar_models(sound, 48).noise, impacts, clipped);
   ASSERT_TRUE(learned);
   EXPECT_EQ(learned->n_impacts, kImpacts);
   EXPECT_GT(learned->correlation, 0.9);
@@ -53,10 +53,10 @@ std::optional<ImpactTemplate> template_of_one_ball(std::int64_t later_samples, d
     impacts.push_back({t_s + static_cast<double>(later_samples) / kRate_hz, 200.0, 0.4e-3, 50.0});
   }
   for (float& x : samples) x *= static_cast<float>(gain);
-  const audio::ArModel noise = audio::learn_ar_models(audio::source_in_memory(samples, kRate_hz), 48).noise;
+  const ArModel noise = learn_ar_models(audio::source_in_memory(samples, kRate_hz), 48).noise;
   samples.insert(samples.begin(), static_cast<std::size_t>(later_samples), 0.0F);
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   return estimate_template(white, noise, impacts, std::vector<bool>(impacts.size(), false), INFINITY, known_whitener);
 }
 
@@ -101,8 +101,8 @@ std::optional<ImpactTemplate> template_of_many(int n_impacts) {
     impacts.push_back({t_s, 300.0 - 3.0 * k, 0.4e-3, 50.0});
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  audio::WhiteSound white(sound);
-  return estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts, std::vector<bool>(impacts.size()));
+  WhiteSound white(sound);
+  return estimate_template(white, learn_ar_models(sound, 48).noise, impacts, std::vector<bool>(impacts.size()));
 }
 
 TEST(ImpactTemplate, IsTheMeanOfAllTrainingImpactsThoughFewerFindIt) {

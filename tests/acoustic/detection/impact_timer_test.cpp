@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -39,8 +39,8 @@ std::optional<ImpactTemplate> template_of(const audio::AudioSource& sound) {
   std::vector<Candidate> impacts;
   for (int k = 0; k < kImpacts; ++k) impacts.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
   const std::vector<bool> clipped(impacts.size(), false);
-  audio::WhiteSound white(sound);
-  return estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
+  WhiteSound white(sound);
+  return estimate_template(white, learn_ar_models(sound, 48).noise, impacts, clipped);
 }
 
 TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
@@ -50,7 +50,7 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   ImpactTimer timer(white, *learned);
   const ImpactFit near = timer.time(time_of(10), 1e-4, time_of(11));
   const ImpactFit far = timer.time(time_of(10) + 1.5e-3, 4e-3, time_of(11));
@@ -79,7 +79,7 @@ TEST(ImpactTimer, FindsByOneCorrelationThePlacesThatItFindsOneByOne) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   ImpactTimer timer(white, *learned);
   const auto places =
       timer.places_between(time_of(10) - 10e-3, time_of(10) + 20e-3, time_of(11), 50.0, ImpactFit{}, 0.0);
@@ -113,7 +113,7 @@ TEST(ImpactTimer, FindsNoPlaceBesideAnImpactOnlyWhereTheSoundHasNoEnergyForOne) 
     const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
     const std::optional<ImpactTemplate> learned = template_of(sound);
     ASSERT_TRUE(learned);
-    audio::WhiteSound white(sound);
+    WhiteSound white(sound);
     ImpactTimer timer(white, *learned);
     const double from_s = time_of(10) - 6e-3, to_s = time_of(10) + 21e-3;
     const ImpactFit first = timer.time(time_of(10), 1e-4, time_of(11));
@@ -137,7 +137,7 @@ TEST(ImpactTimer, FindsAPlaceBehindAnImpactThatIsNotInTheStretch) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   ImpactTimer timer(white, *learned);
   const ImpactFit first = timer.time(time_of(10), 1e-4, time_of(11));
   // the second has 0.64 of its log likelihood ratio
@@ -159,7 +159,7 @@ TEST(ImpactTimer, DoesNotTellThePlacesOfSoundThatReachesTheNextImpact) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   ImpactTimer timer(white, *learned);
   const double end_s = time_of(10) + 20e-3;
   EXPECT_FALSE(
@@ -174,7 +174,7 @@ TEST(ImpactTimer, LeavesOutNoPlaceThatIsMoreLikelyThanWasAskedFor) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   ImpactTimer timer(white, *learned);
   int n_left_out = 0;
   for (const double late_s : {-6e-3, -2e-3, 0.0, 2e-3, 6e-3, 10e-3, 20e-3})
@@ -200,7 +200,7 @@ TEST(ImpactTimer, IsDisturbedByWhatIsUnexplainedAtTheFrequenciesOfTheTemplateOnl
     const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
     const std::vector<float> clean = recording();
     const std::optional<ImpactTemplate> learned = template_of(audio::source_in_memory(clean, kRate_hz));
-    audio::WhiteSound white(sound);
+    WhiteSound white(sound);
     return learned ? ImpactTimer(white, *learned).time(time_of(10), 1e-4, time_of(11)).disturbance : 0.0;
   };
   EXPECT_GT(disturbance(5300.0), 10.0 * disturbance(14e3));
@@ -228,7 +228,7 @@ TEST(ImpactTimer, IsAsSureOfAFaintImpactWhereTheBackgroundIsFarBelowTheWhiteners
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
   const ImpactTemplate other = in_larger_units(*learned, 20.0F);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   const ImpactFit before = ImpactTimer(white, *learned).time(kFaint_s, 2e-3, 5.4);
   const ImpactFit after = ImpactTimer(white, other).time(kFaint_s, 2e-3, 5.4);
   EXPECT_NEAR(after.t_s, before.t_s, 1e-9);
@@ -244,7 +244,7 @@ TEST(ImpactTimer, ForgetsAnImpactThatIsNone) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   ImpactTimer timer(white, *learned);
   const ImpactFit before = timer.time(time_of(10), 1e-3, time_of(11));
   timer.subtract_from_later(before);
@@ -262,7 +262,7 @@ TEST(ImpactTimer, SubtractsKnownImpactsInAnyOrder) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   const std::optional<ImpactTemplate> learned = template_of(sound);
   ASSERT_TRUE(learned);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   const ImpactFit alone = ImpactTimer(white, *learned).time(time_of(5), 1e-4, time_of(6));
   const double onset_s = alone.t_s - time_of(5);  // where in the template contact begins
   ImpactFit first = alone, second = alone;

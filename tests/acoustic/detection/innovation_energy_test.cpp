@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -20,7 +20,7 @@ std::vector<float> sound_of(std::int64_t n) {
   return x;
 }
 
-const audio::ArModel kNothingPredicted{{1.0F}, 1e-4};
+const ArModel kNothingPredicted{{1.0F}, 1e-4};
 const double kFloor = 0.01 * kNothingPredicted.quiet_variance;
 
 TEST(InnovationEnergy, IsTheSumOfItsHopsInTheOrderOfTheirSamplesBitByBit) {
@@ -45,7 +45,7 @@ TEST(InnovationEnergy, HasTheSoundOfEachBlockWithItsMarginsAndNothingOutsideTheR
   constexpr std::int64_t kHop = 6, kMargin = 20, kBlock = 100;
   constexpr std::int64_t kSamples = 5 * kHop * kBlock / 2;  // ends within a block
   const std::vector<float> x = sound_of(kSamples);
-  const audio::ArModel model{{1.0F, -0.5F, 0.25F}, 1e-4};
+  const ArModel model{{1.0F, -0.5F, 0.25F}, 1e-4};
   const audio::AudioSource sound = audio::source_in_memory(x, 48000.0);
   InnovationEnergy energy(sound, model, kHop, kMargin);
   for (std::int64_t first = 0; first < 3 * kBlock; first += kBlock) {

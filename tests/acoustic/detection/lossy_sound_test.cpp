@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "bouncelab/detection/detect.hpp"
 #include "support/modal_sound.hpp"
 #include "template/impact_template.hpp"
 #include "template/impact_whitener.hpp"
+#include "whitening/linear_prediction.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -147,8 +147,8 @@ TEST(LossySound, LeavesOutHighFrequenciesWithPhasesOfTheirOwn) {
   }
   const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
   const std::vector<bool> clipped(impacts.size(), false);
-  audio::WhiteSound white(sound);
-  const auto learned = estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts, clipped);
+  WhiteSound white(sound);
+  const auto learned = estimate_template(white, learn_ar_models(sound, 48).noise, impacts, clipped);
   ASSERT_TRUE(learned);
   EXPECT_EQ(learned->n_impacts, 30);
   EXPECT_LT(share_above(*learned, 14e3), 0.01);
@@ -157,10 +157,10 @@ TEST(LossySound, LeavesOutHighFrequenciesWithPhasesOfTheirOwn) {
 TEST(ImpactWhitener, LeavesVarianceOneOfNoiseWithoutImpacts) {
   const std::vector<float> x = noise(1 << 17, 3e-3, 6);
   const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
-  const audio::ArModel model = audio::learn_ar_models(sound, 48).noise;
+  const ArModel model = learn_ar_models(sound, 48).noise;
   for (const std::vector<float>& whitener :
        {noise_whitener(model), impact_whitener(sound, model, {5000, 30000, 70000}, 1024)}) {
-    const std::vector<float> white = audio::read_white(sound, whitener, 20000, 1 << 15).sound;
+    const std::vector<float> white = read_white(sound, whitener, 20000, 1 << 15).sound;
     double sum = 0.0;
     for (const float v : white) sum += static_cast<double>(v) * v;
     EXPECT_NEAR(sum / static_cast<double>(white.size()), 1.0, 0.2);  // the quietest tenth is quieter
@@ -171,7 +171,7 @@ TEST(ImpactWhitener, IsFiniteInDigitalSilenceAndForWindowsShorterThanTheNoisesFi
   std::vector<float> x(1 << 15, 0.0F);
   test::add_modal_sound(x, 1e3, 10.0, 0.3, test::equal_modes({90.0, 210.0}, 20e-3, 0.2));
   const audio::AudioSource sound = audio::source_in_memory(x, 1e3);
-  const audio::ArModel model = audio::learn_ar_models(sound, 48).noise;
+  const ArModel model = learn_ar_models(sound, 48).noise;
   for (const std::vector<std::int64_t>& begins : {std::vector<std::int64_t>{9995}, std::vector<std::int64_t>{100}})
     for (const float c : impact_whitener(sound, model, begins, 32)) EXPECT_TRUE(std::isfinite(c));
 }

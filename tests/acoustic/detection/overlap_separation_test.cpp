@@ -91,7 +91,7 @@ Outcome time_chatter(const std::optional<ContactLaw>& law, double amplitude) {
       impacts.push_back(impact);
     }
     const audio::AudioSource source = audio::source_in_memory(sound, kRate_hz);
-    audio::WhiteSound white(source);
+    WhiteSound white(source);
     separate_overlaps(white, impact_template, law, 1.0, impacts);
     for (int k = 0; k < kImpacts; ++k) {
       // the bound of the template as it is; with fewer high frequencies the bound is larger
@@ -128,7 +128,7 @@ TEST(OverlapSeparation, ImpactsThatRingAloneStayWhereTheyAre) {
   impact.fit.t_s = 0.02;
   std::vector<TimedImpact> impacts = {impact};
   const audio::AudioSource source = audio::source_in_memory(sound, kRate_hz);
-  audio::WhiteSound white(source);
+  WhiteSound white(source);
   separate_overlaps(white, learned(), std::nullopt, 1.0, impacts);
   EXPECT_EQ(impacts[0].fit.t_s, 0.02);
 }

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -31,9 +31,8 @@ std::optional<ImpactTemplate> template_of_mode(double hum, double gain = 1.0) {
     impacts.push_back({t_s, 200.0, 0.4e-3, 50.0});
   }
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  audio::WhiteSound white(sound);
-  return estimate_template(white, audio::learn_ar_models(sound, 48).noise, impacts,
-                           std::vector<bool>(impacts.size(), false));
+  WhiteSound white(sound);
+  return estimate_template(white, learn_ar_models(sound, 48).noise, impacts, std::vector<bool>(impacts.size(), false));
 }
 
 TEST(RecordedSpectrum, RmsFrequencyIsThatOfTheModeThoughTheTemplateIsWhitened) {

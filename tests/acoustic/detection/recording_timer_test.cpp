@@ -8,11 +8,11 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/decimate.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/modal_sound.hpp"
+#include "whitening/decimate.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -35,8 +35,8 @@ double largest_sigma_s(const std::vector<double>& modes_hz, double noise) {
     candidates.push_back({time_of(k), 200.0, 0.4e-3, 50.0});
   }
   const audio::AudioSource whole = audio::source_in_memory(samples, kRate_hz);
-  const audio::AudioSource band = audio::decimate(whole, 11);
-  const audio::ArModel model = audio::learn_ar_models(band, 48).noise;
+  const audio::AudioSource band = decimate(whole, 11);
+  const ArModel model = learn_ar_models(band, 48).noise;
   const BandOfDrops drops{band, whole, model, candidates, {track}, {}};
   const TimedRecording timed = time_recording(drops, {}, 9.81, 1, "ball");
   EXPECT_GE(timed.onsets.size(), kImpacts);

@@ -64,7 +64,7 @@ TEST(Ringing, OfAllKnownImpactsLeavesNothingOfTheirSound) {
   const ImpactTemplate learned = packet();
   const Impacts impacts = close_impacts(learned, 12);
   const audio::AudioSource sound = audio::source_in_memory(impacts.sound, kRate_hz);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   Ringing ringing(white, learned);
   for (std::size_t k = 0; k < impacts.t_s.size(); ++k) ringing.add(impacts.t_s[k], impacts.amplitude[k]);
   for (std::int64_t first = 0; first < 3000; first += 500) {
@@ -81,7 +81,7 @@ TEST(Ringing, FitsTheAmplitudesOfOverlappingImpactsTogether) {
   const Impacts impacts = close_impacts(learned, 40);
   const audio::AudioSource sound = audio::source_in_memory(impacts.sound, kRate_hz);
   for (const double gain : {1.0, 1e-3}) {  // of the first guess: one step, since the problem is linear
-    audio::WhiteSound white(sound);
+    WhiteSound white(sound);
     Ringing ringing(white, learned);
     for (const double t_s : impacts.t_s) ringing.add(t_s, gain);
     ringing.fit_amplitudes(std::vector<bool>(impacts.t_s.size(), true));
@@ -94,7 +94,7 @@ TEST(Ringing, LeavesAmplitudesThatAreGiven) {
   const ImpactTemplate learned = packet();
   const Impacts impacts = close_impacts(learned, 12);
   const audio::AudioSource sound = audio::source_in_memory(impacts.sound, kRate_hz);
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   Ringing ringing(white, learned);
   std::vector<bool> free(impacts.t_s.size(), true);
   free[5] = false;
@@ -110,7 +110,7 @@ TEST(Ringing, SharesTheAmplitudeBetweenImpactsThatCannotBeToldApart) {
   const Impacts impacts = close_impacts(learned, 1);
   const audio::AudioSource sound = audio::source_in_memory(impacts.sound, kRate_hz);
   for (const double apart_s : {0.0, 1e-10, 1e-8}) {
-    audio::WhiteSound white(sound);
+    WhiteSound white(sound);
     Ringing ringing(white, learned);
     ringing.add(impacts.t_s[0], 0.3);
     ringing.add(impacts.t_s[0] + apart_s, 0.3);

@@ -9,9 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/decimate.hpp"
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
 #include "contact/pulse_spectrum.hpp"
@@ -21,6 +19,8 @@
 #include "template/subband_delay.hpp"
 #include "template/subband_errors.hpp"
 #include "template/template_training.hpp"
+#include "whitening/decimate.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -104,10 +104,10 @@ TEST(WhiteSound, GivesTheSameBytesAsAWindowReadAlone) {
   const std::vector<std::vector<float>> whiteners = {noise(20, 4), noise(20, 5)};
   constexpr std::size_t kLength = 700;
   std::vector<float> memory(kLength + 512);
-  audio::WhiteSound small(sound, memory), large(sound);
+  WhiteSound small(sound, memory), large(sound);
   for (const std::vector<float>& whitener : {whiteners[0], whiteners[1], whiteners[0]})
     for (const std::int64_t first : {0, 100, 90, 800, -300, -701, 4000, 4500, 5100, 9220, 4096, 8192, 19900, 1, 2000}) {
-      const std::vector<float> alone = audio::read_white(sound, whitener, first, kLength).sound;
+      const std::vector<float> alone = read_white(sound, whitener, first, kLength).sound;
       std::vector<float> window(kLength);
       small.read(whitener, first, window);
       EXPECT_EQ(window, alone) << first;
@@ -313,7 +313,7 @@ TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
     const double t_s = static_cast<double>(n) / kRate_hz;
     x[n] = static_cast<float>(tone(700.0, t_s) + tone(6100.0, t_s));
   }
-  const audio::AudioSource low = audio::decimate(audio::source_in_memory(x, kRate_hz), 12);
+  const audio::AudioSource low = decimate(audio::source_in_memory(x, kRate_hz), 12);
   EXPECT_DOUBLE_EQ(low.rate_hz, 4000.0);
   std::vector<float> y(static_cast<std::size_t>(low.n_samples));
   low.read(0, y);

@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
 #include "delay/track_search.hpp"
 #include "support/modal_sound.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -53,9 +53,9 @@ std::vector<TimedImpact> timed(const std::vector<int>& with_candidate, const std
     for (const Knock& knock : knocks)  // candidates of no track
       if (knock.t_s > time_of(k) && knock.t_s < time_of(k + 1)) candidates.push_back({knock.t_s, 300.0, 0.4e-3, 50.0});
   }
-  audio::WhiteSound white(sound);
+  WhiteSound white(sound);
   const std::optional<ImpactTemplate> learned =
-      estimate_template(white, audio::learn_ar_models(sound, 48).noise, sounding, std::vector<bool>(sounding.size()));
+      estimate_template(white, learn_ar_models(sound, 48).noise, sounding, std::vector<bool>(sounding.size()));
   EXPECT_TRUE(learned);
   return learned ? time_track(white, *learned, track, candidates, time_of(kImpacts) + 0.5) : std::vector<TimedImpact>{};
 }

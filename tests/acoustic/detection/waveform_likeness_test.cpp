@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
 #include "support/bouncing_sound.hpp"
 #include "support/modal_sound.hpp"
@@ -19,7 +19,7 @@ const std::vector<double> kTimes_s{0.5, 0.9, 1.22, 1.48};
 
 double log_odds_in(const std::vector<float>& samples, const std::vector<double>& t_s) {
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
-  return log_odds_of_likeness(sound, audio::learn_ar_models(sound, 48).noise, t_s);
+  return log_odds_of_likeness(sound, learn_ar_models(sound, 48).noise, t_s);
 }
 
 /// Impacts on one plate, four fifths as loud each time.

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "bouncelab/core/child_process.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "commands/report_command.hpp"
 #include "files/several_files.hpp"

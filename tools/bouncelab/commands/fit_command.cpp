@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/report/answer.hpp"

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/onsets.hpp"
 #include "bouncelab/core/table.hpp"
-#include "bouncelab/core/version.hpp"
 #include "bouncelab/detection/score.hpp"
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/loop/loop_score.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_bytes.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/report/page.hpp"
 #include "files/table_file.hpp"

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/interrupts.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"
 

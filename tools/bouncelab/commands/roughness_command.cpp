@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "files/provenance.hpp"
 #include "files/sample_files.hpp"

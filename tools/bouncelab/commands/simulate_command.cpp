@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "files/table_file.hpp"
 #include "progress_line.hpp"

@@ -12,9 +12,8 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/impacts.hpp"
-#include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/output_file.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"

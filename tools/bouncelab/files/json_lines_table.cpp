@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
 

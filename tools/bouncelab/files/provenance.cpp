@@ -16,13 +16,10 @@
 #include <tuple>
 
 #include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_bytes.hpp"
-#include "bouncelab/core/input_file.hpp"
-#include "bouncelab/core/interrupts.hpp"
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/version.hpp"
 
 namespace bouncelab::cli {
 namespace fs = std::filesystem;

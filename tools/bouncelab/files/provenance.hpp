@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "command.hpp"
 
 namespace bouncelab::cli {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
 #include "files/several_files.hpp"
 #include "files/table_file.hpp"

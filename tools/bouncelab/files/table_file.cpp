@@ -8,9 +8,8 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_plan.hpp"
-#include "bouncelab/core/interrupts.hpp"
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/table.hpp"
 #include "files/json_lines_table.hpp"
 

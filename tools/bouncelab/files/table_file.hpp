@@ -10,9 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/core/folder_lock.hpp"
-#include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/scratch_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/table.hpp"
 #include "command.hpp"
 #include "files/provenance.hpp"

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/file_bytes.hpp"
+#include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
 
 // toml++ without two faults of its version 3.3. Whether a letter such as "é" is a blank is decided in a switch that

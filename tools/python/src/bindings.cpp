@@ -7,8 +7,8 @@
 #include <new>
 #include <string>
 
+#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/version.hpp"
 #include "commands/ball_choice.hpp"
 #include "stages.hpp"
 

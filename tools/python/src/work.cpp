@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/interrupts.hpp"
 #include "bouncelab/core/parallel.hpp"
 
 namespace bouncelab::python {

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "analysis.hpp"
+#include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/version.hpp"
 #include "columns.hpp"
 #include "simulation.hpp"
 #include "stage_options/ball_choice.hpp"

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 

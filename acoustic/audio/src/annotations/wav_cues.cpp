@@ -12,7 +12,7 @@
 
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/output_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "io/sound_bytes.hpp"
 #include "io/sound_header.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "bouncelab/core/vector_clones.hpp"
+#include "bouncelab/core/elementary.hpp"
 
 namespace bouncelab::audio {
 namespace {

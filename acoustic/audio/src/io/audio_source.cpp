@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 namespace {

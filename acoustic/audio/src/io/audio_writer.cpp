@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/output_file.hpp"
-#include "bouncelab/core/vector_clones.hpp"
+#include "bouncelab/core/files.hpp"
 
 namespace bouncelab::audio {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/core/scratch_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "io/sound_bytes.hpp"
 #include "io/sound_header.hpp"
 

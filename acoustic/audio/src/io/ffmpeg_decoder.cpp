@@ -11,7 +11,7 @@
 
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 #include "io/coded_sound.hpp"
 #include "io/sound_header.hpp"
 

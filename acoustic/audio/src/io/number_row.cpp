@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 namespace {

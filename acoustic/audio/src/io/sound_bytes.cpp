@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
 
 namespace bouncelab::audio {
 

@@ -196,13 +196,13 @@ std::vector<Candidate> find_in_block(const InnovationEnergy& energy, std::int64_
 /// What all segments of a recording have in common.
 struct Search {
   const audio::AudioSource& sound;
-  const audio::ArModel& model;
+  const ArModel& model;
   std::int64_t hop;
   std::int64_t n_hops;
   std::array<double, kAfterHops.size()> least_rises;
 };
 
-Search search_in(const audio::AudioSource& sound, const audio::ArModel& model) {
+Search search_in(const audio::AudioSource& sound, const ArModel& model) {
   const auto hop = std::max<std::int64_t>(1, std::llround(kHop_s * sound.rate_hz));
   Search search{sound, model, hop, sound.n_samples / hop, {}};
   for (std::size_t window = 0; window < kAfterHops.size(); ++window)
@@ -240,7 +240,7 @@ std::int64_t hops_of_segment(std::int64_t n_hops, int n_threads) {
 
 }  // namespace
 
-CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
+CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel& model, int n_threads,
                                   const ProgressCallback& progress) {
   if (model.quiet_variance <= 0.0) return {};
   const Search search = search_in(sound, model);
@@ -268,8 +268,8 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::
   return all;
 }
 
-std::vector<double> highest_rises(const audio::AudioSource& sound, const audio::ArModel& model,
-                                  std::span<const double> t_s, double within_s) {
+std::vector<double> highest_rises(const audio::AudioSource& sound, const ArModel& model, std::span<const double> t_s,
+                                  double within_s) {
   std::vector<double> highest(t_s.size(), 0.0);
   if (model.quiet_variance <= 0.0) return highest;
   const Search search = search_in(sound, model);

@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "candidates/band_energies.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 
@@ -47,10 +47,10 @@ struct CandidatesOfSound {
 /// s. The background is the sound just before, so that a weak impact counts as much in silence as on the tail of a
 /// strong one.
 /// @param sound      may be read by several threads where n_threads is not 1
-/// @param model      of the sound, from audio::learn_ar_models; no candidates where its quiet variance is 0
+/// @param model      of the sound, from learn_ar_models; no candidates where its quiet variance is 0
 /// @param n_threads  they take segments of some seconds; the candidates do not depend on it
 /// Source: Sleeman & van Eck, Phys. Earth Planet. Inter. 113, 265 (1999), doi:10.1016/S0031-9201(99)00007-2
-CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::ArModel& model, int n_threads,
+CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel& model, int n_threads,
                                   const ProgressCallback& progress);
 
 /// The highest rise of the candidates around each of some times, without a search of what lies between them; 0 where
@@ -58,7 +58,7 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const audio::
 /// @param model     as of find_candidates(); nothing rises where its quiet variance is 0
 /// @param t_s       in ascending order
 /// @param within_s  of each
-std::vector<double> highest_rises(const audio::AudioSource& sound, const audio::ArModel& model,
-                                  std::span<const double> t_s, double within_s);
+std::vector<double> highest_rises(const audio::AudioSource& sound, const ArModel& model, std::span<const double> t_s,
+                                  double within_s);
 
 }  // namespace bouncelab::detection

@@ -96,8 +96,8 @@ void InnovationEnergy::read_innovations_padded(std::int64_t n_held) {
   const std::int64_t hi = std::clamp<std::int64_t>(sound_.n_samples, lo, last);
   hold_sound(n_held);
   if (hi > lo)
-    audio::innovations_of(std::span(sound_held_).subspan(lo - begin, hi - lo + std::ssize(model_.filter) - 1), model_,
-                          std::span(innovations_).subspan(lo - begin, hi - lo));
+    innovations_of(std::span(sound_held_).subspan(lo - begin, hi - lo + std::ssize(model_.filter) - 1), model_,
+                   std::span(innovations_).subspan(lo - begin, hi - lo));
   const auto level = static_cast<float>(std::sqrt(model_.quiet_variance));
   std::fill(innovations_.begin() + n_held, innovations_.begin() + (lo - begin), level);
   std::fill(innovations_.begin() + (hi - begin), innovations_.end(), level);

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 
@@ -18,8 +18,7 @@ class InnovationEnergy {
   /// @param sound, model  kept by reference
   /// @param hop           samples, > 0
   /// @param margin_hops   on either side of a block
-  InnovationEnergy(const audio::AudioSource& sound, const audio::ArModel& model, std::int64_t hop,
-                   std::int64_t margin_hops)
+  InnovationEnergy(const audio::AudioSource& sound, const ArModel& model, std::int64_t hop, std::int64_t margin_hops)
       : sound_(sound), model_(model), hop_(hop), margin_hops_(margin_hops), floor_(0.01 * model.quiet_variance) {}
 
   /// Loads the next block; blocks come in order, and what the last one holds of this one is kept.
@@ -52,7 +51,7 @@ class InnovationEnergy {
   void hold_sound(std::int64_t n_held);
 
   const audio::AudioSource& sound_;
-  const audio::ArModel& model_;
+  const ArModel& model_;
   std::int64_t hop_;
   std::int64_t margin_hops_;
   double floor_;

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <numeric>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -78,8 +78,7 @@ double centre_bin(const MatchedFilter& filter, const Band& band) {
 
 }  // namespace
 
-BandLevels measure_levels(audio::WhiteSound& white, const ImpactTemplate& learned,
-                          const std::vector<TimedImpact>& impacts) {
+BandLevels measure_levels(WhiteSound& white, const ImpactTemplate& learned, const std::vector<TimedImpact>& impacts) {
   BandLevels levels;
   const double rate_hz = white.source().rate_hz;
   const std::size_t n_window = learned.filter.n_window();

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/impact_template.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -22,7 +22,6 @@ struct BandLevels {
 /// template itself is mostly noise, and impacts slower than an eighth of the fastest. The own noise of an impact that
 /// the template was estimated from is in the template too; its contribution is subtracted.
 /// @param impacts  with known speeds
-BandLevels measure_levels(audio::WhiteSound& white, const ImpactTemplate& learned,
-                          const std::vector<TimedImpact>& impacts);
+BandLevels measure_levels(WhiteSound& white, const ImpactTemplate& learned, const std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::detection {
 namespace {

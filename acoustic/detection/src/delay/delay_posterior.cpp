@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::detection {
 namespace {

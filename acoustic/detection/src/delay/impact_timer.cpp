@@ -7,9 +7,9 @@
 #include <span>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -61,7 +61,7 @@ void multiply(std::vector<float>& x, const std::vector<float>& mask) {
 
 }  // namespace
 
-ImpactTimer::ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned)
+ImpactTimer::ImpactTimer(WhiteSound& white, const ImpactTemplate& learned)
     : sound_(white.source()),
       learned_(learned),
       fourier_(learned.filter.n_window()),
@@ -96,7 +96,7 @@ MatchedFilter ImpactTimer::clipped_template(double amplitude, double shift, cons
   for (std::size_t k = 0; k < n; ++k)
     raw[k + reach] = std::clamp(static_cast<float>(amplitude) * placed[k], -level, level);
   const audio::AudioSource sound = audio::source_in_memory(raw, sound_.rate_hz);
-  std::vector<float> white = audio::read_white(sound, learned_.whitener, static_cast<std::int64_t>(reach), n).sound;
+  std::vector<float> white = read_white(sound, learned_.whitener, static_cast<std::int64_t>(reach), n).sound;
   std::fill(white.begin() + static_cast<std::ptrdiff_t>(learned_.n_template), white.end(), 0.0F);
   multiply(white, mask);
   return {fourier_.forward(white), n};

@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "delay/place_search.hpp"
 #include "delay/ringing.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/correlation_peaks.hpp"
 #include "template/impact_template.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -24,7 +24,7 @@ namespace bouncelab::detection {
 class ImpactTimer {
  public:
   /// @param white, learned  kept by reference
-  ImpactTimer(audio::WhiteSound& white, const ImpactTemplate& learned);
+  ImpactTimer(WhiteSound& white, const ImpactTemplate& learned);
 
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact

@@ -32,7 +32,7 @@ SharedSamples shared_samples(std::int64_t offset, std::int64_t n) {
 
 }  // namespace
 
-Ringing::Ringing(audio::WhiteSound& white, const ImpactTemplate& learned)
+Ringing::Ringing(WhiteSound& white, const ImpactTemplate& learned)
     : learned_(learned),
       n_window_(static_cast<std::int64_t>(learned.filter.n_window())),
       rate_hz_(white.source().rate_hz),

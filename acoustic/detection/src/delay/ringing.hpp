@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "template/impact_template.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -17,7 +17,7 @@ namespace bouncelab::detection {
 class Ringing {
  public:
   /// @param white, learned  kept by reference
-  Ringing(audio::WhiteSound& white, const ImpactTemplate& learned);
+  Ringing(WhiteSound& white, const ImpactTemplate& learned);
 
   /// @param wave  spectrum of the impact's sound; none = that of the template
   void add(double t_s, double amplitude, std::optional<audio::Spectrum> wave = std::nullopt);
@@ -52,7 +52,7 @@ class Ringing {
   const ImpactTemplate& learned_;
   std::int64_t n_window_;
   double rate_hz_;
-  audio::WhiteSound& white_;
+  WhiteSound& white_;
   audio::RealFft fourier_;
   std::vector<Known> impacts_;
 };

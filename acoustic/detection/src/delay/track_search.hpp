@@ -3,16 +3,16 @@
 
 #include <vector>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "delay/impact_timer.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/impact_template.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
 /// What one search needs: the sound and the template with the impacts known so far.
 struct Search {
-  audio::WhiteSound& white;
+  WhiteSound& white;
   const ImpactTemplate& learned;
   ImpactTimer timer;
   double template_s = 0.0;  ///< duration of the template

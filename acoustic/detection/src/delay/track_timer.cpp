@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "delay/delay_posterior.hpp"
 #include "delay/missing_impacts.hpp"
 #include "delay/track_search.hpp"
@@ -279,7 +279,7 @@ void add_predicted_places(const Search& search, std::vector<TimedImpact>& track)
 
 }  // namespace
 
-std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
+std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
                                     const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
       {white, learned, ImpactTimer(white, learned), static_cast<double>(learned.n_template) / white.source().rate_hz},

@@ -20,7 +20,7 @@ namespace bouncelab::detection {
 ///    probabilities add to its variance.
 ///
 /// @param end_s  the next track, or the end of the recording: impacts are searched for up to it [s]
-std::vector<TimedImpact> time_track(audio::WhiteSound& white, const ImpactTemplate& learned, const Track& track,
+std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& learned, const Track& track,
                                     const std::vector<Candidate>& candidates, double end_s);
 
 }  // namespace bouncelab::detection

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "contact/band_levels.hpp"
 #include "delay/impact_timer.hpp"
 #include "delay/track_timer.hpp"
@@ -45,7 +45,7 @@ float clip_level(const audio::AudioSource& sound, double t_s) {
 }
 
 /// The sound as recorded, in which a converter's limit shows.
-const audio::AudioSource& recorded_sound(const BandOfDrops& band, const audio::WhiteSound& white) {
+const audio::AudioSource& recorded_sound(const BandOfDrops& band, const WhiteSound& white) {
   return band.whole ? *band.whole : white.source();
 }
 
@@ -99,8 +99,8 @@ double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned) {
   return band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(learned) * band.sound.rate_hz;
 }
 
-std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks,
-                                          audio::WhiteSound& white, const std::vector<float>& known_whitener) {
+std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks, WhiteSound& white,
+                                          const std::vector<float>& known_whitener) {
   constexpr float kBelowLimit = 0.999F;
   std::vector<Candidate> impacts;
   std::vector<bool> clipped;
@@ -118,7 +118,7 @@ std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::ve
 }
 
 TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,
-                    double gravity_mps2, audio::WhiteSound& white) {
+                    double gravity_mps2, WhiteSound& white) {
   TimedDrop drop;
   drop.impacts = learned != nullptr ? time_track(white, *learned, track, band.candidates, end_s)
                                     : times_of_candidates(band, track);
@@ -143,7 +143,7 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   return drop;
 }
 
-void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, audio::WhiteSound& white,
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, WhiteSound& white,
                         TimedDrop& drop) {
   constexpr std::size_t kStrongest = 5;
   constexpr double kReach_s = 0.2e-3;

@@ -4,14 +4,14 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "candidates/candidates.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/impact_template.hpp"
 #include "tracking/tracker.hpp"
+#include "whitening/linear_prediction.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -19,7 +19,7 @@ namespace bouncelab::detection {
 struct BandOfDrops {
   audio::AudioSource sound;                 ///< in the band
   std::optional<audio::AudioSource> whole;  ///< the sound as recorded; absent where the band is all of it
-  audio::ArModel noise;                     ///< of the band
+  ArModel noise;                            ///< of the band
   std::vector<Candidate> candidates;
   std::vector<Track> tracks;  ///< of these candidates
   /// root mean square frequency of the impacts in the whole sound [Hz]; absent where it is the template's own
@@ -39,8 +39,8 @@ struct TimedDrop {
 
 /// Template of the impacts of some tracks of a recording.
 /// @param white  of the band's sound
-std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks,
-                                          audio::WhiteSound& white, const std::vector<float>& known_whitener = {});
+std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks, WhiteSound& white,
+                                          const std::vector<float>& known_whitener = {});
 
 /// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
 /// and then the impacts that overlap, jointly.
@@ -48,7 +48,7 @@ std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::ve
 /// @param end_s    the next track, or the end of the recording [s]
 /// @param white    of the band's sound
 TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,
-                    double gravity_mps2, audio::WhiteSound& white);
+                    double gravity_mps2, WhiteSound& white);
 
 /// Root mean square frequency of the impacts as recorded [Hz], which suggests the contact time: one of the whole sound,
 /// since a band says nothing of what is beyond it.
@@ -69,7 +69,7 @@ struct ReferenceTemplate {
 /// Each drop's template has an onset of its own, uncertain by a sample or two: moves all times of a drop by the median
 /// difference to those that the reference gives its five strongest impacts. Leaves a drop whose impacts do not
 /// correlate with the reference, or that has fewer than five clear ones.
-void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, audio::WhiteSound& white,
+void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, WhiteSound& white,
                         TimedDrop& drop);
 
 }  // namespace bouncelab::detection

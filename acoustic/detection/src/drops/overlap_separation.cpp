@@ -6,10 +6,10 @@
 #include <cstdint>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "contact/pulse_spectrum.hpp"
 #include "delay/ringing.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -40,7 +40,7 @@ audio::Spectrum template_at_speed(const MatchedFilter& filter, double rate_hz, d
 
 class JointEstimator {
  public:
-  JointEstimator(audio::WhiteSound& white, const ImpactTemplate& learned, double tau_1_s, double template_scaling,
+  JointEstimator(WhiteSound& white, const ImpactTemplate& learned, double tau_1_s, double template_scaling,
                  std::vector<TimedImpact>& impacts)
       : sound_(white.source()), learned_(learned), impacts_(impacts), fourier_(n_window()), ringing_(white, learned) {
     for (const TimedImpact& impact : impacts) {
@@ -111,7 +111,7 @@ class JointEstimator {
 
 }  // namespace
 
-bool separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
+bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
                        double template_scaling, std::vector<TimedImpact>& impacts) {
   const double tau_1_s = law ? law->hertz_tau_1_s : 0.0;
   if (std::none_of(impacts.begin(), impacts.end(), [](const TimedImpact& impact) { return impact.overlap; }))

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/impact_template.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -19,7 +19,7 @@ namespace bouncelab::detection {
 /// @param template_scaling  u_0, v^(-1/5) of the impacts that the template is the mean of
 /// @param impacts           of one track, in time order; v_mps 0 = the template as it is
 /// @return whether there were any
-bool separate_overlaps(audio::WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
+bool separate_overlaps(WhiteSound& white, const ImpactTemplate& learned, const std::optional<ContactLaw>& law,
                        double template_scaling, std::vector<TimedImpact>& impacts);
 
 }  // namespace bouncelab::detection

@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "bouncelab/core/statistics.hpp"
 #include "contact/contact_time.hpp"
 #include "drops/other_bands.hpp"
 #include "tracking/impact_odds.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -103,7 +103,7 @@ class DropsTimer {
     const bool is_shared = std::any_of(band.tracks.begin(), band.tracks.end(),
                                        [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
     if (!is_shared) return;
-    audio::WhiteSound white(band.sound);
+    WhiteSound white(band.sound);
     shared_ = template_of(band, band.tracks, white);
   }
 
@@ -124,7 +124,7 @@ class DropsTimer {
     const double last_s = band_.candidates[track.impacts.back().candidate].t_s;
     TrackMemory memory = take_memory();
     const audio::AudioSource sound = held_around(band_.sound, begin_s, last_s, memory.recorded);
-    audio::WhiteSound white(sound, memory.white.of_size(n_whitened(begin_s, last_s, sound.rate_hz)));
+    WhiteSound white(sound, memory.white.of_size(n_whitened(begin_s, last_s, sound.rate_hz)));
     // noise, and what impacts have of their own, are the recording's
     const std::vector<float> whitener = timed_.reference ? timed_.reference->learned.whitener : std::vector<float>{};
     const std::optional<ImpactTemplate> own =
@@ -223,7 +223,7 @@ TimedBands time_drops_in_best_band(const BandOfDrops& band, double gravity_mps2,
   BandOfDrops whole = band;
   whole.sound = *band.whole;
   whole.whole.reset();
-  whole.noise = audio::learn_ar_models(whole.sound, static_cast<int>(band.noise.filter.size()) - 2).noise;
+  whole.noise = learn_ar_models(whole.sound, static_cast<int>(band.noise.filter.size()) - 2).noise;
   TimedDrops in_whole = DropsTimer(whole, gravity_mps2, n_threads).run();
   timed.rms_hz = rms_hz_of(in_whole);
   const BandOfDrops with_rms = with_rms_hz(band, timed.rms_hz);

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/audio/dsp/decimate.hpp"
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/core/input_file.hpp"
+#include "bouncelab/core/files.hpp"
+#include "whitening/decimate.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -98,7 +98,7 @@ ListeningCopy listening_copy(const audio::AudioSource& sound, const Onsets& mark
   const double begin_s = std::max(0.0, first_mark->t_s - kMargin_s);
   const double end_s = std::min(last_mark->t_s + kMargin_s, begin_s + kLongest_s);
   const auto factor = static_cast<int>(std::ceil(sound.rate_hz / kHighestRate_hz));
-  const audio::AudioSource heard = factor > 1 ? audio::decimate(sound, factor) : sound;
+  const audio::AudioSource heard = factor > 1 ? decimate(sound, factor) : sound;
   const auto sample_at = [&](double t_s) {
     return std::clamp<std::int64_t>(std::llround(t_s * heard.rate_hz), 0, heard.n_samples);
   };

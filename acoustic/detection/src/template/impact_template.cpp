@@ -10,7 +10,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "template/impact_whitener.hpp"
 #include "template/subband_errors.hpp"
 #include "template/template_search.hpp"
@@ -36,7 +36,7 @@ void whiten_residuals(TemplateEstimation& e) {
     const double energy = audio::dot(x, x) + 1e-30;
     for (std::size_t lag = 0; lag <= kResidualOrder; ++lag) r[lag] += audio::dot(x, std::span(x).subspan(lag)) / energy;
   }
-  const std::vector<double> a = audio::prediction_error_filter(r);
+  const std::vector<double> a = prediction_error_filter(r);
   std::vector<float> both(learned.whitener.size() + kResidualOrder, 0.0F);
   for (std::size_t j = 0; j < learned.whitener.size(); ++j)
     for (std::size_t k = 0; k <= kResidualOrder; ++k) both[j + k] += learned.whitener[j] * static_cast<float>(a[k]);
@@ -137,7 +137,7 @@ void describe_waveform(TemplateEstimation& e) {
   }
 }
 
-TemplateEstimation begin_estimation(audio::WhiteSound& white, const std::vector<Candidate>& impacts,
+TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candidate>& impacts,
                                     const std::vector<bool>& clipped) {
   const audio::AudioSource& sound = white.source();
   const TemplateWindow window = template_window(sound, impacts);
@@ -153,13 +153,13 @@ TemplateEstimation begin_estimation(audio::WhiteSound& white, const std::vector<
   return e;
 }
 
-void whiten_by_impacts(TemplateEstimation& e, const audio::ArModel& noise) {
+void whiten_by_impacts(TemplateEstimation& e, const ArModel& noise) {
   const std::vector<std::int64_t> used(e.begins.begin(), e.begins.begin() + static_cast<std::ptrdiff_t>(e.n_used));
   e.learned.whitener = impact_whitener(e.white.source(), noise, used, e.window.n_window);
 }
 
 /// The template by a whitener of its own.
-void find_template_and_whitener(TemplateEstimation& e, const audio::ArModel& noise) {
+void find_template_and_whitener(TemplateEstimation& e, const ArModel& noise) {
   whiten_by_impacts(e, noise);
   if (e.n_used == e.begins.size() || !find_template_at_candidates(e)) {
     if (e.n_used < e.begins.size()) {
@@ -190,7 +190,7 @@ std::vector<double> gain2(const ImpactTemplate& learned) {
 
 }  // namespace
 
-std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
+std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
                                                 float clip_level, const std::vector<float>& known_whitener) {
   if (impacts.size() < 3) return std::nullopt;

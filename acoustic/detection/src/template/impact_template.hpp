@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "candidates/candidates.hpp"
 #include "template/subband_delay.hpp"
+#include "whitening/linear_prediction.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -46,7 +46,7 @@ struct ImpactTemplate {
 /// @param known_whitener  that of other impacts in the same noise, which is kept where three quarters of these are
 ///                        alike by it; empty = one is estimated
 /// @return absent where no three impacts are alike
-std::optional<ImpactTemplate> estimate_template(audio::WhiteSound& white, const audio::ArModel& noise,
+std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
                                                 float clip_level = INFINITY,
                                                 const std::vector<float>& known_whitener = {});

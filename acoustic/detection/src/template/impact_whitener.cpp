@@ -8,7 +8,7 @@
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 constexpr double kUnrepeated = 1e-2;
 
 /// Power of the noise in each bin of a spectrum, per real and imaginary part; 0 in digital silence.
-std::vector<double> noise_power(const audio::ArModel& noise, audio::RealFft& fourier) {
+std::vector<double> noise_power(const ArModel& noise, audio::RealFft& fourier) {
   const audio::Spectrum filter = fourier.forward(noise.filter);
   const double to_gain = 0.5 * static_cast<double>(fourier.size());  // the transform is scaled by sqrt(2/n)
   std::vector<double> power(filter.size(), 0.0);
@@ -71,7 +71,7 @@ std::vector<float> whitener_for(const std::vector<double>& power, std::size_t n_
       if (phase >= n) phase -= n;
     }
   }
-  const std::vector<double> a = audio::prediction_error_filter(r);
+  const std::vector<double> a = prediction_error_filter(r);
   double variance = 0.0;  // that the filter leaves, times the number of bins
   for (std::size_t lag = 0; lag <= n_order; ++lag) variance += a[lag] * r[lag];
   const double scale = variance > 0.0 ? std::sqrt(static_cast<double>(power.size() - 1) / variance) : 0.0;
@@ -83,14 +83,14 @@ std::vector<float> whitener_for(const std::vector<double>& power, std::size_t n_
 
 }  // namespace
 
-std::vector<float> noise_whitener(const audio::ArModel& noise) {
+std::vector<float> noise_whitener(const ArModel& noise) {
   std::vector<float> filter = noise.filter;
   const auto scale = static_cast<float>(1.0 / std::sqrt(noise.quiet_variance));
   for (float& c : filter) c *= scale;
   return filter;
 }
 
-std::vector<float> impact_whitener(const audio::AudioSource& sound, const audio::ArModel& noise,
+std::vector<float> impact_whitener(const audio::AudioSource& sound, const ArModel& noise,
                                    const std::vector<std::int64_t>& begins, std::size_t n_window) {
   // long enough for the noise's filter also at low rates
   audio::RealFft fourier(std::max(n_window, std::bit_ceil(noise.filter.size())));

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -188,8 +188,8 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   }
 }
 
-double estimate_noise(audio::WhiteSound& sound, const std::vector<float>& whitener,
-                      const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands) {
+double estimate_noise(WhiteSound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
+                      const MatchedFilter& filter, Subbands& subbands) {
   audio::RealFft fourier(filter.n_window());
   std::vector<QuietWindow> windows;
   windows.reserve(begins.size());

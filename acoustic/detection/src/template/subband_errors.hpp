@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "template/subband_delay.hpp"
 #include "template/template_search.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -25,8 +25,8 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
 /// impact still rings.
 /// @return  sum of squares of such a window, averaged
 /// @param begins  samples at which the windows of impacts begin, not empty
-double estimate_noise(audio::WhiteSound& sound, const std::vector<float>& whitener,
-                      const std::vector<std::int64_t>& begins, const MatchedFilter& filter, Subbands& subbands);
+double estimate_noise(WhiteSound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
+                      const MatchedFilter& filter, Subbands& subbands);
 
 /// Degrees of freedom of what varies from impact to impact, (tr C)^2 / tr C^2 with the covariance C of the residuals:
 /// over such a number of directions their power is spread (Welch-Satterthwaite). The products of different residuals

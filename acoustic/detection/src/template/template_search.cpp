@@ -8,7 +8,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/statistics.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "template/correlation_peaks.hpp"
 #include "template/impact_whitener.hpp"
 
@@ -214,7 +214,7 @@ void find_template(TemplateEstimation& e) {
   if (at_attacks) include_what_comes_before(e);
 }
 
-void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise) {
+void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
   Found before = take_state_of(e);
   e.learned.whitener = noise_whitener(noise);

@@ -5,17 +5,17 @@
 #include <cstdint>
 #include <vector>
 
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "template/impact_template.hpp"
 #include "template/template_training.hpp"
+#include "whitening/linear_prediction.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
 /// What the steps of the estimation of a template pass on.
 struct TemplateEstimation {
-  audio::WhiteSound& white;
+  WhiteSound& white;
   TemplateWindow window;
   audio::RealFft fourier;
   std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates
@@ -59,6 +59,6 @@ bool find_template_at_candidates(TemplateEstimation& e);
 /// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood
 /// for is known from the residuals from here on. Leaves the whitener where fewer impacts are alike by the noise's: it
 /// is that of digital silence, or of a codec's gaps in the spectrum, which the impacts fill each in its own way.
-void whiten_by_noise(TemplateEstimation& e, const audio::ArModel& noise);
+void whiten_by_noise(TemplateEstimation& e, const ArModel& noise);
 
 }  // namespace bouncelab::detection

@@ -131,8 +131,8 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
   return chosen;
 }
 
-void cut_window(audio::WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first,
-                audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact) {
+void cut_window(WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first, audio::RealFft& fourier,
+                std::size_t n_window, TrainingImpact& impact) {
   impact.window.first = first;
   impact.window.sound.resize(n_window);
   sound.read(whitener, first, impact.window.sound);

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "candidates/candidates.hpp"
 #include "template/subband_delay.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -28,7 +28,7 @@ struct TemplateWindow {
 
 /// One impact that the template is estimated from.
 struct TrainingImpact {
-  audio::WhiteWindow window;
+  WhiteWindow window;
   audio::Spectrum spectrum;
   double total = 0.0;     ///< sum of squares
   double power = 0.0;     ///< of the spectrum, which leaves out bin 0 and the last
@@ -48,8 +48,8 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
                                                  const std::vector<bool>& clipped);
 
 /// Reads the whitened window that begins at a sample.
-void cut_window(audio::WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first,
-                audio::RealFft& fourier, std::size_t n_window, TrainingImpact& impact);
+void cut_window(WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first, audio::RealFft& fourier,
+                std::size_t n_window, TrainingImpact& impact);
 
 /// Mean of the training impacts.
 struct TemplateAverage {

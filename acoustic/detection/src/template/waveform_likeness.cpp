@@ -9,10 +9,10 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/audio/dsp/real_fft.hpp"
-#include "bouncelab/audio/dsp/white_window.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "template/impact_whitener.hpp"
+#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -27,7 +27,7 @@ constexpr double kOthersAlike = 0.8;    // share of rows of other sounds that ar
 constexpr double kMostOfPair = 3.0;     // log odds, either way
 
 /// A whitened window, its noise of variance 1.
-struct WhiteSound {
+struct Whitened {
   audio::Spectrum spectrum;
   std::vector<double> power;     // of each bin
   std::vector<double> envelope;  // energy of each stretch as long as the reach of the lag
@@ -35,8 +35,8 @@ struct WhiteSound {
   double signal_share = 0.0;  // of the energy
 };
 
-WhiteSound white_sound(const std::vector<float>& x, std::int64_t reach, audio::RealFft& fourier) {
-  WhiteSound sound;
+Whitened white_sound(const std::vector<float>& x, std::int64_t reach, audio::RealFft& fourier) {
+  Whitened sound;
   sound.spectrum = fourier.forward(x);
   for (std::size_t k = 0; k < sound.spectrum.size(); ++k) sound.power.push_back(audio::bin_power(sound.spectrum, k));
   const auto stretch = static_cast<std::size_t>(reach);
@@ -62,7 +62,7 @@ double log_density_of_largest(double z, double n) {
   return log(n) - 0.5 * square(z) - 0.5 * log(2.0 * kPi) + (n - 1.0) * log(std::max(below, 1e-300));
 }
 
-double log_odds_of_pair(const WhiteSound& a, const WhiteSound& b, std::int64_t reach, audio::RealFft& fourier) {
+double log_odds_of_pair(const Whitened& a, const Whitened& b, std::int64_t reach, audio::RealFft& fourier) {
   const double most = std::sqrt(a.signal_share * b.signal_share);
   if (!(most > 0.0)) return 0.0;
   const auto n_window = static_cast<double>(fourier.size());
@@ -88,8 +88,7 @@ double log_odds_of_pair(const WhiteSound& a, const WhiteSound& b, std::int64_t r
 
 }  // namespace
 
-double log_odds_of_likeness(const audio::AudioSource& sound, const audio::ArModel& noise,
-                            const std::vector<double>& t_s) {
+double log_odds_of_likeness(const audio::AudioSource& sound, const ArModel& noise, const std::vector<double>& t_s) {
   const std::size_t n = std::bit_ceil(static_cast<std::size_t>(std::max(kFewestSamples, kWindow_s * sound.rate_hz)));
   std::vector<std::int64_t> begins;
   for (std::size_t k = 0; k < t_s.size() && begins.size() < kMostSounds; ++k)
@@ -99,9 +98,9 @@ double log_odds_of_likeness(const audio::AudioSource& sound, const audio::ArMode
   const std::vector<float> whitener = impact_whitener(sound, noise, begins, n);
   audio::RealFft fourier(n);
   const std::int64_t reach = std::max<std::int64_t>(1, std::llround(kReach_s * sound.rate_hz));
-  std::vector<WhiteSound> sounds;
+  std::vector<Whitened> sounds;
   for (const std::int64_t begin : begins)
-    sounds.push_back(white_sound(audio::read_white(sound, whitener, begin, n).sound, reach, fourier));
+    sounds.push_back(white_sound(read_white(sound, whitener, begin, n).sound, reach, fourier));
   double sum = 0.0;
   for (std::size_t k = 0; k + 1 < sounds.size(); ++k) sum += log_odds_of_pair(sounds[k], sounds[k + 1], reach, fourier);
   const double alike = exp(sum);

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
+#include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 
@@ -17,7 +17,6 @@ namespace bouncelab::detection {
 /// @param noise  of the sound's quiet parts
 /// @param t_s    of the sounds, rising, to about a millisecond; those whose windows overlap the next are left out
 /// @return 0 where no two can be compared
-double log_odds_of_likeness(const audio::AudioSource& sound, const audio::ArModel& noise,
-                            const std::vector<double>& t_s);
+double log_odds_of_likeness(const audio::AudioSource& sound, const ArModel& noise, const std::vector<double>& t_s);
 
 }  // namespace bouncelab::detection

@@ -9,7 +9,7 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/standard.hpp"
+#include "bouncelab/core/text.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {

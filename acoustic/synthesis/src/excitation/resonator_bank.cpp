@@ -10,7 +10,6 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/vector_clones.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

@@ -8,8 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/random.hpp"
-#include "bouncelab/core/standard.hpp"
-#include "bouncelab/core/vector_clones.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::synthesis {
 namespace {

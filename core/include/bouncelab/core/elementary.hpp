@@ -60,3 +60,12 @@ inline std::complex<double> polar(double r, double phase_rad) {
 inline std::complex<double> exp(const std::complex<double>& z) { return polar(exp(z.real()), z.imag()); }
 
 }  // namespace bouncelab
+
+/// Compiles a function three times, for registers of 128, 256 and 512 bits, and takes the widest that the processor
+/// has. For loops on which much of a whole command's time goes; the kernels' own ratios are in
+/// acoustic/audio/src/dsp/kernels.cpp.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+#define BOUNCELAB_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define BOUNCELAB_VECTOR_CLONES
+#endif

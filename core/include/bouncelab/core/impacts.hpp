@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/core/columns.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {

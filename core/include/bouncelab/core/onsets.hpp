@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "bouncelab/core/columns.hpp"
 #include "bouncelab/core/table.hpp"
 
 namespace bouncelab {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+/// Work on several threads, its progress, and requests to stop it.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ int resolved_threads(int n_threads);
 /// @param n_threads  0: all cores; it may exceed their number. Within another loop or within with_threads anything but
 ///                   1 means the threads given there
 /// @throws what body threw; where it threw for several k, what it threw for the smallest; Interrupted where a stop was
-///         requested (interrupts.hpp) before all calls were made
+///         requested before all calls were made
 void parallel_for(std::size_t n, int n_threads, const std::function<void(std::size_t)>& body);
 
 /// Calls work() on this thread, and limits to n_threads the threads of all loops in it. Within another loop or
@@ -32,5 +33,14 @@ void parallel_for(std::size_t n, int n_threads, const std::function<void(std::si
 /// @param n_threads  0: all cores
 /// @throws what work threw
 void with_threads(int n_threads, const std::function<void()>& work);
+
+/// Asks the work of this process to stop. May be called in a signal handler.
+void request_stop() noexcept;
+bool stop_requested() noexcept;
+/// For a process that goes on after work that was stopped, as an interpreter does.
+void forget_stop_request() noexcept;
+/// For places that wait for another program (a pipe's other end) and for progress callbacks.
+/// @throws Interrupted once request_stop() was called
+void throw_if_stop_requested();
 
 }  // namespace bouncelab

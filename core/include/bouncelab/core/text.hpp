@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <bit>
+#include <charconv>
 #include <cstddef>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
+#include <version>
 
 namespace bouncelab {
 
@@ -46,5 +51,31 @@ std::string formatted(const char* format, Values... values) {
 /// neighbours, the first of several.
 /// @return empty where more than a third of the longer word would have to change
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& names);
+
+using std::from_chars;
+using std::to_chars;
+
+#ifndef __cpp_lib_to_chars
+/// @note a number beyond the range of double leaves `value` as it was
+std::from_chars_result from_chars(const char* first, const char* last, double& value);
+std::from_chars_result from_chars(const char* first, const char* last, float& value);
+/// The shortest text that is read as the same number, of fixed and scientific notation the shorter.
+std::to_chars_result to_chars(char* first, char* last, double value);
+std::to_chars_result to_chars(char* first, char* last, float value);
+/// The shortest text in a notation; only `fixed` is offered.
+std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format format);
+/// As printf writes it; only `general` is offered.
+std::to_chars_result to_chars(char* first, char* last, double value, std::chars_format format, int precision);
+#endif
+
+#ifdef __cpp_lib_bit_cast
+using std::bit_cast;
+#else
+template <class To, class From>
+constexpr To bit_cast(const From& from) noexcept {
+  static_assert(sizeof(To) == sizeof(From));
+  return __builtin_bit_cast(To, from);
+}
+#endif
 
 }  // namespace bouncelab

@@ -11,7 +11,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/fit/estimate.hpp"
-#include "bouncelab/fit/flight_correction.hpp"
 #include "bouncelab/fit/law_fit.hpp"
 
 namespace bouncelab::fit {

@@ -16,7 +16,6 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
-#include "bouncelab/fit/flight_correction.hpp"
 
 namespace bouncelab::fit {
 

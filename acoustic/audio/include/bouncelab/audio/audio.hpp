@@ -2,12 +2,8 @@
 /// Start here: sound files, the signal processing that synthesis and detection share, annotations of sound editors.
 #pragma once
 
-#include "bouncelab/audio/annotations.hpp"            // impact times in sound editors, and back
-#include "bouncelab/audio/audio_reader.hpp"           // any recording, as samples
-#include "bouncelab/audio/audio_source.hpp"           // one channel, read at any place
-#include "bouncelab/audio/audio_writer.hpp"           // samples to WAV, RF64, W64, FLAC
-#include "bouncelab/audio/dsp/decimate.hpp"           // a lower sampling rate, anti-aliased
-#include "bouncelab/audio/dsp/kernels.hpp"            // dot products, FIR filters
-#include "bouncelab/audio/dsp/linear_prediction.hpp"  // autoregressive models and their innovations
-#include "bouncelab/audio/dsp/real_fft.hpp"           // Fourier transform of real signals
-#include "bouncelab/audio/dsp/white_window.hpp"       // a stretch of a recording, whitened
+#include "bouncelab/audio/annotations.hpp"   // impact times in sound editors, and back
+#include "bouncelab/audio/audio_reader.hpp"  // any recording, as samples
+#include "bouncelab/audio/audio_writer.hpp"  // samples to WAV, RF64, W64, FLAC
+#include "bouncelab/audio/dsp/kernels.hpp"   // dot products, FIR filters
+#include "bouncelab/audio/dsp/real_fft.hpp"  // Fourier transform of real signals

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/onsets.hpp"
 

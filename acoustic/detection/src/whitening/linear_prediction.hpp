@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
 
-namespace bouncelab::audio {
+namespace bouncelab::detection {
 
 /// Prediction error filter of an autoregressive model: u[n] = sum_k filter[k] x[n-k], filter[0] = 1. Free ringing and
 /// hum are predicted from the past and vanish from u; what an impact adds does not.
@@ -27,13 +27,13 @@ struct ArModels {
 /// the quietest tenth of them. Levinson's recursion on the Hann-windowed autocorrelation of the differenced signal.
 /// @param order  of the model, before the difference; >= 1
 /// Source: Makhoul, Proc. IEEE 63, 561 (1975), doi:10.1109/PROC.1975.9792.
-ArModels learn_ar_models(const AudioSource& source, int order);
+ArModels learn_ar_models(const audio::AudioSource& source, int order);
 
 /// Prediction error filter for a given autocorrelation, filter[0] = 1, by Levinson's recursion.
 std::vector<double> prediction_error_filter(const std::vector<double>& autocorrelation);
 
 /// Innovations of samples first ... first + out.size() - 1 (samples before the recording are 0).
-void read_innovations(const AudioSource& source, const ArModel& model, std::int64_t first, std::span<float> out);
+void read_innovations(const audio::AudioSource& source, const ArModel& model, std::int64_t first, std::span<float> out);
 /// The same of sound in memory, which begins model.filter.size() - 1 samples before the first innovation.
 void innovations_of(std::span<const float> sound, const ArModel& model, std::span<float> out);
 
@@ -41,4 +41,4 @@ void innovations_of(std::span<const float> sound, const ArModel& model, std::spa
 /// rate)|^2).
 double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz);
 
-}  // namespace bouncelab::audio
+}  // namespace bouncelab::detection

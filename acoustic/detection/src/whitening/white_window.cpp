@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/dsp/white_window.hpp"
+#include "whitening/white_window.hpp"
 
 #include <algorithm>
 #include <cassert>
 
-namespace bouncelab::audio {
+namespace bouncelab::detection {
 namespace {
 
 constexpr std::int64_t kWhiteBlock =
@@ -18,20 +18,20 @@ std::int64_t block_of(std::int64_t sample) { return (sample >= 0 ? sample : samp
 
 }  // namespace
 
-WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
+WhiteWindow read_white(const audio::AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
                        std::size_t n) {
   WhiteWindow window{first, std::vector<float>(n)};
   read_innovations(source, {whitener, 0.0}, first, window.sound);
   return window;
 }
 
-WhiteSound::WhiteSound(const AudioSource& source)
+WhiteSound::WhiteSound(const audio::AudioSource& source)
     : source_(source),
       own_(std::unique_ptr<float[]>(new float[kOwn])),
       memory_(own_.get(), kOwn),
       places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
 
-WhiteSound::WhiteSound(const AudioSource& source, std::span<float> memory)
+WhiteSound::WhiteSound(const audio::AudioSource& source, std::span<float> memory)
     : source_(source), memory_(memory), places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
 
 void WhiteSound::read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out) {
@@ -80,4 +80,4 @@ void WhiteSound::make_blocks(std::int64_t first, std::int64_t last) {
   }
 }
 
-}  // namespace bouncelab::audio
+}  // namespace bouncelab::detection

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/dsp/decimate.hpp"
+#include "whitening/decimate.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 
-namespace bouncelab::audio {
+namespace bouncelab::detection {
 namespace {
 
 constexpr std::int64_t kMostHeld = 3 << 20;      // samples, 12 MB: 13 minutes at 4 kHz
@@ -30,20 +30,20 @@ std::vector<float> low_pass(int factor) {
   }
   std::vector<float> unit_gain;
   for (const double tap : taps) unit_gain.push_back(static_cast<float>(tap / sum));
-  constexpr std::size_t kStep = 16;  // by which filter_and_decimate() goes
+  constexpr std::size_t kStep = 16;  // by which audio::filter_and_decimate() goes
   unit_gain.resize((unit_gain.size() + kStep - 1) / kStep * kStep, 0.0F);
   return unit_gain;
 }
 
 }  // namespace
 
-AudioSource decimate(const AudioSource& source, int factor) {
+audio::AudioSource decimate(const audio::AudioSource& source, int factor) {
   const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
     const std::size_t n = out.size() * static_cast<std::size_t>(factor) + taps.size();
     const auto memory = std::unique_ptr<float[]>(new float[n]);  // a vector would be set to zero first
     const std::span<float> x(memory.get(), n);
     read_padded(source, (first - 8) * factor, x);
-    filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
+    audio::filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
   };
   const std::int64_t n_samples = source.n_samples / factor;
   if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read};
@@ -57,4 +57,4 @@ AudioSource decimate(const AudioSource& source, int factor) {
   return {source.rate_hz / factor, n_samples, copy};
 }
 
-}  // namespace bouncelab::audio
+}  // namespace bouncelab::detection

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "whitening/linear_prediction.hpp"
 
 #include <algorithm>
 #include <complex>
@@ -10,7 +10,7 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 
-namespace bouncelab::audio {
+namespace bouncelab::detection {
 namespace {
 
 constexpr double kFrame_s = 10e-3;
@@ -20,7 +20,7 @@ constexpr std::int64_t kMostBlocks = 48;
 constexpr double kRidge = 1e-8;
 
 /// Blocks spread evenly over the recording; all of it where it is short.
-std::vector<std::int64_t> block_starts(const AudioSource& source, std::int64_t length) {
+std::vector<std::int64_t> block_starts(const audio::AudioSource& source, std::int64_t length) {
   const std::int64_t n_all = (source.n_samples + length - 1) / length;
   const std::int64_t n = std::min(n_all, kMostBlocks);
   std::vector<std::int64_t> starts;
@@ -45,7 +45,7 @@ struct Frame {
   std::vector<double> r;
 };
 
-std::size_t frame_length(const AudioSource& source, std::size_t order) {
+std::size_t frame_length(const audio::AudioSource& source, std::size_t order) {
   return std::max<std::size_t>(4 * order, static_cast<std::size_t>(kFrame_s * source.rate_hz));
 }
 
@@ -56,13 +56,13 @@ std::vector<double> autocorrelation(std::span<const float> x, std::size_t n, std
   std::vector<double> r(n_lags, 0.0);
   std::vector<float> sums(rounded_up(n_lags));
   for (std::size_t at = 0; at < n; at += kStretch) {
-    correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), sums);
+    audio::correlate(x.subspan(at), x.subspan(at, std::min(kStretch, n - at)), sums);
     for (std::size_t lag = 0; lag < n_lags; ++lag) r[lag] += sums[lag];
   }
   return r;
 }
 
-std::vector<Frame> frames_of(const AudioSource& source, std::size_t order) {
+std::vector<Frame> frames_of(const audio::AudioSource& source, std::size_t order) {
   const std::size_t n_frame = frame_length(source, order);
   const std::vector<float> window = hann(n_frame);
   std::vector<Frame> frames;
@@ -107,7 +107,7 @@ ArModel model_of(const std::vector<double>& r, const std::vector<double>& quiet)
 
 }  // namespace
 
-ArModels learn_ar_models(const AudioSource& source, int order) {
+ArModels learn_ar_models(const audio::AudioSource& source, int order) {
   const auto n_lags = static_cast<std::size_t>(order);
   std::vector<Frame> frames = frames_of(source, n_lags);
   std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.energy < b.energy; });
@@ -146,7 +146,8 @@ std::vector<double> prediction_error_filter(const std::vector<double>& r) {
   return a;
 }
 
-void read_innovations(const AudioSource& source, const ArModel& model, std::int64_t first, std::span<float> out) {
+void read_innovations(const audio::AudioSource& source, const ArModel& model, std::int64_t first,
+                      std::span<float> out) {
   constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
   const std::size_t order = model.filter.size() - 1;
   const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
@@ -156,12 +157,12 @@ void read_innovations(const AudioSource& source, const ArModel& model, std::int6
     const std::size_t n = std::min(kAtOnce, out.size() - at);
     const std::span<float> filled{sound.get(), n + order};
     read_padded(source, first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order), filled);
-    correlate(filled, taps, out.subspan(at, n));
+    audio::correlate(filled, taps, out.subspan(at, n));
   }
 }
 
 void innovations_of(std::span<const float> sound, const ArModel& model, std::span<float> out) {
-  correlate(sound, std::vector<float>(model.filter.rbegin(), model.filter.rend()), out);
+  audio::correlate(sound, std::vector<float>(model.filter.rbegin(), model.filter.rend()), out);
 }
 
 double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
@@ -172,4 +173,4 @@ double quiet_psd(const ArModel& model, double rate_hz, double frequency_hz) {
   return 2.0 * model.quiet_variance / (rate_hz * std::norm(response));
 }
 
-}  // namespace bouncelab::audio
+}  // namespace bouncelab::detection

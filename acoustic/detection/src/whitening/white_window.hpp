@@ -7,17 +7,17 @@
 #include <span>
 #include <vector>
 
-#include "bouncelab/audio/audio_source.hpp"
-#include "bouncelab/audio/dsp/linear_prediction.hpp"
+#include "bouncelab/audio/audio_reader.hpp"
+#include "whitening/linear_prediction.hpp"
 
-namespace bouncelab::audio {
+namespace bouncelab::detection {
 
 /// A stretch of a recording, whitened.
 struct WhiteWindow {
   std::int64_t first = 0;  ///< sample of the recording at which it begins
   std::vector<float> sound;
 };
-WhiteWindow read_white(const AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
+WhiteWindow read_white(const audio::AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
                        std::size_t n);
 
 /// A recording whitened as by read_white(), the same bytes, of which what was read last is kept: windows that overlap,
@@ -26,11 +26,11 @@ class WhiteSound {
  public:
   /// Keeps 2^17 samples, the longest window that can be read.
   /// @param source  kept by reference
-  explicit WhiteSound(const AudioSource& source);
+  explicit WhiteSound(const audio::AudioSource& source);
   /// @param source  kept by reference
   /// @param memory  for what is kept, 512 samples more than the longest window at least; it may hold anything
-  WhiteSound(const AudioSource& source, std::span<float> memory);
-  const AudioSource& source() const { return source_; }
+  WhiteSound(const audio::AudioSource& source, std::span<float> memory);
+  const audio::AudioSource& source() const { return source_; }
   /// Another whitener than the last one leaves nothing of what was kept.
   void read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out);
 
@@ -40,7 +40,7 @@ class WhiteSound {
   bool is_there(std::int64_t block);
   void make_blocks(std::int64_t first, std::int64_t last);
 
-  const AudioSource& source_;
+  const audio::AudioSource& source_;
   ArModel model_;
   std::unique_ptr<float[]> own_;
   std::span<float> memory_;            ///< blocks, as they were first read; all are dropped where it is full
@@ -48,4 +48,4 @@ class WhiteSound {
   std::vector<std::int32_t> places_;   ///< of a block at its number modulo how many there are
 };
 
-}  // namespace bouncelab::audio
+}  // namespace bouncelab::detection

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/// Files: inputs that may be pipes, outputs that appear whole or not at all, and what is refused before work begins.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bouncelab {
+
+/// An input's name in messages, tables and provenance: "standard input" for "-", else the path as it was given.
+std::string input_name(const std::filesystem::path& path);
+
+/// A path under which the content of an input can be opened as often as wanted, and read at any place. That is `path`
+/// itself where it leads to a regular file. What can be read only once (a pipe, a FIFO, /dev/stdin, "-") is copied at
+/// the first call for it to a temporary file without a name, in TMPDIR or /tmp, which lasts as long as the process.
+/// Every reader opens its file by this; from any thread.
+/// @throws FileError where there is no such file, it is a folder or a device without end, or cannot be read or copied;
+///         Interrupted
+std::filesystem::path readable(const std::filesystem::path& path);
+
+/// The bytes of a file, a quarter of a megabyte at a time: they stay in the cache until they are used, and memory does
+/// not grow with the file.
+class FileBytes {
+ public:
+  /// @throws FileError where it cannot be read
+  explicit FileBytes(const std::filesystem::path& path);
+  FileBytes(FileBytes&&) noexcept;
+  FileBytes& operator=(FileBytes&&) noexcept;
+  ~FileBytes();
+
+  std::int64_t size() const;
+
+  /// Bytes first ... first + n - 1, until the next call.
+  /// @throws FileError where the file holds no such bytes, or no longer
+  std::span<const unsigned char> at(std::int64_t first, std::int64_t n);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A whole file as it is, for what is small. Streams of the standard library are no way to it: where memory is short
+/// they end early and do not say so.
+/// @throws FileError where it cannot be read; std::bad_alloc
+std::string whole_content(const std::filesystem::path& path);
+
+/// A file that appears whole or not at all: written beside its final place under a hidden name, renamed by commit(),
+/// removed by the destructor otherwise (an exception, Ctrl-C), or, where the process was killed, by the next process
+/// that writes in that folder.
+///
+/// Links are followed: the file behind them is replaced, with its permissions, and they stay. What is no file ("-" for
+/// standard output, /dev/stdout, /dev/fd/N, /dev/null, a device, a FIFO) is never replaced: the file is written to
+/// TMPDIR or /tmp, and commit() copies it.
+class OutputFile {
+ public:
+  /// @throws FileExists where the file exists and may not be replaced; FileError where the folder does not exist or
+  ///         cannot be written, or the name is too long
+  OutputFile(std::filesystem::path path, bool may_replace);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+
+  /// Where to write until commit(); on the same file system, with the same extension (if it has at most 16 bytes). The
+  /// file exists, is empty, and is to be written to, not replaced.
+  const std::filesystem::path& temporary_path() const;
+  /// Puts the file in its place. @throws FileError; FileExists where another process made it meanwhile
+  void commit();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Writes `content` whole or not at all. @throws FileError
+void write_whole(const std::filesystem::path& path, std::string_view content, bool may_replace);
+
+/// Closes a file that was written by a stream. @param name  for people. @throws FileError where not all was written
+void close_written(std::ofstream& file, const std::filesystem::path& name);
+
+/// "the disk is full" and the like, from errno (0: not known); names the limits that people set themselves.
+std::string why_writing_failed(int error);
+
+/// Whether an output goes to what is no file: no other file can lie beside it.
+bool is_stream(const std::filesystem::path& output);
+/// Whether an output goes where standard output goes.
+bool is_standard_output(const std::filesystem::path& output);
+
+/// Writes text to standard output. @return 0, or errno: EPIPE where nobody reads it any more
+int write_to_standard_output(std::string_view text);
+
+/// Deletes the hidden files that killed processes of this machine left in a folder. Done by OutputFile in its folder.
+void remove_abandoned_files(const std::filesystem::path& folder);
+
+/// To be called before any work with all files of it: what would destroy something, or come to nothing in the end, is
+/// refused now. Empty paths are passed over.
+///
+/// No output may be an input or another output, by any name or link; it must be a file that may be replaced, a new name
+/// in a folder that can be written, or a stream (see OutputFile). A stream can be read once only, and is read here (see
+/// readable()).
+/// @param inputs   files to be read; one that is missing is left to its reader
+/// @param outputs  files to be written; several may go to /dev/null
+/// @param beside   further outputs that are replaced where they exist (NAME.meta.json)
+/// @throws InvalidArgument where two of them are the same file; FileExists, FileError as OutputFile and readable() do
+void check_files(const std::vector<std::filesystem::path>& inputs, const std::vector<std::filesystem::path>& outputs,
+                 const std::vector<std::filesystem::path>& beside, bool may_replace);
+
+/// A file without a name, for what need not stay in memory; gone with this object, however the process ends.
+class ScratchFile {
+ public:
+  /// @param folder  on whose file system it lies
+  /// @param name    for people, of what it is needed for. @throws FileError
+  ScratchFile(const std::filesystem::path& folder, std::string name);
+  ScratchFile(ScratchFile&&) noexcept;
+  ScratchFile& operator=(ScratchFile&&) noexcept;
+  ~ScratchFile();
+
+  /// @return where it begins. @throws FileError (disk full)
+  std::int64_t append(std::string_view bytes);
+  /// What was appended there. @throws FileError
+  std::string at(std::int64_t first, std::size_t n) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A folder belongs to one process at a time: a file .bouncelab.lock in it, locked, which holds the number of the
+/// process. The lock ends with the process, however that ends; the destructor deletes the file.
+class FolderLock {
+ public:
+  /// @throws FileError where another process has the folder, naming its number, or the file cannot be made
+  explicit FolderLock(const std::filesystem::path& folder);
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace bouncelab
