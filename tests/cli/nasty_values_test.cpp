@@ -25,7 +25,7 @@ const std::vector<NastyCommand> kNastyCommands{
     {"roughness", "roughness s.csv --out g.json --goodness-replicates 0 --force --quiet"},
     {"compare", "compare s.csv --out c --force --quiet"},
     {"report", "report folder --force --quiet"},
-    {"calibrate", "calibrate --samples 100 --seeds 2 --covariance-intervals --quiet"},
+    {"calibrate", "calibrate --samples 100 --seeds 2 --quiet"},
     {"analyze", "analyze r.wav --out o --goodness-replicates 0 --force --quiet"},
     {"loop", "loop --out o" + kBrief + kCoarse},
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/error_budget.hpp"
+#include "restitution/flight_correction.hpp"
 
 #include <gtest/gtest.h>
 

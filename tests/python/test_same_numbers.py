@@ -275,7 +275,7 @@ class Calibrate(Case):
     def test_independent_samples(self):
         keywords = dict(samples=300, seeds=3, timing=8.7e-4)
         self.assertEqual(bl.calibrate(**keywords).results, printed("calibrate", **keywords))
-        keywords = dict(samples=300, seeds=2, covariance_intervals=True, seed=4)
+        keywords = dict(samples=300, seeds=2, seed=4)
         self.assertEqual(bl.calibrate(**keywords).results, printed("calibrate", **keywords))
 
     def test_memory(self):

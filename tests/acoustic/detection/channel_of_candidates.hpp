@@ -26,7 +26,7 @@ inline detection::BandOfChannel band_of(const std::vector<detection::Candidate>&
   detection::BandOfChannel band;
   static const std::vector<float> silence(static_cast<std::size_t>(20 * 44100));
   band.sound = audio::source_in_memory(silence, rate_hz);
-  band.models = learn_ar_models(band.sound, detection::kArOrder);
+  band.models = detection::learn_ar_models(band.sound, detection::kArOrder);
   band.candidates = candidates;
   for (detection::Candidate& c : band.candidates) c.log_likelihood_ratio = llr;
   band.same_source = alike(candidates.size());

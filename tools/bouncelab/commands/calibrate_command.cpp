@@ -107,7 +107,6 @@ fit::CalibrationConfig calibration_config(const CalibrateOptions& options, const
   fit::CalibrationConfig config = options.config;
   config.seed = common.seed;
   config.n_threads = common.n_threads;
-  if (options.covariance_intervals) config.intervals = fit::IntervalMethod::covariance;
   return config;
 }
 

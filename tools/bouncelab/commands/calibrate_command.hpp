@@ -12,7 +12,6 @@ namespace bouncelab::cli {
 
 struct CalibrateOptions {
   fit::CalibrationConfig config;
-  bool covariance_intervals = false;
   bool memory = false;
   loop::MemoryCalibrationConfig with_memory;
   std::vector<double> drops{5.0, 100.0};  ///< least and largest number

@@ -24,7 +24,6 @@ const Description& members_of(const CalibrateOptions*) {
           "timing", [](auto& o) -> auto& { return o.config.sigma_eps_at_1mps; },
           "Timing error of eps at 1 m/s; 8.7e-4 is as wide as the scatter at 0.3 m/s")
           .within(0.0, 1.0),
-      member("covariance_intervals", &O::covariance_intervals, "Faster: no profile likelihood"),
       member("memory", &O::memory,
              "Instead: the fit with memory and its test on simulated experiments, through sound in every second one, "
              "under conditions drawn at random"),
@@ -46,7 +45,7 @@ void check_calibrate_options(const CalibrateOptions& options, const Given& given
       if (given.contains(name)) throw InvalidArgument(std::string("--") + name + why);
   };
   if (options.memory)
-    refuse_where_given({"samples", "seeds", "offset-variance", "timing", "covariance-intervals"},
+    refuse_where_given({"samples", "seeds", "offset-variance", "timing"},
                        ": not with --memory, which has --experiments, --drops and --impacts");
   else
     refuse_where_given({"experiments", "drops", "impacts", "out"}, ": only with --memory");
