@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/json_lines_table.hpp"
+#include "stages/files/json_lines_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "bouncelab/core/error.hpp"
 
-namespace bouncelab::cli {
+namespace bouncelab::stages {
 namespace {
 
 using testing::HasSubstr;
@@ -122,4 +122,4 @@ TEST(JsonLines, NamesThatAreNotUtf8ComeBackByteForByte) {
 }
 
 }  // namespace
-}  // namespace bouncelab::cli
+}  // namespace bouncelab::stages

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Tables in pieces, in each of the two formats.
-#include "files/table_file.hpp"
+#include "stages/files/table_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "bouncelab/core/table.hpp"
 #include "support/temporary_folder.hpp"
 
-namespace bouncelab::cli {
+namespace bouncelab::stages {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,7 +45,7 @@ class TableFile : public testing::TestWithParam<const char*> {
  protected:
   test::TemporaryFolder folder_;
   const fs::path path_ = folder_ / (std::string("a") + GetParam());
-  cli::Run run_;
+  stages::Run run_;
 
   TableFile() { run_.common.force = true; }
   std::string content() const {
@@ -120,4 +120,4 @@ std::string name_of(const testing::TestParamInfo<const char*>& info) { return in
 INSTANTIATE_TEST_SUITE_P(Format, TableFile, testing::Values(".csv", ".jsonl"), name_of);
 
 }  // namespace
-}  // namespace bouncelab::cli
+}  // namespace bouncelab::stages

@@ -19,7 +19,7 @@
 #include "bouncelab/core/samples.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/sim/surface.hpp"
-#include "files/json_lines_table.hpp"
+#include "stages/files/json_lines_table.hpp"
 
 namespace {
 using namespace bouncelab;
@@ -94,7 +94,7 @@ void write_tables(const Seeds& seeds) {
   for (const auto& [name, table] : tables()) {
     seeds.write("csv", name, csv(table));
     std::ostringstream json_lines;
-    cli::write_json_lines(json_lines, table);
+    stages::write_json_lines(json_lines, table);
     seeds.write("json_lines", name, json_lines.str());
   }
   for (const char* law : {"constant", "uniform", "normal", "lognormal", "exponential"}) {

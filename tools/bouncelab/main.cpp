@@ -23,11 +23,11 @@
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
-#include "command.hpp"
 #include "options/commands.hpp"
 #include "options/config_file.hpp"
 #include "options/parser.hpp"
-#include "progress_line.hpp"
+#include "stages/progress_line.hpp"
+#include "stages/run.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -30,4 +30,7 @@ std::vector<Option> options_of(const std::vector<Section>& sections);
 /// By the name without dashes in front; absent where there is none, or it is positional.
 std::optional<Option> option_named(const std::vector<Section>& sections, const std::string& name);
 
+/// What a value looks like, in help and to Python: "FILE", "INT", "X,Y", "{paper,coulomb}"; empty of a flag.
+std::string value_name(const Member& member);
+
 }  // namespace bouncelab::options

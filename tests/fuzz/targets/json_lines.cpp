@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/json_lines_table.hpp"
+#include "stages/files/json_lines_table.hpp"
 
 #include <limits>
 #include <sstream>
@@ -11,7 +11,7 @@
 namespace bouncelab::fuzz {
 namespace {
 
-Table all_rows(cli::TableReader& reader) { return reader.next(std::numeric_limits<std::size_t>::max()); }
+Table all_rows(stages::TableReader& reader) { return reader.next(std::numeric_limits<std::size_t>::max()); }
 
 }  // namespace
 
@@ -19,12 +19,12 @@ void run(Bytes input) {
   const std::string text(text_of(input));
   const auto read = [&](const std::vector<ColumnSpec>& wanted) {
     std::istringstream in(text);
-    return all_rows(*cli::json_lines_reader(in, "input", wanted));
+    return all_rows(*stages::json_lines_reader(in, "input", wanted));
   };
   const auto read_back = [](const Table& table, const std::vector<ColumnSpec>& wanted) {
     std::stringstream file;
-    cli::write_json_lines(file, table);
-    return all_rows(*cli::json_lines_reader(file, "copy", wanted));
+    stages::write_json_lines(file, table);
+    return all_rows(*stages::json_lines_reader(file, "copy", wanted));
   };
   check_tables({read, read_back});
 }

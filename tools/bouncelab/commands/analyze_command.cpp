@@ -9,10 +9,10 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "commands/report_command.hpp"
-#include "files/several_files.hpp"
-#include "files/table_file.hpp"
-#include "progress_line.hpp"
+#include "stages/files/several_files.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
+#include "stages/report.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "bouncelab/loop/analyze.hpp"
-#include "command.hpp"
-#include "commands/detect_command.hpp"
-#include "commands/fit_command.hpp"
-#include "commands/restitution_command.hpp"
+#include "stages/detect.hpp"
+#include "stages/fit.hpp"
+#include "stages/restitution.hpp"
+#include "stages/run.hpp"
 
 namespace bouncelab::cli {
 

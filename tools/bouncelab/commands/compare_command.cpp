@@ -16,9 +16,9 @@
 #include "bouncelab/fit/between_recordings.hpp"
 #include "bouncelab/report/comparison.hpp"
 #include "bouncelab/report/page.hpp"
-#include "files/sample_files.hpp"
-#include "files/table_file.hpp"
-#include "progress_line.hpp"
+#include "stages/files/sample_files.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -17,9 +17,9 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
-#include "files/label_track.hpp"
-#include "files/provenance.hpp"
-#include "files/table_file.hpp"
+#include "stages/files/label_track.hpp"
+#include "stages/files/provenance.hpp"
+#include "stages/files/table_file.hpp"
 
 namespace bouncelab::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "command.hpp"
+#include "stages/run.hpp"
 
 namespace bouncelab::cli {
 

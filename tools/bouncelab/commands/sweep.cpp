@@ -3,11 +3,12 @@
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/loop/sweep.hpp"
-#include "commands/loop_command.hpp"
-#include "commands/report_command.hpp"
-#include "files/table_file.hpp"
-#include "loop_results.hpp"
-#include "progress_line.hpp"
+#include "options/parser.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/loop.hpp"
+#include "stages/loop_results.hpp"
+#include "stages/progress_line.hpp"
+#include "stages/report.hpp"
 
 namespace bouncelab::cli {
 namespace {
@@ -15,6 +16,27 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kOutputs{"sweep.csv", "sweep.json", "report.html"};
+
+/// A command line of `loop` on its own.
+struct ParsedLoop {
+  LoopOptions options;
+  CommonOptions common;
+};
+
+/// @throws InvalidArgument saying what is wrong with the arguments
+ParsedLoop parse_loop(const std::vector<std::string>& arguments) {
+  ParsedLoop parsed;
+  Run run;
+  std::vector<Section> sections = loop_sections(parsed.options);
+  sections.push_back(common_section(parsed.common));
+  try {
+    run.given = set_options(sections, arguments);
+  } catch (const WrongUsage& error) {
+    throw InvalidArgument(error.what());
+  }
+  apply_loop_preset(parsed.options, run);
+  return parsed;
+}
 
 /// The loop's configuration with these settings, but for a surface from a file.
 /// @throws InvalidArgument naming the settings

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "bouncelab/core/ball.hpp"
-#include "commands/ball_choice.hpp"
 #include "options/commands.hpp"
+#include "stages/ball_of_files.hpp"
 
 namespace bouncelab::cli {
 namespace {

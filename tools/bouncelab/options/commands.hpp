@@ -2,14 +2,18 @@
 /// The commands as data: what each is for, its options, and what runs when it is named.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
-#include "command.hpp"
-#include "stage_options/section.hpp"
+#include "stages/run.hpp"
+
+namespace bouncelab::stages {
+struct LoopOptions;
+}
 
 namespace bouncelab::cli {
 
@@ -35,9 +39,14 @@ Command loop_command();
 Command completion_command();
 Command balls_command();
 
-struct LoopOptions;
-/// With the folder and the ball.
-std::vector<Section> loop_sections(LoopOptions& options);
+/// The positional recordings, and --list.
+Member recordings_member();
+Member list_member();
+
+/// Runs the closed loop, through memory, for every combination of the values in run.sweep, and tabulates the results:
+/// sweep.csv, sweep.json, report.html in the folder.
+/// @throws InvalidArgument saying which combination is wrong
+Outcome run_sweep(const LoopOptions& options, const Run& run);
 
 struct CommandName {
   std::string name;
@@ -47,17 +56,17 @@ struct CommandName {
 /// In the order of --help.
 const std::vector<CommandName>& all_commands();
 /// nullptr where no command is called so.
-const CommandName* command_named(const std::vector<CommandName>& all, const std::string& name);
+inline const CommandName* command_named(const std::vector<CommandName>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const CommandName& c) { return c.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
 
-/// What every command has.
-Section common_section(CommonOptions& common);
 /// Those of the command, and what every command has.
 /// @param common  to be set by it
-std::vector<Section> all_sections(const Command& command, CommonOptions& common);
-
-/// Every option with its texts: those typed, else the default as it would be typed.
-Parameters parameters_of(const std::vector<Section>& sections, const Given& given);
-/// Replaces the value of one of them.
-void set_parameter(Parameters& parameters, const std::string& name, const std::string& value);
+inline std::vector<Section> all_sections(const Command& command, CommonOptions& common) {
+  std::vector<Section> sections = command.sections;
+  sections.push_back(common_section(common));
+  return sections;
+}
 
 }  // namespace bouncelab::cli

@@ -201,18 +201,4 @@ std::string help_of_all() {
   return app.help();
 }
 
-std::string value_name(const Member& member) {
-  using Kind = Member::Kind;
-  if (member.kind == Kind::flag) return "";
-  if (!member.choices.empty()) {
-    std::string all;
-    for (const std::string& choice : member.choices) all += (all.empty() ? "" : ",") + choice;
-    return "{" + all + "}";
-  }
-  if (!member.form.empty()) return member.form;
-  if (member.kind == Kind::integer || member.kind == Kind::integers) return "INT";
-  if (member.kind == Kind::natural) return "UINT";
-  return member.kind == Kind::real || member.kind == Kind::reals ? "FLOAT" : "TEXT";
-}
-
 }  // namespace bouncelab::cli

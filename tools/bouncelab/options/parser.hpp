@@ -25,7 +25,4 @@ std::string help_of(const Command& command, bool all);
 /// What --help shows: the commands.
 std::string help_of_all();
 
-/// What a value looks like, in help and to Python: "FILE", "INT", "X,Y", "{paper,coulomb}"; empty of a flag.
-std::string value_name(const Member& member);
-
 }  // namespace bouncelab::cli

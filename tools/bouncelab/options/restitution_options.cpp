@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 
-#include "commands/restitution_command.hpp"
 #include "options/commands.hpp"
+#include "stages/restitution.hpp"
 
 namespace bouncelab::cli {
 

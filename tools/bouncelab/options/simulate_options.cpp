@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 
-#include "bouncelab/loop/loop_score.hpp"
-#include "commands/simulate_command.hpp"
 #include "options/commands.hpp"
+#include "stages/simulate.hpp"
 
 namespace bouncelab::cli {
-
-void apply_paper_preset(SimulateOptions& options, Run& run) {
-  const auto set = [&](const std::string& name, std::int64_t& value, std::int64_t to) {
-    if (run.given.contains(name)) return;
-    value = to;
-    set_parameter(run.parameters, name, std::to_string(to));
-  };
-  set("drops", options.config.n_drops, loop::kPaperDrops);
-  set("impacts", options.config.n_impacts_max, loop::kPaperImpacts);
-}
 
 Command simulate_command() {
   using O = SimulateOptions;

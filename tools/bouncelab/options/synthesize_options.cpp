@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "bouncelab/synthesis/synthetic_recording.hpp"
-#include "commands/synthesize_command.hpp"
 #include "options/commands.hpp"
+#include "stages/synthesize.hpp"
 
 namespace bouncelab::cli {
 

@@ -3,127 +3,148 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bouncelab/core/error.hpp"
-#include "options/commands.hpp"
-#include "options/parser.hpp"
 
 namespace bouncelab::python {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using cli::Section;
+using stages::Section;
 using Sections = std::vector<Section>;
 
-Section ball(cli::BallChoice& world, const Description& options) { return {"", &options, &world}; }
+Section ball(stages::BallChoice& world, const Description& options) { return {"", &options, &world}; }
 
-Sections sections_of(cli::SimulateOptions& options) {
-  static const Description world = cli::ball_options("");
-  return {ball(options.world, world), {"", &members_of(&options), &options}, cli::simulation_alone_section(options)};
+Sections sections_of(stages::SimulateOptions& options) {
+  static const Description world = stages::ball_options("");
+  return {ball(options.world, world), {"", &members_of(&options), &options}, stages::simulation_alone_section(options)};
 }
-Sections sections_of(cli::SynthesizeOptions& options) {
+Sections sections_of(stages::SynthesizeOptions& options) {
   static const Description world =
-      cli::ball_options("that of the impacts where they were simulated, else steel:6mm on glass");
-  return {ball(options.world, world), {"", &members_of(&options), &options}, cli::disturbances_section(options)};
+      stages::ball_options("that of the impacts where they were simulated, else steel:6mm on glass");
+  return {ball(options.world, world), {"", &members_of(&options), &options}, stages::disturbances_section(options)};
 }
-Sections sections_of(cli::DetectOptions& options) { return {{"", &members_of(&options.config), &options.config}}; }
-Sections sections_of(cli::RestitutionOptions& options) {
-  static const Description world = cli::ball_options("not known: drag and contact time stay open");
+Sections sections_of(stages::DetectOptions& options) { return {{"", &members_of(&options.config), &options.config}}; }
+Sections sections_of(stages::RestitutionOptions& options) {
+  static const Description world = stages::ball_options("not known: drag and contact time stay open");
   return {ball(options.world, world), {"", &members_of(&options), &options}};
 }
-Sections sections_of(cli::FitOptions& options) {
-  static const Description world = cli::ball_options("what the samples say");
+Sections sections_of(stages::FitOptions& options) {
+  static const Description world = stages::ball_options("what the samples say");
   return {ball(options.world, world), {"", &members_of(&options.config), &options.config}};
 }
-Sections sections_of(cli::RoughnessOptions& options) {
-  static const Description world = cli::ball_options("what the samples say, else a solid ball of the paper's radius");
+Sections sections_of(stages::RoughnessOptions& options) {
+  static const Description world =
+      stages::ball_options("what the samples say, else a solid ball of the paper's radius");
   return {ball(options.world, world), {"", &members_of(&options.config), &options.config}};
 }
-Sections sections_of(cli::CalibrateOptions& options) { return {{"", &members_of(&options), &options}}; }
-Sections sections_of(cli::LoopOptions& options) { return cli::loop_sections(options); }
+Sections sections_of(stages::CalibrateOptions& options) { return {{"", &members_of(&options), &options}}; }
+Sections sections_of(stages::LoopOptions& options) { return stages::loop_sections(options); }
+
+/// Sets each option to the texts that it was given. @return these
+stages::Given set_options(const Sections& sections, const Arguments& arguments) {
+  stages::Given given;
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(2, argument.find('=') - 2);
+    const bool has_value = name.size() + 2 < argument.size();
+    const std::optional<stages::Option> option = stages::option_named(sections, name);
+    if (!option) throw InvalidArgument("--" + name + ": no such option");
+    if (has_value == (option->member->kind == Member::Kind::flag))
+      throw InvalidArgument("--" + name + (has_value ? ": True or False" : ": needs a value"));
+    given[name].push_back(has_value ? argument.substr(name.size() + 3) : "true");
+  }
+  for (const auto& [name, texts] : given) {
+    const stages::Option option = *stages::option_named(sections, name);
+    try {
+      option.member->set(option.object, value_from_texts(*option.member, texts));
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("--" + name + ": " + error.what());
+    }
+  }
+  return given;
+}
 
 template <class Options>
 Parsed<Options> parse(const Arguments& arguments) {
   Parsed<Options> parsed;
   Sections sections = sections_of(parsed.options);
-  sections.push_back(cli::common_section(parsed.run.common));
-  try {
-    parsed.run.given = cli::set_options(sections, arguments);
-  } catch (const cli::WrongUsage& error) {
-    throw InvalidArgument(error.what());
-  }
+  sections.push_back(stages::common_section(parsed.run.common));
+  parsed.run.given = set_options(sections, arguments);
   parsed.run.common.quiet = true;
   parsed.run.command_line = {"bouncelab (Python)"};
   parsed.run.arguments = arguments;
-  parsed.run.parameters = cli::parameters_of(sections, parsed.run.given);
+  parsed.run.parameters = stages::parameters_of(sections, parsed.run.given);
   return parsed;
 }
 
-Json json_of(const cli::Option& option) {
+Json json_of(const stages::Option& option) {
   const Member& member = *option.member;
   const bool flag = member.kind == Member::Kind::flag;
   const std::string range = range_of(member);
-  return {
-      {"name", option_name(member)},
-      {"help", member.text},
-      {"type", (member.choices.empty() ? "" : "TEXT:") + cli::value_name(member) + (range.empty() ? "" : ":" + range)},
-      {"default", default_text(member, option.object)},
-      {"flag", flag},
-      {"least", flag ? 0 : 1},
-      {"most", flag                  ? 0
-               : is_repeated(member) ? 1 << 29
-                                     : 1}};
+  return {{"name", option_name(member)},
+          {"help", member.text},
+          {"type",
+           (member.choices.empty() ? "" : "TEXT:") + stages::value_name(member) + (range.empty() ? "" : ":" + range)},
+          {"default", default_text(member, option.object)},
+          {"flag", flag},
+          {"least", flag ? 0 : 1},
+          {"most", flag                  ? 0
+                   : is_repeated(member) ? 1 << 29
+                                         : 1}};
 }
 
 template <class Options>
 Json options_of() {
   Options options;
-  cli::CommonOptions common;
+  stages::CommonOptions common;
   Sections sections = sections_of(options);
-  sections.push_back(cli::common_section(common));
+  sections.push_back(stages::common_section(common));
   Json list = Json::array();
-  for (const cli::Option& option : cli::options_of(sections)) list.push_back(json_of(option));
+  for (const stages::Option& option : stages::options_of(sections)) list.push_back(json_of(option));
   return list;
 }
 
 }  // namespace
 
-Parsed<cli::SimulateOptions> simulate_call(const Arguments& arguments) {
-  Parsed<cli::SimulateOptions> parsed = parse<cli::SimulateOptions>(arguments);
-  if (parsed.options.preset == "paper") cli::apply_paper_preset(parsed.options, parsed.run);
+Parsed<stages::SimulateOptions> simulate_call(const Arguments& arguments) {
+  Parsed<stages::SimulateOptions> parsed = parse<stages::SimulateOptions>(arguments);
+  if (parsed.options.preset == "paper") stages::apply_paper_preset(parsed.options, parsed.run);
   return parsed;
 }
-Parsed<cli::SynthesizeOptions> synthesize_call(const Arguments& arguments) {
-  return parse<cli::SynthesizeOptions>(arguments);
+Parsed<stages::SynthesizeOptions> synthesize_call(const Arguments& arguments) {
+  return parse<stages::SynthesizeOptions>(arguments);
 }
-Parsed<cli::DetectOptions> detect_call(const Arguments& arguments) { return parse<cli::DetectOptions>(arguments); }
-Parsed<cli::RestitutionOptions> restitution_call(const Arguments& arguments) {
-  return parse<cli::RestitutionOptions>(arguments);
+Parsed<stages::DetectOptions> detect_call(const Arguments& arguments) {
+  return parse<stages::DetectOptions>(arguments);
 }
-Parsed<cli::FitOptions> fit_call(const Arguments& arguments) { return parse<cli::FitOptions>(arguments); }
-Parsed<cli::RoughnessOptions> roughness_call(const Arguments& arguments) {
-  return parse<cli::RoughnessOptions>(arguments);
+Parsed<stages::RestitutionOptions> restitution_call(const Arguments& arguments) {
+  return parse<stages::RestitutionOptions>(arguments);
 }
-Parsed<cli::CalibrateOptions> calibrate_call(const Arguments& arguments) {
-  Parsed<cli::CalibrateOptions> parsed = parse<cli::CalibrateOptions>(arguments);
-  cli::check_calibrate_options(parsed.options, parsed.run.given);
+Parsed<stages::FitOptions> fit_call(const Arguments& arguments) { return parse<stages::FitOptions>(arguments); }
+Parsed<stages::RoughnessOptions> roughness_call(const Arguments& arguments) {
+  return parse<stages::RoughnessOptions>(arguments);
+}
+Parsed<stages::CalibrateOptions> calibrate_call(const Arguments& arguments) {
+  Parsed<stages::CalibrateOptions> parsed = parse<stages::CalibrateOptions>(arguments);
+  stages::check_calibrate_options(parsed.options, parsed.run.given);
   return parsed;
 }
-Parsed<cli::LoopOptions> loop_call(const Arguments& arguments) {
-  Parsed<cli::LoopOptions> parsed = parse<cli::LoopOptions>(arguments);
-  cli::apply_loop_preset(parsed.options, parsed.run);
+Parsed<stages::LoopOptions> loop_call(const Arguments& arguments) {
+  Parsed<stages::LoopOptions> parsed = parse<stages::LoopOptions>(arguments);
+  stages::apply_loop_preset(parsed.options, parsed.run);
   return parsed;
 }
 
 std::string options_json(const std::string& function) {
-  static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<cli::SimulateOptions>},
-                                                           {"synthesize", options_of<cli::SynthesizeOptions>},
-                                                           {"detect", options_of<cli::DetectOptions>},
-                                                           {"restitution", options_of<cli::RestitutionOptions>},
-                                                           {"fit", options_of<cli::FitOptions>},
-                                                           {"roughness", options_of<cli::RoughnessOptions>},
-                                                           {"calibrate", options_of<cli::CalibrateOptions>},
-                                                           {"loop", options_of<cli::LoopOptions>}};
+  static const std::map<std::string, Json (*)()> functions{{"simulate", options_of<stages::SimulateOptions>},
+                                                           {"synthesize", options_of<stages::SynthesizeOptions>},
+                                                           {"detect", options_of<stages::DetectOptions>},
+                                                           {"restitution", options_of<stages::RestitutionOptions>},
+                                                           {"fit", options_of<stages::FitOptions>},
+                                                           {"roughness", options_of<stages::RoughnessOptions>},
+                                                           {"calibrate", options_of<stages::CalibrateOptions>},
+                                                           {"loop", options_of<stages::LoopOptions>}};
   const auto found = functions.find(function);
   if (found == functions.end()) throw InvalidArgument("no function '" + function + "'");
   return found->second().dump();

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "bouncelab/fit/restitution.hpp"
-#include "commands/calibrate_command.hpp"
-#include "commands/detect_command.hpp"
-#include "commands/fit_command.hpp"
-#include "commands/loop_command.hpp"
-#include "commands/restitution_command.hpp"
-#include "commands/roughness_command.hpp"
+#include "stages/calibrate.hpp"
+#include "stages/detect.hpp"
+#include "stages/fit.hpp"
+#include "stages/loop.hpp"
+#include "stages/restitution.hpp"
+#include "stages/roughness.hpp"
 
 namespace bouncelab::python {
 
@@ -21,18 +21,18 @@ using Arguments = std::vector<std::string>;
 template <class Options>
 struct Parsed {
   Options options;
-  cli::Run run;
+  stages::Run run;
 };
 
 // What a function takes. @throws InvalidArgument as the command line says it
-Parsed<cli::SimulateOptions> simulate_call(const Arguments& arguments);
-Parsed<cli::SynthesizeOptions> synthesize_call(const Arguments& arguments);
-Parsed<cli::DetectOptions> detect_call(const Arguments& arguments);
-Parsed<cli::RestitutionOptions> restitution_call(const Arguments& arguments);
-Parsed<cli::FitOptions> fit_call(const Arguments& arguments);
-Parsed<cli::RoughnessOptions> roughness_call(const Arguments& arguments);
-Parsed<cli::CalibrateOptions> calibrate_call(const Arguments& arguments);
-Parsed<cli::LoopOptions> loop_call(const Arguments& arguments);
+Parsed<stages::SimulateOptions> simulate_call(const Arguments& arguments);
+Parsed<stages::SynthesizeOptions> synthesize_call(const Arguments& arguments);
+Parsed<stages::DetectOptions> detect_call(const Arguments& arguments);
+Parsed<stages::RestitutionOptions> restitution_call(const Arguments& arguments);
+Parsed<stages::FitOptions> fit_call(const Arguments& arguments);
+Parsed<stages::RoughnessOptions> roughness_call(const Arguments& arguments);
+Parsed<stages::CalibrateOptions> calibrate_call(const Arguments& arguments);
+Parsed<stages::LoopOptions> loop_call(const Arguments& arguments);
 
 /// The options of a function, in the order of --help: a JSON array of {name, help, type, default, flag, least and most
 /// number of values, choices}. @throws InvalidArgument where there is no such function

@@ -9,8 +9,8 @@
 
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/error.hpp"
-#include "commands/ball_choice.hpp"
 #include "stages.hpp"
+#include "stages/ball_of_files.hpp"
 
 namespace bouncelab::python {
 namespace {
@@ -41,7 +41,7 @@ PYBIND11_MODULE(_core, m) {
   });
   m.def("version", [] { return std::string(version()); });
   m.def("commit", [] { return std::string(commit()); });
-  m.def("balls", [] { return json_text(cli::catalogue(), 2); });
+  m.def("balls", [] { return json_text(stages::catalogue(), 2); });
   m.def("options", &options_json);
   m.def("simulate", &simulate);
   m.def("synthesize", &synthesize);

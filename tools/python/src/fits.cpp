@@ -9,9 +9,9 @@
 #include "bouncelab/core/restitution_law.hpp"
 #include "bouncelab/report/answer.hpp"
 #include "bouncelab/report/page.hpp"
-#include "files/table_file.hpp"
-#include "progress_line.hpp"
 #include "stages.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
 #include "work.hpp"
 
 namespace bouncelab::python {
@@ -19,11 +19,11 @@ namespace bouncelab::python {
 std::string fit(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = fit_call(arguments);
   RestitutionSamples samples = samples_of(columns);
-  name_ball(samples, cli::ball_of(options.world), cli::plate_of(options.world));
+  name_ball(samples, stages::ball_of(options.world), stages::plate_of(options.world));
   std::string json;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const fit::FitConfig config = cli::fit_config(options, run.common);
-    const fit::FitResult result = fit::fit_all(samples, config, cli::progress_line(run, "fit", "fits"));
+    const fit::FitConfig config = stages::fit_config(options, run.common);
+    const fit::FitResult result = fit::fit_all(samples, config, stages::progress_line(run, "fit", "fits"));
     json = json_text(report::object_of(result, report::in_words(result, samples, config.memory)), 1) + "\n";
   });
   return json;
@@ -32,7 +32,7 @@ std::string fit(const py::dict& columns, const Arguments& arguments, const py::o
 std::string roughness(const py::dict& columns, const Arguments& arguments, const py::object& progress) {
   auto [options, run] = roughness_call(arguments);
   RestitutionSamples samples = samples_of(columns);
-  name_ball(samples, cli::ball_of(options.world), cli::plate_of(options.world));
+  name_ball(samples, stages::ball_of(options.world), stages::plate_of(options.world));
   fit::RoughnessConfig config = options.config;
   config.seed = run.common.seed;
   config.n_threads = run.common.n_threads;
@@ -48,29 +48,29 @@ py::dict calibrate(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = calibrate_call(arguments);
   py::dict result;
   if (!options.memory) {
-    const fit::CalibrationConfig config = cli::calibration_config(options, run.common);
+    const fit::CalibrationConfig config = stages::calibration_config(options, run.common);
     fit::CalibrationResult calibrated;
     python::run(run, progress, [&, &run = run] {
-      calibrated = fit::calibrate(config, cli::progress_line(run, "calibrate", "seeds"));
+      calibrated = fit::calibrate(config, stages::progress_line(run, "calibrate", "seeds"));
     });
     result["summary"] = json_text(value_of(calibrated), 2);
     result["columns"] = py::none();
     return result;
   }
-  const loop::MemoryCalibrationConfig config = cli::memory_calibration_config(options, run.common);
+  const loop::MemoryCalibrationConfig config = stages::memory_calibration_config(options, run.common);
   std::vector<loop::MemoryExperiment> experiments;
   python::run(run, progress, [&, &run = run] {
-    experiments = loop::calibrate_memory(config, cli::progress_line(run, "calibrate", "experiments"));
+    experiments = loop::calibrate_memory(config, stages::progress_line(run, "calibrate", "experiments"));
   });
-  result["summary"] = json_text(cli::summary_of(loop::memory_calibration_groups(experiments)), 2);
+  result["summary"] = json_text(stages::summary_of(loop::memory_calibration_groups(experiments)), 2);
   result["columns"] = columns_of(to_table(experiments));
   return result;
 }
 
 py::dict loop(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = loop_call(arguments);
-  cli::Outcome outcome;
-  python::run(run, progress, [&, &options = options, &run = run] { outcome = cli::run_loop(options, run); });
+  stages::Outcome outcome;
+  python::run(run, progress, [&, &options = options, &run = run] { outcome = stages::run_loop(options, run); });
   py::dict result;
   result["summary"] = json_text(outcome.result, 2);
   result["warnings"] = outcome.warnings;
@@ -127,7 +127,7 @@ void write_report(const std::string& path, const std::string& title, const std::
   input.fit_json = fit_json;
   input.wave_json = wave_json;
   if (!columns.empty()) input.samples_json = report::samples_json(samples_of(columns));
-  cli::write_text(writing(force), path, report::render(input));
+  stages::write_text(writing(force), path, report::render(input));
 }
 
 }  // namespace bouncelab::python

@@ -16,9 +16,9 @@
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
-#include "files/several_files.hpp"
-#include "files/table_file.hpp"
-#include "progress_line.hpp"
+#include "stages/files/several_files.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
 #include "work.hpp"
 
 namespace bouncelab::python {
@@ -49,7 +49,7 @@ Onsets onsets_of(const py::dict& columns) {
 py::dict detected(std::vector<detection::Detection>& found, const std::vector<std::string>& names,
                   std::vector<std::string> warnings) {
   Table table = to_table(Onsets{});
-  cli::Recordings recordings;
+  stages::Recordings recordings;
   bool any = false;
   for (std::size_t k = 0; k < found.size(); ++k) {
     recordings.push_back({names[k], found[k].onsets.size(), std::move(found[k])});
@@ -59,7 +59,7 @@ py::dict detected(std::vector<detection::Detection>& found, const std::vector<st
     any = true;
   }
   py::dict result;
-  result["summary"] = json_text(cli::summary_of(recordings, warnings), 2);
+  result["summary"] = json_text(stages::summary_of(recordings, warnings), 2);
   for (const std::string& warning : report::warnings_of(recordings)) warnings.push_back(warning);
   result["columns"] = columns_of(std::move(table));
   result["warnings"] = warnings;
@@ -116,8 +116,8 @@ audio::SampleEncoding encoding_named(const std::string& bits) {
 
 }  // namespace
 
-cli::Run writing(bool force) {
-  cli::Run run;
+stages::Run writing(bool force) {
+  stages::Run run;
   run.common.force = force;
   run.common.quiet = true;
   run.command_line = {"bouncelab (Python)"};
@@ -126,19 +126,20 @@ cli::Run writing(bool force) {
 
 py::dict simulate(const Arguments& arguments, const py::object& progress) {
   auto [options, run] = simulate_call(arguments);
-  const sim::SimulationConfig config = cli::simulation_config(options, run.common.seed, run.common.n_threads);
+  const sim::SimulationConfig config = stages::simulation_config(options, run.common.seed, run.common.n_threads);
   sim::SimulationResult simulated;
   Table table;
   python::run(run, progress, [&, &options = options, &run = run] {
-    const sim::Surface surface = cli::surface_of(options, config, cli::progress_line(run, "surface", "asperities"));
-    simulated = sim::simulate(config, surface, cli::progress_line(run, "simulate", "drops"));
+    const sim::Surface surface =
+        stages::surface_of(options, config, stages::progress_line(run, "surface", "asperities"));
+    simulated = sim::simulate(config, surface, stages::progress_line(run, "simulate", "drops"));
     table = to_table(simulated.impacts);
   });
   if (simulated.impacts.rows.empty())
     throw InvalidArgument("no drop had an impact; see plate_size, min_speed and max_time");
   py::dict result;
   result["columns"] = columns_of(std::move(table));
-  result["summary"] = json_text(cli::summary_of(simulated, config.ball), 2);
+  result["summary"] = json_text(stages::summary_of(simulated, config.ball), 2);
   result["warnings"] = simulated.warnings;
   return result;
 }
@@ -146,14 +147,14 @@ py::dict simulate(const Arguments& arguments, const py::object& progress) {
 py::dict synthesize(const py::dict& columns, const std::string& recording, const Arguments& arguments,
                     const py::object& progress) {
   auto [options, run] = synthesize_call(arguments);
-  if (options.world.ball.empty()) options.world.ball = cli::kPaperBall.ball;
-  if (options.world.plate.empty()) options.world.plate = cli::kPaperBall.plate;
-  const synthesis::SynthesisConfig config = cli::synthesis_config(options, run.common.seed, run.common.n_threads);
+  if (options.world.ball.empty()) options.world.ball = stages::kPaperBall.ball;
+  if (options.world.plate.empty()) options.world.plate = stages::kPaperBall.plate;
+  const synthesis::SynthesisConfig config = stages::synthesis_config(options, run.common.seed, run.common.n_threads);
   const Impacts impacts = impacts_of(columns);
   std::vector<float> samples;
   Table truth, others;
   python::run(run, progress, [&, &run = run] {
-    const ProgressCallback done = cli::progress_line(run, "synthesize", "segments");
+    const ProgressCallback done = stages::progress_line(run, "synthesize", "segments");
     const synthesis::SyntheticRecording sound(impacts, config);
     samples.reserve(static_cast<std::size_t>(sound.n_frames()) * config.channels.size());
     for (std::int64_t k = 0; k < sound.n_segments(); ++k) {
@@ -182,10 +183,10 @@ py::dict detect_files(const std::vector<std::string>& names, const Arguments& ar
   std::vector<detection::Detection> found;
   python::run(run, progress, [&, &options = options, &run = run] {
     const std::vector<fs::path> paths =
-        cli::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", warnings);
+        stages::each_once({names.begin(), names.end()}, run.common.n_threads, "recording", warnings);
     for (const fs::path& path : paths) once.push_back(path.string());
     found = detection::detect(paths, options.config, run.common.n_threads,
-                              cli::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
+                              stages::progress_line(run, "detect", paths.size() == 1 ? "s of sound" : "recordings"));
   });
   const auto unreadable = [](const detection::Detection& d) {
     return d.status == detection::DetectionStatus::unreadable;
@@ -204,7 +205,7 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
   config.rate_hz.reset();  // that of numbers in files
   std::vector<detection::Detection> found;
   python::run(run, progress, [&, &run = run] {
-    const ProgressCallback done = cli::progress_line(run, "detect", "s of sound");
+    const ProgressCallback done = stages::progress_line(run, "detect", "s of sound");
     if (sound.n_channels() == 1) {
       found.push_back(detection::detect(sound.samples(), rate_hz, recording, config, done));
       return;
@@ -219,12 +220,12 @@ py::dict detect_samples(const py::array& array, double rate_hz, const std::strin
 
 py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   auto [options, run] = restitution_call(arguments);
-  const fit::RestitutionConfig config = cli::restitution_config(options);
+  const fit::RestitutionConfig config = stages::restitution_config(options);
   fit::Restitution found = fit::restitution_samples(onsets_of(columns), config);
   if (found.samples.empty()) throw InvalidArgument("no three successive impacts: no coefficient of restitution");
   py::dict result;
   result["columns"] = columns_of(to_table(found.samples));
-  result["summary"] = json_text(cli::summary_of(found.counts, config), 2);
+  result["summary"] = json_text(stages::summary_of(found.counts, config), 2);
   return result;
 }
 
@@ -264,13 +265,14 @@ void write_columns(const std::string& path, const py::dict& columns, const std::
   const Table table = kind == "impacts"  ? to_table(impacts_of(columns))
                       : kind == "onsets" ? to_table(onsets_of(columns))
                                          : to_table(samples_of(columns));
-  cli::write_table(writing(force), path, table);
+  stages::write_table(writing(force), path, table);
 }
 
 py::dict read_columns(const std::string& path, const std::string& kind) {
-  if (kind == "impacts") return columns_of(to_table(impacts_from_table(cli::read_table(path, impact_columns()), path)));
-  if (kind == "onsets") return columns_of(to_table(onsets_from_table(cli::read_table(path, onset_columns()), path)));
-  return columns_of(to_table(samples_from_table(cli::read_table(path, sample_columns()), path)));
+  if (kind == "impacts")
+    return columns_of(to_table(impacts_from_table(stages::read_table(path, impact_columns()), path)));
+  if (kind == "onsets") return columns_of(to_table(onsets_from_table(stages::read_table(path, onset_columns()), path)));
+  return columns_of(to_table(samples_from_table(stages::read_table(path, sample_columns()), path)));
 }
 
 RestitutionSamples samples_of(const py::dict& columns) {

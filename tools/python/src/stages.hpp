@@ -67,6 +67,6 @@ py::tuple scatter(double v_ref_mps, const std::vector<double>& log_below, const 
 void write_report(const std::string& path, const std::string& title, const std::string& fit_json,
                   const std::string& wave_json, const py::dict& samples, bool force);
 /// Of outputs that no command writes.
-cli::Run writing(bool force);
+stages::Run writing(bool force);
 
 }  // namespace bouncelab::python

@@ -86,7 +86,7 @@ class Progress {
 
 }  // namespace
 
-void run(cli::Run& call, const py::object& progress, const std::function<void()>& work) {
+void run(stages::Run& call, const py::object& progress, const std::function<void()>& work) {
   const Interruptible interruptible;
   Progress shown(progress);
   if (!progress.is_none())

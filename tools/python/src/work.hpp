@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "command.hpp"
+#include "stages/run.hpp"
 
 namespace bouncelab::python {
 
@@ -19,6 +19,6 @@ namespace py = pybind11;
 ///                  the end with done = total; None: not called.
 ///                  What it throws ends the work
 /// @throws py::error_already_set KeyboardInterrupt after Ctrl-C, where this is the main thread; what work throws
-void run(cli::Run& call, const py::object& progress, const std::function<void()>& work);
+void run(stages::Run& call, const py::object& progress, const std::function<void()>& work);
 
 }  // namespace bouncelab::python

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/detect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/table.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/report/detection.hpp"
+#include "stages/files/label_track.hpp"
+#include "stages/files/provenance.hpp"
+#include "stages/files/several_files.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
+
+namespace bouncelab::stages {
+namespace {
+
+constexpr std::size_t kMostLines =
+    20;  // for people: of thousands of recordings those in which nothing was found, and a sum
+
+/// At most kMostLines of the lines and how many more there are.
+std::vector<std::string> first_of(std::vector<std::string> lines, const char* where_all_are) {
+  if (lines.size() <= kMostLines) return lines;
+  const std::size_t n_more = lines.size() - kMostLines;
+  lines.resize(kMostLines);
+  lines.push_back(fmt::format("... and {} more; {}", n_more, where_all_are));
+  return lines;
+}
+
+/// A recording's name for people.
+std::string name_of(const std::filesystem::path& recording) { return printable(input_name(recording)); }
+
+/// One line a recording, for people.
+std::string describe(const detection::RecordingDetection& r) {
+  std::string line = fmt::format("{}: {}", name_of(r.recording), r.found.message);
+  if (r.found.summary.restitution_median)
+    line += fmt::format(", ε = {:.4f} in the median", *r.found.summary.restitution_median);
+  if (r.found.summary.n_channels > 1)
+    line += fmt::format("; channel {} ({})", r.found.summary.channel, r.found.summary.channel_reason);
+  return line;
+}
+
+bool is_unreadable(const detection::RecordingDetection& r) {
+  return r.found.status == detection::DetectionStatus::unreadable;
+}
+
+/// A line a recording; of very many a sum, and a line for each in which nothing was found.
+std::string describe_all(const Recordings& recordings) {
+  std::vector<std::string> lines;
+  std::size_t n_onsets = 0;
+  std::int64_t n_drops = 0;
+  const bool many = recordings.size() > kMostLines;
+  for (const detection::RecordingDetection& r : recordings) {
+    n_onsets += r.n_onsets;
+    n_drops += r.found.summary.n_drops;
+    if (!is_unreadable(r) && !(many && r.found.status == detection::DetectionStatus::ok)) lines.push_back(describe(r));
+  }
+  std::string text;
+  for (const std::string& line : first_of(std::move(lines), "with --json all of them are listed")) text += line + "\n";
+  if (many) text += fmt::format("{} impacts in {} drops in {} recordings\n", n_onsets, n_drops, recordings.size());
+  return text;
+}
+
+/// What went wrong with the recordings as a whole: exit code and error of the outcome.
+void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
+  const auto n_unreadable = std::count_if(recordings.begin(), recordings.end(), is_unreadable);
+  const std::size_t n_others = recordings.size() - 1;
+  const std::string others = n_others > 0 ? fmt::format(" (nor in the {} others)", n_others) : "";
+  if (n_unreadable > 0) {
+    const detection::RecordingDetection& first = *std::find_if(recordings.begin(), recordings.end(), is_unreadable);
+    outcome.exit_code = kFileError;
+    outcome.error = n_unreadable == 1 ? first.found.message
+                                      : fmt::format("{} (and {} more)", first.found.message, n_unreadable - 1);
+  }
+  if (!found_any) {
+    const auto readable = std::find_if_not(recordings.begin(), recordings.end(), is_unreadable);
+    if (readable != recordings.end()) {
+      outcome.exit_code = kNotUsable;
+      outcome.error =
+          fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
+                      name_of(readable->recording), readable->found.message, others);
+    }
+    outcome.text.clear();
+  } else if (n_unreadable > 0) {
+    outcome.error += fmt::format("; the results are those of the {} recordings that could be read",
+                                 std::ssize(recordings) - n_unreadable);
+  }
+}
+
+/// Files are read in parallel; their onsets go into the table, in the order of the recordings.
+Recordings detect_all(const DetectOptions& options, const std::vector<std::filesystem::path>& files, TableWriter& table,
+                      const Run& run) {
+  Recordings recordings(files.size());
+  const auto take = [&](std::size_t k, detection::Detection&& d) {
+    table.add(k, to_table(d.onsets));
+    recordings[k] = {files[k].string(), d.onsets.size(), std::move(d)};
+    if (files.size() == 1) return;
+    recordings[k].found.onsets = {};
+    recordings[k].found.wave.reset();
+    recordings[k].found.noise.reset();
+  };
+  const ProgressCallback progress = progress_line(run, "detect", files.size() == 1 ? "s of sound" : "recordings");
+  const int n_threads = kMayStartChildBesideThreads ? resolved_threads(run.common.n_threads) : 1;
+  // the checksums of the provenance while the sound is searched, as a thread has time for them
+  parallel_for(2, n_threads, [&](std::size_t work) {
+    if (work == 1) return compute_sha256_ahead(files, n_threads);
+    detection::detect_each(files, options.config, n_threads, take, progress);
+  });
+  return recordings;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> recordings_of(const DetectOptions& options) {
+  std::vector<std::filesystem::path> all(options.recordings.begin(), options.recordings.end());
+  if (!options.list.empty()) {
+    std::ifstream file = open_text(options.list);
+    LineReader lines(file, options.list);
+    for (std::string line; lines.next(line);) {
+      if (line.ends_with('\r')) line.pop_back();
+      if (!line.empty()) all.emplace_back(line);
+    }
+  }
+  if (all.empty())
+    throw InvalidArgument(options.list.empty() ? "no recording was named; name one, or a list of them with --list"
+                                               : "--list " + printable(options.list) + ": names no recording");
+  return all;
+}
+
+std::vector<std::filesystem::path> readable_of(const Recordings& recordings) {
+  std::vector<std::filesystem::path> files;
+  for (const detection::RecordingDetection& r : recordings)
+    if (!is_unreadable(r)) files.emplace_back(r.recording);
+  return files;
+}
+
+Object summary_of(const Recordings& recordings, const std::vector<std::string>& warnings) {
+  std::size_t n_onsets = 0;
+  for (const detection::RecordingDetection& r : recordings) n_onsets += r.n_onsets;
+  return {{"n_onsets", value_of(n_onsets)}, {"recordings", value_of(recordings)}, {"warnings", warnings}};
+}
+
+Outcome detection_outcome(const Recordings& recordings, std::vector<std::string> warnings) {
+  Outcome outcome;
+  warnings = joined(std::move(warnings), report::warnings_of_drops(recordings));
+  outcome.text = describe_all(recordings);
+  outcome.result = summary_of(recordings, warnings);
+  outcome.warnings = first_of(joined(warnings, report::warnings_of(recordings)), "with --json all of them are listed");
+  conclude(recordings, first_found(recordings) != nullptr, outcome);
+  return outcome;
+}
+
+Outcome run_detect(const DetectOptions& options, const Run& run) {
+  const std::vector<std::filesystem::path> given = recordings_of(options);
+  if (!options.labels.empty() && given.size() > 1)
+    throw InvalidArgument("--labels: a label track belongs to one recording; give one");
+  std::vector<std::filesystem::path> outputs{options.out, options.labels};
+  if (!options.labels.empty()) outputs.push_back(onsets_beside(options.labels));
+  check_files(run, given, outputs);
+  std::vector<std::string> warnings;
+  const std::vector<std::filesystem::path> files = each_once(given, run.common.n_threads, "recording", warnings);
+  TableWriter table(run, options.out);
+  const Recordings recordings = detect_all(options, files, table, run);
+  if (first_found(recordings)) {
+    table.finish(readable_of(recordings));
+    if (!options.labels.empty())
+      write_label_track(run, options.labels, recordings.front().found.onsets, readable_of(recordings));
+  }
+  return detection_outcome(recordings, std::move(warnings));
+}
+
+}  // namespace bouncelab::stages

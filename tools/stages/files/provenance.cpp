@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/files/provenance.hpp"
+
+#include <fmt/format.h>
+#include <nettle/sha2.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <ctime>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/core/core.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/parallel.hpp"
+
+namespace bouncelab::stages {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Object object_of(const Parameters& parameters) {
+  Object object;
+  for (const Parameter& p : parameters)
+    object.emplace_back(p.name, p.values.size() == 1 ? Value(p.values.front()) : Value(p.values));
+  return object;
+}
+
+/// A checksum that is being computed.
+class Sha256 {
+ public:
+  Sha256() { sha256_init(&state_); }
+  void add(const void* bytes, std::size_t n) { sha256_update(&state_, n, static_cast<const std::uint8_t*>(bytes)); }
+  std::string in_hexadecimal() {
+    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+    sha256_digest(&state_, digest.size(), digest.data());
+    return fmt::format("{:02x}", fmt::join(digest, ""));
+  }
+
+ private:
+  sha256_ctx state_;
+};
+
+std::string sha256_of(const std::string& text) {
+  Sha256 sum;
+  sum.add(text.data(), text.size());
+  return sum.in_hexadecimal();
+}
+
+std::string computed_sha256(const fs::path& path) {
+  FileBytes file(path);
+  Sha256 sum;
+  constexpr std::int64_t kAtOnce = 1 << 18;
+  for (std::int64_t done = 0; done < file.size(); done += kAtOnce) {
+    throw_if_stop_requested();
+    const auto bytes = file.at(done, std::min(kAtOnce, file.size() - done));
+    sum.add(bytes.data(), bytes.size());
+  }
+  return sum.in_hexadecimal();
+}
+
+/// What tells a file's content from that of others, and from its own after it was written to: device, inode, size, time
+/// of the last change.
+using Content = std::tuple<dev_t, ino_t, off_t, std::time_t, long>;
+
+/// Sums that are known.
+struct KnownSums {
+  std::mutex mutex;
+  std::map<Content, std::string> sums;
+};
+KnownSums& known_sums() {
+  static KnownSums known;
+  return known;
+}
+
+/// Absent where it cannot be told from what the file may hold a moment later.
+std::optional<Content> content_of(const fs::path& path) {
+  struct stat status {};
+  if (::stat(readable(path).c_str(), &status) != 0) return std::nullopt;
+  // written to in the clock's last ticks it may be so again, at the same time as the system counts it
+  if (std::time(nullptr) - status.st_mtim.tv_sec < 2) return std::nullopt;
+  return Content{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+}
+
+std::optional<std::string> known_sum(const Content& content) {
+  KnownSums& known = known_sums();
+  const std::lock_guard lock(known.mutex);
+  const auto found = known.sums.find(content);
+  return found == known.sums.end() ? std::nullopt : std::optional(found->second);
+}
+
+void keep(const Content& content, const std::string& sum) {
+  const std::lock_guard lock(known_sums().mutex);
+  known_sums().sums[content] = sum;
+}
+
+}  // namespace
+
+std::string sha256_of_file(const fs::path& path) {
+  const std::optional<Content> content = content_of(path);
+  if (!content) return computed_sha256(path);
+  if (std::optional<std::string> known = known_sum(*content)) return *std::move(known);
+  std::string sum = computed_sha256(path);
+  keep(*content, sum);
+  return sum;
+}
+
+void compute_sha256_ahead(const std::vector<fs::path>& files, int n_threads) {
+  parallel_for(files.size(), n_threads, [&](std::size_t k) {
+    try {
+      if (content_of(files[k])) sha256_of_file(files[k]);
+    } catch (const FileError&) {  // said by whoever reads the sound
+    }
+  });
+}
+
+fs::path provenance_path(const fs::path& output) {
+  constexpr std::size_t kLongestName_bytes = 255;  // of the file systems in use
+  const std::string ending = ".meta.json";
+  std::string name = output.filename().string();
+  if (name.size() + ending.size() > kLongestName_bytes) {
+    const std::string sum = sha256_of(name).substr(0, 8);
+    name.resize(kLongestName_bytes - ending.size() - sum.size() - 1);
+    // the last character, which may be cut in two (UTF-8: 10xxxxxx continues one that 11xxxxxx began)
+    const auto last = [&] { return static_cast<unsigned char>(name.empty() ? 0 : name.back()); };
+    while ((last() & 0xC0) == 0x80) name.pop_back();
+    if (last() >= 0xC0) name.pop_back();
+    name += "~" + sum;
+  }
+  return output.parent_path() / (name + ending);
+}
+
+std::optional<std::string> parameter_in_provenance(const fs::path& file, const std::string& option) {
+  const fs::path path = provenance_path(file);
+  if (file.empty() || is_stream(file) || !fs::is_regular_file(path)) return std::nullopt;
+  FileBytes bytes(path);
+  constexpr std::int64_t kMost = 1 << 20;  // of what write_provenance writes
+  const auto content = bytes.at(0, std::min(kMost, bytes.size()));
+  const Json meta = Json::parse(content.begin(), content.end(), nullptr, false);
+  if (meta.is_discarded()) throw FileError(path.string(), "is not JSON; delete it, or name the ball (--ball, --plate)");
+  if (!meta.is_object() || !meta.contains("parameters") || !meta["parameters"].is_object()) return std::nullopt;
+  const auto found = meta["parameters"].find(option);
+  if (found == meta["parameters"].end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
+}
+
+std::string provenance(const Run& run, const std::vector<fs::path>& inputs) {
+  Values files;
+  for (const fs::path& input : inputs)
+    files.push_back(Object{{"path", input_name(input)}, {"sha256", sha256_of_file(input)}});
+  Object meta{{"command_line", run.command_line},
+              {"version", std::string(version())},
+              {"commit", std::string(commit())},
+              {"seed", run.common.seed},
+              {"inputs", files}};
+  if (std::string ffmpeg = audio::ffmpeg_version_used(); !ffmpeg.empty()) meta.emplace_back("ffmpeg", ffmpeg);
+  meta.emplace_back("parameters", object_of(run.parameters));
+  return json_text(meta, 2) + "\n";
+}
+
+void commit_with_provenance(OutputFile& file, const fs::path& output, const std::string& provenance) {
+  if (is_stream(output)) return file.commit();
+  const fs::path path = provenance_path(output);
+  OutputFile beside(path, true);
+  std::ofstream out(beside.temporary_path(), std::ios::binary | std::ios::trunc);
+  out << provenance;
+  close_written(out, path);
+  file.commit();  // both are written: what is left are two changes of names
+  beside.commit();
+}
+
+void write_provenance(const fs::path& output, const std::string& provenance) {
+  if (is_stream(output)) return;  // nothing can lie beside it
+  write_whole(provenance_path(output), provenance, true);
+}
+
+}  // namespace bouncelab::stages

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/files.hpp"
+#include "stages/run.hpp"
+
+namespace bouncelab::stages {
+
+/// SHA-256 of a file's content, in hexadecimal; computed once, unless the file changes. From any thread.
+/// @throws FileError, Interrupted
+std::string sha256_of_file(const std::filesystem::path& path);
+
+/// Computes what sha256_of_file() will be asked for, on up to n_threads threads. What cannot be read is passed over,
+/// and so is a file that was written to in the last two seconds, whose sum cannot be kept.
+/// @throws Interrupted
+void compute_sha256_ahead(const std::vector<std::filesystem::path>& files, int n_threads);
+
+/// OUTPUT.meta.json; where that name would be longer than 255 bytes, OUTPUT is cut, and ends with ~ and the first eight
+/// digits of the SHA-256 of the whole.
+std::filesystem::path provenance_path(const std::filesystem::path& output);
+
+/// The value of an option of the command that wrote a file; absent where no provenance lies beside the file, or the
+/// command has no such option. @throws FileError where the provenance is none
+std::optional<std::string> parameter_in_provenance(const std::filesystem::path& file, const std::string& option);
+
+/// What is told of an output: command line, version, commit, seed, inputs with their SHA-256, and all parameters as
+/// resolved. Made before the output gets its name, so that an input that cannot be read again leaves no output behind.
+/// @throws FileError, Interrupted
+std::string provenance(const Run& run, const std::vector<std::filesystem::path>& inputs);
+
+/// Puts an output in its place, and its provenance beside it: both, or neither. @throws FileError
+void commit_with_provenance(OutputFile& file, const std::filesystem::path& output, const std::string& provenance);
+/// Writes the provenance beside an output, unless that is a stream. @throws FileError
+void write_provenance(const std::filesystem::path& output, const std::string& provenance);
+
+}  // namespace bouncelab::stages

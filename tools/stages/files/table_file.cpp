@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/files/table_file.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/table.hpp"
+#include "stages/files/json_lines_table.hpp"
+
+namespace bouncelab::stages {
+namespace fs = std::filesystem;
+
+namespace {
+
+class CsvTable final : public TableReader {
+ public:
+  CsvTable(const fs::path& path, const std::vector<ColumnSpec>& wanted) : reader_(path, wanted) {}
+  Table next(std::size_t max_rows) override { return reader_.next(max_rows); }
+
+ private:
+  CsvReader reader_;
+};
+
+/// The k-th piece of a table as text.
+void write_piece(std::ostream& out, bool as_json_lines, std::size_t k, const Table& rows) {
+  if (as_json_lines)
+    write_json_lines(out, rows);
+  else if (k == 0)
+    write_csv(out, rows);
+  else
+    write_csv_rows(out, rows);
+}
+
+}  // namespace
+
+void refuse_hdf5(const fs::path& path) {
+  if (path.extension() == ".h5" || path.extension() == ".hdf5")
+    throw InvalidArgument(path.string() +
+                          ": bouncelab knows no HDF5; tables are .csv or .jsonl, which pandas converts");
+}
+
+bool is_json_lines(const fs::path& path) { return path.extension() == ".jsonl"; }
+
+std::unique_ptr<TableReader> open_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
+  refuse_hdf5(path);
+  if (is_json_lines(path)) return json_lines_reader(path, wanted);
+  return std::make_unique<CsvTable>(path, wanted);
+}
+
+Table read_table(const fs::path& path, const std::vector<ColumnSpec>& wanted) {
+  return open_table(path, wanted)->next(std::numeric_limits<std::size_t>::max());
+}
+
+void write_table(const Run& run, const fs::path& path, const Table& table, const std::vector<fs::path>& inputs) {
+  TableWriter writer(run, path);
+  writer.add(table);
+  writer.finish(inputs);
+}
+
+TableWriter::TableWriter(const Run& run, const fs::path& path)
+    : run_(run),
+      path_(path),
+      file_(path, run.common.force),
+      out_(file_.temporary_path(), std::ios::binary | std::ios::trunc) {
+  refuse_hdf5(path);
+}
+
+void TableWriter::add(std::size_t k, const Table& rows) {
+  if (k != next_) {
+    std::ostringstream out;
+    write_piece(out, is_json_lines(path_), k, rows);
+    const std::string text = out.str();
+    if (!scratch_) scratch_.emplace(file_.temporary_path().parent_path(), path_.string());
+    waiting_[k] = {scratch_->append(text), text.size()};
+    return;
+  }
+  write_piece(out_, is_json_lines(path_), k, rows);
+  ++next_;
+  for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.erase(first)) {
+    out_ << scratch_->at(first->second.first, first->second.n);
+    ++next_;
+  }
+}
+
+void TableWriter::finish(const std::vector<fs::path>& inputs) {
+  throw_if_stop_requested();
+  close_written(out_, path_);
+  const std::string origin = provenance(run_, inputs);
+  commit_with_provenance(file_, path_, origin);
+}
+
+void write_text(const Run& run, const fs::path& path, const std::string& content, const std::vector<fs::path>& inputs) {
+  throw_if_stop_requested();
+  const std::string origin = provenance(run, inputs);
+  OutputFile file(path, run.common.force);
+  std::ofstream out(file.temporary_path(), std::ios::binary | std::ios::trunc);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  close_written(out, path);
+  commit_with_provenance(file, path, origin);
+}
+
+OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
+  if (folder_ == "-") throw InvalidArgument("--out -: the name of a folder is needed");
+  std::error_code error;
+  created_ = fs::create_directories(folder_, error);
+  if (!fs::is_directory(folder_, error))
+    throw FileError(folder_.string(), "cannot be made a folder (" + (error ? error.message() : "it is a file") +
+                                          "); choose another --out");
+  lock_.emplace(folder_);
+  remove_abandoned_files(folder_);
+}
+
+OutputFolder::~OutputFolder() {
+  lock_.reset();
+  std::error_code not_empty;
+  if (created_) fs::remove(folder_, not_empty);
+}
+
+void check_files(const Run& run, std::vector<fs::path> inputs, const std::vector<fs::path>& outputs,
+                 std::vector<fs::path> beside) {
+  std::for_each(inputs.begin(), inputs.end(), refuse_hdf5);
+  std::for_each(outputs.begin(), outputs.end(), refuse_hdf5);
+  inputs.emplace_back(run.common.config);
+  for (const fs::path& output : outputs)
+    if (!output.empty() && !is_stream(output)) beside.push_back(provenance_path(output));
+  bouncelab::check_files(inputs, outputs, beside, run.common.force);
+}
+
+}  // namespace bouncelab::stages

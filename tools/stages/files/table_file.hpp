@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/table.hpp"
+#include "stages/files/provenance.hpp"
+#include "stages/files/table_reader.hpp"
+#include "stages/run.hpp"
+
+namespace bouncelab::stages {
+
+/// The wanted columns of a table file, to be read in pieces; the extension chooses the format.
+/// @throws FileError
+std::unique_ptr<TableReader> open_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+/// All its rows at once. @throws FileError
+Table read_table(const std::filesystem::path& path, const std::vector<ColumnSpec>& wanted);
+
+/// HDF5 is left to pandas (tools/python/README.md). @throws InvalidArgument for .h5 and .hdf5
+void refuse_hdf5(const std::filesystem::path& path);
+/// .jsonl is JSON Lines, everything else CSV.
+bool is_json_lines(const std::filesystem::path& path);
+
+/// Writes a table whole or not at all, and its provenance beside it. @throws FileError
+void write_table(const Run& run, const std::filesystem::path& path, const Table& table,
+                 const std::vector<std::filesystem::path>& inputs = {});
+
+/// As write_table, a piece of the rows at a time, in constant memory. Nothing is left without finish().
+class TableWriter {
+ public:
+  /// @param run  must outlive this. @throws FileError
+  TableWriter(const Run& run, const std::filesystem::path& path);
+  /// The next piece. @param rows  with the same columns each time
+  void add(const Table& rows) { add(next_, rows); }
+  /// The k-th piece, in any order: one that cannot be written yet waits as text in a file without a name.
+  void add(std::size_t k, const Table& rows);
+  /// All pieces were added, at least one: it names the columns.
+  void finish(const std::vector<std::filesystem::path>& inputs);
+
+ private:
+  struct Place {
+    std::int64_t first = 0;
+    std::size_t n = 0;
+  };
+
+  const Run& run_;
+  std::filesystem::path path_;
+  OutputFile file_;
+  std::ofstream out_;
+  std::size_t next_ = 0;  // piece that comes next in the file
+  std::map<std::size_t, Place> waiting_;
+  std::optional<ScratchFile> scratch_;  // those that wait
+};
+
+/// Writes a text (JSON, HTML ...) whole or not at all, and its provenance beside it. @throws FileError
+void write_text(const Run& run, const std::filesystem::path& path, const std::string& content,
+                const std::vector<std::filesystem::path>& inputs = {});
+
+/// A folder for the outputs of one process at a time, created where it is missing; removed again where nothing was
+/// written to it. What killed processes left half-written in it is deleted.
+class OutputFolder {
+ public:
+  /// @throws FileError where it cannot be created, nothing can be written in it, or another process is at work in it
+  explicit OutputFolder(std::filesystem::path folder);
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  ~OutputFolder();
+
+ private:
+  std::filesystem::path folder_;
+  bool created_ = false;
+  std::optional<FolderLock> lock_;
+};
+
+/// Each command calls it before its work with all its files, those that are read (the configuration file is known) and
+/// those that are written (their provenance is known): bouncelab::check_files.
+/// @param beside  outputs that are written in some cases only, and replaced where they exist
+void check_files(const Run& run, std::vector<std::filesystem::path> inputs,
+                 const std::vector<std::filesystem::path>& outputs, std::vector<std::filesystem::path> beside = {});
+
+}  // namespace bouncelab::stages

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/fit/memory_fit.hpp"
+#include "bouncelab/report/answer.hpp"
+#include "stages/files/provenance.hpp"
+#include "stages/files/sample_files.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
+
+namespace bouncelab::stages {
+namespace {
+
+std::string with_error(const fit::Estimate& e) {
+  return fit::in_words(e.value, e.se) + (e.identified ? "" : " (not identifiable)");
+}
+
+/// How far a recording is off the curve of all, in standard errors.
+double distance(const fit::RecordingFit& row) {
+  return row.offset && row.offset->se && *row.offset->se > 0.0 ? std::abs(row.offset->value) / *row.offset->se : 0.0;
+}
+
+std::string describe(const fit::RecordingFit& row) {
+  std::string text =
+      fmt::format("  {}: {} samples", row.recording.empty() ? "(no name)" : printable(row.recording), row.n);
+  for (const fit::NodeEstimate& node : row.nodes)
+    text += fmt::format(", ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
+  if (row.nodes.empty()) text += "; " + row.message;
+  return text + "\n";
+}
+
+/// Whether the recordings agree, and a line for each; of many those that are furthest off.
+std::string describe(const fit::Recordings& recordings) {
+  constexpr std::size_t kMostLines = 20;
+  if (recordings.rows.empty()) return {};
+  std::vector<const fit::RecordingFit*> rows;
+  for (const fit::RecordingFit& row : recordings.rows) rows.push_back(&row);
+  if (rows.size() > kMostLines)
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const auto* a, const auto* b) { return distance(*a) > distance(*b); });
+  // where they do not agree, a warning says it
+  std::string text = disagree(recordings) ? "each recording alone:\n" : report::in_words(recordings) + ":\n";
+  for (std::size_t k = 0; k < std::min(rows.size(), kMostLines); ++k) text += describe(*rows[k]);
+  if (rows.size() > kMostLines)
+    text += fmt::format("  ... and {} more that differ less; all are in the results under \"recordings\"\n",
+                        rows.size() - kMostLines);
+  return text;
+}
+
+/// ε(v) at the nodes, by both likelihoods where there are two.
+std::string describe_nodes(const fit::FitResult& result) {
+  std::string text;
+  for (std::size_t k = 0; k < result.law.nodes.size(); ++k) {
+    const fit::NodeEstimate& node = result.law.nodes[k];
+    text += fmt::format("ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
+    if (result.memory && k < result.memory->nodes.size())
+      text += "; with memory " + with_error(result.memory->nodes[k].eps);
+    text += "\n";
+  }
+  return text;
+}
+
+/// Nothing where memory was not asked for; where it does not hold a warning says so.
+std::string describe(const std::optional<fit::MemoryFit>& memory) {
+  if (!memory || memory->status != fit::FitStatus::ok) return {};
+  return (memory->holds ? report::in_words(*memory) + "\n" : "") + "roughness: " + report::in_words(memory->roughness) +
+         "\n";
+}
+
+/// The result in a few lines, for people.
+std::string describe(const fit::FitResult& result) {
+  std::string text = fmt::format("{} samples used; fit {}\n", result.n_used, fit::to_string(result.status));
+  text += describe_nodes(result) + describe(result.memory);
+  for (const fit::LawFit* law : {&result.law, &result.law_viscoelastic})
+    for (const fit::NamedEstimate& p : law->parameters)
+      if (p.estimate.identified) text += fmt::format("{} = {}\n", p.name, with_error(p.estimate));
+  for (const fit::HistogramFit& h : result.histograms)
+    if (h.slope_rising && h.slope_falling)
+      text += fmt::format("p(ε) at {:.2g} m/s: slopes {} rising, {} falling; {}\n", h.v_mps,
+                          with_error(*h.slope_rising), with_error(*h.slope_falling), h.verdict);
+  return text + describe(result.recordings);
+}
+
+std::string more_files(std::size_t n) { return n > 1 ? fmt::format(" and {} more", n - 1) : ""; }
+
+}  // namespace
+
+std::string answer_text(const report::PlainAnswer& answer) {
+  std::string text;
+  for (const std::string& sentence : answer.sentences) text += sentence + "\n";
+  return text + "\n";
+}
+
+fit::FitConfig fit_config(const FitOptions& options, const CommonOptions& common) {
+  fit::FitConfig config = options.config;
+  config.law.seed = common.seed;
+  config.n_threads = common.n_threads;
+  return config;
+}
+
+Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& words, const std::string& samples) {
+  Outcome outcome;
+  outcome.text = answer_text(words.answer) + describe(result);
+  outcome.warnings = words.warnings;
+  if (result.status == fit::FitStatus::ok) return outcome;
+  outcome.exit_code = kNotUsable;
+  outcome.error = samples + ": " + result.law.message;
+  std::erase(outcome.warnings, result.law.message);
+  return outcome;
+}
+
+Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
+  check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
+  const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
+  std::vector<std::string> warnings;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, warnings);
+  name_ball(samples, ball_of(options.world), plate_of(options.world));
+  const fit::FitConfig config = fit_config(options, run.common);
+  fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
+  const report::FitInWords words = report::in_words(result, samples, config.memory);
+  const Object all = report::object_of(result, words);
+  write_text(run, options.out, json_text(all, 1) + "\n", files);
+  if (!options.table.empty() && !result.law.curve.empty())
+    write_table(run, options.table, fit::law_table(result.law), files);
+  Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
+  outcome.result = all;
+  outcome.warnings = joined(warnings, outcome.warnings);
+  return {std::move(outcome), std::move(result)};
+}
+
+Outcome as_stage(Outcome outcome, const fit::FitResult& result) {
+  if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return outcome;
+  outcome.warnings.push_back(result.law.message);
+  outcome.exit_code = kDone;
+  outcome.error.clear();
+  return outcome;
+}
+
+}  // namespace bouncelab::stages

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/simulate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/loop/loop_score.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/sim/sim.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
+
+namespace bouncelab::stages {
+namespace {
+
+std::string text_of(const SimulateOptions& options, const sim::SimulationConfig& config,
+                    const sim::SimulationResult& result) {
+  const sim::EnergyLedger& energy = result.energy;
+  return fmt::format(
+      "{} impacts of {} drops in {} ({:.1f}% of them on the smooth sphere)\n"
+      "ball: {}\n"
+      "law: {}; contact: {}\n"
+      "energy: released {:.4g} J, dissipated {:.2f}%, created {:.3g}%, still in the balls {:.2f}%\n",
+      result.n_impacts, config.n_drops, options.out,
+      100.0 * static_cast<double>(result.n_smooth) / static_cast<double>(std::max<std::int64_t>(1, result.n_impacts)),
+      bouncelab::describe(config.ball), describe(config.law), describe(config.contact), energy.released_j,
+      100.0 * energy.dissipated_j / energy.released_j, 100.0 * energy.created_j / energy.released_j,
+      100.0 * energy.remaining_j / energy.released_j);
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> simulation_inputs(const SimulateOptions& options) {
+  std::vector<std::filesystem::path> inputs;
+  if (!options.surface_file.empty()) inputs.emplace_back(options.surface_file);
+  const std::string table = "table:";
+  if (options.restitution_law.starts_with(table)) inputs.emplace_back(options.restitution_law.substr(table.size()));
+  return inputs;
+}
+
+std::optional<sim::Surface> surface_from_file(const SimulateOptions& options, const Ball& ball) {
+  if (options.surface_file.empty()) return std::nullopt;
+  return sim::surface_from_table(read_table(options.surface_file, sim::surface_columns()),
+                                 input_name(options.surface_file), ball);
+}
+
+sim::Surface surface_of(const SimulateOptions& options, const sim::SimulationConfig& config,
+                        const ProgressCallback& progress) {
+  if (std::optional<sim::Surface> given = surface_from_file(options, config.ball)) return *std::move(given);
+  return sim::make_surface(config.ball, options.n_asperities, sim::radius_law_from_text(options.radius_law),
+                           config.seed, progress);
+}
+
+Object summary_of(const sim::SimulationResult& result, const Ball& ball) {
+  Object summary = object_of(members_of(&result), &result);
+  summary.emplace_back("ball", value_of(ball));
+  return summary;
+}
+
+void apply_paper_preset(SimulateOptions& options, Run& run) {
+  const auto set = [&](const std::string& name, std::int64_t& value, std::int64_t to) {
+    if (run.given.contains(name)) return;
+    value = to;
+    set_parameter(run.parameters, name, std::to_string(to));
+  };
+  set("drops", options.config.n_drops, loop::kPaperDrops);
+  set("impacts", options.config.n_impacts_max, loop::kPaperImpacts);
+}
+
+Outcome run_simulate(const SimulateOptions& options, const Run& run, std::vector<sim::Reservoir>* reservoirs) {
+  sim::SimulationConfig config = simulation_config(options, run.common.seed, run.common.n_threads);
+  config.with_state = config.with_state || reservoirs != nullptr;
+  check_files(run, simulation_inputs(options), {options.out, options.write_surface});
+
+  TableWriter table(run, options.out);
+  sim::SimulationCounts counts;
+  std::vector<std::vector<sim::Reservoir>> reservoirs_of_drops;
+  const auto take = [&](std::size_t k, sim::DropResult&& drop) {
+    counts.add(k, drop);
+    if (reservoirs != nullptr) {
+      reservoirs_of_drops.resize(std::max(reservoirs_of_drops.size(), k + 1));
+      reservoirs_of_drops[k] = sim::reservoirs_after(config.ball, drop.impacts);
+    }
+    if (!options.config.with_state) drop.impacts.states = {};
+    table.add(k, to_table(drop.impacts));
+  };
+  const sim::Surface surface = surface_of(options, config, progress_line(run, "surface", "asperities"));
+  sim::simulate_each(config, surface, take, progress_line(run, "simulate", "drops"));
+  if (!options.write_surface.empty())
+    write_table(run, options.write_surface, to_table(surface), simulation_inputs(options));
+  const sim::SimulationResult result = counts.result();
+  if (reservoirs != nullptr)
+    for (const std::vector<sim::Reservoir>& drop : reservoirs_of_drops)
+      reservoirs->insert(reservoirs->end(), drop.begin(), drop.end());
+  table.finish(simulation_inputs(options));
+
+  Outcome outcome;
+  outcome.exit_code = result.n_impacts == 0 ? kNotUsable : kDone;
+  if (result.n_impacts == 0) outcome.error = "no drop had an impact; see --plate-size, --min-speed and --max-time";
+  outcome.result = summary_of(result, config.ball);
+  outcome.text = text_of(options, config, result);
+  outcome.warnings = result.warnings;
+  return outcome;
+}
+
+}  // namespace bouncelab::stages

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/synthesize.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/impacts.hpp"
+#include "bouncelab/core/text.hpp"
+#include "bouncelab/synthesis/synthesize.hpp"
+#include "bouncelab/synthesis/synthetic_recording.hpp"
+#include "stages/files/provenance.hpp"
+#include "stages/files/table_file.hpp"
+#include "stages/progress_line.hpp"
+
+namespace bouncelab::stages {
+namespace {
+
+/// Whole drops from a file: rows are read in pieces that begin with a drop.
+class FileDrops {
+ public:
+  explicit FileDrops(const std::filesystem::path& path)
+      : name_(input_name(path)), reader_(open_table(path, impact_columns())) {}
+
+  bool next(Impacts& drop) {
+    while (!at_end_ && (first_ == rows_.rows.size() || rows_.rows[first_].drop == rows_.rows.back().drop)) read_more();
+    if (first_ == rows_.rows.size()) return false;
+    std::size_t last = first_;
+    while (last < rows_.rows.size() && rows_.rows[last].drop == rows_.rows[first_].drop) ++last;
+    drop = stretch(first_, last);
+    first_ = last;
+    return true;
+  }
+
+ private:
+  Impacts stretch(std::size_t first, std::size_t last) const {
+    const auto part = [&](const auto& values) {
+      return std::decay_t<decltype(values)>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                            values.begin() + static_cast<std::ptrdiff_t>(last));
+    };
+    return {part(rows_.rows), rows_.states.empty() ? std::vector<ImpactState>{} : part(rows_.states)};
+  }
+  /// Appends a piece to what is left of the one before.
+  void read_more() {
+    const Table table = reader_->next(kPiece_rows);
+    at_end_ = table.n_rows() < kPiece_rows;
+    if (table.n_rows() == 0) return;
+    const Impact* before = rows_.rows.empty() ? nullptr : &rows_.rows.back();
+    const Impacts more = impacts_from_table(table, name_, before);
+    if (before && more.states.empty() != rows_.states.empty())
+      throw FileError(name_, table.place_of(0) + ": positions, velocities and spins must be in all rows or in none");
+    if (first_ > 0) rows_ = stretch(first_, rows_.rows.size());
+    first_ = 0;
+    rows_.rows.insert(rows_.rows.end(), more.rows.begin(), more.rows.end());
+    rows_.states.insert(rows_.states.end(), more.states.begin(), more.states.end());
+  }
+
+  std::string name_;
+  std::unique_ptr<TableReader> reader_;
+  Impacts rows_;
+  std::size_t first_ = 0;
+  bool at_end_ = false;
+};
+
+/// The drops of an impacts table, read in pieces as they are asked for.
+/// @throws FileError, while drops are taken
+synthesis::DropSource impact_file(const std::filesystem::path& path) {
+  return [path, drops = std::shared_ptr<FileDrops>()](std::int64_t k, Impacts& drop) mutable {
+    if (k == 0) drops = std::make_shared<FileDrops>(path);
+    return drops->next(drop);
+  };
+}
+
+std::filesystem::path beside(const std::filesystem::path& out, const std::string& ending) {
+  return out.parent_path() / (out.stem().string() + ending);
+}
+
+/// What else sounds in a recording: beside it, or beside the truth where nothing can lie beside the recording.
+std::filesystem::path others_path(const std::filesystem::path& recording, const std::filesystem::path& truth) {
+  return beside(is_stream(recording) ? truth : recording, ".others.csv");
+}
+
+/// Writes the truth of all recordings, and beside each recording provenance and what else sounds in it.
+class TruthFiles {
+ public:
+  TruthFiles(const Run& run, const std::filesystem::path& truth, const std::filesystem::path& impacts)
+      : run_(run), inputs_{impacts}, provenance_(provenance(run, inputs_)), truth_path_(truth), truth_(run, truth) {}
+
+  void add(const synthesis::DropTruth& drop) {
+    if (recording_ != drop.recording) {
+      finish_recording();
+      recording_ = drop.recording;
+    }
+    truth_.add(synthesis::truth_table(drop.impacts, drop.recording.string()));
+    if (drop.others.empty()) return;
+    if (!others_) others_ = std::make_unique<TableWriter>(run_, others_path(recording_, truth_path_));
+    others_->add(synthesis::others_table(drop.others));
+  }
+  void finish() {
+    finish_recording();
+    truth_.finish(inputs_);
+  }
+
+ private:
+  void finish_recording() {
+    if (recording_.empty()) return;
+    write_provenance(recording_, provenance_);
+    if (others_) others_->finish(inputs_);
+    others_.reset();
+  }
+
+  const Run& run_;
+  std::vector<std::filesystem::path> inputs_;
+  std::string provenance_;
+  std::filesystem::path truth_path_;
+  TableWriter truth_;
+  std::filesystem::path recording_;
+  std::unique_ptr<TableWriter> others_;
+};
+
+[[noreturn]] void refuse(const synthesis::OffThePlate& error) {
+  throw InvalidArgument(std::string(error.what()) + ": simulate --plate-size X,Y, or --positions drawn here");
+}
+
+synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
+                                      TruthFiles& truth, const Run& run) {
+  try {
+    return synthesis::synthesize(
+        impact_file(options.impacts), config, options.out, run.common.force,
+        [&](const synthesis::DropTruth& drop) { truth.add(drop); }, progress_line(run, "synthesize", "s of sound"));
+  } catch (const synthesis::OffThePlate& error) {
+    refuse(error);
+  }
+}
+
+/// One recording for each drop.
+synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
+                                     TruthFiles& truth, const Run& run) {
+  try {
+    return synthesis::synthesize_each_drop(
+        impact_file(options.impacts), config, options.out, run.common.force,
+        [&](const synthesis::DropTruth& drop) { truth.add(drop); }, progress_line(run, "synthesize", "impacts"));
+  } catch (const synthesis::OffThePlate& error) {
+    refuse(error);
+  }
+}
+
+}  // namespace
+
+Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
+  const synthesis::SynthesisConfig config = synthesis_config(options, run.common.seed, run.common.n_threads);
+  const std::filesystem::path out = options.out;
+  if (is_stream(out) && options.truth.empty())
+    throw InvalidArgument("--out " + printable(options.out) + ": no truth can lie beside it; name one with --truth");
+  const std::filesystem::path truth =
+      options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
+  check_files(
+      run, {options.impacts},
+      options.each_drop ? std::vector<std::filesystem::path>{truth} : std::vector<std::filesystem::path>{out, truth},
+      {others_path(out, truth)});
+  TruthFiles files(run, truth, options.impacts);
+  const synthesis::SynthesisResult result =
+      options.each_drop ? each_drop(options, config, files, run) : make_sound(options, config, files, run);
+  files.finish();
+
+  Outcome outcome;
+  outcome.warnings = result.warnings;
+  outcome.result = object_of(members_of(&result), &result);
+  outcome.result.emplace_back("ball", value_of(config.ball));
+  outcome.result.emplace_back("plate", value_of(contact_material(config.ground)));
+  outcome.text =
+      fmt::format("{:.1f} s of sound with {} impacts in {}, truth in {}\nball: {} on {}\n", result.duration_s,
+                  result.n_impacts, options.each_drop ? std::to_string(result.n_files) + " files" : out.string(),
+                  truth.string(), bouncelab::describe(config.ball), plate_text(contact_material(config.ground)));
+  return outcome;
+}
+
+}  // namespace bouncelab::stages

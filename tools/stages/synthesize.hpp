@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stage_options/synthesize_options.hpp"
+#include "stages/ball_of_files.hpp"
+#include "stages/run.hpp"
+
+namespace bouncelab::stages {
+
+/// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
+Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);
+
+}  // namespace bouncelab::stages
