@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "bouncelab/core/error.hpp"
-#include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/loop/loop_score.hpp"
 #include "bouncelab/sim/sim.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"

@@ -49,7 +49,7 @@ class RiffFile {
       if (chunk->length > static_cast<std::uint64_t>(bytes_.size() - chunk->begin))
         throw FileError(name_, "the chunk '" + chunk->name + "' is longer than the file; was the recording cut off?");
       at = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
-      chunks_.push_back(*std::move(chunk));
+      chunks_.push_back(*chunk);
     }
     bytes_.check(name_);
   }
