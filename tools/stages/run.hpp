@@ -85,7 +85,3 @@ struct Stage {
 };
 
 }  // namespace bouncelab::stages
-
-namespace bouncelab::cli {
-using namespace stages;  // the command line adds names of its own to these
-}

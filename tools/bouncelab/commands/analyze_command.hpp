@@ -13,6 +13,8 @@
 
 namespace bouncelab::cli {
 
+using namespace stages;
+
 struct AnalyzeOptions {
   std::string out;
   DetectOptions detect;

@@ -8,6 +8,8 @@
 
 namespace bouncelab::cli {
 
+using namespace stages;
+
 struct CompareOptions {
   std::vector<std::string> samples;  ///< files
   std::string out;                   ///< folder

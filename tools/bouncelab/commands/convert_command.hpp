@@ -8,6 +8,8 @@
 
 namespace bouncelab::cli {
 
+using namespace stages;
+
 struct ConvertOptions {
   std::string input;
   std::vector<std::string> outputs;

@@ -17,6 +17,8 @@ struct LoopOptions;
 
 namespace bouncelab::cli {
 
+using namespace stages;
+
 struct Command {
   std::string name, summary, example;
   std::vector<Section> sections;  ///< their objects live as long as `run`

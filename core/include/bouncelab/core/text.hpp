@@ -52,6 +52,8 @@ std::string formatted(const char* format, Values... values) {
 /// @return empty where more than a third of the longer word would have to change
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& names);
 
+// Parts of C++20 that the library of one compiler in use lacks, Emscripten 3.1 (LLVM 13 to 14) for the page: the
+// standard's where it has them, else the same here. Texts of real numbers there are by fast_float and fmt.
 using std::from_chars;
 using std::to_chars;
 
