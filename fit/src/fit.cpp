@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/fit.hpp"
 
+#include <cmath>
+
+#include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
+#include "law/averaged_curve.hpp"
 #include "law/law_data.hpp"
+#include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -41,6 +46,71 @@ bool drops_are_long(const RestitutionSamples& samples) {
   return n_drops >= kFewestDrops && samples.size() >= kFewestImpactsADrop * n_drops;
 }
 
+/// Adds an independent error to an estimate.
+void widen(Estimate& e, double se) {
+  if (!(se > 0.0)) return;
+  constexpr double k95 = 1.959963984540054;
+  const auto wider = [&](std::optional<Interval>& interval, double reach) {
+    if (!interval) return;
+    interval->lo = e.value - hypot(e.value - interval->lo, reach * se);
+    interval->hi = e.value + hypot(interval->hi - e.value, reach * se);
+  };
+  wider(e.ci68, 1.0);
+  wider(e.ci95, k95);
+  if (e.se) *e.se = hypot(*e.se, se);
+  if (e.se_independent) *e.se_independent = hypot(*e.se_independent, se);
+}
+
+/// What drag and contact time leave open of a law: by fits with each a standard deviation to either side.
+class OpenByDragAndContact {
+ public:
+  OpenByDragAndContact(const RestitutionSamples& raw, const AirAndContact& known, const DeviationEstimate& estimate,
+                       LawFitConfig config) {
+    config.intervals = IntervalMethod::covariance;
+    config.n_goodness = config.n_bootstrap = 0;
+    config.compare_laws = false;
+    const auto add = [&](Deviation sd) {
+      const auto& m = estimate.mean;
+      const auto moved = [&](double side) {
+        return fit_law(at_the_plate(raw, known, {m.ln_kappa + side * sd.ln_kappa, m.ln_tau + side * sd.ln_tau}), config);
+      };
+      sides_.push_back({moved(-1.0), moved(1.0)});
+    };
+    if (known.has_drag) add({estimate.sd.ln_kappa, 0.0});
+    if (known.has_contact) add({0.0, estimate.sd.ln_tau});
+  }
+  void widen_law(LawFit& law) const {
+    for (std::size_t k = 0; k < law.nodes.size(); ++k)
+      widen(law.nodes[k].eps, open([&](const LawFit& f) { return k < f.nodes.size() ? f.nodes[k].eps.value : NAN; }));
+    for (std::size_t k = 0; k < law.parameters.size(); ++k)
+      widen(law.parameters[k].estimate,
+            open([&](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; }));
+    if (!law.law) return;
+    for (CurvePoint& point : law.curve) {
+      Estimate e{point.y, point.se, {}, {}, point.band95};
+      widen(e, open([&](const LawFit& f) { return f.law ? restitution(*f.law, point.x) : NAN; }));
+      point.se = e.se;
+      point.band95 = e.ci95;
+    }
+  }
+  void widen_nodes(std::vector<NodeEstimate>& nodes) const {
+    for (NodeEstimate& node : nodes)
+      widen(node.eps, open([&](const LawFit& f) { return f.law ? restitution(*f.law, node.v_mps) : NAN; }));
+  }
+
+ private:
+  template <class Of>
+  double open(Of of) const {
+    double squares = 0.0;
+    for (const auto& [below, above] : sides_) {
+      const double half = 0.5 * (of(above) - of(below));
+      if (std::isfinite(half)) squares += half * half;
+    }
+    return std::sqrt(squares);
+  }
+  std::vector<std::pair<LawFit, LawFit>> sides_;
+};
+
 FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfig& config,
                                const ProgressCallback& progress) {
   const double n_steps = config.memory == UseMemory::never ? 6.0 : 7.0;
@@ -52,9 +122,21 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   FitResult result;
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
-  const RestitutionSamples& used = *part;
-  step();
+  const AirAndContact known = air_and_contact_of(*part);
   LawFitConfig main = config.law;
+  DeviationEstimate deviation;
+  if (known.is_open() || part->size() < kVeryMany) {
+    LawFitConfig first = main;
+    first.intervals = IntervalMethod::covariance;
+    const LawFit at_first = fit_law(at_the_plate(*part, known, {}), first);
+    for (const NodeEstimate& node : at_first.nodes)
+      if (config.law.node_speeds_mps.empty()) main.node_speeds_mps.push_back(node.v_mps);
+    result.averaged =
+        averaged_curve(*PartOfSamples(*part, at_first.outliers), known, config.law, main.node_speeds_mps, deviation);
+  }
+  const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation.mean) : RestitutionSamples{};
+  const RestitutionSamples& used = known.is_open() ? moved : *part;
+  step();
   main.n_goodness = config.n_goodness;
   main.compare_laws = true;
   const OrderedSamples ordered = ordered_by_speed(used);
@@ -81,7 +163,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
-  result.budget = error_budget(kept, result.law, budget_config_of(samples, config.budget));
+  result.budget = error_budget(kept, result.law, budget_config_of(used, config.budget));
   step();
   // with the outliers of the pooled law: they may be all of one recording
   if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);
@@ -91,6 +173,15 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
     const bool remembers = result.memory && result.memory->holds;
     result.dem_export =
         dem_export(result.law, v_mps, remembers ? std::optional(result.memory->roughness.q.value) : std::nullopt);
+  }
+  if (known.is_open()) {
+    const PartOfSamples raw(*part, result.law.outliers);
+    LawFitConfig same = main;
+    same.node_speeds_mps.clear();
+    for (const NodeEstimate& node : result.law.nodes) same.node_speeds_mps.push_back(node.v_mps);
+    const OpenByDragAndContact open(*raw, known, deviation, same);
+    open.widen_law(result.law);
+    if (result.memory) open.widen_nodes(result.memory->nodes);
   }
   result.status = result.law.status;
   result.n_used = result.law.n;

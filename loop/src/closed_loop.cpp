@@ -182,6 +182,8 @@ fit::RestitutionConfig restitution_config_of(const sim::SimulationConfig& simula
   fit::RestitutionConfig config;
   config.gravity_mps2 = simulation.gravity_mps2;
   config.ball = simulation.ball;
+  config.air_kgpm3 = simulation.air ? simulation.air->density_kgpm3 : 0.0;
+  config.instant_contacts = true;
   return config;
 }
 

@@ -10,10 +10,9 @@ const Description& members_of(const RestitutionOptions*) {
           "gravity", [](auto& o) -> auto& { return o.config.gravity_mps2; }, "Gravity [m/s^2]")
           .within(1e-3, 1e3),
       member<O>(
-          "correct_drag", [](auto& o) -> auto& { return o.config.correct_drag; }, "Correct for air drag; needs --ball"),
-      member<O>(
-          "correct_contact_time", [](auto& o) -> auto& { return o.config.correct_contact_time; },
-          "Correct each interval for the time of contact; needs --ball and --plate"),
+          "air", [](auto& o) -> auto& { return o.config.air_kgpm3; },
+          "Density of the air [kg/m^3]; 0 = none, and contacts take no time: for simulations")
+          .within(0.0, 1e3),
       member<O>(
           "drop_height", [](auto& o) -> auto& { return o.config.drop_height_m; },
           "Height of the ball's lowest point at release [m], 0 = not known; the first impact counts then")
@@ -31,6 +30,7 @@ const Description& members_of(const RestitutionOptions*) {
 
 fit::RestitutionConfig with_ball(const RestitutionOptions& options) {
   fit::RestitutionConfig config = options.config;
+  if (config.air_kgpm3 == 0.0) config.instant_contacts = true;
   if (const std::optional<Ball> ball = ball_of(options.world)) config.ball = ball;
   if (const std::optional<Material> plate = plate_of(options.world)) config.plate = plate;
   return config;

@@ -25,10 +25,6 @@ std::string describe(const fit::RestitutionCounts& counts) {
   std::string line =
       fmt::format("{} coefficient{} of restitution from {} of {}", counts.n_samples, counts.n_samples == 1 ? "" : "s",
                   counted(counts.n_onsets, "onset"), counted(counts.n_drops, "drop"));
-  if (counts.mean_shift_drag)
-    line += fmt::format("; corrected for drag, eps {:+.2g} in the mean", *counts.mean_shift_drag);
-  if (counts.mean_shift_contact_time)
-    line += fmt::format("; corrected for contact time, eps {:+.2g} in the mean", *counts.mean_shift_contact_time);
   if (counts.rms_shift_travel_time)
     line += fmt::format("; corrected for travel time, eps by {:.2g} rms", *counts.rms_shift_travel_time);
   for (const auto& [reason, n] : counts.breaks)

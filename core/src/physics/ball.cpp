@@ -27,6 +27,47 @@ double shell_inertia_factor(double mean_density_kgpm3, double shell_density_kgpm
 
 double no_slip_factor(double inertia_factor) { return 1.0 / (1.0 + inertia_factor); }
 
+double drag_rate_per_s(const Ball& ball, const Air& air, double v_mps) {
+  const double reynolds = 2.0 * ball.radius_m * v_mps * air.density_kgpm3 / air.viscosity_pas;
+  const double stokes_per_s = 4.5 * air.viscosity_pas / (ball.material.density_kgpm3 * square(ball.radius_m));
+  // C_d Re / 24
+  return stokes_per_s * (1.0 + 0.15 * pow(reynolds, 0.681) + 0.407 / 24.0 * square(reynolds) / (reynolds + 8710.0));
+}
+
+double drag_per_m(const Ball& ball, const Air& air, double v_mps) { return drag_rate_per_s(ball, air, v_mps) / v_mps; }
+
+Flight flight_with_drag(double duration_s, double gravity_mps2, double kappa_per_m) {
+  const double free_mps = 0.5 * gravity_mps2 * duration_s;
+  if (!(kappa_per_m > 0.0)) return {free_mps, free_mps};
+  const double limit_mps = std::sqrt(gravity_mps2 / kappa_per_m);
+  const double wanted = 2.0 * free_mps / limit_mps;
+  // Newton's steps upwards from below: atan x + asinh x, which is concave, is at most 2 x
+  double x = 0.5 * wanted;
+  for (int i = 0; i < 50; ++i) {
+    const double step = (wanted - std::atan(x) - std::asinh(x)) / (1.0 / (1.0 + x * x) + 1.0 / std::sqrt(1.0 + x * x));
+    x += step;
+    if (std::abs(step) < 1e-15 * x) break;
+  }
+  return {limit_mps * x, limit_mps * x / std::sqrt(1.0 + x * x)};
+}
+
+double fall_with_drag_mps(double height_m, double gravity_mps2, double kappa_per_m) {
+  if (!(kappa_per_m > 0.0)) return std::sqrt(2.0 * gravity_mps2 * height_m);
+  return std::sqrt(-gravity_mps2 / kappa_per_m * std::expm1(-2.0 * kappa_per_m * height_m));
+}
+
+std::optional<ContactDuration> contact_duration(const Ball& ball, const std::optional<Material>& plate) {
+  if (ball.contact_time_s) return ContactDuration{*ball.contact_time_s, 0.0, 0.1};
+  if (ball.material.hertzian) {
+    if (!plate || !plate->hertzian) return std::nullopt;
+    return ContactDuration{hertz_contact_time_s(ball, *plate, 1.0)};
+  }
+  for (const BallKind& kind : ball_kinds())
+    if (kind.contact && kind.material == ball.material && (!kind.diameter_m || 0.5 * *kind.diameter_m == ball.radius_m))
+      return kind.contact;
+  return std::nullopt;
+}
+
 std::optional<double> contact_time_s(const Ball& ball, const Material& plate, double v_mps) {
   if (ball.contact_time_s) return ball.contact_time_s;
   if (!ball.material.hertzian || !plate.hertzian) return std::nullopt;

@@ -36,6 +36,17 @@ BallKind layered(const std::string& name, const std::string& what, double diamet
   return {name, what, not_hertzian(mean_density_kgpm3(diameter_m, mass_kg)), diameter_m, kSolidBallInertia, source};
 }
 
+/// How long it touches the floor, where Hertz's theory does not say it.
+BallKind touching(BallKind kind, const ContactDuration& contact, const std::string& source) {
+  kind.contact = contact;
+  kind.contact_source = source;
+  return kind;
+}
+
+// The middle of what is published; `spread` covers the range that is: balls, floors and pressures differ.
+const char* const kCross = "Cross, Am. J. Phys. 67, 222 (1999), doi:10.1119/1.19229, and the range of other measurements";
+const char* const kRange = "the range of published measurements; floors and pressures differ";
+
 /// @param shell_density_kgpm3  of the wall, for the moment of inertia: that of a homogeneous shell
 BallKind hollow(const std::string& name, const std::string& what, double diameter_m, double mass_kg,
                 double shell_density_kgpm3, const std::string& source) {
@@ -48,24 +59,33 @@ BallKind hollow(const std::string& name, const std::string& what, double diamete
 
 const std::vector<BallKind>& ball_kinds() {
   static const std::vector<BallKind> kinds{
-      hollow("table-tennis", "hollow, plastic", 0.040, 2.7e-3, 1200.0,
-             "ITTF, The Laws of Table Tennis, 2.3: 40 mm, 2.7 g; wall of 1200 kg/m^3 assumed"),
-      hollow("tennis", "hollow, rubber and felt", 0.067, 57.7e-3, 800.0,
-             "ITF, Rules of Tennis, appendix I, type 2: 6.54 to 6.86 cm, 56.0 to 59.4 g; wall of 800 kg/m^3, felt "
-             "included, assumed"),
-      hollow("basketball", "hollow, size 7", 0.242, 0.600, 1100.0,
-             "FIBA, Official Basketball Rules, equipment, size 7: circumference 75 to 77 cm, 580 to 620 g; wall of "
-             "1100 kg/m^3 assumed"),
-      hollow("football", "hollow, size 5", 0.220, 0.430, 1100.0,
-             "IFAB, Laws of the Game, law 2: circumference 68 to 70 cm, 410 to 450 g; wall of 1100 kg/m^3 assumed"),
-      hollow("volleyball", "hollow", 0.210, 0.270, 1100.0,
-             "FIVB, Official Volleyball Rules, 3.1: circumference 65 to 67 cm, 260 to 280 g; wall of 1100 kg/m^3 "
-             "assumed"),
-      hollow("squash", "hollow, rubber", 0.040, 24.0e-3, 1150.0,
-             "World Squash, Specification for squash balls: 39.5 to 40.5 mm, 23 to 25 g; wall of 1150 kg/m^3 assumed"),
-      layered("golf", "core and cover", 0.04267, 45.93e-3,
-              "The R&A and USGA, Equipment Rules, part 4: at least 42.67 mm, at most 45.93 g; J of a homogeneous "
-              "sphere assumed"),
+      touching(hollow("table-tennis", "hollow, plastic", 0.040, 2.7e-3, 1200.0,
+                      "ITTF, The Laws of Table Tennis, 2.3: 40 mm, 2.7 g; wall of 1200 kg/m^3 assumed"),
+               {0.8e-3, 0.0, 0.25}, kRange),
+      touching(hollow("tennis", "hollow, rubber and felt", 0.067, 57.7e-3, 800.0,
+                      "ITF, Rules of Tennis, appendix I, type 2: 6.54 to 6.86 cm, 56.0 to 59.4 g; wall of 800 kg/m^3, "
+                      "felt included, assumed"),
+               {5e-3, -0.1, 0.2}, kCross),
+      touching(hollow("basketball", "hollow, size 7", 0.242, 0.600, 1100.0,
+                      "FIBA, Official Basketball Rules, equipment, size 7: circumference 75 to 77 cm, 580 to 620 g; "
+                      "wall of 1100 kg/m^3 assumed"),
+               {14e-3, 0.0, 0.3}, kRange),
+      touching(hollow("football", "hollow, size 5", 0.220, 0.430, 1100.0,
+                      "IFAB, Laws of the Game, law 2: circumference 68 to 70 cm, 410 to 450 g; wall of 1100 kg/m^3 "
+                      "assumed"),
+               {9e-3, 0.0, 0.2}, kRange),
+      touching(hollow("volleyball", "hollow", 0.210, 0.270, 1100.0,
+                      "FIVB, Official Volleyball Rules, 3.1: circumference 65 to 67 cm, 260 to 280 g; wall of 1100 "
+                      "kg/m^3 assumed"),
+               {11e-3, 0.0, 0.3}, kRange),
+      touching(hollow("squash", "hollow, rubber", 0.040, 24.0e-3, 1150.0,
+                      "World Squash, Specification for squash balls: 39.5 to 40.5 mm, 23 to 25 g; wall of 1150 kg/m^3 "
+                      "assumed"),
+               {3e-3, 0.0, 0.25}, kRange),
+      touching(layered("golf", "core and cover", 0.04267, 45.93e-3,
+                       "The R&A and USGA, Equipment Rules, part 4: at least 42.67 mm, at most 45.93 g; J of a "
+                       "homogeneous sphere assumed"),
+               {0.5e-3, -0.2, 0.25}, kCross),
       layered("billiard", "phenolic resin", 0.05715, 0.163,
               "WPA, Equipment specifications, 16: 2.25 in, 156 to 170 g; J of a homogeneous sphere"),
       solid("steel", "bearing steel, as the paper's ball", kSteel, kPaper),
@@ -78,8 +98,9 @@ const std::vector<BallKind>& ball_kinds() {
       solid("acrylic", "PMMA", {3.0e9, 0.39, 1190.0}, kAshby),
       solid("nylon", "polyamide", {2.9e9, 0.35, 1130.0}, kAshby),
       solid("rubber", "natural rubber, unfilled", not_hertzian(930.0), kAshby),
-      solid("superball", "polybutadiene, filled", not_hertzian(1100.0),
-            "density assumed: weigh the ball and add mass=; composition: Stingley, US patent 3241834 (1966)"),
+      touching(solid("superball", "polybutadiene, filled", not_hertzian(1100.0),
+                     "density assumed: weigh the ball and add mass=; composition: Stingley, US patent 3241834 (1966)"),
+               {3e-3, -0.1, 0.4}, kCross),
   };
   return kinds;
 }

@@ -69,7 +69,8 @@ RowColumn<RestitutionSample> described(const std::string& name, std::optional<Th
 RowColumn<RestitutionSample> corrected_column() {
   RowColumn<RestitutionSample> made{
       {"corrected", ColumnType::text, false},
-      "What was taken out of the intervals: `drag`, `contact_time`, `travel_time`, joined by `\\|`; empty: nothing",
+      "What is not in the intervals, because it was taken out or there was none: `drag`, `contact_time`, `travel_time`, "
+      "joined by `\\|`; of the others the fit takes account",
       {}};
   made.write = [](std::span<const RestitutionSample> rows) {
     std::vector<std::string> cells;
@@ -116,7 +117,7 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
       column("drop", &S::drop, "Drop within the recording", kIndexRange),
       column("impact", &S::impact, "The impact at the end of the first of the two intervals", kIndexRange),
       column("t_s", &S::t_s, "Its time", {kTimeRange_s.least, kTimeRange_s.greatest}),
-      column("v_mps", &S::v_mps, "Normal impact speed, g T / 2 (corrected where asked for)").required(),
+      column("v_mps", &S::v_mps, "Normal impact speed, g T / 2; of impact 0 that of a fall from the height given").required(),
       column("eps", &S::eps, "Coefficient of restitution; may exceed 1, never clamped").required(),
       column("sigma_v_mps", &S::sigma_v_mps, "Standard error of `v_mps` from timing alone", kSigma),
       column("sigma_eps", &S::sigma_eps,
@@ -128,12 +129,16 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
              "of these excludes a sample too; the fit warns of it"),
       corrected_column(),
       described<Ball>("ball", &SampleConditions::ball, to_text, ball_from_text,
-                      "[Description](#balls-and-plates) of what was corrected for, where that was named; for the fit's "
-                      "error budget where nothing was"),
+                      "[Description](#balls-and-plates), where it was named: for its drag and contact time"),
       described<Material>("plate", &SampleConditions::plate, plate_text, plate_from_text, "Likewise"),
       column<S>(
           "gravity_mps2", [](auto& s) -> auto& { return s.conditions.gravity_mps2; }, "Of the speeds",
           positive_up_to(1e4)),
+      column<S>(
+          "air_kgpm3", [](auto& s) -> auto& { return s.conditions.air_kgpm3; }, "Density of the air", Range{0.0, 1e3}),
+      column<S>(
+          "contact_s", [](auto& s) -> auto& { return s.conditions.contact_s; },
+          "Contact time at 1 m/s that the sound suggests; empty: not known", Range{0.0, 1.0}),
       column<S>(
           "wave_speed_mps", [](auto& s) -> auto& { return s.conditions.wave_speed_mps; },
           "Of the sound from impact to sensor", positive_up_to(1e6))};

@@ -10,7 +10,6 @@
 #include "bouncelab/core/numerics.hpp"
 #include "law/law_data.hpp"
 #include "numerics/distributions.hpp"
-#include "restitution/flight_correction.hpp"
 
 namespace bouncelab::fit {
 
@@ -120,8 +119,9 @@ std::optional<TimingNoise> timing_noise(const RestitutionSamples& samples, const
 std::optional<double> shift_by_drag(double v_mps, double eps, const BudgetConfig& config) {
   if (!config.ball) return std::nullopt;
   const double before_s = 2.0 * v_mps / config.gravity_mps2;
-  const Flight before = flight_with_drag(*config.ball, config.air, before_s, config.gravity_mps2);
-  const Flight after = flight_with_drag(*config.ball, config.air, eps * before_s, config.gravity_mps2);
+  const double g = config.gravity_mps2;
+  const Flight before = flight_with_drag(before_s, g, drag_per_m(*config.ball, config.air, v_mps));
+  const Flight after = flight_with_drag(eps * before_s, g, drag_per_m(*config.ball, config.air, eps * v_mps));
   return eps - after.launch_mps / before.landing_mps;
 }
 

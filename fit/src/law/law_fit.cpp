@@ -118,6 +118,8 @@ const char* to_string(LawKind kind) {
       return "viscoelastic";
     case LawKind::constant:
       return "constant";
+    case LawKind::slope:
+      return "slope";
   }
   return "unknown";
 }

@@ -78,12 +78,14 @@ std::pair<double, double> viscoelastic_and_slope(double x) {
 }
 
 Eigen::Index LawModel::n_parameters() const {
+  if (kind == LawKind::slope) return 2;
   return kind == LawKind::series ? static_cast<Eigen::Index>(orders.size()) : 1;
 }
 
 std::vector<std::string> LawModel::names() const {
   if (kind == LawKind::viscoelastic) return {"gamma"};
   if (kind == LawKind::constant) return {"eps"};
+  if (kind == LawKind::slope) return {"eps", "slope"};
   std::vector<std::string> result;
   for (const int order : orders) result.push_back("A" + std::to_string(order));
   return result;
@@ -93,6 +95,13 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::MatrixXd::Ones(n, 1);
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), a_of_q);
+  if (kind == LawKind::slope) {
+    Eigen::MatrixXd rows(n, 2);
+    const double first = log(node_v_mps[0]), width = log(node_v_mps[1] / node_v_mps[0]);
+    for (Eigen::Index k = 0; k < n; ++k) rows(k, 1) = (log(v_mps[static_cast<std::size_t>(k)]) - first) / width;
+    rows.col(0) = 1.0 - rows.col(1).array();
+    return rows;
+  }
   Eigen::MatrixXd rows(n, 1);
   for (Eigen::Index k = 0; k < n; ++k)
     rows(k, 0) = viscoelastic_and_slope(exp(0.5 * q[0]) * pow(v_mps[static_cast<std::size_t>(k)], 0.1)).second;
@@ -103,6 +112,7 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), reported(q)).array() + 1.0;
+  if (kind == LawKind::slope) return product(jacobian(v_mps, q), q);
   const double root = exp(0.5 * q[0]);
   const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
   return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), n).unaryExpr([&](double x) {
@@ -119,12 +129,13 @@ Eigen::VectorXd LawModel::reported(const Eigen::VectorXd& q) const {
 Eigen::MatrixXd LawModel::reported_jacobian(const Eigen::VectorXd& q) const {
   if (kind == LawKind::series) return a_of_q;
   if (kind == LawKind::viscoelastic) return Eigen::MatrixXd::Constant(1, 1, exp(q[0]));
-  return Eigen::MatrixXd::Ones(1, 1);
+  return Eigen::MatrixXd::Identity(q.size(), q.size());
 }
 
 RestitutionLaw LawModel::law(const Eigen::VectorXd& q) const {
   if (kind == LawKind::viscoelastic) return ViscoelasticLaw{exp(q[0])};
   if (kind == LawKind::constant) return ConstantLaw{q[0]};
+  if (kind == LawKind::slope) return TableLaw{node_v_mps, {q[0], q[1]}};  // between its nodes, which the fit knows
   SeriesLaw series;
   series.a.assign(static_cast<std::size_t>(*std::max_element(orders.begin(), orders.end())) + 1, 0.0);
   const Eigen::VectorXd a = reported(q);
@@ -149,6 +160,7 @@ std::vector<double> spread_speeds(std::span<const double> v_mps, std::size_t n) 
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps) {
   LawModel model;
   model.kind = kind;
+  if (kind == LawKind::slope) model.node_v_mps = spread_speeds(v_mps, 2);
   if (kind != LawKind::series) return model;
   check_orders(orders);
   model.orders = orders;

@@ -18,6 +18,7 @@ namespace bouncelab::fit {
 ///   series        q_j = eps at the j-th node speed; A is linear in q
 ///   viscoelastic  q = log gamma
 ///   constant      q = eps
+///   slope         q_j = eps at either end of the speeds
 struct LawModel {
   LawKind kind = LawKind::series;
   std::vector<int> orders;

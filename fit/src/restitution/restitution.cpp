@@ -11,7 +11,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/numerics.hpp"
-#include "restitution/flight_correction.hpp"
+#include "restitution/air_and_contact.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -35,36 +35,6 @@ std::optional<double> sigma_of_v(const Onset& before, const Onset& here, double 
   return 0.5 * gravity_mps2 * hypot(*before.sigma_t_s, *here.sigma_t_s);
 }
 
-/// What is taken out of an interval.
-struct Corrections {
-  bool drag = false, contact_time = false;
-};
-
-/// Speeds at the two ends of the flight within an interval.
-Flight flight_of(double interval_s, const RestitutionConfig& config, Corrections corrections) {
-  const double g = config.gravity_mps2;
-  double duration_s = interval_s;
-  // the ball came down about as fast as it went up: the contact time goes as v^(-1/5)
-  if (corrections.contact_time)
-    duration_s -= contact_time_s(*config.ball, config.plate.value_or(Material{}), 0.5 * g * interval_s).value();
-  if (corrections.drag && duration_s > 0.0) return flight_with_drag(*config.ball, config.air, duration_s, g);
-  return {0.5 * g * duration_s, 0.5 * g * duration_s};
-}
-
-/// eps at the impact between two intervals and the speed before it.
-struct Rebound {
-  double v_mps, eps;
-};
-Rebound rebound(double before_s, double after_s, const RestitutionConfig& config, Corrections corrections) {
-  const double landing_mps = flight_of(before_s, config, corrections).landing_mps;
-  return {landing_mps, flight_of(after_s, config, corrections).launch_mps / landing_mps};
-}
-
-/// Sums of what each correction does alone.
-struct Shifts {
-  double drag = 0.0, contact = 0.0;
-};
-
 RestitutionSample sample_of(const Onset& here) {
   RestitutionSample sample;
   sample.recording = here.recording;
@@ -74,17 +44,12 @@ RestitutionSample sample_of(const Onset& here) {
   return sample;
 }
 
-RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const RestitutionConfig& config,
-                            Shifts& shifts) {
+RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const RestitutionConfig& config) {
   const Onset &before = piece[k - 1], &here = piece[k], &after = piece[k + 1];
   const double before_s = here.t_s - before.t_s, after_s = after.t_s - here.t_s;
   RestitutionSample sample = sample_of(here);
-  const Rebound corrected = rebound(before_s, after_s, config, {config.correct_drag, config.correct_contact_time});
-  sample.v_mps = corrected.v_mps;
-  sample.eps = corrected.eps;
-  if (config.correct_drag) shifts.drag += rebound(before_s, after_s, config, {.drag = true}).eps - after_s / before_s;
-  if (config.correct_contact_time)
-    shifts.contact += rebound(before_s, after_s, config, {.contact_time = true}).eps - after_s / before_s;
+  sample.v_mps = 0.5 * config.gravity_mps2 * before_s;
+  sample.eps = after_s / before_s;
   sample.sigma_v_mps = sigma_of_v(before, here, config.gravity_mps2);
   sample.sigma_eps = sigma_of_eps(before, here, after, sample.eps, before_s);
   return sample;
@@ -92,12 +57,11 @@ RestitutionSample sample_at(std::span<const Onset> piece, std::size_t k, const R
 
 /// The first impact of a drop from a known height.
 RestitutionSample first_sample(const Onset& here, const Onset& after, const RestitutionConfig& config) {
-  const double g = config.gravity_mps2, h = *config.drop_height_m;
+  const double g = config.gravity_mps2;
   RestitutionSample sample = sample_of(here);
-  sample.v_mps = config.correct_drag ? fall_with_drag_mps(*config.ball, config.air, h, g) : std::sqrt(2.0 * g * h);
+  sample.v_mps = std::sqrt(2.0 * g * *config.drop_height_m);
   const double interval_s = after.t_s - here.t_s;
-  sample.eps =
-      flight_of(interval_s, config, {config.correct_drag, config.correct_contact_time}).launch_mps / sample.v_mps;
+  sample.eps = 0.5 * g * interval_s / sample.v_mps;
   if (here.sigma_t_s && after.sigma_t_s)
     sample.sigma_eps = sample.eps * hypot(*here.sigma_t_s, *after.sigma_t_s) / interval_s;
   return sample;
@@ -135,14 +99,14 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& 
 
 /// Samples of one drop, in time order.
 RestitutionSamples samples_of_drop(std::span<const Onset> drop, const RestitutionConfig& config,
-                                   RestitutionCounts& counts, Shifts& shifts) {
+                                   RestitutionCounts& counts) {
   RestitutionSamples samples;
   std::size_t piece_begin = 0;
   const auto close_piece = [&](std::size_t end) {
     const auto piece = drop.subspan(piece_begin, end - piece_begin);
     if (config.drop_height_m && piece.size() >= 2 && piece[0].impact == 0)
       samples.push_back(first_sample(piece[0], piece[1], config));
-    for (std::size_t k = 1; k + 1 < piece.size(); ++k) samples.push_back(sample_at(piece, k, config, shifts));
+    for (std::size_t k = 1; k + 1 < piece.size(); ++k) samples.push_back(sample_at(piece, k, config));
   };
   for (std::size_t k = 0; k < drop.size(); ++k) {
     if (k > 0 && drop[k].t_s <= drop[k - 1].t_s)
@@ -172,8 +136,6 @@ std::optional<double> median_eps(const RestitutionSamples& samples) {
   return median(std::move(eps));
 }
 
-const char* const kNameTheBall = "--ball steel:6mm or --ball table-tennis (bouncelab balls lists them)";
-
 void check(const RestitutionConfig& config) {
   const auto positive = [](double value, const char* quantity) {
     if (!(value > 0.0) || !std::isfinite(value))
@@ -185,29 +147,21 @@ void check(const RestitutionConfig& config) {
     positive(config.ball->radius_m, "radius of the ball [m]");
     positive(config.ball->material.density_kgpm3, "density of the ball [kg/m^3]");
   }
-  if (config.correct_drag && !config.ball)
-    throw InvalidArgument("a correction for air drag needs the ball: " + std::string(kNameTheBall));
-  if (!config.correct_contact_time) return;
-  if (!config.ball)
-    throw InvalidArgument("a correction for the contact time needs the ball: " + std::string(kNameTheBall));
-  if (config.ball->contact_time_s) return;
-  if (!config.plate)
-    throw InvalidArgument(
-        "a correction for the contact time needs the plate: --plate glass (bouncelab balls lists them)");
-  if (!contact_time_s(*config.ball, *config.plate, 1.0))
-    throw InvalidArgument("the contact time of " + to_text(*config.ball) + " on " + plate_text(*config.plate) +
-                          " is not known: Hertz's theory does not hold for it; give one that was measured, --ball " +
-                          to_text(*config.ball) + ",contact-time=0.8ms");
+  if (!(config.air_kgpm3 >= 0.0) || !std::isfinite(config.air_kgpm3))
+    throw InvalidArgument("density of the air [kg/m^3] " + std::to_string(config.air_kgpm3) + ": must not be negative");
 }
 
 SampleConditions conditions_of(const RestitutionConfig& config) {
-  return {config.correct_drag,
-          config.correct_contact_time,
-          config.travel_time.has_value(),
-          config.gravity_mps2,
-          config.ball,
-          config.plate,
-          config.travel_time ? config.travel_time->wave_speed_mps : config.wave_speed_mps};
+  SampleConditions conditions;
+  conditions.drag_corrected = config.air_kgpm3 == 0.0;
+  conditions.contact_time_corrected = config.instant_contacts;
+  conditions.travel_time_corrected = config.travel_time.has_value();
+  conditions.gravity_mps2 = config.gravity_mps2;
+  conditions.ball = config.ball;
+  conditions.plate = config.plate;
+  conditions.air_kgpm3 = config.air_kgpm3;
+  conditions.wave_speed_mps = config.travel_time ? config.travel_time->wave_speed_mps : config.wave_speed_mps;
+  return conditions;
 }
 
 /// What the correction for travel times did to the samples of a drop: the sum of the squares.
@@ -243,30 +197,26 @@ RestitutionSamples RestitutionInPieces::finish() {
   RestitutionSamples samples;
   if (!drop_.empty()) end_drop(samples);
   const double n = std::max(1.0, static_cast<double>(counts_.n_samples));
-  if (config_.correct_drag) counts_.mean_shift_drag = drag_shifts_ / n;
-  if (config_.correct_contact_time) counts_.mean_shift_contact_time = contact_shifts_ / n;
   if (config_.travel_time) counts_.rms_shift_travel_time = std::sqrt(squared_travel_shifts_ / n);
   return samples;
 }
 
 void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   ++counts_.n_drops;
-  Shifts shifts{drag_shifts_, contact_shifts_};
   RestitutionSamples of_drop;
   if (config_.travel_time) {
-    of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, shifts);
+    of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_);
     RestitutionCounts not_counted;
-    Shifts not_summed;
-    const RestitutionSamples uncorrected = samples_of_drop(drop_, config_, not_counted, not_summed);
+    const RestitutionSamples uncorrected = samples_of_drop(drop_, config_, not_counted);
     squared_travel_shifts_ += squared_shifts(of_drop, uncorrected);
   } else {
-    of_drop = samples_of_drop(drop_, config_, counts_, shifts);
+    of_drop = samples_of_drop(drop_, config_, counts_);
   }
-  drag_shifts_ = shifts.drag;
-  contact_shifts_ = shifts.contact;
   counts_.n_samples += of_drop.size();
+  const auto heard = std::find_if(drop_.begin(), drop_.end(), [](const Onset& o) { return o.contact_s.has_value(); });
   for (RestitutionSample& s : of_drop) {
     s.conditions = conditions_;
+    if (heard != drop_.end()) s.conditions.contact_s = heard->contact_s;
     if (!s.flags.empty()) ++counts_.n_flagged;
   }
   std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));
@@ -281,6 +231,11 @@ Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& c
   result.counts = pieces.counts();
   result.counts.eps_median = median_eps(result.samples);
   return result;
+}
+
+RestitutionSamples at_the_plate(RestitutionSamples samples) {
+  const AirAndContact known = air_and_contact_of(samples);
+  return at_the_plate(std::move(samples), known, {});
 }
 
 Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {

@@ -44,10 +44,7 @@ Node between(const Node& p, const Node& q, double t) {
 }  // namespace
 
 Vector3 drag_acceleration_mps2(const Ball& ball, const Air& air, Vector3 velocity_mps) {
-  const double diameter_m = 2.0 * ball.radius_m;
-  const double reynolds = air.density_kgpm3 * norm(velocity_mps) * diameter_m / air.viscosity_pas;
-  const double stokes_per_s = 18.0 * air.viscosity_pas / (ball.material.density_kgpm3 * diameter_m * diameter_m);
-  return (-stokes_per_s * schiller_naumann_factor(reynolds)) * velocity_mps;
+  return -drag_rate_per_s(ball, air, norm(velocity_mps)) * velocity_mps;
 }
 
 DraggedPath::DraggedPath(const Ball& ball, const Air& air, const BallState& start, Vector3 gravity_mps2) {

@@ -175,9 +175,10 @@ Vamp::Plugin::FeatureSet RestitutionPlugin::features(const detection::Detection&
   fit::RestitutionConfig config;
   config.gravity_mps2 = gravity_mps2();
   config.ball = ball();
-  config.correct_drag = config.ball.has_value();
   FeatureSet features;
-  for (const RestitutionSample& sample : fit::restitution_samples(found.onsets, config).samples) {
+  RestitutionSamples samples = fit::restitution_samples(found.onsets, config).samples;
+  if (config.ball) samples = fit::at_the_plate(std::move(samples));
+  for (const RestitutionSample& sample : samples) {
     Feature feature = feature_at(sample.t_s);
     feature.label = label_of(sample.drop, sample.impact, sample.flags);
     feature.values = {static_cast<float>(sample.eps)};

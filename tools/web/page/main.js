@@ -156,7 +156,7 @@ async function simulate() {
     clear();
     say('Dropping the ball …');
     const options = simulateOptions(settings), simulated = await engine.run({task: 'simulate', options});
-    simulated.known = {ball: options.ball, plate: options.plate, gravity: 9.81, 'correct-drag': true, 'correct-contact-time': true};
+    simulated.known = {ball: options.ball, plate: options.plate, gravity: 9.81};
     $('recordings').hidden = true;
     await openSound(simulated, {simulated, wav}, stays);
     section.playAll();

@@ -12,7 +12,7 @@ namespace bouncelab::web {
 /// The seed, which every stage has.
 options::Section seed_section(std::uint64_t& seed);
 
-/// Sets options from a JSON object: {"ball": "steel:6mm", "drop_height_m": 0.5, "correct-drag": true}; names as on the
+/// Sets options from a JSON object: {"ball": "steel:6mm", "drop_height_m": 0.5, "air": 1.2}; names as on the
 /// command line without the dashes in front, '_' is '-', and a unit at the end may stand (drop_height_m, gravity_mps2).
 /// Lists are values with commas.
 /// @throws InvalidArgument naming the option

@@ -14,13 +14,15 @@ namespace bouncelab {
 
 /// What a coefficient of restitution was computed with. Numbers that are absent are not known.
 struct SampleConditions {
-  // taken out of the intervals:
+  // not in the intervals, because they were taken out or there were none:
   bool drag_corrected = false;
   bool contact_time_corrected = false;
   bool travel_time_corrected = false;    ///< of the sound, from impact to sensor
   std::optional<double> gravity_mps2;    ///< of the speeds
-  std::optional<Ball> ball;              ///< of the corrections; for the fit's error budget where there are none
+  std::optional<Ball> ball;              ///< whose drag and contact time the fit takes
   std::optional<Material> plate;         ///< likewise
+  std::optional<double> air_kgpm3;       ///< density of the air; absent: that of a room
+  std::optional<double> contact_s;       ///< contact time that the sound's frequencies suggest
   std::optional<double> wave_speed_mps;  ///< likewise, of the travel time
 
   friend bool operator==(const SampleConditions&, const SampleConditions&) = default;

@@ -53,6 +53,8 @@ struct FitResult {
   LawFit law_least_squares, law_least_absolute;
   LawFit law_viscoelastic;
   std::optional<MemoryFit> memory;  ///< see FitConfig::memory; the main law is what it is without
+  /// Over laws, drag and contact time; absent of very many samples that hold neither, where the main law says it all.
+  std::optional<AveragedCurve> averaged;
   std::vector<HistogramFit> histograms;
   DensityPicture density;
   Recordings recordings;
@@ -64,7 +66,9 @@ struct FitResult {
 
 const Description& members_of(const FitResult*);
 
-/// Fits everything. Left out and counted: samples with a flag, not finite, with v <= 0.
+/// Fits everything. Where drag and contact time are in the intervals, all fits are of the samples at the plate with the
+/// values that samples and priors together make most likely, and the errors of the law include what they leave open.
+/// Left out and counted: samples with a flag, not finite, with v <= 0.
 /// @param progress  called between the fits, in steps of one
 /// @throws InvalidArgument where the orders of the series are not valid, or more than fit_memory takes
 FitResult fit_all(const RestitutionSamples& samples, const FitConfig& config, const ProgressCallback& progress = {});

@@ -13,8 +13,9 @@
 
 namespace bouncelab::fit {
 
-/// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form.
-enum class LawKind { series, viscoelastic, constant };
+/// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form;
+/// `slope`: straight in ln v, for averages over laws.
+enum class LawKind { series, viscoelastic, constant, slope };
 
 /// What is assumed of the scatter about eps(v).
 enum class LawMethod {
@@ -127,6 +128,20 @@ struct LawFit {
   std::optional<RestitutionLaw> law;      ///< usable wherever a law is wanted; absent where the fit failed
 };
 const Description& members_of(const LawFit*);
+
+/// eps(v) averaged over laws that may hold, and over drag and contact time as far as they are not known.
+struct AveragedCurve {
+  std::vector<NodeEstimate> nodes;
+  /// Difference of eps at each node from that at the middle one, of the averages.
+  std::vector<Estimate> changes;
+  /// Laws with their weights, the largest first: "eps", "gamma", "A2, A4".
+  std::vector<std::pair<std::string, double>> laws;
+  std::optional<Estimate> kappa_per_m;  ///< drag over speed squared at 1 m/s; absent: none
+  std::optional<Estimate> contact_s;    ///< contact time at 1 m/s; absent: none
+  /// Parts of the variance of eps at the middle node that drag and contact time leave.
+  double share_of_drag = 0.0, share_of_contact = 0.0;
+};
+const Description& members_of(const AveragedCurve*);
 
 /// Fits eps(v). Samples must be finite with v > 0 and a sigma_eps >= 0 or absent (fit_all leaves the others out).
 ///

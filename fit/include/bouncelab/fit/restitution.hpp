@@ -39,11 +39,10 @@ TravelTime travel_time_from_table(const Table& positions, double wave_speed_mps,
 
 struct RestitutionConfig {
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0 [m/s^2]
-  std::optional<Ball> ball;                    ///< for the corrections, and for what is made of the samples
+  std::optional<Ball> ball;                    ///< for its drag and contact time, of which the fit takes account
   std::optional<Material> plate;               ///< likewise
-  Air air;                                     ///< for the correction
-  bool correct_drag = false;          ///< speeds at the ends of each flight from its duration by Schiller-Naumann drag
-  bool correct_contact_time = false;  ///< flights are intervals less the contact that they begin with (contact_time_s)
+  double air_kgpm3 = Air{}.density_kgpm3;      ///< density of the air, >= 0; 0: none [kg/m^3]
+  bool instant_contacts = false;               ///< as in a simulation
   std::optional<TravelTime> travel_time;  ///< taken out of the times before anything else
   double wave_speed_mps = 2500.0;  ///< for the error budget, where travel times are not taken out; 343 for a microphone
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
@@ -60,8 +59,6 @@ struct RestitutionCounts {
   std::optional<double> eps_median;  ///< of the samples without a flag; absent where there are none
   /// Places where the chain of one drop was broken, by reason
   std::map<Flag, std::size_t> breaks;
-  /// What the corrections, where switched on, added to eps in the mean.
-  std::optional<double> mean_shift_drag, mean_shift_contact_time;
   std::optional<double> rms_shift_travel_time;  ///< its mean is nearly zero: the ball goes to and fro
 };
 const Description& members_of(const RestitutionCounts*);
@@ -90,13 +87,16 @@ struct Restitution {
 /// does. Such a sample and its neighbours that share the wrong interval stay in the table, flagged `missing_impact` or
 /// `extra_impact`. (Needs at least 5 samples in the drop.)
 ///
-/// Assumes drag-free vertical flight and contacts much shorter than flights, unless corrected for: then eps is the
-/// launch speed of the next flight over the landing speed of the last, flights shortened by the contact at their
-/// beginning. Nothing is clamped.
+/// These are ratios of intervals: what drag and contact time do to them the fit takes into account (at_the_plate).
+/// Nothing is clamped.
 /// @param onsets  ordered by recording, drop, time; finite, strictly increasing within a drop [s]
 /// @throws InvalidArgument where gravity, the drop height or a property of the ball is not positive, times do not
-///         increase, or a correction is wanted for a ball that is not known, or whose contact time on the plate is not
+///         increase
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
+
+/// Speeds and coefficients at the plate: launch speed of a flight over landing speed of the one before, with the most
+/// likely drag and contact time (of a ball that is named its own). Samples whose intervals hold neither stay as they are.
+RestitutionSamples at_the_plate(RestitutionSamples samples);
 
 /// The same of a table in pieces, in the memory that its longest drop needs: the same samples and counts, but for the
 /// median of eps, which the caller has to take.
@@ -118,7 +118,7 @@ class RestitutionInPieces {
   SampleConditions conditions_;
   Onsets drop_;  // as far as it has come
   RestitutionCounts counts_;
-  double drag_shifts_ = 0.0, contact_shifts_ = 0.0, squared_travel_shifts_ = 0.0;  // sums over all samples
+  double squared_travel_shifts_ = 0.0;  // sum over all samples
 };
 
 /// The interval after one impact: measured, and as a law predicts it from the interval before.

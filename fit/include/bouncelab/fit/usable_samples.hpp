@@ -23,6 +23,7 @@ class PartOfSamples {
   /// @param left_out  indices, increasing
   PartOfSamples(const RestitutionSamples& all, const std::vector<std::size_t>& left_out);
   const RestitutionSamples& operator*() const { return part_ ? *part_ : all_; }
+  const RestitutionSamples* operator->() const { return &**this; }
 
  private:
   const RestitutionSamples& all_;

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/fit/law_fit.hpp"
+#include "restitution/air_and_contact.hpp"
+
+namespace bouncelab::fit {
+
+/// Where drag and contact time are, by samples and priors together.
+struct DeviationEstimate {
+  Deviation mean, sd;
+};
+
+/// eps(v) at some speeds, from fits of several laws on a grid of drag and contact time. A fit counts as the prior of its
+/// place on the grid times exp(-AICc/2), with the likelihood of the ratios T'/T as they were measured; what is reported
+/// are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is interpolated;
+/// where samples know a parameter better than the grid resolves, the grid closes in on it.
+///
+/// Laws: one eps for all speeds, gamma, a series of two terms, and the law asked for, or that alone where it is not the
+/// default. Source of the weights: Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004),
+/// doi:10.1177/0049124104268644.
+/// @param samples  with what their intervals hold, without outliers; at least 1
+/// @param node_speeds_mps  empty: as LawFitConfig
+/// @param estimate  gets where drag and contact time are
+/// @return absent where no law can be fitted
+std::optional<AveragedCurve> averaged_curve(const RestitutionSamples& samples, const AirAndContact& known,
+                                            const LawFitConfig& config, std::vector<double> node_speeds_mps,
+                                            DeviationEstimate& estimate);
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "restitution/air_and_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/elementary.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+// A ball that is not named. From steel (.009/m) to table tennis (.13/m) kappa is that of the balls people drop.
+constexpr double kKappa_per_m = 0.02, kKappaSpread = 1.1;
+// The standard curve is one of smooth spheres; balls have seams and felt.
+constexpr double kKappaSpreadOfNamed = 0.1;
+// Of a sound's frequencies a factor of e on either side.
+constexpr double kContactSpread = 1.0;
+// Nothing known: from steel (30 us) to a basketball (15 ms).
+constexpr ContactDuration kAnyContact{0.5e-3, 0.0, 1.7};
+// Where the drag of a flight is taken, of its speed at the plate: drag takes energy as C_d v^2, most of it there.
+constexpr double kSpeedOfDrag = 0.85;
+// Of a flight that a contact would leave nothing of.
+constexpr double kLeastFlight = 0.05;
+
+/// One of the balls people drop, without a name.
+struct Usual {
+  double ln_kappa, kappa_sd, ln_tau, tau_sd;
+};
+/// Those of the catalogue that have a size, and steel, marbles and superballs of the usual ones.
+const std::vector<Usual>& usual_balls() {
+  static const std::vector<Usual> balls = [] {
+    std::vector<Usual> all;
+    // of one kind balls differ, and drag is read off a curve of smooth spheres
+    const auto add = [&](const std::string& text, double kappa_sd, double tau_sd) {
+      const Ball ball = ball_from_text(text);
+      if (const auto contact = contact_duration(ball, kGlass))
+        all.push_back({log(drag_per_m(ball, {}, 1.0)), kappa_sd, log(contact->at_1_mps_s), tau_sd});
+    };
+    for (const BallKind& kind : ball_kinds())
+      if (kind.diameter_m) add(kind.name, 0.2, 0.35);
+    for (const char* sized : {"steel:10mm", "glass:16mm", "superball:30mm"}) add(sized, 0.35, 0.5);
+    return all;
+  }();
+  return balls;
+}
+constexpr double kAnyOther = 0.15;  // share of what is none of them
+
+double normal_density(double x, double sd) { return exp(-0.5 * square(x / sd)) / sd; }
+
+double kappa_at(double v_mps, const AirAndContact& known, double ln_kappa) {
+  if (!known.has_drag) return 0.0;
+  const double kappa = known.ball ? drag_per_m(*known.ball, known.air, kSpeedOfDrag * v_mps) : known.kappa_per_m;
+  return kappa * exp(ln_kappa);
+}
+
+}  // namespace
+
+AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
+  AirAndContact known;
+  if (samples.empty()) return known;
+  const SampleConditions& said = samples.front().conditions;
+  known.gravity_mps2 = said.gravity_mps2.value_or(kDefaultGravity_mps2);
+  known.ball = said.ball;
+  if (said.air_kgpm3) known.air.density_kgpm3 = *said.air_kgpm3;
+  // speeds without a gravity are of no intervals: measured as they are
+  const bool of_intervals = said.gravity_mps2.has_value();
+  known.has_drag = of_intervals && !said.drag_corrected && known.air.density_kgpm3 > 0.0;
+  if (known.has_drag) {
+    known.kappa_per_m = kKappa_per_m * known.air.density_kgpm3 / Air{}.density_kgpm3;
+    known.kappa_spread = known.ball ? kKappaSpreadOfNamed : kKappaSpread;
+  }
+  if (const auto named = said.ball ? contact_duration(*said.ball, said.plate) : std::nullopt)
+    known.contact = *named;
+  else if (known.contact_is_heard = said.contact_s.has_value(); known.contact_is_heard)
+    known.contact = {*said.contact_s, 0.0, kContactSpread};
+  else
+    known.contact = kAnyContact;
+  known.has_contact = of_intervals && !said.contact_time_corrected && known.contact.at_1_mps_s > 0.0;
+  if (!known.has_contact) known.contact = {0.0, 0.0, 0.0};
+  return known;
+}
+
+double AirAndContact::ln_prior(Deviation deviation) const {
+  const auto normal = [](double x, double sd) { return sd > 0.0 ? -0.5 * square(x / sd) : 0.0; };
+  if (!has_drag || ball) {
+    // drag is known or there is none; a contact time that is nowhere named is as the sound has it
+    return normal(deviation.ln_kappa, kappa_spread) + normal(deviation.ln_tau, contact.spread);
+  }
+  const double ln_kappa = log(kappa_per_m) + deviation.ln_kappa;
+  if (!has_contact) {
+    double sum = kAnyOther * normal_density(deviation.ln_kappa, kKappaSpread);
+    for (const Usual& one : usual_balls())
+      sum += (1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
+             normal_density(ln_kappa - one.ln_kappa, one.kappa_sd);
+    return log(sum);
+  }
+  const double ln_tau = log(contact.at_1_mps_s) + deviation.ln_tau;
+  double sum = kAnyOther * normal_density(deviation.ln_kappa, kKappaSpread) *
+               normal_density(ln_tau - log(kAnyContact.at_1_mps_s), kAnyContact.spread);
+  for (const Usual& one : usual_balls())
+    sum += (1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
+           normal_density(ln_kappa - one.ln_kappa, one.kappa_sd) * normal_density(ln_tau - one.ln_tau, one.tau_sd);
+  return log(sum) + (contact_is_heard ? normal(deviation.ln_tau, kContactSpread) : 0.0);
+}
+
+AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAndContact& known, Deviation deviation) {
+  const double g = known.gravity_mps2, factor = exp(deviation.ln_tau);
+  const auto contact_s = [&](double v) { return known.has_contact ? factor * known.contact.at(v) : 0.0; };
+  const double before_s = 2.0 * v_mps / g;
+  AtThePlate at;
+  if (from_height) {
+    at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_at(v_mps, known, deviation.ln_kappa));
+  } else {
+    // the contact with which the interval begins: the ball came down there by 1/eps faster than it went up
+    const double flight_s =
+        std::max(kLeastFlight * before_s, before_s - contact_s(v_mps / std::clamp(eps, 0.2, 1.0)));
+    const double kappa = kappa_at(0.5 * g * flight_s, known, deviation.ln_kappa);
+    at.v_mps = flight_with_drag(flight_s, g, kappa).landing_mps;
+  }
+  const double after_s = eps * before_s, rest_s = after_s - contact_s(at.v_mps);
+  if (rest_s > kLeastFlight * std::abs(after_s)) {
+    const double kappa = kappa_at(0.5 * g * rest_s, known, deviation.ln_kappa);
+    at.eps = flight_with_drag(rest_s, g, kappa).launch_mps / at.v_mps;
+    // the launch grows with the flight as kappa v^2/g faster than in proportion, twice its own share
+    at.stretch = v_mps / at.v_mps * (1.0 + 0.75 * kappa * square(0.5 * g * rest_s) / g);
+  } else {
+    at.eps = eps * kLeastFlight * v_mps / at.v_mps;
+    at.stretch = kLeastFlight * v_mps / at.v_mps;
+  }
+  return at;
+}
+
+RestitutionSamples at_the_plate(RestitutionSamples samples, const AirAndContact& known, Deviation deviation) {
+  if (!known.is_open()) return samples;
+  for (RestitutionSample& s : samples) {
+    if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps) || !(s.v_mps > 0.0)) continue;
+    const AtThePlate at = at_the_plate(s.v_mps, s.eps, s.impact == 0, known, deviation);
+    s.v_mps = at.v_mps;
+    s.eps = at.eps;
+    if (s.sigma_eps) *s.sigma_eps *= at.stretch;
+    s.conditions.drag_corrected = s.conditions.contact_time_corrected = true;
+  }
+  return samples;
+}
+
+}  // namespace bouncelab::fit

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/samples.hpp"
+
+namespace bouncelab::fit {
+
+/// A deviation from the medians: kappa exp(ln_kappa), tau exp(ln_tau).
+struct Deviation {
+  double ln_kappa = 0.0, ln_tau = 0.0;
+};
+
+/// What is known beforehand of the drag on a ball and of how long it touches the plate: ln kappa and ln tau are normal.
+/// (docs/physics.md, section 9)
+struct AirAndContact {
+  double gravity_mps2 = kDefaultGravity_mps2;
+  std::optional<Ball> ball;   ///< named: drag by the standard curve, else the same kappa at all speeds
+  Air air;
+  double kappa_per_m = 0.0;   ///< median, of a ball that is not named; 0: no drag
+  double kappa_spread = 0.0;  ///< standard deviation of ln kappa, 0 where there is no drag
+  ContactDuration contact;    ///< median, and the standard deviation of ln tau; 0 s: contacts are instantaneous
+  bool has_drag = true, has_contact = true;
+  bool contact_is_heard = false;  ///< `contact` is what the sound suggests
+
+  bool is_open() const { return has_drag || has_contact; }
+  /// Logarithm of the prior density of a deviation, up to a constant. Of a named ball both are normal. One that is not
+  /// named is one of the balls people drop, with ln kappa and ln tau about its own, or any other; the sound's frequencies
+  /// say which, as they suggest `contact`.
+  double ln_prior(Deviation deviation) const;
+};
+
+/// Of these samples: their first one speaks for all.
+AirAndContact air_and_contact_of(const RestitutionSamples& samples);
+
+/// eps at the plate and the speed there, of what the intervals are without drag and contact: v = g T/2, eps = T'/T.
+struct AtThePlate {
+  double v_mps = 0.0, eps = 0.0;
+  double stretch = 1.0;  ///< d eps / d (T'/T): of errors, and of the density of T'/T
+};
+/// @param from_height  the speed is that of a fall without drag, not of an interval
+AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAndContact& known, Deviation deviation);
+
+/// The samples as they are at the plate.
+RestitutionSamples at_the_plate(RestitutionSamples samples, const AirAndContact& known, Deviation deviation);
+
+}  // namespace bouncelab::fit

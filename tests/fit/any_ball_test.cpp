@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Balls that people drop, in air and with contacts that last, from an integrator of its own: does the 95 % interval of
+// eps hold the truth, whether the ball is named or not?
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/ball.hpp"
+#include "bouncelab/core/random.hpp"
+#include "bouncelab/fit/fit.hpp"
+#include "bouncelab/fit/restitution.hpp"
+
+namespace bouncelab::fit {
+namespace {
+
+constexpr double kG = 9.81, kAir_kgpm3 = 1.2, kViscosity_pas = 1.82e-5;
+
+/// The standard drag curve of a sphere, read off at decades and their thirds (Clift, Grace & Weber, Bubbles, Drops and
+/// Particles (1978), figure 5.12 and table 5.2), straight in the logarithms.
+double drag_coefficient(double reynolds) {
+  static const std::vector<std::pair<double, double>> curve{
+      {1.0, 27.2},   {3.0, 10.5},   {10.0, 4.26},  {30.0, 2.12},  {100.0, 1.09}, {300.0, 0.665},
+      {1e3, 0.471},  {3e3, 0.396},  {1e4, 0.405},  {3e4, 0.46},   {1e5, 0.50},   {3e5, 0.40}};
+  const double x = std::log(std::clamp(reynolds, 1.0, 3e5));
+  for (std::size_t k = 1; k < curve.size(); ++k) {
+    const double a = std::log(curve[k - 1].first), b = std::log(curve[k].first);
+    if (x > b) continue;
+    const double share = (x - a) / (b - a);
+    return std::exp((1.0 - share) * std::log(curve[k - 1].second) + share * std::log(curve[k].second));
+  }
+  return curve.back().second;
+}
+
+struct Kind {
+  std::string name;  ///< to the program
+  double radius_m, mass_kg;
+  double tau_lo_s, tau_hi_s, exponent;
+  double eps_lo, eps_hi;
+  double drag_factor_hi;  ///< felt, seams
+};
+
+const std::vector<Kind> kKinds{{"table-tennis", 0.020, 2.7e-3, 0.6e-3, 1.0e-3, 0.0, 0.85, 0.93, 1.1},
+                               {"golf", 0.021335, 45.93e-3, 0.42e-3, 0.6e-3, -0.2, 0.75, 0.88, 1.1},
+                               {"steel:10mm", 0.005, 4.136e-3, 0.0, 0.0, -0.2, 0.85, 0.97, 1.05},
+                               {"glass:16mm", 0.008, 5.362e-3, 0.0, 0.0, -0.2, 0.80, 0.96, 1.05},
+                               {"tennis", 0.0335, 57.7e-3, 4e-3, 6e-3, -0.1, 0.68, 0.80, 1.25},
+                               {"basketball", 0.121, 0.600, 10e-3, 18e-3, 0.0, 0.72, 0.86, 1.1},
+                               {"superball:27mm", 0.0135, 11.3e-3, 2e-3, 4e-3, -0.1, 0.82, 0.92, 1.05},
+                               {"squash", 0.020, 24e-3, 2.3e-3, 3.8e-3, 0.0, 0.40, 0.60, 1.05}};
+
+struct World {
+  Kind kind;
+  double drag_factor, tau_1_s;
+  double eps_1, slope;  ///< eps = eps_1 + slope ln v
+  double scatter, sigma_t_s;
+};
+
+double truth(const World& w, double v) { return w.eps_1 + w.slope * std::log(v); }
+
+/// From launch to landing by Runge-Kutta steps of a thousandth of the flight: duration and landing speed.
+std::pair<double, double> flight(const World& w, double u) {
+  const auto a = [&](double v) {
+    const double speed = std::abs(v), reynolds = 2.0 * w.kind.radius_m * speed * kAir_kgpm3 / kViscosity_pas;
+    const double area = 3.141592653589793 * w.kind.radius_m * w.kind.radius_m;
+    const double drag = reynolds > 0.0 ? 0.5 * kAir_kgpm3 * w.drag_factor * drag_coefficient(reynolds) * area * speed * speed
+                                       : 0.0;
+    return -kG - std::copysign(drag / w.kind.mass_kg, v);
+  };
+  double z = 0.0, v = u, t = 0.0;
+  const double h = 2.0 * u / kG / 1000.0;
+  for (;;) {
+    const double k1 = a(v), k2 = a(v + 0.5 * h * k1), k3 = a(v + 0.5 * h * k2), k4 = a(v + h * k3);
+    const double next_v = v + h / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4), next_z = z + h * (v + h * (k1 + k2 + k3) / 6.0);
+    if (next_z < 0.0) break;
+    v = next_v, z = next_z, t += h;
+  }
+  const double g = a(v);
+  const double rest = (v + std::sqrt(v * v - 2.0 * g * z)) / -g;
+  return {t + rest, -(v + g * rest)};
+}
+
+World drawn(const Kind& kind, Random& random) {
+  const auto between = [&](double lo, double hi) { return lo + (hi - lo) * random.uniform(); };
+  World w{kind, between(0.95, kind.drag_factor_hi), between(kind.tau_lo_s, kind.tau_hi_s), between(kind.eps_lo, kind.eps_hi),
+          0.0, 0.0, 0.0};
+  // Hertz's contact of the massive ones, on glass: half of 100 us each way is no matter here
+  if (w.tau_1_s == 0.0) w.tau_1_s = (kind.radius_m < 0.006 ? 30e-6 : 48e-6) * between(0.9, 1.1);
+  w.slope = random.uniform() < 0.3 ? 0.0 : -between(0.0, 0.03);
+  w.scatter = between(0.0005, 0.004) * (1.0 - w.eps_1) / 0.15;
+  w.sigma_t_s = between(5e-6, 60e-6);
+  return w;
+}
+
+Onsets heard(const World& w, Random& random) {
+  Onsets onsets;
+  const double h = 0.15 + 0.85 * random.uniform();
+  double v = flight(w, std::sqrt(2.0 * kG * h)).second, t = 1.0;
+  const double least_mps = 0.12 + 0.2 * random.uniform();
+  for (int k = 0; k < 40; ++k) {
+    Onset onset;
+    onset.recording = "a";
+    onset.impact = k;
+    onset.t_s = t + w.sigma_t_s * random.normal();
+    onset.sigma_t_s = w.sigma_t_s;
+    onset.contact_s = w.tau_1_s * std::exp(0.6 * random.normal());  // as the frequencies suggest it
+    onsets.push_back(onset);
+    const double tau = w.tau_1_s * std::pow(v, w.kind.exponent);
+    const double u = v * (truth(w, v) + w.scatter * random.normal());
+    const auto [duration, landing] = flight(w, u);
+    t += tau + duration;
+    v = landing;
+    if (v < least_mps || duration < 4.0 * tau) break;
+  }
+  const double contact_s = *onsets.front().contact_s;
+  for (Onset& onset : onsets) onset.contact_s = contact_s;
+  return onsets;
+}
+
+struct Tally {
+  int n = 0, held = 0, none = 0;
+  double pulls2 = 0.0;
+  std::vector<double> widths;
+};
+
+/// @param n_runs  of each kind
+void check(bool named, int n_runs, std::map<std::string, Tally>& tallies, Tally& all) {
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
+    for (int run = 0; run < n_runs; ++run) {
+      Random random(77 + kind, RandomStream::test, static_cast<std::uint64_t>(run));
+      const World w = drawn(kKinds[kind], random);
+      const Onsets onsets = heard(w, random);
+      RestitutionConfig config;
+      if (named) config.ball = ball_from_text(w.kind.name), config.plate = kGlass;
+      FitConfig fit;
+      fit.n_goodness = 0;
+      const FitResult result = fit_all(restitution_samples(onsets, config).samples, fit);
+      Tally& tally = tallies[w.kind.name];
+      for (Tally* one : {&tally, &all}) {
+        if (!result.averaged) {
+          ++one->none;
+          continue;
+        }
+        const NodeEstimate& node = result.averaged->nodes[result.averaged->nodes.size() / 2];
+        const double t = truth(w, node.v_mps);
+        ++one->n;
+        one->held += t >= node.eps.ci95->lo && t <= node.eps.ci95->hi;
+        one->pulls2 += (node.eps.value - t) * (node.eps.value - t) / (*node.eps.se * *node.eps.se);
+        one->widths.push_back(node.eps.ci95->hi - node.eps.ci95->lo);
+      }
+      if (std::getenv("BOUNCELAB_SHOW") != nullptr && result.averaged) {
+        const auto& a = *result.averaged;
+        const NodeEstimate& node = a.nodes[a.nodes.size() / 2];
+        std::cout << w.kind.name << " n " << onsets.size() << " v " << node.v_mps << " truth " << truth(w, node.v_mps) << " eps "
+                  << node.eps.value << " [" << node.eps.ci95->lo << ", " << node.eps.ci95->hi << "] laws";
+        for (const auto& [name, weight] : a.laws) std::cout << " " << name << ":" << weight;
+        if (a.kappa_per_m) std::cout << " kappa " << a.kappa_per_m->value << " sd " << *a.kappa_per_m->se / a.kappa_per_m->value;
+        if (a.contact_s) std::cout << " tau " << a.contact_s->value << " of " << w.tau_1_s;
+        std::cout << " shares " << a.share_of_drag << " " << a.share_of_contact << "\n";
+      }
+    }
+}
+
+void show(const std::string& name, Tally t) {
+  std::sort(t.widths.begin(), t.widths.end());
+  std::cout << name << ": " << t.held << " of " << t.n << ", pulls " << std::sqrt(t.pulls2 / std::max(1, t.n)) << ", width "
+            << (t.widths.empty() ? 0.0 : t.widths[t.widths.size() / 2]) << ", none " << t.none << "\n";
+}
+
+int runs() {
+  const char* const wanted = std::getenv("BOUNCELAB_RUNS");
+  return wanted != nullptr ? std::atoi(wanted) : 12;
+}
+
+TEST(AnyBall, NamedHasItsTrueRestitutionInTheInterval) {
+  std::map<std::string, Tally> tallies;
+  Tally all;
+  check(true, runs(), tallies, all);
+  for (const auto& [name, tally] : tallies) show(name, tally);
+  show("all", all);
+  EXPECT_GE(all.held, 0.9 * all.n);
+}
+
+TEST(AnyBall, NotNamedHasItsTrueRestitutionInTheInterval) {
+  std::map<std::string, Tally> tallies;
+  Tally all;
+  check(false, runs(), tallies, all);
+  for (const auto& [name, tally] : tallies) show(name, tally);
+  show("all", all);
+  EXPECT_GE(all.held, 0.9 * all.n);
+}
+
+}  // namespace
+}  // namespace bouncelab::fit
