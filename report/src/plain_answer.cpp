@@ -55,16 +55,39 @@ std::string duration(double t_s) {
                         : two_digits(t_s / 3600.0) + " h";
 }
 
-/// The end at `k` of the nodes, where eps there is not that of the middle one.
-std::optional<SpeedAndRestitution> differing(const std::vector<NodeEstimate>& nodes, const Matrix& correlation,
-                                             std::size_t middle, std::size_t k) {
+/// Is eps at node `k` another than at the middle one, whatever drag, contact time and law are?
+bool differs(const FitResult& result, const std::vector<NodeEstimate>& nodes, const Matrix& correlation, std::size_t k) {
+  const std::size_t middle = nodes.size() / 2;
+  if (k == middle) return false;
+  if (result.averaged && result.averaged->nodes.size() == nodes.size() && &nodes == &result.averaged->nodes) {
+    const Interval& change = *result.averaged->changes[k].ci95;
+    return change.lo > 0.0 || change.hi < 0.0;
+  }
   const Estimate &a = nodes[middle].eps, &b = nodes[k].eps;
+  if (!a.se || !b.se) return false;
   constexpr double kSeen = 3.0;  // by chance alone one answer in 200 would name a change; at 2.0 one in 11
-  if (k == middle || !a.se || !b.se) return {};
   const double rho = k < correlation.size() && middle < correlation[k].size() ? correlation[k][middle] : 0.0;
   const double variance = *a.se * *a.se + *b.se * *b.se - 2.0 * rho * *a.se * *b.se;
-  if (!(std::abs(b.value - a.value) > kSeen * std::sqrt(std::max(0.0, variance)))) return {};
-  return at_node(nodes[k]);
+  return std::abs(b.value - a.value) > kSeen * std::sqrt(std::max(0.0, variance));
+}
+
+/// The nodes that the answer is of: of the fit with memory where it holds, else the average over laws, else the law's.
+const std::vector<NodeEstimate>& nodes_of(const FitResult& result, bool with_memory) {
+  if (with_memory) return result.memory->nodes;
+  return result.averaged ? result.averaged->nodes : result.law.nodes;
+}
+
+/// What most of the uncertainty is, and what would shrink it: a clause; empty where it is the ball's own scatter.
+std::string largest_part(const FitResult& result, bool ball_is_named) {
+  if (!result.averaged) return "";
+  constexpr double kMost = 0.5;
+  const double drag = result.averaged->share_of_drag, contact = result.averaged->share_of_contact;
+  if (std::max(drag, contact) < kMost) return "";
+  if (drag > contact)
+    return ball_is_named ? "; how strongly the air slows the ball is most of this"
+                         : "; air drag of an unknown ball is most of this: name it with --ball";
+  return ball_is_named ? "; how long the ball touches the floor is most of this"
+                       : "; how long an unknown ball touches the floor is most of this: name it with --ball";
 }
 
 /// The node that most recordings reach; the middle one of equals.
@@ -102,12 +125,10 @@ std::string file_name(const std::string& recording) {
   return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
 }
 
-std::string of_value(const PlainAnswer& answer, const FitResult& result) {
+std::string of_value(const PlainAnswer& answer, const FitResult& result, bool ball_is_named) {
   const SpeedAndRestitution& at = *answer.at;
-  std::string text = "ε = " + with_interval(at.eps);
-  if (answer.one_value) return text + ", one value for all speeds: too few bounces for a curve.";
-  text += " at " + speed(at.v_mps);
-  const auto& nodes = answer.with_memory ? result.memory->nodes : result.law.nodes;
+  std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
+  const auto& nodes = nodes_of(result, answer.with_memory);
   if (answer.elsewhere.empty() && nodes.size() > 1)
     text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
             " no change with the speed is seen";
@@ -119,7 +140,7 @@ std::string of_value(const PlainAnswer& answer, const FitResult& result) {
     verb = " and ";
   }
   if (answer.with_memory) text += " (by the fit with memory)";
-  return text + ".";
+  return text + largest_part(result, ball_is_named) + ".";
 }
 
 /// With one decimal where the standard error, 2 eps se, warrants it.
@@ -166,10 +187,7 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
   for (const RestitutionSample& s : samples)
     if (s.flags.empty() && std::isfinite(s.eps) && s.v_mps > 0.0) eps.push_back(s.eps);
   if (eps.empty()) return "ε is not known: no three impacts in a row from which it could be had.";
-  if (eps.size() >= 3) return "ε cannot be stated: " + result.law.message + ".";
-  return formatted(
-      "ε is about %.2f, from %s alone: too few to say how sure that is; with three or more it can be said.",
-      eps.front(), eps.size() == 1 ? "one bounce" : "two bounces");
+  return "ε cannot be stated: " + result.law.message + ".";
 }
 
 }  // namespace
@@ -178,24 +196,23 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
   PlainAnswer answer;
   answer.seen = drops_seen(samples);
   answer.recordings = answers_by_recording(result, samples);
-  const bool pooled = usable(result) && !disagree(result.recordings);
+  const bool pooled = (usable(result) || result.averaged) && !disagree(result.recordings);
   if (pooled) {
     answer.with_memory = result.memory && result.memory->holds && !result.memory->nodes.empty();
-    const auto& nodes = answer.with_memory ? result.memory->nodes : result.law.nodes;
+    const auto& nodes = nodes_of(result, answer.with_memory);
     const auto& correlation = answer.with_memory ? result.memory->node_correlation : result.law.node_correlation;
     const std::size_t middle = nodes.size() / 2;
     answer.at = at_node(nodes[middle]);
-    answer.one_value = result.law.kind == LawKind::constant;
-    if (!answer.one_value)
-      for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
-        if (const auto other = differing(nodes, correlation, middle, k)) answer.elsewhere.push_back(*other);
-    answer.sentences.push_back(of_value(answer, result));
+    answer.one_value = nodes.size() == 1;
+    for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
+      if (differs(result, nodes, correlation, k)) answer.elsewhere.push_back(at_node(nodes[k]));
+    answer.sentences.push_back(of_value(answer, result, !samples.empty() && samples.front().conditions.ball));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
                                  " % of the energy of its motion up and down is lost in each bounce" +
-                                 (answer.one_value ? "." : " at that speed."));
+                                 " at that speed.");
   } else {
-    answer.sentences.push_back(usable(result) ? of_range(answer) : of_missing(result, samples));
+    answer.sentences.push_back(disagree(result.recordings) ? of_range(answer) : of_missing(result, samples));
   }
   if (std::string drops = of_drops(answer.seen, answer.recordings.empty()); !drops.empty())
     answer.sentences.push_back(std::move(drops));

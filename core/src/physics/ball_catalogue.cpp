@@ -61,19 +61,19 @@ const std::vector<BallKind>& ball_kinds() {
   static const std::vector<BallKind> kinds{
       touching(hollow("table-tennis", "hollow, plastic", 0.040, 2.7e-3, 1200.0,
                       "ITTF, The Laws of Table Tennis, 2.3: 40 mm, 2.7 g; wall of 1200 kg/m^3 assumed"),
-               {0.8e-3, 0.0, 0.25}, kRange),
+               {0.8e-3, 0.0, 0.2}, kRange),
       touching(hollow("tennis", "hollow, rubber and felt", 0.067, 57.7e-3, 800.0,
                       "ITF, Rules of Tennis, appendix I, type 2: 6.54 to 6.86 cm, 56.0 to 59.4 g; wall of 800 kg/m^3, "
                       "felt included, assumed"),
-               {5e-3, -0.1, 0.2}, kCross),
+               {4.8e-3, -0.1, 0.15}, kCross),
       touching(hollow("basketball", "hollow, size 7", 0.242, 0.600, 1100.0,
                       "FIBA, Official Basketball Rules, equipment, size 7: circumference 75 to 77 cm, 580 to 620 g; "
                       "wall of 1100 kg/m^3 assumed"),
-               {14e-3, 0.0, 0.3}, kRange),
+               {13.5e-3, 0.0, 0.2}, kRange),
       touching(hollow("football", "hollow, size 5", 0.220, 0.430, 1100.0,
                       "IFAB, Laws of the Game, law 2: circumference 68 to 70 cm, 410 to 450 g; wall of 1100 kg/m^3 "
                       "assumed"),
-               {9e-3, 0.0, 0.2}, kRange),
+               {9e-3, 0.0, 0.15}, kRange),
       touching(hollow("volleyball", "hollow", 0.210, 0.270, 1100.0,
                       "FIVB, Official Volleyball Rules, 3.1: circumference 65 to 67 cm, 260 to 280 g; wall of 1100 "
                       "kg/m^3 assumed"),
@@ -81,11 +81,11 @@ const std::vector<BallKind>& ball_kinds() {
       touching(hollow("squash", "hollow, rubber", 0.040, 24.0e-3, 1150.0,
                       "World Squash, Specification for squash balls: 39.5 to 40.5 mm, 23 to 25 g; wall of 1150 kg/m^3 "
                       "assumed"),
-               {3e-3, 0.0, 0.25}, kRange),
+               {3e-3, 0.0, 0.2}, kRange),
       touching(layered("golf", "core and cover", 0.04267, 45.93e-3,
                        "The R&A and USGA, Equipment Rules, part 4: at least 42.67 mm, at most 45.93 g; J of a "
                        "homogeneous sphere assumed"),
-               {0.5e-3, -0.2, 0.25}, kCross),
+               {0.48e-3, -0.2, 0.2}, kCross),
       layered("billiard", "phenolic resin", 0.05715, 0.163,
               "WPA, Equipment specifications, 16: 2.25 in, 156 to 170 g; J of a homogeneous sphere"),
       solid("steel", "bearing steel, as the paper's ball", kSteel, kPaper),
@@ -100,7 +100,7 @@ const std::vector<BallKind>& ball_kinds() {
       solid("rubber", "natural rubber, unfilled", not_hertzian(930.0), kAshby),
       touching(solid("superball", "polybutadiene, filled", not_hertzian(1100.0),
                      "density assumed: weigh the ball and add mass=; composition: Stingley, US patent 3241834 (1966)"),
-               {3e-3, -0.1, 0.4}, kCross),
+               {2.9e-3, -0.1, 0.25}, kCross),
   };
   return kinds;
 }

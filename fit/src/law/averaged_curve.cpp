@@ -2,6 +2,7 @@
 #include "law/averaged_curve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <map>
@@ -89,7 +90,7 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
   const LawLikelihood likelihood(candidate->data, model, candidate->family);
   LawFit fit;
   fit.n = data.size();
-  describe_fit(fit, likelihood, candidate->maximum, nodes_mps, IntervalMethod::covariance);
+  describe_nodes(fit, likelihood, candidate->maximum, nodes_mps);
   const auto n = static_cast<double>(data.size()), k = static_cast<double>(fit.n_parameters);
   // with fewer samples than parameters the penalty has no meaning: one that goes on growing
   const double few = n - k - 1.0 > 0.5 ? k * (k + 1.0) / (n - k - 1.0) : 2.0 * k * (k + 1.0);
@@ -260,7 +261,7 @@ std::vector<Term> normalized(std::vector<Term> terms) {
   for (const Term& term : terms) best = std::max(best, term.weight);
   for (Term& term : terms) sum += term.weight = exp(term.weight - best);
   for (Term& term : terms) term.weight /= sum;
-  std::erase_if(terms, [](const Term& term) { return term.weight < 1e-7; });
+  std::erase_if(terms, [](const Term& term) { return term.weight < 1e-6; });
   return terms;
 }
 
@@ -275,23 +276,46 @@ DeviationEstimate deviation_of(const std::vector<Term>& terms) {
   return e;
 }
 
+/// Student's distribution function, tabulated: a sum of thousands is asked for hundreds of times.
+class Student {
+ public:
+  explicit Student(double nu) : reach_(nu < 3.0 ? 80.0 : 12.0) {
+    for (std::size_t k = 0; k <= kSteps; ++k) below_[k] = student_t_below(-reach_ + static_cast<double>(k) * step(), nu);
+  }
+  double below(double t) const {
+    if (t <= -reach_) return 0.0;
+    if (t >= reach_) return 1.0;
+    const double at = (t + reach_) / step(), k = std::floor(at);
+    const auto i = std::min(static_cast<std::size_t>(k), kSteps - 1);
+    return below_[i] + (at - k) * (below_[i + 1] - below_[i]);
+  }
+  /// Beyond it there is 1e-4 or less.
+  double reach() const { return reach_; }
+
+ private:
+  static constexpr std::size_t kSteps = 4000;
+  double step() const { return 2.0 * reach_ / static_cast<double>(kSteps); }
+  double reach_;
+  std::array<double, kSteps + 1> below_{};
+};
+
 /// A Student distribution with its weight.
 struct Part {
-  double weight, middle, se, nu;
+  double weight, middle, se;
+  const Student* student;
 };
 
 /// Quantiles of a sum of distributions, and value with errors by them.
 Estimate estimate_of(const std::vector<Part>& parts) {
   double lo = HUGE_VAL, hi = -HUGE_VAL;
   for (const Part& p : parts) {
-    // 1e-4 of a part are beyond, one of two degrees of freedom has long arms
-    const double reach = (p.nu < 3.0 ? 80.0 : 12.0) * p.se;
+    const double reach = p.student->reach() * p.se;
     lo = std::min(lo, p.middle - reach), hi = std::max(hi, p.middle + reach);
   }
   const auto below = [&](double x) {
     double sum = 0.0;
     for (const Part& p : parts)
-      sum += p.weight * (p.se > 0.0 ? student_t_below((x - p.middle) / p.se, p.nu) : x >= p.middle ? 1.0 : 0.0);
+      sum += p.weight * (p.se > 0.0 ? p.student->below((x - p.middle) / p.se) : x >= p.middle ? 1.0 : 0.0);
     return sum;
   };
   const auto quantile = [&](double p) {
@@ -310,13 +334,16 @@ Estimate estimate_of(const std::vector<Part>& parts) {
   return e;
 }
 
-/// Terms that matter, as parts. Many neighbours are alike: those below a thousandth of the whole stand together in one.
 template <class Value, class Error>
 Estimate estimate_of(const std::vector<Term>& terms, Value value, Error error) {
+  std::map<double, Student> students;  // few: the degrees of freedom are those of a law
   std::vector<Part> parts;
-  for (const Term& t : terms)
-    parts.push_back({t.weight, t.between(value), std::max(0.0, t.between(error)) * t.between([](const Fitted& f) { return f.stretch; }),
-                     std::max(1.0, t.between([](const Fitted& f) { return f.nu; }))});
+  for (const Term& t : terms) {
+    const double nu = t.grid->fits.front().nu;
+    parts.push_back({t.weight, t.between(value),
+                     std::max(0.0, t.between(error)) * t.between([](const Fitted& f) { return f.stretch; }),
+                     &students.try_emplace(nu, nu).first->second});
+  }
   return estimate_of(parts);
 }
 

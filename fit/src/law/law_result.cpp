@@ -105,17 +105,20 @@ void describe_parameters(LawFit& fit, const LawLikelihood& likelihood, const Par
   }
 }
 
-void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const ParameterCovariance& known,
+void describe_nodes(LawFit& fit, const LawModel& model, const ParameterCovariance& known,
                     const std::vector<double>& node_speeds_mps) {
   const Eigen::VectorXd& q = known.q;
-  const LawModel& model = likelihood.model();
   const Eigen::MatrixXd node_rows = model.jacobian(node_speeds_mps, q);
   const Eigen::MatrixXd node_covariance = congruence(node_rows.transpose(), known.covariance);
   const Eigen::VectorXd node_eps = model.eps(node_speeds_mps, q);
   for (Eigen::Index j = 0; j < node_eps.size(); ++j)
     fit.nodes.push_back({node_speeds_mps[static_cast<std::size_t>(j)], known.estimate(node_eps[j], node_rows.row(j))});
   fit.node_correlation = to_matrix(correlation_of(node_covariance));
+}
 
+void describe_curve(LawFit& fit, const LawLikelihood& likelihood, const ParameterCovariance& known) {
+  const Eigen::VectorXd& q = known.q;
+  const LawModel& model = likelihood.model();
   constexpr std::size_t kPoints = 80;
   const auto& v = likelihood.data().v_mps;
   std::vector<double> speeds;
@@ -183,32 +186,51 @@ void profile_all(LawFit& fit, const LawLikelihood& likelihood, const Maximum& ma
         [&](const Eigen::VectorXd& x) { return model.eps(std::span(&node.v_mps, 1), x)[0]; });
 }
 
+/// The law's coordinates with their errors, and what these rest on.
+struct Known {
+  Eigen::MatrixXd white;
+  std::optional<ErrorsByDrop> by_drop;
+  ParameterCovariance parameters;
+};
+Known known_of(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum) {
+  fit.status = FitStatus::ok;
+  const Eigen::Index n_law = likelihood.model().n_parameters();
+  Known known{whitening(likelihood.information(maximum.x), 1e-10), std::nullopt, {}};
+  fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
+  known.parameters = {maximum.x.head(n_law),
+                      small_sample_inflation(fit) * gram(known.white).topLeftCorner(n_law, n_law), std::nullopt, {}};
+  known.by_drop = errors_by_drop(likelihood, maximum.x, known.white);
+  fit.drops = {likelihood.n_drops(), known.by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
+  if (likelihood.n_drops() < kFewestDrops &&
+      (known.by_drop = errors_by_sample(likelihood, maximum.x, known.white)))
+    fit.drops.errors = ErrorBasis::by_sample;
+  if (known.by_drop) {
+    known.parameters.independent = std::move(known.parameters.covariance);
+    known.parameters.covariance = known.by_drop->covariance().topLeftCorner(n_law, n_law);
+    known.parameters.reach = known.by_drop->reach();
+  }
+  return known;
+}
+
 }  // namespace
+
+void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
+                    const std::vector<double>& node_speeds_mps) {
+  const Known known = known_of(fit, likelihood, maximum);
+  describe_nodes(fit, likelihood.model(), known.parameters, node_speeds_mps);
+}
 
 void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
                   const std::vector<double>& node_speeds_mps, IntervalMethod intervals) {
-  fit.status = FitStatus::ok;
-  const Eigen::Index n_law = likelihood.model().n_parameters();
-  const Eigen::MatrixXd white = whitening(likelihood.information(maximum.x), 1e-10);
-  fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
-  const double inflation = small_sample_inflation(fit);
-  ParameterCovariance known{
-      maximum.x.head(n_law), inflation * gram(white).topLeftCorner(n_law, n_law), std::nullopt, {}};
-  std::optional<ErrorsByDrop> by_drop = errors_by_drop(likelihood, maximum.x, white);
-  fit.drops = {likelihood.n_drops(), by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
-  if (likelihood.n_drops() < kFewestDrops && (by_drop = errors_by_sample(likelihood, maximum.x, white)))
-    fit.drops.errors = ErrorBasis::by_sample;
-  if (by_drop) {
-    known.independent = std::move(known.covariance);
-    known.covariance = by_drop->covariance().topLeftCorner(n_law, n_law);
-    known.reach = by_drop->reach();
-  }
+  const Known found = known_of(fit, likelihood, maximum);
+  const ParameterCovariance& known = found.parameters;
   fit.scatter = likelihood.scatter_model(maximum.x);
   fit.law = likelihood.model().law(known.q);
   describe_parameters(fit, likelihood, known);
-  describe_curve(fit, likelihood, known, node_speeds_mps);
+  describe_nodes(fit, likelihood.model(), known, node_speeds_mps);
+  describe_curve(fit, likelihood, known);
   describe_goodness(fit, likelihood, maximum);
-  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, white, by_drop);
+  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, found.white, found.by_drop);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;
     fit.message =

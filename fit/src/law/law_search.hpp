@@ -63,6 +63,10 @@ std::optional<Candidate> again_without_outliers(const LawData& data, const LawMo
 bool remove_outliers(const LawData& data, const LawModel& model, const Candidate& fit, std::vector<std::size_t>& rows,
                      std::vector<std::size_t>& outliers);
 
+/// The nodes alone, with standard errors and correlations, and what these rest on.
+void describe_nodes(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
+                    const std::vector<double>& node_speeds_mps);
+
 /// Turns the maximum of the likelihood into what LawFit reports: parameters with errors, nodes, curve, goodness,
 /// status.
 void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maximum,
