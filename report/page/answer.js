@@ -72,3 +72,10 @@ function notes() {
   add('h2', {id: 'notes'}, 'What to know before using it');
   add('div', {class: 'warnings'}, element('ul', {}, warnings.map(w => element('li', {}, withoutPaths(w)))));
 }
+
+function details() {
+  const list = (fit && fit.details) || [];
+  if (!list.length) return;
+  add('h2', {id: 'details'}, 'Details');
+  add('ul', {}, list.map(w => element('li', {}, withoutPaths(w))));
+}

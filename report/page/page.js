@@ -91,6 +91,7 @@ firstScreen();
 counts();
 questions();
 notes();
+details();
 ballSection(summary && summary.ball);
 figures();
 tables();

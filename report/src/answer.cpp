@@ -6,7 +6,8 @@
 namespace bouncelab::report {
 
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples, fit::UseMemory memory) {
-  FitInWords words{plain_answer(result, samples), warnings_of(result, samples), findings_of(result)};
+  FitInWords words{plain_answer(result, samples), {}, {}, findings_of(result)};
+  warn(result, samples, words);
   if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)
     words.warnings.insert(words.warnings.begin(), in_words(*result.memory));
   return words;
@@ -52,9 +53,9 @@ const Description& members_of(const PlainAnswer*) {
              "`null` (nothing could be fitted, or recordings do not agree), or ε at the node in the middle, see "
              "below"),
       result("elsewhere", &A::elsewhere,
-             "The same at the greatest and the least node, each where ε differs from that of `at` by more than three "
-             "standard errors of the difference"),
-      result("one_value", &A::one_value, "Too few samples for a curve: one ε for all speeds"),
+             "The same at the greatest and the least node, each where the 95 % interval of the difference from `at` "
+             "leaves 0 out"),
+      result("one_value", &A::one_value, "One speed alone, or too few samples for a curve"),
       result("with_memory", &A::with_memory, "The values are those of `memory`, which holds"),
       result("seen", &A::seen, "Of the samples' drops, see below"),
       result("recordings", &A::recordings,
@@ -73,7 +74,8 @@ const Description& members_of(const FitInWords*) {
   using W = FitInWords;
   static const Description all{
       result("answer", &W::answer, "The result for somebody who dropped a ball, see [below](#answer)"),
-      result("warnings", &W::warnings, "Texts"),
+      result("warnings", &W::warnings, "Texts: what may make another answer, at most three"),
+      result("details", &W::details, "Texts: what else is to be said, of the constants for instance"),
       result(
           "answers", &W::findings,
           "`[{question, answer}]`: five questions of a reader, with several recordings and with a fit with memory one "

@@ -111,7 +111,6 @@ std::string limits(const FitResult& r) {
   shift(&BudgetRow::shift_contact_time, "contact time");
   if (text.size() != before)
     text += " (For " + to_text(*r.budget.ball) + (r.budget.plate ? " on " + plate_text(*r.budget.plate) : "") + ".)";
-  if (const std::string open = open_corrections(r.budget); !open.empty()) text += " Open: " + open + ".";
   return text;
 }
 

@@ -49,7 +49,6 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
 
 void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
   if (!law.message.empty() && law.status != FitStatus::not_identifiable) warnings.push_back(law.message);
-  warnings.insert(warnings.end(), law.notes.begin(), law.notes.end());
   if (law.p_value && *law.p_value < 0.001) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
@@ -62,7 +61,6 @@ void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
                             ? "standard errors are by drop and do not depend on it"
                             : "standard errors may be too small"));
   }
-  warn_of_few_drops(law.drops, warnings);
   if (!law.outliers.empty())
     warnings.push_back(
         formatted("%zu sample%s further from ε(v) than the scatter can put one and left out, of the histograms too: "
@@ -87,12 +85,6 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
     return static_cast<double>(std::count_if(used.begin(), used.end(), condition));
   };
   const double n = static_cast<double>(used.size());
-  const double unknown = count([](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
-  if (unknown > 0.0)
-    warnings.push_back(
-        formatted("%.0f of %.0f samples state no timing error: it is neglected there, and the scatter "
-                  "includes it",
-                  unknown, n));
   const double above_one = count([](const auto& s) { return s.eps > 1.0; });
   if (above_one > 0.1 * n)
     warnings.push_back(formatted("%.0f of %.0f samples have ε > 1: time order or units of the input?", above_one, n));
@@ -104,6 +96,16 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
   if (implausible > 0.1 * n)
     warnings.push_back(
         formatted("%.0f of %.0f speeds are outside 0.005 to 20 m/s: are the times in seconds?", implausible, n));
+}
+
+void warn_of_unstated_errors(const RestitutionSamples& used, std::vector<std::string>& warnings) {
+  const auto unknown = std::count_if(used.begin(), used.end(),
+                                     [](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
+  if (unknown > 0)
+    warnings.push_back(
+        formatted("%td of %zu samples state no timing error: it is neglected there, and the scatter "
+                  "includes it",
+                  unknown, used.size()));
 }
 
 /// Rows that a flag of the detector or of the intervals excludes were counted where the flag was set. Rows that are
@@ -130,34 +132,6 @@ void warn_of_mixed_conditions(const RestitutionSamples& used, std::vector<std::s
                   n));
 }
 
-/// The worst node of a shift that is still in the samples, where it exceeds the error of the curve there.
-void warn_of_shift(const ErrorBudget& budget, std::optional<double> BudgetRow::*shift, const std::string& cause,
-                   const std::string& remedy, std::vector<std::string>& warnings) {
-  const BudgetRow* worst = nullptr;
-  for (const BudgetRow& row : budget.rows)
-    if (row.se_curve && *row.se_curve > 0.0 && row.*shift && std::isfinite(*(row.*shift)) &&
-        (!worst || std::abs(*(row.*shift)) / *row.se_curve > std::abs(*(worst->*shift)) / *worst->se_curve))
-      worst = &row;
-  if (!worst || std::abs(*(worst->*shift)) <= *worst->se_curve) return;
-  warnings.push_back(cause +
-                     formatted(" is not taken out: it moves ε(%.2g m/s) by %+.1e, %.1f standard errors; ", worst->v_mps,
-                               *(worst->*shift), std::abs(*(worst->*shift)) / *worst->se_curve) +
-                     remedy);
-}
-
-void warn_of_shifts(const ErrorBudget& budget, std::vector<std::string>& warnings) {
-  const std::string ball = budget.ball ? " (" + to_text(*budget.ball) : " (";
-  const std::string on_plate = budget.plate ? " on " + plate_text(*budget.plate) : "";
-  warn_of_shift(budget, &BudgetRow::shift_drag, "air drag" + ball + ")", "correct the flights for it", warnings);
-  warn_of_shift(budget, &BudgetRow::shift_contact_time, "the duration of contact" + ball + on_plate + ")",
-                "correct the intervals for it", warnings);
-}
-
-bool is_present(const ErrorBudget& budget, const std::string& cause) {
-  return std::any_of(budget.effects.begin(), budget.effects.end(),
-                     [&](const auto& effect) { return effect.first == cause && effect.second == Effect::present; });
-}
-
 /// Of the samples alone, whatever is fitted to them.
 void warn_of_all_samples(const RestitutionSamples& used, const LeftOut& left_out, std::vector<std::string>& warnings) {
   warn_of_samples(used, warnings);
@@ -174,37 +148,29 @@ std::string open_without_ball(const MemoryFit& memory) {
 
 }  // namespace
 
-std::string open_corrections(const ErrorBudget& budget) {
-  if (budget.rows.empty()) return "";
-  const BudgetRow& row = budget.rows.front();
-  const bool drag = is_present(budget, "air drag") && !row.shift_drag;
-  const bool contact = is_present(budget, "contact time") && !row.shift_contact_time;
-  if (!drag && !contact) return "";
-  std::string why = "Hertz's theory does not give the contact time of " + (budget.ball ? to_text(*budget.ball) : "") +
-                    " on " + (budget.plate ? plate_text(*budget.plate) : "") + " (--ball ...,contact-time=...)";
-  if (!budget.plate) why = "no plate was named (--plate)";
-  if (!budget.ball) why = "no ball was named (--ball, --plate)";
-  if (drag && contact) return "air drag and contact time are not taken out, and how much they shift ε is open: " + why;
-  return std::string(drag ? "air drag" : "contact time") +
-         " is not taken out, and how much it shifts ε is open: " + why;
-}
-
-std::vector<std::string> warnings_of(const FitResult& result, const RestitutionSamples& samples) {
+void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords& words) {
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
   const RestitutionSamples& used = *part;
-  std::vector<std::string> warnings;
-  if (disagree(result.recordings)) warnings.push_back(in_words(result.recordings));
-  warn_of_law(result.law, warnings);
-  warn_of_timing(result.budget, warnings);
-  warn_of_all_samples(used, left_out, warnings);
-  warn_of_mixed_conditions(used, warnings);
-  warn_of_shifts(result.budget, warnings);
-  if (const std::string open = open_corrections(result.budget); !open.empty()) warnings.push_back(open);
+  // what may make another answer comes first; what only some ask for is a detail
+  std::vector<std::string>& first = words.warnings;
+  if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
+  warn_of_all_samples(used, left_out, first);
+  warn_of_mixed_conditions(used, first);
+  warn_of_law(result.law, first);
+  warn_of_timing(result.budget, first);
+  std::vector<std::string>& details = words.details;
+  constexpr std::size_t kMost = 3;
+  if (first.size() > kMost) {
+    details.assign(first.begin() + kMost, first.end());
+    first.resize(kMost);
+  }
+  details.insert(details.end(), result.law.notes.begin(), result.law.notes.end());
+  warn_of_few_drops(result.law.drops, details);
+  warn_of_unstated_errors(used, details);
   if (const std::string open = result.memory ? open_without_ball(*result.memory) : ""; !open.empty())
-    warnings.push_back(open);
-  warn_of_constants(result.law, warnings);
-  return warnings;
+    details.push_back(open);
+  warn_of_constants(result.law, details);
 }
 
 std::vector<std::string> warnings_of(const RoughnessResult& result, const RestitutionSamples& samples) {

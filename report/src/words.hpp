@@ -8,10 +8,8 @@
 
 namespace bouncelab::report {
 
-/// "air drag is not taken out, and its shift of eps is open: no ball was named (--ball)"; empty where nothing is open.
-std::string open_corrections(const fit::ErrorBudget& budget);
-
-std::vector<std::string> warnings_of(const fit::FitResult& result, const RestitutionSamples& samples);
+/// Warnings and details.
+void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
 PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
 /// The questions that a reader brings (five; with several recordings whether they agree, with memory whether the
 /// fluctuations remember), answered in a sentence or two from the numbers of the result.

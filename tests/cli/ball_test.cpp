@@ -92,10 +92,6 @@ TEST_F(BallOption, NotNamedNothingIsAssumed) {
   const Json budget = Json::parse(content_of(folder_ / "f.json")).at("budget");
   EXPECT_TRUE(budget.at("ball").is_null());
   EXPECT_TRUE(budget.at("rows").at(0).at("shift_drag").is_null());
-  expect_one_line_error(run("restitution o.csv --out t.csv --correct-drag"), 2, {"--ball", "bouncelab balls"});
-  expect_one_line_error(run("restitution o.csv --out t.csv --correct-contact-time --ball steel:6mm"), 2, {"--plate"});
-  expect_one_line_error(run("restitution o.csv --out t.csv --correct-contact-time --ball table-tennis --plate glass"),
-                        2, {"contact-time="});
 }
 
 TEST_F(BallOption, NamedToTheFitItIsThatOfTheBudget) {

@@ -41,7 +41,7 @@ const std::vector<Stage> kStages{
     // as many modes as ring by a transform
     {"synthesize other.csv --rate 96000 --out fine.wav", "fine.wav", {}},
     {"detect sound.wav --out onsets.csv", "onsets.csv", {{"t_s", 80, 677.6120249388451}}},
-    {"restitution onsets.csv --correct-drag --ball steel:6mm --plate glass --out samples.csv",
+    {"restitution onsets.csv --ball steel:6mm --plate glass --out samples.csv",
      "samples.csv",
      {{"eps", 76, 74.24846202545166}}},
     {"fit samples.csv --goodness-replicates 3 --bootstrap 3 --out fit.json --table law.csv", "fit.json", {}},

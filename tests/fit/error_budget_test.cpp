@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/fit/error_budget.hpp"
-#include "restitution/flight_correction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +36,7 @@ TEST(ErrorBudget, FindsTheTimingNoiseFromNeighboursWithoutBeingTold) {
 
 TEST(ErrorBudget, IsForWhatTheSamplesSayOfThemselves) {
   RestitutionConfig config;
-  config.correct_drag = true;
+  config.air_kgpm3 = 0.0;
   config.gravity_mps2 = 1.62;
   config.ball = ball_from_text("glass:8mm");
   config.plate = kGlass;
@@ -108,7 +107,7 @@ TEST(ErrorBudget, WithoutABallShiftsAreNotKnown) {
   const auto of_shell = budget_of(run, shell, kGlass).rows, of_steel = budget_of(run, Ball{}, kGlass).rows;
   for (std::size_t k = 0; k < of_shell.size(); ++k) {
     const BudgetRow& row = of_shell[k];
-    const double drag = drag_deceleration_mps2(shell, {}, row.v_mps) / drag_deceleration_mps2({}, {}, row.v_mps);
+    const double drag = drag_per_m(shell, {}, row.v_mps) / drag_per_m({}, {}, row.v_mps);
     // proportional to the drag, but for its growth with speed, which is a little faster where Re is larger
     EXPECT_NEAR(*row.shift_drag / *of_steel[k].shift_drag / drag, 1.0, 0.06);
     EXPECT_FALSE(row.shift_contact_time);

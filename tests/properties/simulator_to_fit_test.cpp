@@ -46,8 +46,8 @@ fit::FitResult analysed(const Disturbed& by, bool corrected) {
   fit::RestitutionConfig config;
   config.ball = Ball{};
   config.plate = kGlass;
-  config.correct_drag = by.drag && corrected;
-  config.correct_contact_time = by.contact_time && corrected;
+  if (!by.drag || !corrected) config.air_kgpm3 = 0.0;
+  config.instant_contacts = !by.contact_time || !corrected;
   fit::FitConfig fit;
   fit.law.node_speeds_mps = {0.25, 0.6, 1.2};
   fit.n_goodness = 0;

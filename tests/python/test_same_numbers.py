@@ -201,8 +201,9 @@ class Restitution(Case):
     def test_defaults(self):
         self.same()
 
-    def test_a_ball_with_corrections(self):
-        self.same(ball="steel:6mm", plate="glass", correct_drag=True, correct_contact_time=True)
+    def test_a_ball_and_a_simulation(self):
+        self.same(ball="steel:6mm", plate="glass")
+        self.same(air=0)
 
     def test_a_drop_height_and_another_gravity(self):
         self.same(drop_height=0.095, gravity=9.7803)

@@ -114,10 +114,9 @@ TEST(VampPlugins, ANamedBallIsCorrectedForDrag) {
   fit::RestitutionConfig config;
   config.gravity_mps2 = 9.7;
   config.ball = ball_from_text("steel:6.35mm");
-  config.correct_drag = true;
   const Onsets onsets = detection::detect(sound, kRate_hz, "recording", detector).onsets;
-  expect_samples(features, fit::restitution_samples(onsets, config).samples);
-  config.correct_drag = false;  // the correction is there at all
+  expect_samples(features, fit::at_the_plate(fit::restitution_samples(onsets, config).samples));
+  // the correction is there at all
   EXPECT_NE(features[0][0].values[0], static_cast<float>(fit::restitution_samples(onsets, config).samples[0].eps));
 }
 

@@ -63,7 +63,7 @@ const Description& members_of(const SimulateOptions*) {
       member<O>(
           "tilt", [](auto& o) -> auto& { return o.config.tilt_rad; }, "Tilt of the plate, downhill along x [rad]")
           .within(0.0, 1.5707),
-      member("drag", &O::drag, "Air drag (Schiller-Naumann, 20 degrees C)"),
+      member("drag", &O::drag, "Air drag (standard curve of a sphere, 20 degrees C)"),
       member<O>(
           "min_speed", [](auto& o) -> auto& { return o.config.min_speed_mps; },
           "A drop ends before an impact slower than this [m/s]")

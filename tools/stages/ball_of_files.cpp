@@ -27,6 +27,11 @@ BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& fi
   return choice;
 }
 
+std::optional<bool> air_of_simulation(const std::vector<std::string>& files) {
+  if (common_parameter(files, "asperities").empty()) return std::nullopt;
+  return common_parameter(files, "drag") == "true";
+}
+
 std::string ball_line(const BallChoice& choice) {
   const std::optional<Ball> ball = ball_of(choice);
   const std::optional<Material> plate = plate_of(choice);

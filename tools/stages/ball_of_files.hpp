@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace bouncelab::stages {
 /// `choice`, where a part is not named that of the command which wrote the files (their provenance), if it had one.
 /// @throws FileError where the provenance cannot be read; InvalidArgument where the files were made with several
 BallChoice with_provenance(BallChoice choice, const std::vector<std::string>& files);
+
+/// Whether the balls of simulated impacts flew through air; absent where the files are no simulation's.
+std::optional<bool> air_of_simulation(const std::vector<std::string>& files);
 
 /// What was understood, as a line.
 std::string ball_line(const BallChoice& choice);

@@ -112,6 +112,8 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
   outcome.text = answer_text(words.answer) + describe(result);
   outcome.warnings = words.warnings;
   if (result.status == fit::FitStatus::ok) return outcome;
+  // of one speed alone eps is known there, and nothing more was to be known
+  if (words.answer.at && result.law.kind == fit::LawKind::constant) return outcome;
   outcome.exit_code = kNotUsable;
   outcome.error = samples + ": " + result.law.message;
   std::erase(outcome.warnings, result.law.message);
@@ -139,7 +141,6 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
 
 Outcome as_stage(Outcome outcome, const fit::FitResult& result) {
   if (result.status != fit::FitStatus::not_identifiable || result.law.nodes.empty()) return outcome;
-  outcome.warnings.push_back(result.law.message);
   outcome.exit_code = kDone;
   outcome.error.clear();
   return outcome;

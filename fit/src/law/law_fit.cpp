@@ -10,6 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
 #include "law/goodness.hpp"
 #include "law/law_data.hpp"
 #include "law/law_likelihood.hpp"
@@ -21,25 +22,27 @@ namespace {
 
 constexpr double kSpeedRatioMin = 1.2;
 
-std::string reason_not_to_fit(const LawData& data, const LawFitConfig& config, FitStatus& status) {
+std::string reason_not_to_fit(const LawData& data, FitStatus& status) {
   if (data.size() < kFewest) {
     status = FitStatus::too_few_samples;
     return std::to_string(data.size()) + (data.size() == 1 ? " sample: at least " : " samples: at least ") +
            std::to_string(kFewest) + " are needed";
   }
-  const double lo = data.v_mps[data.size() / 20], hi = data.v_mps[data.size() - 1 - data.size() / 20];
-  if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
-    status = FitStatus::not_identifiable;
-    return "all speeds lie between " + std::to_string(lo) + " and " + std::to_string(hi) +
-           " m/s: ε(v) is known there only, the constants A are not identifiable";
-  }
   return {};
 }
 
-/// The law that so few samples can say something of: as asked for from eight on, two terms of a series from five on, a
-/// constant below.
-LawFitConfig for_few(LawFitConfig config, std::size_t n, std::vector<std::string>& notes) {
+/// The law that samples can say something of: as asked for from eight on, two terms of a series from five on, a constant
+/// below, and where all have about one speed.
+LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<std::string>& notes) {
   constexpr std::size_t kThreeTerms = 8, kTwoTerms = 5;
+  const std::size_t n = data.size();
+  if (n == 0) return config;
+  const double lo = data.v_mps[n / 20], hi = data.v_mps[n - 1 - n / 20];
+  if (config.kind == LawKind::series && config.orders.size() > 1 && hi < kSpeedRatioMin * lo) {
+    config.kind = LawKind::constant;
+    notes.push_back("all speeds lie between " + formatted("%.3g and %.3g", lo, hi) + " m/s: one eps, at that speed");
+    return config;
+  }
   if (n >= kThreeTerms || config.kind != LawKind::series) return config;
   if (n >= kTwoTerms) {
     if (config.orders.size() <= 2) return config;
@@ -150,10 +153,10 @@ LawFit fitted_law(const RestitutionSamples& samples, const OrderedSamples& order
   std::vector<std::size_t> rows = ordered.rows;
   LawData data = ordered.data;
   fit.n = data.size();
-  const LawFitConfig config = for_few(asked, fit.n, fit.notes);
+  const LawFitConfig config = for_these(asked, data, fit.notes);
   fit.kind = config.kind;
   fit.method = config.method;
-  fit.message = reason_not_to_fit(data, config, fit.status);
+  fit.message = reason_not_to_fit(data, fit.status);
   if (!fit.message.empty()) return fit;
 
   const LawModel model = make_law_model(config.kind, config.orders, data.v_mps);

@@ -82,12 +82,12 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   Outcome outcome;
   outcome.warnings = joined(detected.warnings, fitted.warnings);
   outcome.result = object_of(members_of(&found), &found);
+  outcome.result.emplace_back("answer", value_of(words.answer));
   outcome.result.emplace_back("warnings", outcome.warnings);
   write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
   const Outcome shown = run_report({folder, folder / "report.html", title_of(found.recordings)}, run);
-  const std::string answer = answer_text(words.answer);  // first of all; the text of the fit begins with it
-  outcome.text = answer + detected.text + text_of(found.restitution.counts, config.restitution) +
-                 fitted.text.substr(answer.size()) + shown.text;
+  const std::string answer = answer_text(words.answer);
+  outcome.text = answer + detected.text + text_of(found.restitution.counts, config.restitution) + shown.text;
   outcome.exit_code = std::max(detected.exit_code, fitted.exit_code);
   // recordings that were left out are named also where the fit of the others fails
   outcome.error = detected.error + (detected.error.empty() || fitted.error.empty() ? "" : "; ") + fitted.error;

@@ -16,7 +16,7 @@ Command restitution_command() {
           .positional(),
       member("out", &O::out, "Samples, .csv").looks_like("FILE").required()};
   static const Description ball = ball_options(
-      "those of the onsets' .meta.json where they were simulated, else not known: drag and contact time stay open");
+      "those of the onsets' .meta.json where they were simulated, else not known: drag and contact time are then open");
   auto options = std::make_shared<O>();
   return {"restitution",
           "Coefficients of restitution from impact times: ratios of neighbouring intervals",
@@ -27,6 +27,12 @@ Command restitution_command() {
            {"Coefficients of restitution", &members_of(options.get()), options.get()}},
           [options](Run& run) {
             options->world = with_provenance(options->world, options->onsets);
+            // what was simulated knows its world: contacts take no time, and there may be no air
+            const std::optional<bool> air = air_of_simulation(options->onsets);
+            if (air && !run.given.contains("air")) {
+              options->config.instant_contacts = true;
+              if (!*air) options->config.air_kgpm3 = 0.0, set_parameter(run.parameters, "air", "0");
+            }
             set_parameter(run.parameters, "ball", options->world.ball);
             set_parameter(run.parameters, "plate", options->world.plate);
             return run_restitution(*options, run).outcome;

@@ -35,7 +35,7 @@ print(f"median standard error of a time: {sorted(onsets.sigma)[len(onsets) // 2]
 # %% [markdown]
 # ## Coefficients of restitution
 # Ratios of neighbouring intervals. Who knows the ball names it: `ball="table-tennis", plate="concrete"`; then air drag
-# and the time of contact can be corrected for (`correct_drag=True, correct_contact_time=True`).
+# and the time of contact are then known beforehand, and its interval is narrower.
 
 # %%
 samples = bl.restitution(onsets)

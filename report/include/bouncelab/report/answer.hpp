@@ -68,7 +68,8 @@ const Description& members_of(const Finding*);
 
 struct FitInWords {
   PlainAnswer answer;
-  std::vector<std::string> warnings;  ///< what must be known before the result is used, most important first
+  std::vector<std::string> warnings;  ///< what may make another answer, most important first, at most three
+  std::vector<std::string> details;   ///< what else is to be said of the data and of the constants
   std::vector<Finding> findings;      ///< how eps depends on speed, how sure, what limits it ...; empty without a law
 };
 const Description& members_of(const FitInWords*);

@@ -39,7 +39,7 @@ struct SimulationConfig {
   /// of 30 x 20 cm in nine drops of ten before its hundredth bounce.
   std::array<double, 2> plate_size_m{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 
-  std::optional<Air> air;  ///< slows the flights (Schiller-Naumann); absent: none, as in the paper
+  std::optional<Air> air;  ///< slows the flights (drag_per_m); absent: none, as in the paper
 
   std::int64_t n_drops = 40;        ///< >= 1
   std::int64_t first_drop = 0;      ///< number of the first one; a drop depends on (seed, its number) alone

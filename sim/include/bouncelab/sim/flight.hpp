@@ -27,11 +27,7 @@ struct FirstContact {
   BallState state;             ///< at contact, before the collision
 };
 
-/// Acceleration by the drag on a sphere of diameter d:
-///
-///   a = -(18 mu / (rho d^2)) (1 + 0.15 Re^0.687) v,   Re = rho_air |v| d / mu,   rho the ball's density
-///
-/// the factor by Schiller & Naumann (core/ball.hpp). Neglects added mass and buoyancy (1.5e-4 of gravity) and lift by
+/// Acceleration by the drag on a sphere, a = -kappa |v| v, kappa by the standard drag curve (drag_per_m). Neglects added mass and buoyancy (1.5e-4 of gravity) and lift by
 /// spin.
 Vector3 drag_acceleration_mps2(const Ball& ball, const Air& air, Vector3 velocity_mps);
 
