@@ -12,6 +12,7 @@
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/report/detection.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 
@@ -107,6 +108,7 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
   const fit::RestitutionCounts& counts = stage.result = restitution_of_files(inputs, config, samples, outcome.warnings);
   if (!options.positions.empty()) inputs.emplace_back(options.positions);
   outcome.text = text_of(counts, config);
+  outcome.warnings = joined(outcome.warnings, report::warnings_of(counts, config));
   outcome.result = summary_of(counts, config);
   samples.finish(inputs);
   if (counts.n_samples == 0) {

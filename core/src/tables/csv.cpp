@@ -201,6 +201,13 @@ Fault append(std::vector<std::int64_t>& integers, const std::string& cell) {
   return nullptr;
 }
 
+/// Digits behind the point; of a number with a power of ten very many.
+int decimals_of(std::string_view number) {
+  if (number.find_first_of("eEnN") != std::string_view::npos) return number.empty() ? -1 : 100;
+  const auto point = number.find('.');
+  return point == std::string_view::npos ? 0 : static_cast<int>(number.size() - point - 1);
+}
+
 std::string joined(const std::vector<std::string>& cells) {
   std::string text;
   for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
@@ -259,6 +266,8 @@ struct CsvReader::State {
       if (fault != nullptr)
         throw FileError(name, "line " + std::to_string(rows.line()) + ", column " + column.name + ": '" +
                                   printable(cell) + "' " + fault);
+      if (std::holds_alternative<std::vector<double>>(column.values) && column.decimals < 100 && !trimmed(cell).empty())
+        column.decimals = std::max(column.decimals, decimals_of(trimmed(cell)));
     }
   }
 };

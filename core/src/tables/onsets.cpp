@@ -112,6 +112,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
   check_columns(table, onset_columns(), name);
   Onsets onsets = rows_of(columns_of(static_cast<const Onset*>(nullptr)), table);
   const bool is_numbered = table.integers("impact") != nullptr;
+  const std::optional<double> rounding = rounding_of(table, "t_s");
   for (std::size_t k = 0; k < onsets.size(); ++k) {
     Onset& onset = onsets[k];
     const bool goes_on = before && before->recording == onset.recording && before->drop == onset.drop;
@@ -120,6 +121,7 @@ Onsets onsets_from_table(const Table& table, const std::string& name, const Onse
                                 std::to_string(onset.t_s) + " follows " + std::to_string(before->t_s) +
                                 "; sort the file");
     if (!is_numbered) onset.impact = goes_on ? before->impact + 1 : 0;
+    if (!onset.sigma_t_s) onset.sigma_t_s = rounding;
     before = &onset;
   }
   return onsets;

@@ -162,9 +162,11 @@ RestitutionSamples samples_from_table(const Table& table, const std::string& nam
     throw FileError(name, error.what());
   }
   const bool is_numbered = table.integers("impact") != nullptr;
+  const std::optional<double> rounding = rounding_of(table, "eps");
   for (std::size_t k = 0; k < samples.size(); ++k) {
     RestitutionSample& s = samples[k];
     if (!is_numbered) s.impact = static_cast<std::int64_t>(k);
+    if (!s.sigma_eps) s.sigma_eps = rounding;
     if (!std::isfinite(s.v_mps) || !std::isfinite(s.eps)) s.flags.add(Flag::not_finite);
     check_used(s, table.place_of(k), name);
   }

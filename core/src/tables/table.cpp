@@ -45,6 +45,17 @@ std::string Range::why_not(double value) const {
          short_number(greatest) + "]" + (may_be_unknown ? "; leave the cell empty where the value is not known" : "");
 }
 
+std::optional<double> Column::rounding() const {
+  if (decimals < 0 || decimals > 5) return std::nullopt;
+  return std::pow(10.0, -decimals) / std::sqrt(12.0);
+}
+
+std::optional<double> rounding_of(const Table& table, const std::string& name) {
+  for (const Column& column : table.columns)
+    if (column.name == name) return column.rounding();
+  return std::nullopt;
+}
+
 Column empty_column(const ColumnSpec& spec) {
   if (spec.type == ColumnType::real) return {spec.name, std::vector<double>{}};
   if (spec.type == ColumnType::integer) return {spec.name, std::vector<std::int64_t>{}};

@@ -97,9 +97,23 @@ void flag_wrong_intervals(std::span<RestitutionSample> drop, RestitutionCounts& 
   }
 }
 
+double median_of_others(const RestitutionSamples& samples) {
+  std::vector<double> eps;
+  for (std::size_t k = 1; k < samples.size(); ++k) eps.push_back(samples[k].eps);
+  return median(std::move(eps));
+}
+
+/// Does the first impact, of a height that was given, leave what the others say by half as much as a missing one would?
+bool contradicts(const RestitutionSamples& samples) {
+  if (samples.size() < 3) return false;
+  const double m = median_of_others(samples), ratio = samples.front().eps / m;
+  const double factor = std::sqrt(std::sqrt(1.0 + m));
+  return ratio > factor || ratio < 1.0 / factor;
+}
+
 /// Samples of one drop, in time order.
 RestitutionSamples samples_of_drop(std::span<const Onset> drop, const RestitutionConfig& config,
-                                   RestitutionCounts& counts) {
+                                   RestitutionCounts& counts, std::vector<double>& heights_m) {
   RestitutionSamples samples;
   std::size_t piece_begin = 0;
   const auto close_piece = [&](std::size_t end) {
@@ -123,7 +137,15 @@ RestitutionSamples samples_of_drop(std::span<const Onset> drop, const Restitutio
     }
   }
   close_piece(drop.size());
-  flag_wrong_intervals(samples, counts);
+  const bool has_first = config.drop_height_m && !samples.empty() && samples.front().impact == 0;
+  flag_wrong_intervals(std::span(samples).subspan(has_first ? 1 : 0), counts);
+  if (has_first && contradicts(samples)) {
+    ++counts.n_heights_contradicted;
+    // as high as the ball must fall to be as fast as the flight after the first impact asks for
+    const double eps = median_of_others(samples), launch_mps = samples.front().eps * samples.front().v_mps;
+    heights_m.push_back(square(launch_mps / eps) / (2.0 * config.gravity_mps2));
+    samples.erase(samples.begin());
+  }
   return samples;
 }
 
@@ -197,6 +219,7 @@ RestitutionSamples RestitutionInPieces::finish() {
   RestitutionSamples samples;
   if (!drop_.empty()) end_drop(samples);
   const double n = std::max(1.0, static_cast<double>(counts_.n_samples));
+  if (!heights_m_.empty()) counts_.height_suggested_m = median(heights_m_);
   if (config_.travel_time) counts_.rms_shift_travel_time = std::sqrt(squared_travel_shifts_ / n);
   return samples;
 }
@@ -205,12 +228,13 @@ void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
   ++counts_.n_drops;
   RestitutionSamples of_drop;
   if (config_.travel_time) {
-    of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_);
+    of_drop = samples_of_drop(without_travel_time(drop_, *config_.travel_time), config_, counts_, heights_m_);
     RestitutionCounts not_counted;
-    const RestitutionSamples uncorrected = samples_of_drop(drop_, config_, not_counted);
+    std::vector<double> not_used;
+    const RestitutionSamples uncorrected = samples_of_drop(drop_, config_, not_counted, not_used);
     squared_travel_shifts_ += squared_shifts(of_drop, uncorrected);
   } else {
-    of_drop = samples_of_drop(drop_, config_, counts_);
+    of_drop = samples_of_drop(drop_, config_, counts_, heights_m_);
   }
   counts_.n_samples += of_drop.size();
   const auto heard = std::find_if(drop_.begin(), drop_.end(), [](const Onset& o) { return o.contact_s.has_value(); });

@@ -112,6 +112,10 @@ const Description& members_of(const RestitutionCounts*) {
                                result("n_samples", &C::n_samples, "Coefficients of restitution"),
                                result("n_flagged", &C::n_flagged, "Of these with a flag: they stay out of the fit"),
                                result("eps_median", &C::eps_median, "Of the others"),
+                               result("n_heights_contradicted", &C::n_heights_contradicted,
+                                      "Drops whose flights contradict `--drop-height`: their first impact is left out"),
+                               result("height_suggested_m", &C::height_suggested_m,
+                                      "Height of the fall that these suggest, their median; `null`: none"),
                                result<C>(
                                    "breaks",
                                    [](const C& c) {

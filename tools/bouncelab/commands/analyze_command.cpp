@@ -80,7 +80,8 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
   write_files(found, words, folder, run);
   Outcome outcome;
-  outcome.warnings = joined(detected.warnings, fitted.warnings);
+  outcome.warnings = joined(detected.warnings, report::warnings_of(found.restitution.counts, config.restitution));
+  outcome.warnings = joined(outcome.warnings, fitted.warnings);
   outcome.result = object_of(members_of(&found), &found);
   outcome.result.emplace_back("answer", value_of(words.answer));
   outcome.result.emplace_back("warnings", outcome.warnings);

@@ -29,6 +29,11 @@ enum class ColumnType { real, integer, text };
 struct Column {
   std::string name;
   std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>> values;
+  int decimals = -1;  ///< of reals that were texts: the most digits behind a point; -1: not known
+
+  /// Standard deviation of what rounding to so many decimals took: 10^-decimals/sqrt(12). Absent where that is not known
+  /// or there are more than five: such numbers are computed ones.
+  std::optional<double> rounding() const;
 };
 
 /// The numbers that a column may hold; beyond them lies no ball, and a computation with them would only look like one.
@@ -241,6 +246,9 @@ Table table_of(const RowColumns<S>& columns, std::span<const S> rows) {
     if (c.write) table.columns.push_back(c.write(rows));
   return table;
 }
+
+/// Column::rounding of the column of this name, if there is one.
+std::optional<double> rounding_of(const Table& table, const std::string& name);
 
 /// What a reader wants.
 template <class S>

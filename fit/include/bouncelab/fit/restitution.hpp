@@ -60,6 +60,10 @@ struct RestitutionCounts {
   /// Places where the chain of one drop was broken, by reason
   std::map<Flag, std::size_t> breaks;
   std::optional<double> rms_shift_travel_time;  ///< its mean is nearly zero: the ball goes to and fro
+  /// Drops whose flights contradict the height given: their first impact is left out. And the height that these suggest
+  /// [m], the median of them.
+  std::size_t n_heights_contradicted = 0;
+  std::optional<double> height_suggested_m;
 };
 const Description& members_of(const RestitutionCounts*);
 
@@ -119,6 +123,7 @@ class RestitutionInPieces {
   Onsets drop_;  // as far as it has come
   RestitutionCounts counts_;
   double squared_travel_shifts_ = 0.0;  // sum over all samples
+  std::vector<double> heights_m_;       // that drops suggest against the one given
 };
 
 /// The interval after one impact: measured, and as a law predicts it from the interval before.

@@ -6,11 +6,14 @@
 #include <vector>
 
 #include "bouncelab/detection/detect.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::report {
 
 /// One line on the drops of low odds: how many, and where the first are; none where there is no such drop.
 std::vector<std::string> warnings_of_drops(const std::vector<detection::RecordingDetection>& recordings);
+/// One line where flights contradict the height that was given, naming both; none else.
+std::vector<std::string> warnings_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config);
 /// What to tell people of each recording, a line each.
 std::vector<std::string> warnings_of(const std::vector<detection::RecordingDetection>& recordings);
 
