@@ -72,7 +72,8 @@ class OpenByDragAndContact {
     const auto add = [&](Deviation sd) {
       const auto& m = estimate.mean;
       const auto moved = [&](double side) {
-        return fit_law(at_the_plate(raw, known, {m.ln_kappa + side * sd.ln_kappa, m.ln_tau + side * sd.ln_tau}), config);
+        return fit_law(at_the_plate(raw, known, {m.ln_kappa + side * sd.ln_kappa, m.ln_tau + side * sd.ln_tau}),
+                       config);
       };
       sides_.push_back({moved(-1.0), moved(1.0)});
     };

@@ -31,9 +31,10 @@ std::vector<std::string> warnings_of_drops(const std::vector<detection::Recordin
 
 std::vector<std::string> warnings_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
   if (counts.n_heights_contradicted == 0) return {};
-  return {formatted("--drop-height %.4g m contradicts the flights of %zu of %zu drops, which suggest a fall of %.2g m: is it "
-                    "in metres, and from rest? Their first impact is left out",
-                    *config.drop_height_m, counts.n_heights_contradicted, counts.n_drops, *counts.height_suggested_m)};
+  return {formatted(
+      "--drop-height %.4g m contradicts the flights of %zu of %zu drops, which suggest a fall of %.2g m: is it "
+      "in metres, and from rest? Their first impact is left out",
+      *config.drop_height_m, counts.n_heights_contradicted, counts.n_drops, *counts.height_suggested_m)};
 }
 
 std::vector<std::string> warnings_of(const std::vector<detection::RecordingDetection>& recordings) {

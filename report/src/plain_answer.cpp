@@ -56,12 +56,14 @@ std::string duration(double t_s) {
 }
 
 /// Is eps at node `k` another than at the middle one, whatever drag, contact time and law are?
-bool differs(const FitResult& result, const std::vector<NodeEstimate>& nodes, const Matrix& correlation, std::size_t k) {
+bool differs(const FitResult& result, const std::vector<NodeEstimate>& nodes, const Matrix& correlation,
+             std::size_t k) {
   const std::size_t middle = nodes.size() / 2;
   if (k == middle) return false;
   if (result.averaged && result.averaged->nodes.size() == nodes.size() && &nodes == &result.averaged->nodes) {
     const Interval& change = *result.averaged->changes[k].ci95;
-    return change.lo > 0.0 || change.hi < 0.0;
+    constexpr double kRounding = 1e-9;  // where a constant is likely, the interval ends at 0 but for rounding
+    return change.lo > kRounding || change.hi < -kRounding;
   }
   const Estimate &a = nodes[middle].eps, &b = nodes[k].eps;
   if (!a.se || !b.se) return false;

@@ -99,8 +99,8 @@ void warn_of_samples(const RestitutionSamples& used, std::vector<std::string>& w
 }
 
 void warn_of_unstated_errors(const RestitutionSamples& used, std::vector<std::string>& warnings) {
-  const auto unknown = std::count_if(used.begin(), used.end(),
-                                     [](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
+  const auto unknown =
+      std::count_if(used.begin(), used.end(), [](const auto& s) { return !s.sigma_eps || !(*s.sigma_eps > 0.0); });
   if (unknown > 0)
     warnings.push_back(
         formatted("%td of %zu samples state no timing error: it is neglected there, and the scatter "

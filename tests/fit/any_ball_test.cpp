@@ -24,9 +24,9 @@ constexpr double kG = 9.81, kAir_kgpm3 = 1.2, kViscosity_pas = 1.82e-5;
 /// The standard drag curve of a sphere, read off at decades and their thirds (Clift, Grace & Weber, Bubbles, Drops and
 /// Particles (1978), figure 5.12 and table 5.2), straight in the logarithms.
 double drag_coefficient(double reynolds) {
-  static const std::vector<std::pair<double, double>> curve{
-      {1.0, 27.2},   {3.0, 10.5},   {10.0, 4.26},  {30.0, 2.12},  {100.0, 1.09}, {300.0, 0.665},
-      {1e3, 0.471},  {3e3, 0.396},  {1e4, 0.405},  {3e4, 0.46},   {1e5, 0.50},   {3e5, 0.40}};
+  static const std::vector<std::pair<double, double>> curve{{1.0, 27.2},   {3.0, 10.5},    {10.0, 4.26}, {30.0, 2.12},
+                                                            {100.0, 1.09}, {300.0, 0.665}, {1e3, 0.471}, {3e3, 0.396},
+                                                            {1e4, 0.405},  {3e4, 0.46},    {1e5, 0.50},  {3e5, 0.40}};
   const double x = std::log(std::clamp(reynolds, 1.0, 3e5));
   for (std::size_t k = 1; k < curve.size(); ++k) {
     const double a = std::log(curve[k - 1].first), b = std::log(curve[k].first);
@@ -68,8 +68,8 @@ std::pair<double, double> flight(const World& w, double u) {
   const auto a = [&](double v) {
     const double speed = std::abs(v), reynolds = 2.0 * w.kind.radius_m * speed * kAir_kgpm3 / kViscosity_pas;
     const double area = 3.141592653589793 * w.kind.radius_m * w.kind.radius_m;
-    const double drag = reynolds > 0.0 ? 0.5 * kAir_kgpm3 * w.drag_factor * drag_coefficient(reynolds) * area * speed * speed
-                                       : 0.0;
+    const double drag =
+        reynolds > 0.0 ? 0.5 * kAir_kgpm3 * w.drag_factor * drag_coefficient(reynolds) * area * speed * speed : 0.0;
     return -kG - std::copysign(drag / w.kind.mass_kg, v);
   };
   double z = 0.0, v = u, t = 0.0;
@@ -87,8 +87,13 @@ std::pair<double, double> flight(const World& w, double u) {
 
 World drawn(const Kind& kind, Random& random) {
   const auto between = [&](double lo, double hi) { return lo + (hi - lo) * random.uniform(); };
-  World w{kind, between(0.95, kind.drag_factor_hi), between(kind.tau_lo_s, kind.tau_hi_s), between(kind.eps_lo, kind.eps_hi),
-          0.0, 0.0, 0.0};
+  World w{kind,
+          between(0.95, kind.drag_factor_hi),
+          between(kind.tau_lo_s, kind.tau_hi_s),
+          between(kind.eps_lo, kind.eps_hi),
+          0.0,
+          0.0,
+          0.0};
   // Hertz's contact of the massive ones, on glass: half of 100 us each way is no matter here
   if (w.tau_1_s == 0.0) w.tau_1_s = (kind.radius_m < 0.006 ? 30e-6 : 48e-6) * between(0.9, 1.1);
   w.slope = random.uniform() < 0.3 ? 0.0 : -between(0.0, 0.03);
@@ -156,10 +161,11 @@ void check(bool named, int n_runs, std::map<std::string, Tally>& tallies, Tally&
       if (std::getenv("BOUNCELAB_SHOW") != nullptr && result.averaged) {
         const auto& a = *result.averaged;
         const NodeEstimate& node = a.nodes[a.nodes.size() / 2];
-        std::cout << w.kind.name << " n " << onsets.size() << " v " << node.v_mps << " truth " << truth(w, node.v_mps) << " eps "
-                  << node.eps.value << " [" << node.eps.ci95->lo << ", " << node.eps.ci95->hi << "] laws";
+        std::cout << w.kind.name << " n " << onsets.size() << " v " << node.v_mps << " truth " << truth(w, node.v_mps)
+                  << " eps " << node.eps.value << " [" << node.eps.ci95->lo << ", " << node.eps.ci95->hi << "] laws";
         for (const auto& [name, weight] : a.laws) std::cout << " " << name << ":" << weight;
-        if (a.kappa_per_m) std::cout << " kappa " << a.kappa_per_m->value << " sd " << *a.kappa_per_m->se / a.kappa_per_m->value;
+        if (a.kappa_per_m)
+          std::cout << " kappa " << a.kappa_per_m->value << " sd " << *a.kappa_per_m->se / a.kappa_per_m->value;
         if (a.contact_s) std::cout << " tau " << a.contact_s->value << " of " << w.tau_1_s;
         std::cout << " shares " << a.share_of_drag << " " << a.share_of_contact << "\n";
       }
@@ -168,8 +174,8 @@ void check(bool named, int n_runs, std::map<std::string, Tally>& tallies, Tally&
 
 void show(const std::string& name, Tally t) {
   std::sort(t.widths.begin(), t.widths.end());
-  std::cout << name << ": " << t.held << " of " << t.n << ", pulls " << std::sqrt(t.pulls2 / std::max(1, t.n)) << ", width "
-            << (t.widths.empty() ? 0.0 : t.widths[t.widths.size() / 2]) << ", none " << t.none << "\n";
+  std::cout << name << ": " << t.held << " of " << t.n << ", pulls " << std::sqrt(t.pulls2 / std::max(1, t.n))
+            << ", width " << (t.widths.empty() ? 0.0 : t.widths[t.widths.size() / 2]) << ", none " << t.none << "\n";
 }
 
 int runs() {

@@ -44,7 +44,8 @@ BallKind touching(BallKind kind, const ContactDuration& contact, const std::stri
 }
 
 // The middle of what is published; `spread` covers the range that is: balls, floors and pressures differ.
-const char* const kCross = "Cross, Am. J. Phys. 67, 222 (1999), doi:10.1119/1.19229, and the range of other measurements";
+const char* const kCross =
+    "Cross, Am. J. Phys. 67, 222 (1999), doi:10.1119/1.19229, and the range of other measurements";
 const char* const kRange = "the range of published measurements; floors and pressures differ";
 
 /// @param shell_density_kgpm3  of the wall, for the moment of inertia: that of a homogeneous shell

@@ -67,11 +67,11 @@ RowColumn<RestitutionSample> described(const std::string& name, std::optional<Th
 }
 
 RowColumn<RestitutionSample> corrected_column() {
-  RowColumn<RestitutionSample> made{
-      {"corrected", ColumnType::text, false},
-      "What is not in the intervals, because it was taken out or there was none: `drag`, `contact_time`, `travel_time`, "
-      "joined by `\\|`; of the others the fit takes account",
-      {}};
+  RowColumn<RestitutionSample> made{{"corrected", ColumnType::text, false},
+                                    "What is not in the intervals, because it was taken out or there was none: `drag`, "
+                                    "`contact_time`, `travel_time`, "
+                                    "joined by `\\|`; of the others the fit takes account",
+                                    {}};
   made.write = [](std::span<const RestitutionSample> rows) {
     std::vector<std::string> cells;
     for (const RestitutionSample& row : rows) cells.push_back(corrected_text(row.conditions));
@@ -117,7 +117,8 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
       column("drop", &S::drop, "Drop within the recording", kIndexRange),
       column("impact", &S::impact, "The impact at the end of the first of the two intervals", kIndexRange),
       column("t_s", &S::t_s, "Its time", {kTimeRange_s.least, kTimeRange_s.greatest}),
-      column("v_mps", &S::v_mps, "Normal impact speed, g T / 2; of impact 0 that of a fall from the height given").required(),
+      column("v_mps", &S::v_mps, "Normal impact speed, g T / 2; of impact 0 that of a fall from the height given")
+          .required(),
       column("eps", &S::eps, "Coefficient of restitution; may exceed 1, never clamped").required(),
       column("sigma_v_mps", &S::sigma_v_mps, "Standard error of `v_mps` from timing alone", kSigma),
       column("sigma_eps", &S::sigma_eps,

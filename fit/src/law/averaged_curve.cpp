@@ -24,11 +24,11 @@ namespace {
 constexpr double kSpeedRatioMin = 1.2;
 // Of places on the grid of a parameter that is hardly known, and of one whose prior is narrow.
 constexpr std::size_t kWide = 5, kNarrow = 3;
-constexpr double kReach = 2.4;          // of the grid, in standard deviations: 98 % of a normal prior
-constexpr double kNarrowPrior = 0.35;   // standard deviation of ln: between three places everything is straight
-constexpr std::size_t kFiner = 8;       // places by interpolation for each one computed
-constexpr int kMostRounds = 4;          // of closing in
-constexpr double kUnlikely = 9.0;       // in AICc/2: a law so far behind the best is left out of the grid
+constexpr double kReach = 2.4;         // of the grid, in standard deviations: 98 % of a normal prior
+constexpr double kNarrowPrior = 0.35;  // standard deviation of ln: between three places everything is straight
+constexpr std::size_t kFiner = 8;      // places by interpolation for each one computed
+constexpr int kMostRounds = 4;         // of closing in
+constexpr double kUnlikely = 9.0;      // in AICc/2: a law so far behind the best is left out of the grid
 // Scatter of eps from bounce to bounce, as of two samples, for those who have one or two: few balls do better than
 // this on any floor.
 constexpr double kScatterOfFew = 0.005;
@@ -75,17 +75,18 @@ Moved moved(const Raw& raw, const AirAndContact& known, Deviation deviation) {
 /// One law at one place of the grid: eps at the nodes with its covariance by standard errors and correlations.
 struct Fitted {
   double half_aicc = HUGE_VAL;
-  std::vector<double> eps, se;   ///< at the nodes
-  std::vector<double> change_se; ///< of the difference from the middle node
-  double nu = 1e9;               ///< degrees of freedom of the standard errors
-  double stretch = 1.0;          ///< of the standard errors, where they are by drop
+  std::vector<double> eps, se;    ///< at the nodes
+  std::vector<double> change_se;  ///< of the difference from the middle node
+  double nu = 1e9;                ///< degrees of freedom of the standard errors
+  double stretch = 1.0;           ///< of the standard errors, where they are by drop
 };
 
 Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& config,
               const std::vector<double>& nodes_mps) {
   Fitted fitted;
   std::optional<Candidate> candidate = best_candidate(data, model, config);
-  if (!candidate || !candidate->maximum.converged) return fitted;
+  constexpr double kLittle = 0.05;  // of log-likelihood: a search that stopped so near its end knows enough
+  if (!candidate || (!candidate->maximum.converged && !(candidate->maximum.gain_left < kLittle))) return fitted;
   candidate->data.basis = make_law_basis(model, candidate->data.v_mps);
   const LawLikelihood likelihood(candidate->data, model, candidate->family);
   LawFit fit;
@@ -125,8 +126,8 @@ Fitted fit_of_few(const LawData& data, std::size_t n_nodes) {
   const double mean = sum / weights;
   double own = 0.0;
   for (const double eps : data.eps) own += square(eps - mean);
-  const double timing = std::accumulate(data.tau.begin(), data.tau.end(), 0.0,
-                                        [](double a, double tau) { return a + tau * tau; }) / n;
+  const double timing =
+      std::accumulate(data.tau.begin(), data.tau.end(), 0.0, [](double a, double tau) { return a + tau * tau; }) / n;
   const double nu = 2.0 + (n - 1.0);
   const double scatter2 = (2.0 * square(kScatterOfFew) + std::max(0.0, own - (n - 1.0) * timing)) / nu;
   Fitted fitted;
@@ -218,7 +219,8 @@ struct Grid {
   std::size_t index(std::size_t i, std::size_t j) const { return i * tau.at.size() + j; }
   /// Of a place on the finer grid, in ln kappa and ln tau.
   double cell() const {
-    return (kappa.at.size() > 1 ? kappa.distance() / kFiner : 1.0) * (tau.at.size() > 1 ? tau.distance() / kFiner : 1.0);
+    return (kappa.at.size() > 1 ? kappa.distance() / kFiner : 1.0) *
+           (tau.at.size() > 1 ? tau.distance() / kFiner : 1.0);
   }
 };
 
@@ -232,8 +234,7 @@ struct Term {
   double between(Of of) const {
     double sum = 0.0;
     for (const auto& [i, of_kappa] : kappa->neighbours)
-      for (const auto& [j, of_tau] : tau->neighbours)
-        sum += of_kappa * of_tau * of(grid->fits[grid->index(i, j)]);
+      for (const auto& [j, of_tau] : tau->neighbours) sum += of_kappa * of_tau * of(grid->fits[grid->index(i, j)]);
     return sum;
   }
   bool is_there() const {
@@ -280,7 +281,8 @@ DeviationEstimate deviation_of(const std::vector<Term>& terms) {
 class Student {
  public:
   explicit Student(double nu) : reach_(nu < 3.0 ? 80.0 : 12.0) {
-    for (std::size_t k = 0; k <= kSteps; ++k) below_[k] = student_t_below(-reach_ + static_cast<double>(k) * step(), nu);
+    for (std::size_t k = 0; k <= kSteps; ++k)
+      below_[k] = student_t_below(-reach_ + static_cast<double>(k) * step(), nu);
   }
   double below(double t) const {
     if (t <= -reach_) return 0.0;
@@ -397,7 +399,9 @@ class Averaging {
     Grid grid{law,
               axis_of(known_.kappa_spread, middle.ln_kappa, kReach * sd.ln_kappa),
               axis_of(known_.contact.spread, middle.ln_tau, kReach * sd.ln_tau),
-              {}, {}, {}};
+              {},
+              {},
+              {}};
     grid.fine_kappa = finer(grid.kappa);
     grid.fine_tau = finer(grid.tau);
     grid.fits.resize(grid.kappa.at.size() * grid.tau.at.size());

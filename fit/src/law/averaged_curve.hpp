@@ -15,10 +15,10 @@ struct DeviationEstimate {
   Deviation mean, sd;
 };
 
-/// eps(v) at some speeds, from fits of several laws on a grid of drag and contact time. A fit counts as the prior of its
-/// place on the grid times exp(-AICc/2), with the likelihood of the ratios T'/T as they were measured; what is reported
-/// are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is interpolated;
-/// where samples know a parameter better than the grid resolves, the grid closes in on it.
+/// eps(v) at some speeds, from fits of several laws on a grid of drag and contact time. A fit counts as the prior of
+/// its place on the grid times exp(-AICc/2), with the likelihood of the ratios T'/T as they were measured; what is
+/// reported are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is
+/// interpolated; where samples know a parameter better than the grid resolves, the grid closes in on it.
 ///
 /// Laws: one eps for all speeds, gamma, a series of two terms, and the law asked for, or that alone where it is not the
 /// default. Source of the weights: Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004),

@@ -31,8 +31,8 @@ std::string reason_not_to_fit(const LawData& data, FitStatus& status) {
   return {};
 }
 
-/// The law that samples can say something of: as asked for from eight on, two terms of a series from five on, a constant
-/// below, and where all have about one speed.
+/// The law that samples can say something of: as asked for from eight on, two terms of a series from five on, a
+/// constant below, and where all have about one speed.
 LawFitConfig for_these(LawFitConfig config, const LawData& data, std::vector<std::string>& notes) {
   constexpr std::size_t kThreeTerms = 8, kTwoTerms = 5;
   const std::size_t n = data.size();

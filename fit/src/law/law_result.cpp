@@ -198,11 +198,12 @@ Known known_of(LawFit& fit, const LawLikelihood& likelihood, const Maximum& maxi
   Known known{whitening(likelihood.information(maximum.x), 1e-10), std::nullopt, {}};
   fit.n_parameters = static_cast<std::size_t>(likelihood.n_parameters());
   known.parameters = {maximum.x.head(n_law),
-                      small_sample_inflation(fit) * gram(known.white).topLeftCorner(n_law, n_law), std::nullopt, {}};
+                      small_sample_inflation(fit) * gram(known.white).topLeftCorner(n_law, n_law),
+                      std::nullopt,
+                      {}};
   known.by_drop = errors_by_drop(likelihood, maximum.x, known.white);
   fit.drops = {likelihood.n_drops(), known.by_drop ? ErrorBasis::by_drop : ErrorBasis::independent_samples};
-  if (likelihood.n_drops() < kFewestDrops &&
-      (known.by_drop = errors_by_sample(likelihood, maximum.x, known.white)))
+  if (likelihood.n_drops() < kFewestDrops && (known.by_drop = errors_by_sample(likelihood, maximum.x, known.white)))
     fit.drops.errors = ErrorBasis::by_sample;
   if (known.by_drop) {
     known.parameters.independent = std::move(known.parameters.covariance);
@@ -230,7 +231,8 @@ void describe_fit(LawFit& fit, const LawLikelihood& likelihood, const Maximum& m
   describe_nodes(fit, likelihood.model(), known, node_speeds_mps);
   describe_curve(fit, likelihood, known);
   describe_goodness(fit, likelihood, maximum);
-  if (intervals == IntervalMethod::profile && maximum.converged) profile_all(fit, likelihood, maximum, found.white, found.by_drop);
+  if (intervals == IntervalMethod::profile && maximum.converged)
+    profile_all(fit, likelihood, maximum, found.white, found.by_drop);
   if (!maximum.converged) {
     fit.status = FitStatus::not_converged;
     fit.message =

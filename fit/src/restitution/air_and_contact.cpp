@@ -114,8 +114,7 @@ AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAnd
     at.v_mps = fall_with_drag_mps(v_mps * v_mps / (2.0 * g), g, kappa_at(v_mps, known, deviation.ln_kappa));
   } else {
     // the contact with which the interval begins: the ball came down there by 1/eps faster than it went up
-    const double flight_s =
-        std::max(kLeastFlight * before_s, before_s - contact_s(v_mps / std::clamp(eps, 0.2, 1.0)));
+    const double flight_s = std::max(kLeastFlight * before_s, before_s - contact_s(v_mps / std::clamp(eps, 0.2, 1.0)));
     const double kappa = kappa_at(0.5 * g * flight_s, known, deviation.ln_kappa);
     at.v_mps = flight_with_drag(flight_s, g, kappa).landing_mps;
   }

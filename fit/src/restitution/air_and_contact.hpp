@@ -17,7 +17,7 @@ struct Deviation {
 /// (docs/physics.md, section 9)
 struct AirAndContact {
   double gravity_mps2 = kDefaultGravity_mps2;
-  std::optional<Ball> ball;   ///< named: drag by the standard curve, else the same kappa at all speeds
+  std::optional<Ball> ball;  ///< named: drag by the standard curve, else the same kappa at all speeds
   Air air;
   double kappa_per_m = 0.0;   ///< median, of a ball that is not named; 0: no drag
   double kappa_spread = 0.0;  ///< standard deviation of ln kappa, 0 where there is no drag
@@ -27,8 +27,8 @@ struct AirAndContact {
 
   bool is_open() const { return has_drag || has_contact; }
   /// Logarithm of the prior density of a deviation, up to a constant. Of a named ball both are normal. One that is not
-  /// named is one of the balls people drop, with ln kappa and ln tau about its own, or any other; the sound's frequencies
-  /// say which, as they suggest `contact`.
+  /// named is one of the balls people drop, with ln kappa and ln tau about its own, or any other; the sound's
+  /// frequencies say which, as they suggest `contact`.
   double ln_prior(Deviation deviation) const;
 };
 

@@ -222,9 +222,10 @@ const Description& members_of(const FitResult*) {
       result("n_used", &F::n_used, "Samples fitted"),
       result("n_left_out", &F::n_left_out, "Reason → number of samples left out"),
       result("law", &F::law, "The fit, see below"),
-      result("averaged", &F::averaged,
-             "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `laws`, `kappa_per_m`, "
-             "`contact_s`, `share_of_drag`, `share_of_contact`; `null` of very many samples that hold neither"),
+      result(
+          "averaged", &F::averaged,
+          "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `laws`, `kappa_per_m`, "
+          "`contact_s`, `share_of_drag`, `share_of_contact`; `null` of very many samples that hold neither"),
       result("recordings_test", path(&F::recordings, &Recordings::test),
              "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),
       result("recordings", path(&F::recordings, &Recordings::rows),

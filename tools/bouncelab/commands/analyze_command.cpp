@@ -9,6 +9,7 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/report/detection.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"

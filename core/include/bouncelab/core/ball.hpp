@@ -93,8 +93,8 @@ struct ContactDuration {
   double at(double v_mps) const { return at_1_mps_s * pow(v_mps, exponent); }
 };
 
-/// What is known of it: as measured where the ball says so, by Hertz where his theory holds for both (within 10 %), else as
-/// the catalogue has it for a ball of this size and material; absent where none of them does.
+/// What is known of it: as measured where the ball says so, by Hertz where his theory holds for both (within 10 %),
+/// else as the catalogue has it for a ball of this size and material; absent where none of them does.
 std::optional<ContactDuration> contact_duration(const Ball& ball, const std::optional<Material>& plate);
 
 /// A ball, or a material that balls are made of, by its name.
@@ -182,7 +182,8 @@ struct Air {
 
 /// Drag of a smooth sphere by the standard drag curve, as a deceleration over speed squared [1/m]:
 ///
-///   kappa = (3/8) C_d rho_air / (rho R),   C_d = 24/Re (1 + 0.15 Re^0.681) + 0.407/(1 + 8710/Re),   Re = 2 R v rho_air/mu
+///   kappa = (3/8) C_d rho_air / (rho R),   C_d = 24/Re (1 + 0.15 Re^0.681) + 0.407/(1 + 8710/Re),   Re = 2 R v
+///   rho_air/mu
 ///
 /// rho and R of the ball. C_d fits the measurements within 4 % (rms 2.6 %) for Re < 2e5. Source: Brown & Lawler, J.
 /// Environ. Eng. 129, 222 (2003), doi:10.1061/(ASCE)0733-9372(2003)129:3(222).

@@ -31,8 +31,8 @@ struct Column {
   std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>> values;
   int decimals = -1;  ///< of reals that were texts: the most digits behind a point; -1: not known
 
-  /// Standard deviation of what rounding to so many decimals took: 10^-decimals/sqrt(12). Absent where that is not known
-  /// or there are more than five: such numbers are computed ones.
+  /// Standard deviation of what rounding to so many decimals took: 10^-decimals/sqrt(12). Absent where that is not
+  /// known or there are more than five: such numbers are computed ones.
   std::optional<double> rounding() const;
 };
 

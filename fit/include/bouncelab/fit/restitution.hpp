@@ -43,7 +43,7 @@ struct RestitutionConfig {
   std::optional<Material> plate;               ///< likewise
   double air_kgpm3 = Air{}.density_kgpm3;      ///< density of the air, >= 0; 0: none [kg/m^3]
   bool instant_contacts = false;               ///< as in a simulation
-  std::optional<TravelTime> travel_time;  ///< taken out of the times before anything else
+  std::optional<TravelTime> travel_time;       ///< taken out of the times before anything else
   double wave_speed_mps = 2500.0;  ///< for the error budget, where travel times are not taken out; 343 for a microphone
   /// Height of the ball's lowest point over the plate at release [m], > 0: then the first impact of each drop counts,
   /// v_0 = sqrt(2 g h). Only where impact 0 was detected.
@@ -99,7 +99,8 @@ struct Restitution {
 Restitution restitution_samples(const Onsets& onsets, const RestitutionConfig& config);
 
 /// Speeds and coefficients at the plate: launch speed of a flight over landing speed of the one before, with the most
-/// likely drag and contact time (of a ball that is named its own). Samples whose intervals hold neither stay as they are.
+/// likely drag and contact time (of a ball that is named its own). Samples whose intervals hold neither stay as they
+/// are.
 RestitutionSamples at_the_plate(RestitutionSamples samples);
 
 /// The same of a table in pieces, in the memory that its longest drop needs: the same samples and counts, but for the

@@ -27,8 +27,8 @@ struct FirstContact {
   BallState state;             ///< at contact, before the collision
 };
 
-/// Acceleration by the drag on a sphere, a = -kappa |v| v, kappa by the standard drag curve (drag_per_m). Neglects added mass and buoyancy (1.5e-4 of gravity) and lift by
-/// spin.
+/// Acceleration by the drag on a sphere, a = -kappa |v| v, kappa by the standard drag curve (drag_per_m). Neglects
+/// added mass and buoyancy (1.5e-4 of gravity) and lift by spin.
 Vector3 drag_acceleration_mps2(const Ball& ball, const Air& air, Vector3 velocity_mps);
 
 /// The first instant at which the gap of any asperity, or of the smooth sphere, closes: the centre on a parabola, the
