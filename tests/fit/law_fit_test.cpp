@@ -320,10 +320,12 @@ TEST(LawFit, DropsTheNormalPartWhereManySamplesDoNotAskForIt) {
   EXPECT_GT(normal.scatter->normal_ratio, 1.0);
 }
 
-TEST(LawFit, AtOneSpeedIsNotIdentifiable) {
+TEST(LawFit, AtOneSpeedIsOneEpsAtThatSpeed) {
   const auto fit = fit_law(independent_samples({}, 200, 0.5, 0.5000001, 0.0), {});
-  EXPECT_EQ(fit.status, FitStatus::not_identifiable);
-  EXPECT_TRUE(fit.parameters.empty());
+  EXPECT_EQ(fit.status, FitStatus::ok);
+  EXPECT_EQ(fit.kind, LawKind::constant);
+  ASSERT_EQ(fit.parameters.size(), 1u);
+  EXPECT_EQ(fit.parameters[0].name, "eps");
 }
 
 TEST(LawFit, OfIdenticalSamplesDoesNotFail) {
