@@ -50,8 +50,8 @@ TEST_F(Convert, MarksCorrectedByHandGoOnToRestitution) {
   ASSERT_EQ(back.exit_code, 0) << back.err;
   EXPECT_THAT(back.out, testing::HasSubstr("5 onsets, 2 of them placed by hand"));
   const std::string corrected = content_of(folder_ / "corrected.csv");
-  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,1,0.698,,,,by_hand,\n"));
-  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,4,1.784,,,,by_hand,\n"));
+  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,1,0.698,,,,by_hand,,\n"));
+  EXPECT_THAT(corrected, testing::HasSubstr("r.wav,0,4,1.784,,,,by_hand,,\n"));
   const Result samples = run("restitution corrected.csv --out s.csv");
   EXPECT_EQ(samples.exit_code, 0) << samples.err;
   const std::string table = content_of(folder_ / "s.csv");

@@ -69,7 +69,7 @@ TEST_F(FitCommand, RowsThatAreNoNumberOrHaveNoSpeedAreCountedAndNamed) {
 TEST_F(FitCommand, SigmasOfZeroAreNeglectedAndSaidSo) {
   const Result result = fit(table(2000, 0.2, 1.4, 0.0, "0"));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, testing::HasSubstr("2000 of 2000 samples state no timing error"));
+  EXPECT_THAT(found().at("details").dump(), testing::HasSubstr("2000 of 2000 samples state no timing error"));
 }
 
 TEST_F(FitCommand, CoefficientsAboveOneOrNegativeAreFittedAsTheyAreWithAWarning) {
