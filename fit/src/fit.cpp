@@ -123,7 +123,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   FitResult result;
   LeftOut left_out;
   const PartOfSamples part = usable_samples(samples, left_out);
-  const AirAndContact known = air_and_contact_of(*part);
+  AirAndContact known = air_and_contact_of(*part);
   LawFitConfig main = config.law;
   DeviationEstimate deviation;
   if (known.is_open() || part->size() < kVeryMany) {
@@ -134,6 +134,7 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
       if (config.law.node_speeds_mps.empty()) main.node_speeds_mps.push_back(node.v_mps);
     result.averaged =
         averaged_curve(*PartOfSamples(*part, at_first.outliers), known, config.law, main.node_speeds_mps, deviation);
+    if (deviation.is_ideal) known = worlds_of(known).back();
   }
   const RestitutionSamples moved = known.is_open() ? at_the_plate(*part, known, deviation.mean) : RestitutionSamples{};
   const RestitutionSamples& used = known.is_open() ? moved : *part;
@@ -164,7 +165,10 @@ FitResult fit_on_these_threads(const RestitutionSamples& samples, const FitConfi
   step();
   result.histograms = fit_histograms(kept, config.histograms, result.law);
   result.density = density_picture(used);
-  result.budget = error_budget(kept, result.law, budget_config_of(used, config.budget));
+  BudgetConfig budget = budget_config_of(*part, config.budget);
+  if (known.has_drag && budget.drag == Effect::present) budget.drag = Effect::corrected;
+  if (known.has_contact && budget.contact_time == Effect::present) budget.contact_time = Effect::corrected;
+  result.budget = error_budget(kept, result.law, budget);
   step();
   // with the outliers of the pooled law: they may be all of one recording
   if (config.compare_recordings) result.recordings = compare_recordings(used, config.law, result.law);

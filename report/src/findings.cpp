@@ -104,7 +104,7 @@ std::string limits(const FitResult& r) {
     const auto worst = std::max_element(r.budget.rows.begin(), r.budget.rows.end(),
                                         [&](const auto& a, const auto& b) { return size(a) < size(b); });
     if (size(*worst) > 0.0)
-      text += formatted(" Not taken out: %s, %+.1e at %.2g m/s.", cause, *((*worst).*member), worst->v_mps);
+      text += formatted(" Taken out: %s, %+.1e at %.2g m/s.", cause, *((*worst).*member), worst->v_mps);
   };
   const std::size_t before = text.size();
   shift(&BudgetRow::shift_drag, "air drag");

@@ -87,7 +87,6 @@ TEST_F(BallOption, NotNamedNothingIsAssumed) {
   write_onsets();
   EXPECT_TRUE(json_of("restitution o.csv --out s.csv").at("ball").is_null());
   const Result fitted = run("fit s.csv --out f.json --goodness-replicates 0");
-  EXPECT_THAT(fitted.err, testing::HasSubstr("no ball was named (--ball, --plate)"));
   EXPECT_THAT(fitted.err, testing::Not(testing::HasSubstr("steel")));
   const Json budget = Json::parse(content_of(folder_ / "f.json")).at("budget");
   EXPECT_TRUE(budget.at("ball").is_null());
@@ -101,9 +100,10 @@ TEST_F(BallOption, NamedToTheFitItIsThatOfTheBudget) {
     run("fit s.csv --out f.json --force --quiet --goodness-replicates 0 --plate glass --ball " + ball);
     return Json::parse(content_of(folder_ / "f.json")).at("budget").at("rows").at(0).at("shift_drag").get<double>();
   };
-  // deceleration 3 pi mu d v (1 + 0.15 Re^0.687) / m: 7.5 times that of the steel ball at 1 m/s, 6.7 times at 0.2 m/s
+  // kappa = 3 rho_air C_d / (8 rho_ball R): densities and radii alone make it 14.5 times that of the steel ball, and C_d
+  // is .50 to .55 (Re of 600) instead of 1.0 to 1.2 (Re of 90)
   const double ratio = drag_of("table-tennis") / drag_of("steel:6mm");
-  EXPECT_TRUE(ratio > 6.4 && ratio < 8.0) << ratio;
+  EXPECT_TRUE(ratio > 6.0 && ratio < 8.0) << ratio;
 }
 
 TEST_F(BallOption, WhatIsNotKnownIsAnsweredWithTheNearestAndTheList) {

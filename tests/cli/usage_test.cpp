@@ -70,7 +70,7 @@ TEST_F(Usage, FailuresAreSaidInJsonToo) {
     EXPECT_EQ(j.at("error").get<std::string>() + "\n", result.err) << line;
   }
   // where there is a summary it has both keys beside its own
-  write("s.csv", "v_mps,eps\n0.5,0.98\n0.4,0.981\n");
+  write("s.csv", "v_mps,eps\n0.5,nan\n0.4,nan\n");
   const Result result = run("fit s.csv --out f.json --json --goodness-replicates 0");
   const auto j = nlohmann::json::parse(result.out);
   EXPECT_EQ(result.exit_code, 1);

@@ -45,7 +45,7 @@ TEST(ErrorBudget, IsForWhatTheSamplesSayOfThemselves) {
   BudgetConfig base;
   base.travel_time = Effect::absent;
   const BudgetConfig budget = budget_config_of(samples, base);
-  EXPECT_EQ(budget.drag, Effect::corrected);
+  EXPECT_EQ(budget.drag, Effect::absent);
   EXPECT_EQ(budget.contact_time, Effect::present);
   EXPECT_EQ(budget.travel_time, Effect::absent);
   EXPECT_EQ(budget.gravity_mps2, 1.62);
@@ -110,7 +110,9 @@ TEST(ErrorBudget, WithoutABallShiftsAreNotKnown) {
     const double drag = drag_per_m(shell, {}, row.v_mps) / drag_per_m({}, {}, row.v_mps);
     // proportional to the drag, but for its growth with speed, which is a little faster where Re is larger
     EXPECT_NEAR(*row.shift_drag / *of_steel[k].shift_drag / drag, 1.0, 0.06);
-    EXPECT_FALSE(row.shift_contact_time);
+    // .8 ms by the catalogue, of intervals of 40 ms and more: as below
+    EXPECT_LT(*row.shift_contact_time, 0.02 * (1.0 - restitution(run.law, row.v_mps)));
+    EXPECT_GT(*row.shift_contact_time, 0.0);
   }
   // a contact of constant duration tau adds tau to both intervals T and eps T: eps moves by (1 - eps) tau / T
   const auto measured = budget_of(run, ball_from_text("table-tennis,contact-time=0.8ms")).rows;
@@ -132,17 +134,16 @@ TEST(ErrorBudget, SharesAddToOneAndTellTheBallFromTheClock) {
   }
 }
 
-TEST(ErrorBudget, WhatIsCorrectedOrAbsentShiftsNothing) {
+TEST(ErrorBudget, WhatIsAbsentShiftsNothing) {
   testing::SyntheticRun run;
   LawFit truth;
   truth.law = run.law;
   BudgetConfig config;
-  config.drag = Effect::corrected;
-  config.contact_time = config.travel_time = Effect::absent;
+  config.drag = config.contact_time = config.travel_time = Effect::absent;
   const auto budget = error_budget(restitution_samples(synthetic_onsets(run), {}).samples, truth, config);
   for (const auto& row : budget.rows)
     EXPECT_TRUE(row.shift_drag == 0.0 && row.shift_contact_time == 0.0 && row.spread_travel_time == 0.0);
-  EXPECT_STREQ(to_string(budget.effects.at(0).second), "taken out");
+  EXPECT_STREQ(to_string(budget.effects.at(0).second), "absent");
 }
 
 TEST(ErrorBudget, WithoutALawIsEmpty) {

@@ -148,8 +148,8 @@ class Errors(Case):
     def test_warnings_of_the_program_are_warnings(self):
         with self.assertWarnsRegex(bl.BouncelabWarning, "drops ended early"):
             bl.simulate(drops=2, impacts=10, asperities=2000, plate_size=(0.05, 0.05), spin=(0, 50, 0))
-        with self.assertWarns(bl.BouncelabWarning) as seen:
-            bl.fit(bl.Samples(v=small_impacts(bl).v, eps=small_impacts(bl).eps), goodness_replicates=0)
+        with self.assertWarnsRegex(bl.BouncelabWarning, "ε > 1") as seen:
+            bl.fit(bl.Samples(v=small_impacts(bl).v, eps=small_impacts(bl).eps + 0.2), goodness_replicates=0)
         self.assertEqual(os.path.basename(seen.filename), "test_arguments.py")  # of the caller, not of the package
 
     def test_unknown_columns_and_attributes(self):

@@ -126,13 +126,11 @@ std::optional<double> shift_by_drag(double v_mps, double eps, const BudgetConfig
 }
 
 std::optional<double> shift_by_contact_time(double v_mps, double eps, const BudgetConfig& config) {
-  if (!config.ball || !(config.plate || config.ball->contact_time_s)) return std::nullopt;
+  if (!config.ball) return std::nullopt;
   const double before_s = 2.0 * v_mps / config.gravity_mps2;
-  const Material plate = config.plate.value_or(Material{});
-  const std::optional<double> contact_before_s = contact_time_s(*config.ball, plate, v_mps / eps);
-  const std::optional<double> contact_after_s = contact_time_s(*config.ball, plate, v_mps);
-  if (!contact_before_s || !contact_after_s) return std::nullopt;
-  return (eps * before_s + *contact_after_s) / (before_s + *contact_before_s) - eps;
+  const auto contact = contact_duration(*config.ball, config.plate);
+  if (!contact) return std::nullopt;
+  return (eps * before_s + contact->at(v_mps)) / (before_s + contact->at(v_mps / eps)) - eps;
 }
 
 /// Parts of the variance; they are scaled down where together they exceed what is there (timing stated too large).
@@ -183,8 +181,8 @@ BudgetRow budget_row(std::span<const BinMember> bin, const LawFit& law, const Bu
     return std::abs(a.x - row.v_mps) < std::abs(b.x - row.v_mps);
   });
   if (point != law.curve.end()) row.se_curve = point->se;
-  row.shift_drag = config.drag == Effect::present ? shift_by_drag(row.v_mps, eps, config) : 0.0;
-  row.shift_contact_time = config.contact_time == Effect::present ? shift_by_contact_time(row.v_mps, eps, config) : 0.0;
+  row.shift_drag = config.drag != Effect::absent ? shift_by_drag(row.v_mps, eps, config) : 0.0;
+  row.shift_contact_time = config.contact_time != Effect::absent ? shift_by_contact_time(row.v_mps, eps, config) : 0.0;
   if (config.travel_time == Effect::present)
     row.spread_travel_time = eps * config.kick_per_speed * row.v_mps / config.wave_speed_mps;
   add_shares(row);
@@ -229,12 +227,9 @@ void fit_width(ErrorBudget& budget) {
 BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base) {
   if (samples.empty()) return base;
   const SampleConditions& said = samples.front().conditions;
-  const auto set = [](bool corrected, Effect& effect) {
-    if (effect == Effect::present && corrected) effect = Effect::corrected;
-  };
-  set(said.drag_corrected, base.drag);
-  set(said.contact_time_corrected, base.contact_time);
-  set(said.travel_time_corrected, base.travel_time);
+  if (said.drag_corrected) base.drag = Effect::absent;
+  if (said.contact_time_corrected) base.contact_time = Effect::absent;
+  if (said.travel_time_corrected && base.travel_time == Effect::present) base.travel_time = Effect::corrected;
   base.wave_speed_mps = said.wave_speed_mps.value_or(base.wave_speed_mps);
   if (said.ball) base.ball = said.ball;
   if (said.plate) base.plate = said.plate;

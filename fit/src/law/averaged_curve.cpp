@@ -213,6 +213,7 @@ std::vector<FinePlace> finer(const Axis& axis) {
 /// Fits of one law on a grid of its own: a law that can bend little knows drag better than one that can take its place.
 struct Grid {
   std::size_t law = 0;
+  const AirAndContact* known = nullptr;
   Axis kappa, tau;
   std::vector<FinePlace> fine_kappa, fine_tau;
   std::vector<Fitted> fits;  ///< kappa first
@@ -243,13 +244,13 @@ struct Term {
 };
 
 /// With the logarithms of their weights.
-std::vector<Term> terms_of(const Grid& grid, const AirAndContact& known) {
+std::vector<Term> terms_of(const Grid& grid) {
   std::vector<Term> terms;
   for (const FinePlace& kappa : grid.fine_kappa)
     for (const FinePlace& tau : grid.fine_tau) {
       Term term{0.0, &grid, &kappa, &tau};
       if (!term.is_there()) continue;
-      term.weight = known.ln_prior({kappa.at, tau.at}) - term.between([](const Fitted& f) { return f.half_aicc; }) +
+      term.weight = grid.known->ln_prior({kappa.at, tau.at}) - term.between([](const Fitted& f) { return f.half_aicc; }) +
                     log(grid.cell());
       terms.push_back(term);
     }
@@ -266,8 +267,18 @@ std::vector<Term> normalized(std::vector<Term> terms) {
   return terms;
 }
 
-DeviationEstimate deviation_of(const std::vector<Term>& terms) {
+/// Of the terms in which there are drag and contact time; their weights need not add up to 1.
+DeviationEstimate deviation_of(const std::vector<Term>& all) {
   DeviationEstimate e;
+  std::vector<Term> terms;
+  double open = 0.0, closed = 0.0;
+  for (const Term& t : all) (t.grid->known->is_open() ? open : closed) += t.weight;
+  e.is_ideal = closed > open;
+  for (Term t : all) {
+    if (!t.grid->known->is_open()) continue;
+    t.weight /= open;
+    terms.push_back(t);
+  }
   for (const Term& t : terms) e.mean.ln_kappa += t.weight * t.kappa->at, e.mean.ln_tau += t.weight * t.tau->at;
   for (const Term& t : terms) {
     e.sd.ln_kappa += t.weight * square(t.kappa->at - e.mean.ln_kappa);
@@ -369,6 +380,7 @@ class Averaging {
   Averaging(const RestitutionSamples& samples, const AirAndContact& known, const LawFitConfig& config,
             std::vector<double> nodes_mps)
       : raw_(raw_of(samples)), known_(known), config_(config), nodes_mps_(std::move(nodes_mps)) {
+    worlds_ = worlds_of(known_);
     config_.n_goodness = config_.n_bootstrap = 0;
     const Moved middle = moved(raw_, known_, {});
     if (nodes_mps_.empty()) nodes_mps_ = nodes_for(middle.data.v_mps);
@@ -379,10 +391,11 @@ class Averaging {
   std::optional<AveragedCurve> run(DeviationEstimate& estimate) {
     std::deque<Grid> grids;
     std::vector<Term> terms;
-    for (std::size_t law = 0; law < models_.size(); ++law) {
-      const std::vector<Term> of_law = resolved(law, grids);
-      terms.insert(terms.end(), of_law.begin(), of_law.end());
-    }
+    for (const AirAndContact& world : worlds_)
+      for (std::size_t law = 0; law < models_.size(); ++law) {
+        const std::vector<Term> of_law = resolved(law, world, grids);
+        terms.insert(terms.end(), of_law.begin(), of_law.end());
+      }
     terms = normalized(std::move(terms));
     if (terms.empty()) return std::nullopt;
     estimate = deviation_of(terms);
@@ -395,10 +408,11 @@ class Averaging {
     return spread_speeds(v_mps, 3);
   }
 
-  Grid grid(std::size_t law, Deviation middle, Deviation sd) const {
+  Grid grid(std::size_t law, const AirAndContact& known, Deviation middle, Deviation sd) const {
     Grid grid{law,
-              axis_of(known_.kappa_spread, middle.ln_kappa, kReach * sd.ln_kappa),
-              axis_of(known_.contact.spread, middle.ln_tau, kReach * sd.ln_tau),
+              &known,
+              axis_of(known.kappa_spread, middle.ln_kappa, kReach * sd.ln_kappa),
+              axis_of(known.contact.spread, middle.ln_tau, kReach * sd.ln_tau),
               {},
               {},
               {}};
@@ -407,7 +421,7 @@ class Averaging {
     grid.fits.resize(grid.kappa.at.size() * grid.tau.at.size());
     parallel_for(grid.fits.size(), 0, [&](std::size_t k) {
       const Deviation at{grid.kappa.at[k / grid.tau.at.size()], grid.tau.at[k % grid.tau.at.size()]};
-      const Moved there = moved(raw_, known_, at);
+      const Moved there = moved(raw_, known, at);
       Fitted& fitted = grid.fits[k];
       fitted = raw_.data.size() < kFewest ? fit_of_few(there.data, nodes_mps_.size())
                                           : fit_of(there.data, models_[law], config_, nodes_mps_);
@@ -418,9 +432,10 @@ class Averaging {
   }
 
   /// Terms of one law on a grid that resolves what samples know of drag and contact time.
-  std::vector<Term> resolved(std::size_t law, std::deque<Grid>& grids) {
-    grids.push_back(grid(law, {}, {known_.kappa_spread, known_.contact.spread}));
-    std::vector<Term> terms = terms_of(grids.back(), known_);
+  std::vector<Term> resolved(std::size_t law, const AirAndContact& known, std::deque<Grid>& grids) {
+    grids.push_back(grid(law, known, {}, {known.kappa_spread, known.contact.spread}));
+    std::vector<Term> terms = terms_of(grids.back());
+    if (!known.is_open()) return terms;
     for (int round = 1; round < kMostRounds && !terms.empty(); ++round) {
       const double best = std::max_element(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
                             return a.weight < b.weight;
@@ -432,8 +447,8 @@ class Averaging {
       // should the best lie between two places
       const Deviation sd{std::max(e.sd.ln_kappa, 0.35 * coarse.kappa.distance()),
                          std::max(e.sd.ln_tau, 0.35 * coarse.tau.distance())};
-      grids.push_back(grid(law, e.mean, sd));
-      std::vector<Term> finer_terms = terms_of(grids.back(), known_);
+      grids.push_back(grid(law, known, e.mean, sd));
+      std::vector<Term> finer_terms = terms_of(grids.back());
       if (finer_terms.empty()) break;
       terms = std::move(finer_terms);
     }
@@ -464,8 +479,8 @@ class Averaging {
     const auto at_middle = [middle](const Fitted& f) { return f.eps[middle]; };
     const double variance = square(*curve.nodes[middle].eps.se);
     const auto share = [&](double part) { return variance > 0.0 ? std::min(1.0, part / variance) : 0.0; };
-    curve.share_of_drag = share(variance_along(terms, at_middle, [](const Term& t) { return t.kappa->at; }));
-    curve.share_of_contact = share(variance_along(terms, at_middle, [](const Term& t) { return t.tau->at; }));
+    curve.share_of_drag = share(variance_along(terms, at_middle, [](const Term& t) { return t.grid->known->is_open() ? t.kappa->at : -HUGE_VAL; }));
+    curve.share_of_contact = share(variance_along(terms, at_middle, [](const Term& t) { return t.grid->known->is_open() ? t.tau->at : -HUGE_VAL; }));
     const auto log_normal = [](double median, double mean, double sd) {
       constexpr double k95 = 1.959963984540054;
       Estimate e;
@@ -475,16 +490,17 @@ class Averaging {
       e.se = 0.5 * (e.ci68->hi - e.ci68->lo);
       return e;
     };
-    if (known_.has_drag)
+    if (known_.has_drag && !estimate.is_ideal)
       curve.kappa_per_m = log_normal(known_.ball ? drag_per_m(*known_.ball, known_.air, 1.0) : known_.kappa_per_m,
                                      estimate.mean.ln_kappa, estimate.sd.ln_kappa);
-    if (known_.has_contact)
+    if (known_.has_contact && !estimate.is_ideal)
       curve.contact_s = log_normal(known_.contact.at_1_mps_s, estimate.mean.ln_tau, estimate.sd.ln_tau);
     return curve;
   }
 
   Raw raw_;
   AirAndContact known_;
+  std::vector<AirAndContact> worlds_;
   LawFitConfig config_;
   std::vector<double> nodes_mps_;
   std::vector<LawModel> models_;

@@ -13,6 +13,7 @@ namespace bouncelab::fit {
 /// Where drag and contact time are, by samples and priors together.
 struct DeviationEstimate {
   Deviation mean, sd;
+  bool is_ideal = false;  ///< there are none, more likely than not
 };
 
 /// eps(v) at some speeds, from fits of several laws on a grid of drag and contact time. A fit counts as the prior of

@@ -45,6 +45,7 @@ const std::vector<Usual>& usual_balls() {
   }();
   return balls;
 }
+constexpr double kSimulated = 0.05;  // share of sounds and times in which there is neither air nor contact
 constexpr double kAnyOther = 0.15;  // share of what is none of them
 
 double normal_density(double x, double sd) { return exp(-0.5 * square(x / sd)) / sd; }
@@ -82,7 +83,19 @@ AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
   return known;
 }
 
+std::vector<AirAndContact> worlds_of(const AirAndContact& known) {
+  if (known.ball || !known.has_drag) return {known};
+  AirAndContact ideal;
+  ideal.gravity_mps2 = known.gravity_mps2;
+  ideal.has_drag = ideal.has_contact = false;
+  ideal.contact = {0.0, 0.0, 0.0};
+  // the density of the other, of a normal in each of its parameters, leaves out 1/sqrt(2 pi) for each
+  ideal.ln_share = log(kSimulated * (known.has_contact ? 2.0 * kPi : std::sqrt(2.0 * kPi)));
+  return {known, ideal};
+}
+
 double AirAndContact::ln_prior(Deviation deviation) const {
+  if (!is_open()) return ln_share;
   const auto normal = [](double x, double sd) { return sd > 0.0 ? -0.5 * square(x / sd) : 0.0; };
   if (!has_drag || ball) {
     // drag is known or there is none; a contact time that is nowhere named is as the sound has it

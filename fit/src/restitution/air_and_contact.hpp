@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/samples.hpp"
@@ -24,6 +25,7 @@ struct AirAndContact {
   ContactDuration contact;    ///< median, and the standard deviation of ln tau; 0 s: contacts are instantaneous
   bool has_drag = true, has_contact = true;
   bool contact_is_heard = false;  ///< `contact` is what the sound suggests
+  double ln_share = 0.0;          ///< of worlds_of(): logarithm of what counts beforehand
 
   bool is_open() const { return has_drag || has_contact; }
   /// Logarithm of the prior density of a deviation, up to a constant. Of a named ball both are normal. One that is not
@@ -34,6 +36,9 @@ struct AirAndContact {
 
 /// Of these samples: their first one speaks for all.
 AirAndContact air_and_contact_of(const RestitutionSamples& samples);
+
+/// What may be: the ball in air, and, where no ball is named, one of a simulation, with neither air nor contact time.
+std::vector<AirAndContact> worlds_of(const AirAndContact& known);
 
 /// eps at the plate and the speed there, of what the intervals are without drag and contact: v = g T/2, eps = T'/T.
 struct AtThePlate {

@@ -56,7 +56,8 @@ struct BudgetRow {
   /// Parts of the variance of eps - eps(v), together 1: what the fit finds of the ball, timing as stated (else by
   /// TimingNoise), travel time, and what these leave over.
   double share_asperities = 0.0, share_timing = 0.0, share_travel_time = 0.0, share_unexplained = 0.0;
-  std::optional<double> shift_drag;          ///< of eps; 0 where it is not present, absent where the ball is not known
+  /// Of eps by the intervals, taken out or not; 0 where they hold no drag, absent where the ball is not known.
+  std::optional<double> shift_drag;
   std::optional<double> shift_contact_time;  ///< likewise; absent also where the contact time is not known
   std::optional<double> mean_minus_peak;     ///< b_above - b_below: what least squares would be off by
   std::optional<double> se_curve;            ///< finite sample: standard error of eps(v) here
@@ -88,8 +89,8 @@ struct BudgetConfig {
   double wave_speed_mps = 2500.0;  ///< in the plate; 343 for a microphone
 };
 
-/// `base` with what the samples say of themselves: what was taken out of them counts as corrected (unless it was
-/// absent from the start), and ball, gravity and wave speed are theirs where they are known. All must say the same: the
+/// `base` with what the samples say of themselves: drag and contact time that their intervals do not hold are absent,
+/// travel time that was taken out is corrected, and ball, gravity and wave speed are theirs where they are known. All must say the same: the
 /// first one's are taken.
 BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base);
 
