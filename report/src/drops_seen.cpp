@@ -38,9 +38,10 @@ std::optional<double> height_of(const std::vector<const RestitutionSample*>& dro
     v0_mps = first.v_mps / median_of(eps);
     t0_s = first.t_s - interval_before_s(first);
   }
-  // a bounce before this one would have been at t0 - 2 v0/g: if that is before the recording began, nothing is known of
-  // it. A sample of impact 0 is there only where the height of release was given.
-  if (first.impact == 1 && t0_s < 2.0 * v0_mps / gravity_of(first)) return {};
+  // a bounce before this one would have been at t0 - 2 v0/g: if that is before the recording began, or so near that eps
+  // and drag decide, nothing is known of it. A sample of impact 0 is there only where the height of release was given.
+  constexpr double kClearly = 1.2;
+  if (first.impact == 1 && t0_s < kClearly * 2.0 * v0_mps / gravity_of(first)) return {};
   return v0_mps * v0_mps / (2.0 * gravity_of(first));
 }
 

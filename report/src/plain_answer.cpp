@@ -127,11 +127,19 @@ std::string file_name(const std::string& recording) {
   return recording.empty() ? "without name" : printable(std::filesystem::path(recording).filename().string());
 }
 
+/// "ε steps from 0.92 to 0.85 at 0.68 m/s, after bounce 17: did the ball reach another surface?"
+std::string of_step(const RestitutionStep& step, int decimals) {
+  std::string text = "ε steps from " + rounded(step.eps_faster, decimals) + " to " +
+                     rounded(step.eps_slower, decimals) + " at " + speed(step.v_mps);
+  if (step.impact) text += formatted(", after bounce %lld", static_cast<long long>(*step.impact + 1));
+  return text + ": did the ball reach another surface?";
+}
+
 std::string of_value(const PlainAnswer& answer, const FitResult& result, bool ball_is_named) {
   const SpeedAndRestitution& at = *answer.at;
   std::string text = "ε = " + with_interval(at.eps) + " at " + speed(at.v_mps);
   const auto& nodes = nodes_of(result, answer.with_memory);
-  if (answer.elsewhere.empty() && nodes.size() > 1)
+  if (answer.elsewhere.empty() && nodes.size() > 1 && !(result.averaged && result.averaged->step))
     text += "; from " + speed(nodes.front().v_mps) + " to " + speed(nodes.back().v_mps) +
             " no change with the speed is seen";
   std::string verb = "; it ";
@@ -209,6 +217,8 @@ PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samp
     for (const std::size_t k : {nodes.size() - 1, std::size_t{0}})
       if (differs(result, nodes, correlation, k)) answer.elsewhere.push_back(at_node(nodes[k]));
     answer.sentences.push_back(of_value(answer, result, !samples.empty() && samples.front().conditions.ball));
+    if (result.averaged && result.averaged->step)
+      answer.sentences.push_back(of_step(*result.averaged->step, decimals_for(answer.at->eps)));
     if (answer.at->eps.value > 0.0 && answer.at->eps.value < 1.0)
       answer.sentences.push_back(percent_lost(*answer.at) +
                                  " % of the energy of its motion up and down is lost in each bounce" +

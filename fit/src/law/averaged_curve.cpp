@@ -16,6 +16,7 @@
 #include "law/law_data.hpp"
 #include "law/law_search.hpp"
 #include "numerics/distributions.hpp"
+#include "numerics/linalg.hpp"
 
 namespace bouncelab::fit {
 namespace {
@@ -28,7 +29,7 @@ constexpr double kReach = 2.4;         // of the grid, in standard deviations: 9
 constexpr double kNarrowPrior = 0.35;  // standard deviation of ln: between three places everything is straight
 constexpr std::size_t kFiner = 8;      // places by interpolation for each one computed
 constexpr int kMostRounds = 4;         // of closing in
-constexpr double kUnlikely = 9.0;      // in AICc/2: a law so far behind the best is left out of the grid
+constexpr double kUnlikely = 9.0;      // in the logarithm: a law so far behind the best is left out of the grid
 // Scatter of eps from bounce to bounce, as of two samples, for those who have one or two: few balls do better than
 // this on any floor.
 constexpr double kScatterOfFew = 0.005;
@@ -37,12 +38,16 @@ constexpr double kScatterOfFew = 0.005;
 struct Raw {
   LawData data;
   std::vector<bool> from_height;
+  std::vector<std::int64_t> impact;
 };
 
 Raw raw_of(const RestitutionSamples& samples) {
   const OrderedSamples ordered = ordered_by_speed(samples);
-  Raw raw{ordered.data, {}};
-  for (const std::size_t k : ordered.rows) raw.from_height.push_back(samples[k].impact == 0);
+  Raw raw{ordered.data, {}, {}};
+  for (const std::size_t k : ordered.rows) {
+    raw.from_height.push_back(samples[k].impact == 0);
+    raw.impact.push_back(samples[k].impact);
+  }
   return raw;
 }
 
@@ -74,12 +79,65 @@ Moved moved(const Raw& raw, const AirAndContact& known, Deviation deviation) {
 
 /// One law at one place of the grid: eps at the nodes with its covariance by standard errors and correlations.
 struct Fitted {
-  double half_aicc = HUGE_VAL;
+  double surprise = HUGE_VAL;     ///< minus the logarithm of the law's evidence
   std::vector<double> eps, se;    ///< at the nodes
   std::vector<double> change_se;  ///< of the difference from the middle node
   double nu = 1e9;                ///< degrees of freedom of the standard errors
   double stretch = 1.0;           ///< of the standard errors, where they are by drop
 };
+
+/// What a law says of the shape of eps(v), as sums of eps at some speeds; each is 0 with a standard deviation beforehand.
+/// The viscoelastic law falls by (1 - eps)/5 in a factor e of speed; half as much again is usual.
+struct Shape {
+  std::vector<double> v_mps;
+  Eigen::MatrixXd sums;  ///< a row a sum, a column a speed
+  Eigen::VectorXd prior_sd;
+};
+Shape shape_of(const LawModel& model, const LawData& data) {
+  constexpr double kSlope = 0.3, kCurvature = 0.25, kStep = 0.5;
+  const std::vector<double> ends = spread_speeds(data.v_mps, 2);
+  const double lost = std::max(0.01, 1.0 - median(data.eps)), change = kSlope * lost * log(ends[1] / ends[0]);
+  Shape shape;
+  if (model.kind == LawKind::slope) {
+    shape = {ends, Eigen::MatrixXd(1, 2), Eigen::VectorXd(1)};
+    shape.sums << -1.0, 1.0;
+    shape.prior_sd << change;
+  } else if (model.kind == LawKind::series && model.n_parameters() > 2) {
+    shape = {{ends[0], std::sqrt(ends[0] * ends[1]), ends[1]}, Eigen::MatrixXd(2, 3), Eigen::VectorXd(2)};
+    shape.sums << -1.0, 0.0, 1.0, -0.5, 1.0, -0.5;
+    shape.prior_sd << change, kCurvature * change;
+  } else if (model.kind == LawKind::step) {
+    const double at = model.node_v_mps[2];
+    shape = {{ends[0], at * (1.0 - 1e-9), at, ends[1]}, Eigen::MatrixXd(2, 4), Eigen::VectorXd(2)};
+    shape.sums << -1.0, 1.0, -1.0, 1.0, 0.0, -1.0, 1.0, 0.0;
+    shape.prior_sd << change, kStep * lost;
+  }
+  return shape;
+}
+
+/// What is known of eps at some speeds when the prior of its shape has been taken in. @return minus the logarithm of the
+/// likelihood's mean over that prior, relative to its maximum
+double take_in(const Shape& shape, Eigen::Index n_nodes, Eigen::VectorXd& eps, Eigen::MatrixXd& covariance) {
+  if (shape.v_mps.empty()) return 0.0;
+  const Eigen::Index n = eps.size(), n_sums = shape.sums.rows();
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n_sums, n);
+  sums.rightCols(n - n_nodes) = shape.sums;
+  const Eigen::MatrixXd with_sums = product(covariance, sums.transpose());
+  const Eigen::MatrixXd of_sums = product(sums, with_sums);
+  Eigen::MatrixXd total = of_sums;
+  total.diagonal() += shape.prior_sd.cwiseAbs2();
+  const Eigen::MatrixXd gain = product(with_sums, inverse(total));
+  const Eigen::VectorXd found = product(sums, eps);
+  const double misfit = found.dot(Eigen::VectorXd(product(inverse(total), found)));
+  const auto ln_det = [](const Eigen::MatrixXd& m) {
+    const double det = m.rows() == 1 ? m(0, 0) : m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0);
+    return log(std::max(det, 1e-300));
+  };
+  const double surprise = 0.5 * (ln_det(total) - ln_det(of_sums) + misfit);
+  eps -= product(gain, found);
+  covariance -= product(gain, Eigen::MatrixXd(with_sums.transpose()));
+  return surprise;
+}
 
 Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& config,
               const std::vector<double>& nodes_mps) {
@@ -91,21 +149,36 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
   const LawLikelihood likelihood(candidate->data, model, candidate->family);
   LawFit fit;
   fit.n = data.size();
-  describe_nodes(fit, likelihood, candidate->maximum, nodes_mps);
-  const auto n = static_cast<double>(data.size()), k = static_cast<double>(fit.n_parameters);
-  // with fewer samples than parameters the penalty has no meaning: one that goes on growing
-  const double few = n - k - 1.0 > 0.5 ? k * (k + 1.0) / (n - k - 1.0) : 2.0 * k * (k + 1.0);
-  fitted.half_aicc = k + few - candidate->maximum.loglik;
+  const Shape shape = shape_of(model, data);
+  std::vector<double> speeds_mps = nodes_mps;
+  speeds_mps.insert(speeds_mps.end(), shape.v_mps.begin(), shape.v_mps.end());
+  describe_nodes(fit, likelihood, candidate->maximum, speeds_mps);
+  const auto n_speeds = static_cast<Eigen::Index>(speeds_mps.size()),
+             n_nodes = static_cast<Eigen::Index>(nodes_mps.size());
+  Eigen::VectorXd eps(n_speeds);
+  Eigen::MatrixXd covariance(n_speeds, n_speeds);
+  for (Eigen::Index i = 0; i < n_speeds; ++i) {
+    const auto a = static_cast<std::size_t>(i);
+    eps[i] = fit.nodes[a].eps.value;
+    for (Eigen::Index j = 0; j < n_speeds; ++j) {
+      const auto b = static_cast<std::size_t>(j);
+      covariance(i, j) = fit.nodes[a].eps.se.value_or(0.0) * fit.nodes[b].eps.se.value_or(0.0) *
+                         (a == b ? 1.0 : fit.node_correlation[a][b]);
+    }
+  }
+  const auto n = static_cast<double>(data.size());
+  const auto n_scatter = static_cast<double>(fit.n_parameters) - static_cast<double>(model.n_parameters());
+  fitted.surprise =
+      0.5 * n_scatter * log(n) - candidate->maximum.loglik + take_in(shape, n_nodes, eps, covariance);
   const std::size_t middle = nodes_mps.size() / 2;
-  for (std::size_t j = 0; j < nodes_mps.size(); ++j) {
-    const double se = fit.nodes[j].eps.se.value_or(0.0), se_middle = fit.nodes[middle].eps.se.value_or(0.0);
-    const double rho = j == middle ? 1.0 : fit.node_correlation[j][middle];
-    fitted.eps.push_back(fit.nodes[j].eps.value);
-    fitted.se.push_back(se);
+  const auto m = static_cast<Eigen::Index>(middle);
+  for (Eigen::Index j = 0; j < n_nodes; ++j) {
+    fitted.eps.push_back(eps[j]);
+    fitted.se.push_back(std::sqrt(std::max(0.0, covariance(j, j))));
     fitted.change_se.push_back(
         model.n_parameters() == 1 && model.is_linear()
             ? 0.0
-            : std::sqrt(std::max(0.0, se * se + se_middle * se_middle - 2.0 * rho * se * se_middle)));
+            : std::sqrt(std::max(0.0, covariance(j, j) + covariance(m, m) - 2.0 * covariance(j, m))));
   }
   if (fit.drops.errors == ErrorBasis::independent_samples) {
     fitted.nu = std::max(1.0, n - static_cast<double>(model.n_parameters()) - 1.0);
@@ -131,7 +204,7 @@ Fitted fit_of_few(const LawData& data, std::size_t n_nodes) {
   const double nu = 2.0 + (n - 1.0);
   const double scatter2 = (2.0 * square(kScatterOfFew) + std::max(0.0, own - (n - 1.0) * timing)) / nu;
   Fitted fitted;
-  fitted.half_aicc = 0.0;
+  fitted.surprise = 0.0;
   fitted.eps.assign(n_nodes, mean);
   fitted.se.assign(n_nodes, std::sqrt((scatter2 + timing) / n));
   fitted.change_se.assign(n_nodes, 0.0);
@@ -161,6 +234,38 @@ std::vector<Law> laws_of(const LawData& data, const LawFitConfig& config) {
   laws.push_back({LawKind::slope, {}});
   if (n > 5) laws.push_back({LawKind::series, config.orders});
   return laws;
+}
+
+/// A law with a step where that explains the samples much better than one without, by weighted least squares; the step
+/// leaves some samples on either side, or lost impacts would be steps.
+std::optional<LawModel> step_of(const LawData& data) {
+  constexpr std::size_t kBeside = 4, kMostPlaces = 100;
+  const std::size_t n = data.size();
+  if (n < 3 * kBeside) return std::nullopt;
+  const auto rows = static_cast<Eigen::Index>(n);
+  const Eigen::Map<const Eigen::VectorXd> eps(data.eps.data(), rows);
+  Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(rows);
+  const auto residuals_of = [&](const LawModel& model) -> Eigen::VectorXd {
+    const Eigen::MatrixXd j = root_weights.asDiagonal() * model.jacobian(data.v_mps, {});
+    const Eigen::VectorXd y = root_weights.cwiseProduct(eps);
+    return y - product(j, least_squares(j, y));
+  };
+  const LawModel without = make_law_model(LawKind::slope, {}, data.v_mps);
+  const Eigen::VectorXd first = residuals_of(without).cwiseAbs();
+  constexpr double kOfNormal = 1.4826;  // standard deviation over the median distance
+  const double scatter = kOfNormal * median({first.data(), first.data() + rows});
+  for (std::size_t k = 0; k < n; ++k) root_weights[static_cast<Eigen::Index>(k)] = 1.0 / hypot(data.tau[k], scatter);
+  const auto length = static_cast<double>(n);
+  double least = residuals_of(without).squaredNorm();
+  const double enough = least * exp(-2.0 * (log(length) + 2.0) / length);
+  std::optional<LawModel> best;
+  const std::size_t stride = 1 + n / kMostPlaces;
+  for (std::size_t k = kBeside; k + kBeside <= n; k += stride) {
+    LawModel model = make_step_model(data.v_mps, std::sqrt(data.v_mps[k - 1] * data.v_mps[k]));
+    const double squares = residuals_of(model).squaredNorm();
+    if (squares < least) least = squares, best = std::move(model);
+  }
+  return least < enough ? best : std::nullopt;
 }
 
 /// Places of one parameter, in ln.
@@ -239,7 +344,7 @@ struct Term {
     return sum;
   }
   bool is_there() const {
-    return std::isfinite(between([](const Fitted& f) { return f.eps.empty() ? HUGE_VAL : f.half_aicc; }));
+    return std::isfinite(between([](const Fitted& f) { return f.eps.empty() ? HUGE_VAL : f.surprise; }));
   }
 };
 
@@ -250,7 +355,7 @@ std::vector<Term> terms_of(const Grid& grid) {
     for (const FinePlace& tau : grid.fine_tau) {
       Term term{0.0, &grid, &kappa, &tau};
       if (!term.is_there()) continue;
-      term.weight = grid.known->ln_prior({kappa.at, tau.at}) - term.between([](const Fitted& f) { return f.half_aicc; }) +
+      term.weight = grid.known->ln_prior({kappa.at, tau.at}) - term.between([](const Fitted& f) { return f.surprise; }) +
                     log(grid.cell());
       terms.push_back(term);
     }
@@ -386,6 +491,8 @@ class Averaging {
     if (nodes_mps_.empty()) nodes_mps_ = nodes_for(middle.data.v_mps);
     for (const Law& law : laws_of(middle.data, config_))
       models_.push_back(make_law_model(law.kind, law.orders, middle.data.v_mps));
+    if (models_.size() > 1)
+      if (std::optional<LawModel> step = step_of(middle.data)) models_.push_back(*std::move(step));
   }
 
   std::optional<AveragedCurve> run(DeviationEstimate& estimate) {
@@ -425,8 +532,10 @@ class Averaging {
       Fitted& fitted = grid.fits[k];
       fitted = raw_.data.size() < kFewest ? fit_of_few(there.data, nodes_mps_.size())
                                           : fit_of(there.data, models_[law], config_, nodes_mps_);
+      // the step may be at any sample
+      if (models_[law].kind == LawKind::step) fitted.surprise += log(static_cast<double>(raw_.data.size()));
       // of the ratios as measured: their density is that of eps times d eps / d (T'/T)
-      fitted.half_aicc -= there.ln_stretch;
+      fitted.surprise -= there.ln_stretch;
     });
     return grid;
   }
@@ -475,6 +584,8 @@ class Averaging {
     std::vector<double> weights(models_.size(), 0.0);
     for (const Term& t : terms) weights[t.grid->law] += t.weight;
     for (std::size_t law = 0; law < models_.size(); ++law) curve.laws.emplace_back(name_of(models_[law]), weights[law]);
+    constexpr double kNearlyCertain = 0.99;
+    if (models_.back().kind == LawKind::step && weights.back() > kNearlyCertain) curve.step = step_at(estimate);
     std::stable_sort(curve.laws.begin(), curve.laws.end(), [](auto& a, auto& b) { return a.second > b.second; });
     const auto at_middle = [middle](const Fitted& f) { return f.eps[middle]; };
     const double variance = square(*curve.nodes[middle].eps.se);
@@ -496,6 +607,22 @@ class Averaging {
     if (known_.has_contact && !estimate.is_ideal)
       curve.contact_s = log_normal(known_.contact.at_1_mps_s, estimate.mean.ln_tau, estimate.sd.ln_tau);
     return curve;
+  }
+
+  std::optional<RestitutionStep> step_at(const DeviationEstimate& estimate) const {
+    const LawModel& model = models_.back();
+    const double v_mps = model.node_v_mps[2];
+    const AirAndContact& known = estimate.is_ideal ? worlds_.back() : known_;
+    const Fitted there = fit_of(moved(raw_, known, estimate.mean).data, model, config_, {v_mps * 0.9999, v_mps});
+    if (there.eps.empty()) return std::nullopt;
+    RestitutionStep step{v_mps, there.eps[1], there.eps[0], std::nullopt};
+    const std::vector<std::size_t>& drops = raw_.data.drop;
+    if (std::count(drops.begin(), drops.end(), drops.front()) != static_cast<std::ptrdiff_t>(drops.size())) return step;
+    // speeds are in the order of those without drag and contact
+    const LawData at = moved(raw_, known_, {}).data;
+    const auto n_slower = std::lower_bound(at.v_mps.begin(), at.v_mps.end(), v_mps) - at.v_mps.begin();
+    step.impact = *std::max_element(raw_.impact.begin() + n_slower, raw_.impact.end());
+    return step;
   }
 
   Raw raw_;

@@ -21,8 +21,8 @@ struct DeviationEstimate {
 /// reported are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is
 /// interpolated; where samples know a parameter better than the grid resolves, the grid closes in on it.
 ///
-/// Laws: one eps for all speeds, gamma, a series of two terms, and the law asked for, or that alone where it is not the
-/// default. Source of the weights: Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004),
+/// Laws: one eps for all speeds, a straight one in ln v, the same with a step where there may be one, gamma and the
+/// series; that alone which is asked for, where it is not the default. Source of the weights: Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004),
 /// doi:10.1177/0049124104268644.
 /// @param samples  with what their intervals hold, without outliers; at least 1
 /// @param node_speeds_mps  empty: as LawFitConfig

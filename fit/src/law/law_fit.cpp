@@ -123,6 +123,8 @@ const char* to_string(LawKind kind) {
       return "constant";
     case LawKind::slope:
       return "slope";
+    case LawKind::step:
+      return "step";
   }
   return "unknown";
 }

@@ -79,6 +79,7 @@ std::pair<double, double> viscoelastic_and_slope(double x) {
 
 Eigen::Index LawModel::n_parameters() const {
   if (kind == LawKind::slope) return 2;
+  if (kind == LawKind::step) return 3;
   return kind == LawKind::series ? static_cast<Eigen::Index>(orders.size()) : 1;
 }
 
@@ -86,6 +87,7 @@ std::vector<std::string> LawModel::names() const {
   if (kind == LawKind::viscoelastic) return {"gamma"};
   if (kind == LawKind::constant) return {"eps"};
   if (kind == LawKind::slope) return {"eps", "slope"};
+  if (kind == LawKind::step) return {"eps", "slope", "step"};
   std::vector<std::string> result;
   for (const int order : orders) result.push_back("A" + std::to_string(order));
   return result;
@@ -95,11 +97,18 @@ Eigen::MatrixXd LawModel::jacobian(std::span<const double> v_mps, const Eigen::V
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::MatrixXd::Ones(n, 1);
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), a_of_q);
-  if (kind == LawKind::slope) {
-    Eigen::MatrixXd rows(n, 2);
+  if (kind == LawKind::slope || kind == LawKind::step) {
+    Eigen::MatrixXd rows(n, n_parameters());
     const double first = log(node_v_mps[0]), width = log(node_v_mps[1] / node_v_mps[0]);
-    for (Eigen::Index k = 0; k < n; ++k) rows(k, 1) = (log(v_mps[static_cast<std::size_t>(k)]) - first) / width;
-    rows.col(0) = 1.0 - rows.col(1).array();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double v = v_mps[static_cast<std::size_t>(k)], x = (log(v) - first) / width;
+      if (kind == LawKind::slope)
+        rows.row(k) << 1.0 - x, x;
+      else if (v < node_v_mps[2])
+        rows.row(k) << 1.0 - x, 0.0, x;
+      else
+        rows.row(k) << 1.0 - x, 1.0, x - 1.0;
+    }
     return rows;
   }
   Eigen::MatrixXd rows(n, 1);
@@ -112,7 +121,7 @@ Eigen::VectorXd LawModel::eps(std::span<const double> v_mps, const Eigen::Vector
   const auto n = static_cast<Eigen::Index>(v_mps.size());
   if (kind == LawKind::constant) return Eigen::VectorXd::Constant(n, q[0]);
   if (kind == LawKind::series) return product(series_terms(orders, v_mps), reported(q)).array() + 1.0;
-  if (kind == LawKind::slope) return product(jacobian(v_mps, q), q);
+  if (kind == LawKind::slope || kind == LawKind::step) return product(jacobian(v_mps, q), q);
   const double root = exp(0.5 * q[0]);
   const std::vector<double> tenth_powers = powers_of(v_mps, 0.1);
   return Eigen::Map<const Eigen::VectorXd>(tenth_powers.data(), n).unaryExpr([&](double x) {
@@ -136,6 +145,12 @@ RestitutionLaw LawModel::law(const Eigen::VectorXd& q) const {
   if (kind == LawKind::viscoelastic) return ViscoelasticLaw{exp(q[0])};
   if (kind == LawKind::constant) return ConstantLaw{q[0]};
   if (kind == LawKind::slope) return TableLaw{node_v_mps, {q[0], q[1]}};  // between its nodes, which the fit knows
+  if (kind == LawKind::step) {
+    const double just_below = node_v_mps[2] * (1.0 - 1e-9);
+    const std::vector<double> v_mps{node_v_mps[0], just_below, node_v_mps[2], node_v_mps[1]};
+    const Eigen::VectorXd at = eps(v_mps, q);
+    return TableLaw{v_mps, {at[0], at[1], at[2], at[3]}};
+  }
   SeriesLaw series;
   series.a.assign(static_cast<std::size_t>(*std::max_element(orders.begin(), orders.end())) + 1, 0.0);
   const Eigen::VectorXd a = reported(q);
@@ -166,6 +181,13 @@ LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<
   model.orders = orders;
   model.node_v_mps = spread_speeds(v_mps, orders.size());
   model.a_of_q = inverse(series_terms(orders, model.node_v_mps));
+  return model;
+}
+
+LawModel make_step_model(std::span<const double> v_mps, double step_mps) {
+  LawModel model = make_law_model(LawKind::slope, {}, v_mps);
+  model.kind = LawKind::step;
+  model.node_v_mps.push_back(step_mps);
   return model;
 }
 

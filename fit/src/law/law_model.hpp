@@ -19,10 +19,11 @@ namespace bouncelab::fit {
 ///   viscoelastic  q = log gamma
 ///   constant      q = eps
 ///   slope         q_j = eps at either end of the speeds
+///   step          q_0, q_1 = the same on either side of the step, q_2 = eps of the slower side if it went on
 struct LawModel {
   LawKind kind = LawKind::series;
   std::vector<int> orders;
-  std::vector<double> node_v_mps;  ///< series: one per order
+  std::vector<double> node_v_mps;  ///< series: one per order; slope: the ends; step: the ends and where it is
   Eigen::MatrixXd a_of_q;          ///< series: A = a_of_q (q - 1)
 
   Eigen::Index n_parameters() const;
@@ -42,6 +43,9 @@ struct LawModel {
 /// @param v_mps  speeds of the data, any order: the series' nodes are spread over them.
 /// @throws InvalidArgument where orders are repeated or have no coefficient
 LawModel make_law_model(LawKind kind, const std::vector<int>& orders, std::span<const double> v_mps);
+
+/// Straight in ln v, with one slope on both sides of a step at `step_mps`.
+LawModel make_step_model(std::span<const double> v_mps, double step_mps);
 
 /// log gamma of the viscoelastic law that has this eps at this speed. @param eps  in (0, 1)
 double log_gamma_through(double v_mps, double eps);

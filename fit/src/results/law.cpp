@@ -211,7 +211,17 @@ const Description& members_of(const AveragedCurve*) {
       result("kappa_per_m", &A::kappa_per_m, "Drag over speed squared at 1 m/s [1/m]; `null`: none"),
       result("contact_s", &A::contact_s, "Contact time at 1 m/s; `null`: none"),
       result("share_of_drag", &A::share_of_drag, "Part of the variance of ε at the middle node that drag leaves"),
-      result("share_of_contact", &A::share_of_contact, "Likewise by contact time")};
+      result("share_of_contact", &A::share_of_contact, "Likewise by contact time"),
+      result("step", &A::step, "`{v_mps, eps_faster, eps_slower, impact}` where ε(v) nearly certainly has one; or `null`")};
+  return all;
+}
+
+const Description& members_of(const RestitutionStep*) {
+  using S = RestitutionStep;
+  static const Description all{result("v_mps", &S::v_mps, "Speed"),
+                               result("eps_faster", &S::eps_faster, "ε of those just faster"),
+                               result("eps_slower", &S::eps_slower, "ε of those just slower"),
+                               result("impact", &S::impact, "Number of the last faster one, of one drop")};
   return all;
 }
 
@@ -225,7 +235,7 @@ const Description& members_of(const FitResult*) {
       result(
           "averaged", &F::averaged,
           "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `laws`, `kappa_per_m`, "
-          "`contact_s`, `share_of_drag`, `share_of_contact`; `null` of very many samples that hold neither"),
+          "`contact_s`, `share_of_drag`, `share_of_contact`, `step`; `null` of very many samples that hold neither"),
       result("recordings_test", path(&F::recordings, &Recordings::test),
              "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),
       result("recordings", path(&F::recordings, &Recordings::rows),

@@ -14,8 +14,8 @@
 namespace bouncelab::fit {
 
 /// Which eps(v). `series`: 1 + sum C_i A_i v^(i/10) with the orders given; `viscoelastic`: one gamma, Pade form;
-/// `slope`: straight in ln v, for averages over laws.
-enum class LawKind { series, viscoelastic, constant, slope };
+/// `slope`: straight in ln v, and `step`: the same with a step, for averages over laws.
+enum class LawKind { series, viscoelastic, constant, slope, step };
 
 /// What is assumed of the scatter about eps(v).
 enum class LawMethod {
@@ -129,6 +129,14 @@ struct LawFit {
 };
 const Description& members_of(const LawFit*);
 
+/// eps changes at a speed at once: the ball met another surface there, or there are two balls.
+struct RestitutionStep {
+  double v_mps = 0.0;
+  double eps_faster = 0.0, eps_slower = 0.0;  ///< on either side of it
+  std::optional<std::int64_t> impact;         ///< number of the last one that is faster, where there is one drop
+};
+const Description& members_of(const RestitutionStep*);
+
 /// eps(v) averaged over laws that may hold, and over drag and contact time as far as they are not known.
 struct AveragedCurve {
   std::vector<NodeEstimate> nodes;
@@ -140,6 +148,7 @@ struct AveragedCurve {
   std::optional<Estimate> contact_s;    ///< contact time at 1 m/s; absent: none
   /// Parts of the variance of eps at the middle node that drag and contact time leave.
   double share_of_drag = 0.0, share_of_contact = 0.0;
+  std::optional<RestitutionStep> step;  ///< where a law with a step is nearly certain
 };
 const Description& members_of(const AveragedCurve*);
 
