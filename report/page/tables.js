@@ -103,7 +103,7 @@ function budgetTable() {
   const parts = causes.filter(there), moved = [...shifts, ['mean_minus_peak', 'mean − peak']].filter(there);
   table('Error budget', ['v (m/s)', 'n', 'sd of ε', ...parts.map(([, name]) => name), ...moved.map(([, name]) => name)],
         b.rows.map(r => [number(r.v_mps, 3), number(r.n), tiny(r.spread), ...parts.map(([key]) => percent(r[key])), ...moved.map(([key]) => tiny(r[key]))]),
-        'Shares of the variance of ε, then shifts of ε(v) that are still in the samples, beside the standard error of the curve. Mean − peak: what least squares is off by; the fit follows the peak. ' + (b.effects || []).map(e => `${e.name}: ${e.state}`).join('; ') + '.');
+        'Shares of the variance of ε, then shifts of ε(v), those of drag and contact time taken out, beside the standard error of the curve. Mean − peak: what least squares is off by; the fit follows the peak. ' + (b.effects || []).map(e => `${e.name}: ${e.state}`).join('; ') + '.');
 }
 
 /// The fitted law for codes of discrete particles.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "bouncelab/core/core.hpp"
 #include "bouncelab/core/description.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/fit/restitution.hpp"
 
 namespace bouncelab::report {
 namespace {
@@ -55,9 +57,16 @@ std::string escaped(const std::string& text) {
 
 }  // namespace
 
-std::string samples_json(const RestitutionSamples& samples) {
+std::string samples_json(RestitutionSamples samples, const std::string& fit_json) {
   constexpr std::size_t kMostShown = 400;
   if (samples.size() > kMostShown) return {};
+  const Json fit = parsed(fit_json, "fit.json");
+  const auto found = [&](const char* key) -> std::optional<double> {
+    const Json::json_pointer value(std::string("/averaged/") + key + "/value");
+    return fit.contains(value) ? std::optional(fit.at(value).get<double>()) : std::nullopt;
+  };
+  if (fit.is_object() && fit.contains("averaged") && !fit["averaged"].is_null())
+    samples = fit::at_the_plate(std::move(samples), found("kappa_per_m"), found("contact_s"));
   Values v_mps, eps, sigma_eps;
   for (const RestitutionSample& sample : samples) {
     v_mps.push_back(sample.v_mps);

@@ -31,7 +31,7 @@ std::string with_interval(const Estimate& e) {
   const int decimals = decimals_for(e);
   std::string text = rounded(e.value, decimals);
   if (e.se && *e.se > 0.0) text += " ± " + rounded(*e.se, decimals);
-  if (e.ci95) text += " (95 %: " + rounded(e.ci95->lo, decimals) + " to " + rounded(e.ci95->hi, decimals) + ")";
+  if (e.ci95) text += " (95 %: " + interval_in_words(e) + ")";
   return text;
 }
 
@@ -201,6 +201,11 @@ std::string of_missing(const FitResult& result, const RestitutionSamples& sample
 }
 
 }  // namespace
+
+std::string interval_in_words(const Estimate& e) {
+  const int decimals = decimals_for(e);
+  return rounded(e.ci95->lo, decimals) + " to " + rounded(e.ci95->hi, decimals);
+}
 
 PlainAnswer plain_answer(const FitResult& result, const RestitutionSamples& samples) {
   PlainAnswer answer;

@@ -10,6 +10,8 @@ namespace bouncelab::report {
 
 /// Warnings and details.
 void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
+/// "0.947 to 0.951": the 95 % interval, which must be there.
+std::string interval_in_words(const fit::Estimate& e);
 PlainAnswer plain_answer(const fit::FitResult& result, const RestitutionSamples& samples);
 /// The questions that a reader brings (five; with several recordings whether they agree, with memory whether the
 /// fluctuations remember), answered in a sentence or two from the numbers of the result.

@@ -24,9 +24,9 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
   return whole_content(path);
 }
 
-std::string samples_if_few(const fs::path& path, std::vector<fs::path>& inputs) {
+std::string samples_if_few(const fs::path& path, const std::string& fit_json, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
-  std::string few = report::samples_json(samples_from_table(read_table(path, sample_columns()), path.string()));
+  std::string few = report::samples_json(samples_from_table(read_table(path, sample_columns()), path.string()), fit_json);
   if (!few.empty()) inputs.push_back(path);
   return few;
 }
@@ -58,7 +58,7 @@ Outcome run_report(const ReportOptions& options, const Run& run) {
   input.fit_simulation_json = content_if_there(folder / "fit_from_simulation.json", inputs);
   input.diagnostics_json = content_if_there(folder / "diagnostics.json", inputs);
   input.sweep_json = content_if_there(folder / "sweep.json", inputs);
-  input.samples_json = samples_if_few(folder / "samples.csv", inputs);
+  input.samples_json = samples_if_few(folder / "samples.csv", input.fit_json, inputs);
   write_text(run, out, report::render(input), inputs);
   const std::string name = is_stream(out) ? out.string() : fs::absolute(out).lexically_normal().string();
   return {kDone, {{"report", out.string()}}, "Report: " + name + "\n", {}, {}};

@@ -602,8 +602,7 @@ class Averaging {
       return e;
     };
     if (known_.has_drag && !estimate.is_ideal)
-      curve.kappa_per_m = log_normal(known_.ball ? drag_per_m(*known_.ball, known_.air, 1.0) : known_.kappa_per_m,
-                                     estimate.mean.ln_kappa, estimate.sd.ln_kappa);
+      curve.kappa_per_m = log_normal(kappa_at_1_mps(known_), estimate.mean.ln_kappa, estimate.sd.ln_kappa);
     if (known_.has_contact && !estimate.is_ideal)
       curve.contact_s = log_normal(known_.contact.at_1_mps_s, estimate.mean.ln_tau, estimate.sd.ln_tau);
     return curve;

@@ -17,13 +17,13 @@ struct DeviationEstimate {
 };
 
 /// eps(v) at some speeds, from fits of several laws on a grid of drag and contact time. A fit counts as the prior of
-/// its place on the grid times exp(-AICc/2), with the likelihood of the ratios T'/T as they were measured; what is
+/// its place on the grid times the law's evidence, with the likelihood of the ratios T'/T as they were measured; what is
 /// reported are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is
 /// interpolated; where samples know a parameter better than the grid resolves, the grid closes in on it.
 ///
 /// Laws: one eps for all speeds, a straight one in ln v, the same with a step where there may be one, gamma and the
-/// series; that alone which is asked for, where it is not the default. Source of the weights: Burnham & Anderson, Sociol. Methods Res. 33, 261 (2004),
-/// doi:10.1177/0049124104268644.
+/// series; that alone which is asked for, where it is not the default. Source of the weights: Kass & Raftery, J. Am.
+/// Stat. Assoc. 90, 773 (1995), doi:10.1080/01621459.1995.10476572.
 /// @param samples  with what their intervals hold, without outliers; at least 1
 /// @param node_speeds_mps  empty: as LawFitConfig
 /// @param estimate  gets where drag and contact time are

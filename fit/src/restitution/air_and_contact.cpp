@@ -45,7 +45,7 @@ const std::vector<Usual>& usual_balls() {
   }();
   return balls;
 }
-constexpr double kSimulated = 0.05;  // share of sounds and times in which there is neither air nor contact
+constexpr double kSimulated = 0.05;  // share of sounds and times with neither air nor contact
 constexpr double kAnyOther = 0.15;  // share of what is none of them
 
 double normal_density(double x, double sd) { return exp(-0.5 * square(x / sd)) / sd; }
@@ -57,6 +57,10 @@ double kappa_at(double v_mps, const AirAndContact& known, double ln_kappa) {
 }
 
 }  // namespace
+
+double kappa_at_1_mps(const AirAndContact& known) {
+  return known.ball ? drag_per_m(*known.ball, known.air, 1.0) : known.kappa_per_m;
+}
 
 AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
   AirAndContact known;

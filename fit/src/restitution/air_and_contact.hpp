@@ -34,6 +34,9 @@ struct AirAndContact {
   double ln_prior(Deviation deviation) const;
 };
 
+/// Its median at 1 m/s.
+double kappa_at_1_mps(const AirAndContact& known);
+
 /// Of these samples: their first one speaks for all.
 AirAndContact air_and_contact_of(const RestitutionSamples& samples);
 

@@ -262,6 +262,16 @@ RestitutionSamples at_the_plate(RestitutionSamples samples) {
   return at_the_plate(std::move(samples), known, {});
 }
 
+RestitutionSamples at_the_plate(RestitutionSamples samples, std::optional<double> kappa_per_m,
+                                std::optional<double> contact_s) {
+  AirAndContact known = air_and_contact_of(samples);
+  known.has_drag = known.has_drag && kappa_per_m;
+  known.has_contact = known.has_contact && contact_s;
+  const Deviation found{known.has_drag ? log(*kappa_per_m / kappa_at_1_mps(known)) : 0.0,
+                        known.has_contact ? log(*contact_s / known.contact.at_1_mps_s) : 0.0};
+  return at_the_plate(std::move(samples), known, found);
+}
+
 Onsets without_travel_time(Onsets onsets, const TravelTime& travel) {
   if (!(travel.wave_speed_mps > 0.0) || !std::isfinite(travel.wave_speed_mps))
     throw InvalidArgument("speed of the sound " + std::to_string(travel.wave_speed_mps) + " m/s: must be positive");

@@ -19,10 +19,12 @@ std::string line(const BallKind& kind) {
     diameter = fmt::format("{:.4g}", 1e3 * *kind.diameter_m);
     mass = fmt::format("{:.4g}", 1e3 * mass_kg({0.5 * *kind.diameter_m, kind.material, kind.inertia_factor, {}}));
   }
-  return fmt::format("{:<17} {:>12} {:>8} {:>16.5g} {:>8} {:>6} {:>10.3f} {:>6}  {}\n", kind.name, diameter, mass,
+  const std::string contact = kind.material.hertzian ? "Hertz"
+                              : kind.contact         ? fmt::format("{:.2g} ms", 1e3 * kind.contact->at_1_mps_s)
+                                                     : "-";
+  return fmt::format("{:<17} {:>12} {:>8} {:>16.5g} {:>8} {:>6} {:>10.3f} {:>8}  {}\n", kind.name, diameter, mass,
                      kind.material.density_kgpm3, elastic(kind.material, 1e-9 * kind.material.youngs_modulus_pa),
-                     elastic(kind.material, kind.material.poisson_ratio), kind.inertia_factor,
-                     kind.material.hertzian ? "yes" : "no", kind.what);
+                     elastic(kind.material, kind.material.poisson_ratio), kind.inertia_factor, contact, kind.what);
 }
 
 std::string line(const PlateKind& kind) {
@@ -31,27 +33,32 @@ std::string line(const PlateKind& kind) {
                      kind.material.hertzian ? "yes" : "no", kind.what);
 }
 
+std::string source_of(const PlateKind& kind) { return kind.source; }
+std::string source_of(const BallKind& kind) {
+  return kind.source + (kind.contact ? fmt::format("; contact, within {:.0f} %: {}", 100.0 * kind.contact->spread,
+                                                   kind.contact_source)
+                                     : "");
+}
 template <class Kind>
 std::string sources(const std::vector<Kind>& kinds) {
   std::string text;
-  for (const Kind& kind : kinds) text += fmt::format("  {:<17} {}\n", kind.name, kind.source);
+  for (const Kind& kind : kinds) text += fmt::format("  {:<17} {}\n", kind.name, source_of(kind));
   return text;
 }
 
 /// The catalogue: balls, materials of balls, plates, each with its source.
 Outcome run_balls() {
   Outcome outcome;
-  outcome.text = fmt::format("{:<17} {:>12} {:>8} {:>16} {:>8} {:>6} {:>10} {:>6}\n", "--ball", "diameter[mm]",
-                             "mass[g]", "density[kg/m^3]", "E[GPa]", "nu", "J/(m R^2)", "Hertz");
+  outcome.text = fmt::format("{:<17} {:>12} {:>8} {:>16} {:>8} {:>6} {:>10} {:>8}\n", "--ball", "diameter[mm]",
+                             "mass[g]", "density[kg/m^3]", "E[GPa]", "nu", "J/(m R^2)", "contact");
   for (const BallKind& kind : ball_kinds()) outcome.text += line(kind);
   outcome.text +=
       "\nAny size: the diameter follows, --ball steel:6mm; a radius is written --ball steel:r=3mm. Other numbers "
       "follow "
       "too:\n--ball steel:6mm,density=7800, or alone: --ball radius=20mm,mass=2.7g,inertia=0.65. The density of a "
       "hollow "
-      "ball is its\nmass over its whole volume. Hertz: whether his theory gives the contact time. Where not, it is "
-      "open "
-      "unless measured:\n--ball table-tennis,contact-time=0.8ms\n\n";
+      "ball is its\nmass over its whole volume. Contact: how long it touches the floor at 1 m/s, by Hertz's theory or as "
+      "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\n\n";
   outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
                               "loss factor", "Hertz");
   for (const PlateKind& kind : plate_kinds()) outcome.text += line(kind);

@@ -126,7 +126,7 @@ void write_report(const std::string& path, const std::string& title, const std::
   input.title = title;
   input.fit_json = fit_json;
   input.wave_json = wave_json;
-  if (!columns.empty()) input.samples_json = report::samples_json(samples_of(columns));
+  if (!columns.empty()) input.samples_json = report::samples_json(samples_of(columns), fit_json);
   stages::write_text(writing(force), path, report::render(input));
 }
 

@@ -136,7 +136,7 @@ std::string Analysis::file(const std::string& name) const {
   input.wave_json = file("wave.json");
   input.summary_json = json_text(summary);
   if (!found.details.empty()) input.diagnostics_json = json_text(Object{{"recordings", value_of(found.details)}});
-  input.samples_json = report::samples_json(found.restitution.samples);
+  input.samples_json = report::samples_json(found.restitution.samples, input.fit_json);
   return report::render(input);
 }
 

@@ -8,7 +8,7 @@
 namespace bouncelab::report {
 
 /// What the report shows. All texts are JSON as the commands leave them in files; an empty text is left out of the
-/// report. Nothing is computed here: pictures and tables show numbers of these files.
+/// report. Pictures and tables show numbers of these files.
 struct ReportInput {
   std::string title;
   std::string summary_json;            ///< summary.json of `loop` or `analyze`
@@ -23,9 +23,10 @@ struct ReportInput {
   std::string samples_json;            ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
 };
 
-/// Speeds, coefficients of restitution and their standard errors, for ReportInput::samples_json; empty where they are
-/// more than would be shown one by one (fit.json has their density).
-std::string samples_json(const RestitutionSamples& samples);
+/// Speeds, coefficients of restitution and their standard errors, for ReportInput::samples_json, at the plate: without
+/// the drag and contact time that the fit found. Empty where they are more than would be shown one by one (fit.json has
+/// their density).
+std::string samples_json(RestitutionSamples samples, const std::string& fit_json);
 
 /// One HTML file that carries everything it needs (pictures are drawn by the plotting library inside it; no network).
 /// @throws InvalidArgument where a text is not JSON
