@@ -55,7 +55,7 @@ function firstScreen() {
 }
 
 function lawCaption() {
-  return (few ? 'Points: bounces, with the error that timing alone gives them.' : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
+  return (few ? 'Points: bounces, without what air and contact did to their intervals, with the error that timing alone gives them.' : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
       ' Line and band: ε(v), the most frequent ε at each speed, with its 95 % range. A bounce that puts energy into spin or sideways motion lies below the line, so most points may.';
 }
 

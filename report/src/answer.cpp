@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bouncelab/report/answer.hpp"
 
+#include <algorithm>
+
 #include "words.hpp"
 
 namespace bouncelab::report {
@@ -11,6 +13,15 @@ FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samp
   if (memory == fit::UseMemory::always && result.memory && !result.memory->holds)
     words.warnings.insert(words.warnings.begin(), in_words(*result.memory));
   return words;
+}
+
+void keep_three(std::vector<std::string>& warnings, FitInWords& words) {
+  if (warnings.size() <= kMostWarnings) return;
+  words.details.insert(words.details.begin(), warnings.begin() + kMostWarnings, warnings.end());
+  warnings.resize(kMostWarnings);
+  std::erase_if(words.warnings, [&](const std::string& one) {
+    return std::find(warnings.begin(), warnings.end(), one) == warnings.end();
+  });
 }
 
 const Description& members_of(const DropsSeen*) {

@@ -53,8 +53,7 @@ std::string dependence(const FitResult& r) {
 std::string certainty(const LawFit& law) {
   std::vector<std::string> intervals;
   for (const NodeEstimate& node : law.nodes)
-    if (node.eps.ci95)
-      intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
+    if (node.eps.ci95) intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
       (law.drops.errors == ErrorBasis::by_drop ? formatted(", from how %zu drops differ from each other.", law.drops.n)

@@ -160,10 +160,9 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   warn_of_law(result.law, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
-  constexpr std::size_t kMost = 3;
-  if (first.size() > kMost) {
-    details.assign(first.begin() + kMost, first.end());
-    first.resize(kMost);
+  if (first.size() > kMostWarnings) {
+    details.assign(first.begin() + kMostWarnings, first.end());
+    first.resize(kMostWarnings);
   }
   details.insert(details.end(), result.law.notes.begin(), result.law.notes.end());
   warn_of_few_drops(result.law.drops, details);

@@ -8,6 +8,7 @@
 
 namespace bouncelab::report {
 
+inline constexpr std::size_t kMostWarnings = 3;
 /// Warnings and details.
 void warn(const fit::FitResult& result, const RestitutionSamples& samples, FitInWords& words);
 /// "0.947 to 0.951": the 95 % interval, which must be there.

@@ -100,8 +100,8 @@ TEST_F(BallOption, NamedToTheFitItIsThatOfTheBudget) {
     run("fit s.csv --out f.json --force --quiet --goodness-replicates 0 --plate glass --ball " + ball);
     return Json::parse(content_of(folder_ / "f.json")).at("budget").at("rows").at(0).at("shift_drag").get<double>();
   };
-  // kappa = 3 rho_air C_d / (8 rho_ball R): densities and radii alone make it 14.5 times that of the steel ball, and C_d
-  // is .50 to .55 (Re of 600) instead of 1.0 to 1.2 (Re of 90)
+  // kappa = 3 rho_air C_d / (8 rho_ball R): densities and radii alone make it 14.5 times that of the steel ball, and
+  // C_d is .50 to .55 (Re of 600) instead of 1.0 to 1.2 (Re of 90)
   const double ratio = drag_of("table-tennis") / drag_of("steel:6mm");
   EXPECT_TRUE(ratio > 6.0 && ratio < 8.0) << ratio;
 }

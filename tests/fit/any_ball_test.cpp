@@ -62,9 +62,7 @@ struct World {
   double step = 0.0, step_mps = 0.0;  ///< of those slower than that
 };
 
-double truth(const World& w, double v) {
-  return w.eps_1 + w.slope * std::log(v) + (v < w.step_mps ? w.step : 0.0);
-}
+double truth(const World& w, double v) { return w.eps_1 + w.slope * std::log(v) + (v < w.step_mps ? w.step : 0.0); }
 
 /// From launch to landing by Runge-Kutta steps of a thousandth of the flight: duration and landing speed.
 std::pair<double, double> flight(const World& w, double u) {

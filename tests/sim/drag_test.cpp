@@ -35,7 +35,8 @@ TEST(Drag, HasTheTextbookCoefficientAtReynoldsOneHundred) {
   const Air air;
   const double d = 2 * ball.radius_m, v = 100 * air.viscosity_pas / (air.density_kgpm3 * d);
   const double force = mass_kg(ball) * norm(drag_acceleration_mps2(ball, air, {0, v, 0}));
-  EXPECT_NEAR(force / (0.5 * air.density_kgpm3 * v * v * std::numbers::pi * ball.radius_m * ball.radius_m), 1.073, 0.001);
+  EXPECT_NEAR(force / (0.5 * air.density_kgpm3 * v * v * std::numbers::pi * ball.radius_m * ball.radius_m), 1.073,
+              0.001);
 }
 
 TEST(Drag, FlightAgreesWithAnAdaptiveIntegrator) {

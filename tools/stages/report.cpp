@@ -26,7 +26,8 @@ std::string content_if_there(const fs::path& path, std::vector<fs::path>& inputs
 
 std::string samples_if_few(const fs::path& path, const std::string& fit_json, std::vector<fs::path>& inputs) {
   if (!fs::exists(path)) return {};
-  std::string few = report::samples_json(samples_from_table(read_table(path, sample_columns()), path.string()), fit_json);
+  std::string few =
+      report::samples_json(samples_from_table(read_table(path, sample_columns()), path.string()), fit_json);
   if (!few.empty()) inputs.push_back(path);
   return few;
 }

@@ -111,10 +111,6 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
     warnings.push_back(found.sound.rate_hz < kBelow500_hz
                            ? "the impacts were found below 500 Hz only: times to a millisecond or two at best"
                            : "the impacts were found below 2 kHz only: times to a fraction of a millisecond at best");
-  if (!d.summary.contact_time_at_1_mps_s)
-    warnings.push_back(
-        "the recording does not determine the contact time: one that its frequencies suggest is assumed; "
-        "contact_time_sigma_s is the uncertainty that remains");
   return warnings;
 }
 

@@ -86,8 +86,8 @@ struct Fitted {
   double stretch = 1.0;           ///< of the standard errors, where they are by drop
 };
 
-/// What a law says of the shape of eps(v), as sums of eps at some speeds; each is 0 with a standard deviation beforehand.
-/// The viscoelastic law falls by (1 - eps)/5 in a factor e of speed; half as much again is usual.
+/// What a law says of the shape of eps(v), as sums of eps at some speeds; each is 0 with a standard deviation
+/// beforehand. The viscoelastic law falls by (1 - eps)/5 in a factor e of speed; half as much again is usual.
 struct Shape {
   std::vector<double> v_mps;
   Eigen::MatrixXd sums;  ///< a row a sum, a column a speed
@@ -115,8 +115,8 @@ Shape shape_of(const LawModel& model, const LawData& data) {
   return shape;
 }
 
-/// What is known of eps at some speeds when the prior of its shape has been taken in. @return minus the logarithm of the
-/// likelihood's mean over that prior, relative to its maximum
+/// What is known of eps at some speeds when the prior of its shape has been taken in. @return minus the logarithm of
+/// the likelihood's mean over that prior, relative to its maximum
 double take_in(const Shape& shape, Eigen::Index n_nodes, Eigen::VectorXd& eps, Eigen::MatrixXd& covariance) {
   if (shape.v_mps.empty()) return 0.0;
   const Eigen::Index n = eps.size(), n_sums = shape.sums.rows();
@@ -168,8 +168,7 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
   }
   const auto n = static_cast<double>(data.size());
   const auto n_scatter = static_cast<double>(fit.n_parameters) - static_cast<double>(model.n_parameters());
-  fitted.surprise =
-      0.5 * n_scatter * log(n) - candidate->maximum.loglik + take_in(shape, n_nodes, eps, covariance);
+  fitted.surprise = 0.5 * n_scatter * log(n) - candidate->maximum.loglik + take_in(shape, n_nodes, eps, covariance);
   const std::size_t middle = nodes_mps.size() / 2;
   const auto m = static_cast<Eigen::Index>(middle);
   for (Eigen::Index j = 0; j < n_nodes; ++j) {
@@ -355,8 +354,8 @@ std::vector<Term> terms_of(const Grid& grid) {
     for (const FinePlace& tau : grid.fine_tau) {
       Term term{0.0, &grid, &kappa, &tau};
       if (!term.is_there()) continue;
-      term.weight = grid.known->ln_prior({kappa.at, tau.at}) - term.between([](const Fitted& f) { return f.surprise; }) +
-                    log(grid.cell());
+      term.weight = grid.known->ln_prior({kappa.at, tau.at}) -
+                    term.between([](const Fitted& f) { return f.surprise; }) + log(grid.cell());
       terms.push_back(term);
     }
   return terms;
@@ -590,8 +589,10 @@ class Averaging {
     const auto at_middle = [middle](const Fitted& f) { return f.eps[middle]; };
     const double variance = square(*curve.nodes[middle].eps.se);
     const auto share = [&](double part) { return variance > 0.0 ? std::min(1.0, part / variance) : 0.0; };
-    curve.share_of_drag = share(variance_along(terms, at_middle, [](const Term& t) { return t.grid->known->is_open() ? t.kappa->at : -HUGE_VAL; }));
-    curve.share_of_contact = share(variance_along(terms, at_middle, [](const Term& t) { return t.grid->known->is_open() ? t.tau->at : -HUGE_VAL; }));
+    curve.share_of_drag = share(variance_along(
+        terms, at_middle, [](const Term& t) { return t.grid->known->is_open() ? t.kappa->at : -HUGE_VAL; }));
+    curve.share_of_contact = share(variance_along(
+        terms, at_middle, [](const Term& t) { return t.grid->known->is_open() ? t.tau->at : -HUGE_VAL; }));
     const auto log_normal = [](double median, double mean, double sd) {
       constexpr double k95 = 1.959963984540054;
       Estimate e;

@@ -17,8 +17,8 @@ struct DeviationEstimate {
 };
 
 /// eps(v) at some speeds, from fits of several laws on a grid of drag and contact time. A fit counts as the prior of
-/// its place on the grid times the law's evidence, with the likelihood of the ratios T'/T as they were measured; what is
-/// reported are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is
+/// its place on the grid times the law's evidence, with the likelihood of the ratios T'/T as they were measured; what
+/// is reported are quantiles of the sum of all fits' Student distributions. Between places of the grid everything is
 /// interpolated; where samples know a parameter better than the grid resolves, the grid closes in on it.
 ///
 /// Laws: one eps for all speeds, a straight one in ln v, the same with a step where there may be one, gamma and the

@@ -46,7 +46,7 @@ const std::vector<Usual>& usual_balls() {
   return balls;
 }
 constexpr double kSimulated = 0.05;  // share of sounds and times with neither air nor contact
-constexpr double kAnyOther = 0.15;  // share of what is none of them
+constexpr double kAnyOther = 0.15;   // share of what is none of them
 
 double normal_density(double x, double sd) { return exp(-0.5 * square(x / sd)) / sd; }
 

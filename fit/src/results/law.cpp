@@ -212,7 +212,8 @@ const Description& members_of(const AveragedCurve*) {
       result("contact_s", &A::contact_s, "Contact time at 1 m/s; `null`: none"),
       result("share_of_drag", &A::share_of_drag, "Part of the variance of ε at the middle node that drag leaves"),
       result("share_of_contact", &A::share_of_contact, "Likewise by contact time"),
-      result("step", &A::step, "`{v_mps, eps_faster, eps_slower, impact}` where ε(v) nearly certainly has one; or `null`")};
+      result("step", &A::step,
+             "`{v_mps, eps_faster, eps_slower, impact}` where ε(v) nearly certainly has one; or `null`")};
   return all;
 }
 

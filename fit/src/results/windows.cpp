@@ -120,7 +120,8 @@ const Description& members_of(const BudgetRow*) {
       result("share_timing", &B::share_timing, ""),
       result("share_travel_time", &B::share_travel_time, ""),
       result("share_unexplained", &B::share_unexplained, ""),
-      result("shift_drag", &B::shift_drag, "Shift of ε by air drag, which is taken out; `null` where the ball is not known"),
+      result("shift_drag", &B::shift_drag,
+             "Shift of ε by air drag, which is taken out; `null` where the ball is not known"),
       result("shift_contact_time", &B::shift_contact_time, "Likewise by the duration of contact"),
       result("mean_minus_peak", &B::mean_minus_peak, "What least squares would be off by"),
       result("se_curve", &B::se_curve, "Standard error of ε(v) here")};

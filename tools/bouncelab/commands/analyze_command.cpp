@@ -77,12 +77,13 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
                        std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
   Outcome detected = detection_outcome(found.recordings, std::move(warnings));
   if (!first_found(found.recordings)) return detected;
-  const report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
+  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
-  write_files(found, words, folder, run);
   Outcome outcome;
-  outcome.warnings = joined(detected.warnings, report::warnings_of(found.restitution.counts, config.restitution));
+  outcome.warnings = joined(report::warnings_of(found.restitution.counts, config.restitution), detected.warnings);
   outcome.warnings = joined(outcome.warnings, fitted.warnings);
+  if (found.recordings.size() == 1) report::keep_three(outcome.warnings, words);
+  write_files(found, words, folder, run);
   outcome.result = object_of(members_of(&found), &found);
   outcome.result.emplace_back("answer", value_of(words.answer));
   outcome.result.emplace_back("warnings", outcome.warnings);

@@ -57,7 +57,8 @@ Outcome run_balls() {
       "follow "
       "too:\n--ball steel:6mm,density=7800, or alone: --ball radius=20mm,mass=2.7g,inertia=0.65. The density of a "
       "hollow "
-      "ball is its\nmass over its whole volume. Contact: how long it touches the floor at 1 m/s, by Hertz's theory or as "
+      "ball is its\nmass over its whole volume. Contact: how long it touches the floor at 1 m/s, by Hertz's theory or "
+      "as "
       "measured of such\nballs; of one's own: --ball table-tennis,contact-time=0.8ms\n\n";
   outcome.text += fmt::format("{:<17} {:>16} {:>8} {:>6} {:>11} {:>6}\n", "--plate", "density[kg/m^3]", "E[GPa]", "nu",
                               "loss factor", "Hertz");

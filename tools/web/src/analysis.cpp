@@ -54,6 +54,7 @@ Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config) {
   for (const auto& more : {report::warnings_of(all.recordings), analysis.words.warnings})
     for (const std::string& warning : more)
       if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+  report::keep_three(warnings, analysis.words);
   analysis.summary = object_of(members_of(&all), &all);
   analysis.summary.emplace_back("warnings", warnings);
   return analysis;

@@ -90,8 +90,8 @@ struct BudgetConfig {
 };
 
 /// `base` with what the samples say of themselves: drag and contact time that their intervals do not hold are absent,
-/// travel time that was taken out is corrected, and ball, gravity and wave speed are theirs where they are known. All must say the same: the
-/// first one's are taken.
+/// travel time that was taken out is corrected, and ball, gravity and wave speed are theirs where they are known. All
+/// must say the same: the first one's are taken.
 BudgetConfig budget_config_of(const RestitutionSamples& samples, BudgetConfig base);
 
 /// @param samples  that were fitted; t_s is needed for the timing noise only

@@ -79,6 +79,10 @@ const Description& members_of(const FitInWords*);
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
                     fit::UseMemory memory = fit::UseMemory::where_long);
 
+/// All warnings of one recording, its detection's among them, most important first: three remain, the others become
+/// details, and `words` has those of its own that remain.
+void keep_three(std::vector<std::string>& warnings, FitInWords& words);
+
 /// Warnings of a measured roughness. @param samples  all that it was measured from
 std::vector<std::string> warnings_of(const fit::RoughnessResult& result, const RestitutionSamples& samples);
 
