@@ -88,7 +88,10 @@ class OpenByDragAndContact {
             open([&](const LawFit& f) { return k < f.parameters.size() ? f.parameters[k].estimate.value : NAN; }));
     if (!law.law) return;
     for (CurvePoint& point : law.curve) {
-      Estimate e{point.y, point.se, {}, {}, point.band95};
+      Estimate e;
+      e.value = point.y;
+      e.se = point.se;
+      e.ci95 = point.band95;
       widen(e, open([&](const LawFit& f) { return f.law ? restitution(*f.law, point.x) : NAN; }));
       point.se = e.se;
       point.band95 = e.ci95;

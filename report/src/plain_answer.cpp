@@ -131,7 +131,7 @@ std::string file_name(const std::string& recording) {
 std::string of_step(const RestitutionStep& step, int decimals) {
   std::string text = "ε steps from " + rounded(step.eps_faster, decimals) + " to " +
                      rounded(step.eps_slower, decimals) + " at " + speed(step.v_mps);
-  if (step.impact) text += formatted(", after bounce %lld", static_cast<long long>(*step.impact + 1));
+  if (step.impact) text += ", after bounce " + std::to_string(*step.impact + 1);
   return text + ": did the ball reach another surface?";
 }
 
