@@ -51,7 +51,8 @@ Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config) {
   const loop::Analysis& all = analysis.found;
   analysis.words = report::in_words(all.fit, all.restitution.samples, config.fit.memory);
   std::vector<std::string> warnings = report::warnings_of_drops(all.recordings);
-  for (const auto& more : {report::warnings_of(all.recordings), analysis.words.warnings})
+  for (const auto& more : {report::warnings_of(all.restitution.counts, config.restitution),
+                           report::warnings_of(all.recordings), analysis.words.warnings})
     for (const std::string& warning : more)
       if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
   report::keep_three(warnings, analysis.words);

@@ -131,10 +131,10 @@ describe('the page', {skip: missing ?? false}, () => {
   });
 
   test('the ball, the floor and the height take part in the fit', async () => {
-    const notes = () => page.$eval('#notes', node => node.textContent), heard = await notes();
+    const answer = () => page.$eval('#answer', node => node.textContent), heard = await answer();
     await page.click('#settings summary');
     await refitted(page, () => page.select('#ball', 'table-tennis'));
-    assert.notEqual(await notes(), heard);
+    assert.notEqual(await answer(), heard);
     assert.match(await page.$eval('#settings-now', node => node.textContent), /table tennis/);
     await refitted(page, () => page.select('#ball', 'steel'));
     assert.ok(await page.$eval('#diameter-field', node => !node.hidden));
