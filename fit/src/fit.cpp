@@ -3,11 +3,11 @@
 
 #include <cmath>
 
+#include "averaged/averaged_curve.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/fit/memory_fit.hpp"
 #include "bouncelab/fit/usable_samples.hpp"
-#include "law/averaged_curve.hpp"
 #include "law/law_data.hpp"
 #include "restitution/air_and_contact.hpp"
 

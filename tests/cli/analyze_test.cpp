@@ -111,8 +111,7 @@ TEST_F(Analyze, StatesTheOddsOfEveryDropAndTheProbabilityOfEveryMark) {
   EXPECT_NEAR(drops[0]["probability"].get<double>(), 1.0 - 1e-6, 1e-9);
   EXPECT_EQ(drops[0]["doubtful"], false);
   const std::string table = content_of(folder_ / "o.csv");
-  EXPECT_THAT(
-      table, testing::StartsWith("recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags,probability,contact_s\n"));
+  EXPECT_THAT(table, testing::StartsWith("recording,drop,impact,t_s,sigma_t_s,amplitude,snr_db,flags,probability\n"));
   EXPECT_EQ(table.find(",nan"), std::string::npos);
 }
 

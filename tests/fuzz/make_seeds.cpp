@@ -71,7 +71,7 @@ Onsets onsets() {
 RestitutionSamples samples() {
   RestitutionSamples result(3);
   for (RestitutionSample& sample : result) {
-    sample = {"a.wav", 0, 1, 0.8, 1.3, 0.97, 1e-6, 2e-5, {}, {true, true, false, 9.81, Ball{}, kGlass, {}, {}, {}}};
+    sample = {"a.wav", 0, 1, 0.8, 1.3, 0.97, 1e-6, 2e-5, {}, {true, true, false, 9.81, Ball{}, kGlass, {}, {}}};
   }
   result[1].flags = {Flag::missing_impact};
   return result;

@@ -97,9 +97,6 @@ const RowColumns<Onset>& columns_of(const Onset*) {
              "That this mark is an impact of this ball: that of the drop, odds/(1 + odds), times that of the impact "
              "given the drop and that of its place. Empty: not known (a table of an earlier version, a mark made by "
              "hand). `restitution` does not use it",
-             {0.0, 1.0}),
-      column("contact_s", &O::contact_s,
-             "Contact time at 1 m/s, as the recording says it or its frequencies suggest, within a factor of e or so",
              {0.0, 1.0})};
   return all;
 }

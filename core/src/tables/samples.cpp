@@ -138,9 +138,6 @@ const RowColumns<RestitutionSample>& columns_of(const RestitutionSample*) {
       column<S>(
           "air_kgpm3", [](auto& s) -> auto& { return s.conditions.air_kgpm3; }, "Density of the air", Range{0.0, 1e3}),
       column<S>(
-          "contact_s", [](auto& s) -> auto& { return s.conditions.contact_s; },
-          "Contact time at 1 m/s that the sound suggests; empty: not known", Range{0.0, 1.0}),
-      column<S>(
           "wave_speed_mps", [](auto& s) -> auto& { return s.conditions.wave_speed_mps; },
           "Of the sound from impact to sensor", positive_up_to(1e6))};
   return all;

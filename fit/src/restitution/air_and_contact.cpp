@@ -15,8 +15,6 @@ namespace {
 constexpr double kKappa_per_m = 0.02, kKappaSpread = 1.1;
 // The standard curve is one of smooth spheres; balls have seams and felt.
 constexpr double kKappaSpreadOfNamed = 0.1;
-// Of a sound's frequencies a factor of e on either side.
-constexpr double kContactSpread = 1.0;
 // Nothing known: from steel (30 us) to a basketball (15 ms).
 constexpr ContactDuration kAnyContact{0.5e-3, 0.0, 1.7};
 // Where the drag of a flight is taken, of its speed at the plate: drag takes energy as C_d v^2, most of it there.
@@ -78,8 +76,6 @@ AirAndContact air_and_contact_of(const RestitutionSamples& samples) {
   }
   if (const auto named = said.ball ? contact_duration(*said.ball, said.plate) : std::nullopt)
     known.contact = *named;
-  else if (known.contact_is_heard = said.contact_s.has_value(); known.contact_is_heard)
-    known.contact = {*said.contact_s, 0.0, kContactSpread};
   else
     known.contact = kAnyContact;
   known.has_contact = of_intervals && !said.contact_time_corrected && known.contact.at_1_mps_s > 0.0;
@@ -102,7 +98,6 @@ double AirAndContact::ln_prior(Deviation deviation) const {
   if (!is_open()) return ln_share;
   const auto normal = [](double x, double sd) { return sd > 0.0 ? -0.5 * square(x / sd) : 0.0; };
   if (!has_drag || ball) {
-    // drag is known or there is none; a contact time that is nowhere named is as the sound has it
     return normal(deviation.ln_kappa, kappa_spread) + normal(deviation.ln_tau, contact.spread);
   }
   const double ln_kappa = log(kappa_per_m) + deviation.ln_kappa;
@@ -119,7 +114,7 @@ double AirAndContact::ln_prior(Deviation deviation) const {
   for (const Usual& one : usual_balls())
     sum += (1.0 - kAnyOther) / static_cast<double>(usual_balls().size()) *
            normal_density(ln_kappa - one.ln_kappa, one.kappa_sd) * normal_density(ln_tau - one.ln_tau, one.tau_sd);
-  return log(sum) + (contact_is_heard ? normal(deviation.ln_tau, kContactSpread) : 0.0);
+  return log(sum);
 }
 
 AtThePlate at_the_plate(double v_mps, double eps, bool from_height, const AirAndContact& known, Deviation deviation) {

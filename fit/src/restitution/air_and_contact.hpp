@@ -14,7 +14,7 @@ struct Deviation {
   double ln_kappa = 0.0, ln_tau = 0.0;
 };
 
-/// What is known beforehand of the drag on a ball and of how long it touches the plate: ln kappa and ln tau are normal.
+/// What is known beforehand of the drag on a ball and of how long it touches the plate.
 /// (docs/physics.md, section 9)
 struct AirAndContact {
   double gravity_mps2 = kDefaultGravity_mps2;
@@ -24,13 +24,11 @@ struct AirAndContact {
   double kappa_spread = 0.0;  ///< standard deviation of ln kappa, 0 where there is no drag
   ContactDuration contact;    ///< median, and the standard deviation of ln tau; 0 s: contacts are instantaneous
   bool has_drag = true, has_contact = true;
-  bool contact_is_heard = false;  ///< `contact` is what the sound suggests
-  double ln_share = 0.0;          ///< of worlds_of(): logarithm of what counts beforehand
+  double ln_share = 0.0;  ///< of worlds_of(): logarithm of what counts beforehand
 
   bool is_open() const { return has_drag || has_contact; }
   /// Logarithm of the prior density of a deviation, up to a constant. Of a named ball both are normal. One that is not
-  /// named is one of the balls people drop, with ln kappa and ln tau about its own, or any other; the sound's
-  /// frequencies say which, as they suggest `contact`.
+  /// named is one of the balls people drop, with ln kappa and ln tau about its own, or any other.
   double ln_prior(Deviation deviation) const;
 };
 

@@ -237,10 +237,8 @@ void RestitutionInPieces::end_drop(RestitutionSamples& samples) {
     of_drop = samples_of_drop(drop_, config_, counts_, heights_m_);
   }
   counts_.n_samples += of_drop.size();
-  const auto heard = std::find_if(drop_.begin(), drop_.end(), [](const Onset& o) { return o.contact_s.has_value(); });
   for (RestitutionSample& s : of_drop) {
     s.conditions = conditions_;
-    if (heard != drop_.end()) s.conditions.contact_s = heard->contact_s;
     if (!s.flags.empty()) ++counts_.n_flagged;
   }
   std::move(of_drop.begin(), of_drop.end(), std::back_inserter(samples));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Onsets as the module gives and takes them, an object of columns, and as marks, a list.
 
-const kNumbers = ['drop', 'impact', 't_s', 'sigma_t_s', 'amplitude', 'snr_db', 'probability', 'contact_s'];
+const kNumbers = ['drop', 'impact', 't_s', 'sigma_t_s', 'amplitude', 'snr_db', 'probability'];
 const known = x => x === undefined || Number.isNaN(x) ? '' : x;
 
 /// Columns as ordinary lists, and their length `n`.

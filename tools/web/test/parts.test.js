@@ -48,7 +48,7 @@ test('FLAC and WAV are left to our own reader', () => {
 
 const columns = {drop: Float64Array.of(0, 0, 0, 1), impact: Float64Array.of(0, 1, 3, 0), t_s: Float64Array.of(0.12656382139774158, 0.5, 1.1, 3),
   sigma_t_s: Float64Array.of(1e-6, 2e-6, 2e-6, 2e-6), amplitude: Float64Array.of(0.5, 0.4, 0.3, 0.3), snr_db: Float64Array.of(40, 38, 36, 36),
-  probability: Float64Array.of(0.99, NaN, 1, 1), contact_s: Float64Array.of(3e-5, 3e-5, 3e-5, NaN), flags: ['', 'doubtful|clipped', '', '']};
+  probability: Float64Array.of(0.99, NaN, 1, 1), flags: ['', 'doubtful|clipped', '', '']};
 
 test('columns of onsets that nobody touched come back as they were', () => {
   assert.deepEqual(columnsFrom(marksFrom(columns)), columns);

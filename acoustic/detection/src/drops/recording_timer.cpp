@@ -345,7 +345,6 @@ TimedRecording time_recording(const BandOfDrops& band, const std::vector<BandOfD
       const ContactCorrection contact = law ? contact_correction(*law, drop, k) : ContactCorrection{};
       Onset onset = to_onset(drop.impacts[k], band.tracks[d].log_odds, contact, drop.peak, timed.noise_variance);
       onset.recording = name;
-      if (law && law->tau_1_s > 0.0) onset.contact_s = law->tau_1_s;
       onset.drop = static_cast<std::int64_t>(d);
       recording.onsets.push_back(std::move(onset));
     }

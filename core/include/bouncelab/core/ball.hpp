@@ -174,7 +174,7 @@ struct PointImpulses {
 PointImpulses hertz_impulses(double duration_samples);
 inline constexpr double kMaxContact_samples = 1600.0;
 
-/// Still air: the simulator flies through it, the fit corrects for it.
+/// Still air: the simulator flies through it, the fit takes account of it.
 struct Air {
   double density_kgpm3 = 1.2;       ///< 20 C, 1010 hPa
   double viscosity_pas = 1.813e-5;  ///< dynamic, 20 C

@@ -70,9 +70,6 @@ struct Onset {
   Flags flags;
   /// That it is an impact of this ball: p(drop) p(impact given the drop), 0 ... 1.
   std::optional<double> probability = std::nullopt;
-  /// How long the ball touches the plate at 1 m/s [s], as the sound says it or its frequencies suggest, within a factor
-  /// of e or so.
-  std::optional<double> contact_s = std::nullopt;
 };
 
 /// Onsets ordered by recording (in the order given), then time.

@@ -22,8 +22,7 @@ struct SampleConditions {
   std::optional<Ball> ball;              ///< whose drag and contact time the fit takes
   std::optional<Material> plate;         ///< likewise
   std::optional<double> air_kgpm3;       ///< density of the air; absent: that of a room
-  std::optional<double> contact_s;       ///< contact time that the sound's frequencies suggest
-  std::optional<double> wave_speed_mps;  ///< likewise, of the travel time
+  std::optional<double> wave_speed_mps;  ///< of the sound, for the travel time
 
   friend bool operator==(const SampleConditions&, const SampleConditions&) = default;
 };

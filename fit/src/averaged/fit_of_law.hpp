@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "bouncelab/fit/law_fit.hpp"
+#include "law/law_data.hpp"
+#include "law/law_model.hpp"
+
+namespace bouncelab::fit {
+
+/// One law fitted to samples at the plate: eps at the nodes.
+struct Fitted {
+  double surprise = HUGE_VAL;     ///< minus the logarithm of the law's evidence
+  std::vector<double> eps, se;    ///< at the nodes
+  std::vector<double> change_se;  ///< of the difference from the middle node
+  double nu = 1e9;                ///< degrees of freedom of the standard errors
+  double stretch = 1.0;           ///< of the standard errors, where they are by drop
+};
+
+/// @return with an infinite surprise where the law cannot be fitted
+Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& config,
+              const std::vector<double>& nodes_mps);
+
+/// One eps for one or two samples: their scatter is that of few, and their own.
+Fitted fit_of_few(const LawData& data, std::size_t n_nodes);
+
+/// Laws that may hold for samples: that alone which is asked for, where it is not the default; else a constant, and
+/// from four samples on, of more than one speed, the viscoelastic law and a straight one in ln v, from six on the
+/// series, and last a straight one with a step where there may be one.
+std::vector<LawModel> models_of(const LawData& data, const LawFitConfig& config);
+
+/// Speeds within a factor of this are one: no curve can be seen.
+inline constexpr double kOneSpeed = 1.2;
+
+}  // namespace bouncelab::fit
