@@ -48,7 +48,6 @@ void warn_of_few_drops(const DropCount& drops, std::vector<std::string>& warning
 }
 
 void warn_of_law(const LawFit& law, std::vector<std::string>& warnings) {
-  if (!law.message.empty() && law.status != FitStatus::not_identifiable) warnings.push_back(law.message);
   if (law.p_value && *law.p_value < 0.001) {
     double ratio = 0.0;
     for (const ResidualBin& bin : law.residuals) ratio += bin.scatter_ratio / static_cast<double>(law.residuals.size());
@@ -157,6 +156,9 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
   if (disagree(result.recordings)) first.push_back(in_words(result.recordings));
   warn_of_all_samples(used, left_out, first);
   warn_of_mixed_conditions(used, first);
+  // why there is no curve is a detail where eps is known all the same
+  const bool no_curve = !result.law.message.empty() && result.law.status != FitStatus::not_identifiable;
+  if (no_curve && !result.averaged) first.push_back(result.law.message);
   warn_of_law(result.law, first);
   warn_of_timing(result.budget, first);
   std::vector<std::string>& details = words.details;
@@ -164,6 +166,7 @@ void warn(const FitResult& result, const RestitutionSamples& samples, FitInWords
     details.assign(first.begin() + kMostWarnings, first.end());
     first.resize(kMostWarnings);
   }
+  if (no_curve && result.averaged) details.push_back(result.law.message);
   details.insert(details.end(), result.law.notes.begin(), result.law.notes.end());
   warn_of_few_drops(result.law.drops, details);
   warn_of_unstated_errors(used, details);
