@@ -87,9 +87,9 @@ std::string largest_part(const FitResult& result, bool ball_is_named) {
   if (std::max(drag, contact) < kMost) return "";
   if (drag > contact)
     return ball_is_named ? "; how strongly the air slows the ball is most of this"
-                         : "; air drag of an unknown ball is most of this: name it with --ball";
+                         : "; air drag of an unknown ball is most of this: name the ball to narrow it";
   return ball_is_named ? "; how long the ball touches the floor is most of this"
-                       : "; how long an unknown ball touches the floor is most of this: name it with --ball";
+                       : "; how long an unknown ball touches the floor is most of this: name the ball to narrow it";
 }
 
 /// The node that most recordings reach; the middle one of equals.

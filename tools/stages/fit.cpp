@@ -56,11 +56,12 @@ std::string describe(const fit::Recordings& recordings) {
   return text;
 }
 
-/// ε(v) at the nodes, by both likelihoods where there are two.
+/// ε(v) at the nodes, of the average over laws where there is one, and by both likelihoods where there are two.
 std::string describe_nodes(const fit::FitResult& result) {
+  const std::vector<fit::NodeEstimate>& nodes = result.averaged ? result.averaged->nodes : result.law.nodes;
   std::string text;
-  for (std::size_t k = 0; k < result.law.nodes.size(); ++k) {
-    const fit::NodeEstimate& node = result.law.nodes[k];
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const fit::NodeEstimate& node = nodes[k];
     text += fmt::format("ε({:.3g} m/s) = {}", node.v_mps, with_error(node.eps));
     if (result.memory && k < result.memory->nodes.size())
       text += "; with memory " + with_error(result.memory->nodes[k].eps);

@@ -68,12 +68,6 @@ std::optional<ContactDuration> contact_duration(const Ball& ball, const std::opt
   return std::nullopt;
 }
 
-std::optional<double> contact_time_s(const Ball& ball, const Material& plate, double v_mps) {
-  if (ball.contact_time_s) return ball.contact_time_s;
-  if (!ball.material.hertzian || !plate.hertzian) return std::nullopt;
-  return hertz_contact_time_s(ball, plate, v_mps);
-}
-
 namespace {
 
 /// 15 m / (16 E* sqrt R): the greatest compression is (this v^2)^(2/5) [m^(5/2) s^2/m^2].

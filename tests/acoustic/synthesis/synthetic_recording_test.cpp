@@ -46,7 +46,7 @@ TEST(Synthesis, TheSoundIsAsLowAsTheBallsContactIsLong) {
   EXPECT_NEAR(SyntheticRecording(impacts({0.05}), config).truth().front().contact_time_s, 117.5e-6, 1e-7);
   EXPECT_LT(mean_frequency_hz(config), 0.6 * steel_hz);
   EXPECT_LT(mean_frequency_hz(config), 1.6 / 118e-6);
-  config.ball = ball_from_text("table-tennis");
+  config.ball = ball_from_text("diameter=40mm,mass=3g");
   EXPECT_THROW(SyntheticRecording(impacts({0.05}), config), InvalidArgument);
   // 0.8 ms: the first zero at 2 kHz
   config.ball = ball_from_text("table-tennis,contact-time=0.8ms");

@@ -68,7 +68,7 @@ void validate(const SynthesisConfig& config) {
   require_range("max_mode_hz", config.max_mode_hz, 100.0, 200e3);
   require_range("ball radius_m", config.ball.radius_m, 1e-5, 1.0);
   const Material& plate = contact_material(config.ground);
-  if (!contact_time_s(config.ball, plate, 1.0))
+  if (!contact_duration(config.ball, plate))
     throw InvalidArgument("how long " + to_text(config.ball) + " touches " + plate_text(plate) +
                           " is not known: Hertz's theory does not hold for it; give a contact time that was measured, "
                           "--ball " +

@@ -58,6 +58,7 @@ std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
   double x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
   double y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
   const bool moves = config_.simulated_positions && !drop.states.empty();
+  const ContactDuration contact_s = contact_duration(config_.ball, contact_material(config_.ground)).value();
   std::vector<Strike> strikes;
   for (std::size_t k = 0; k < drop.rows.size(); ++k) {
     const Impact& impact = drop.rows[k];
@@ -66,7 +67,7 @@ std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
       y_m = drop.states[k].position_m[1];
     }
     strikes.push_back({release_s + impact.t_s, x_m, y_m,
-                       contact_time_s(config_.ball, contact_material(config_.ground), impact.v_mps).value(),
+                       contact_s.at(impact.v_mps),
                        impulse_ns(config_, impact), n_impacts_++, impact.drop, impact.impact, impact.v_mps, !moves});
   }
   window_end_s_ = strikes.back().t_s + config_.pause_s;

@@ -62,11 +62,6 @@ double shell_inertia_factor(double mean_density_kgpm3, double shell_density_kgpm
 /// (docs/physics.md, 7).
 double no_slip_factor(double inertia_factor);
 
-/// How long the ball touches the plate [s]: as measured where that is known, by Hertz where his theory holds for both,
-/// else absent.
-/// @param v_mps  normal impact speed, > 0 [m/s]
-std::optional<double> contact_time_s(const Ball& ball, const Material& plate, double v_mps);
-
 /// Duration of a Hertzian contact of the ball with a half-space [s]:
 ///
 ///   tau = 2.943 (15 m / (16 E* sqrt R))^(2/5) v^(-1/5),   1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2
