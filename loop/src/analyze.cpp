@@ -58,10 +58,17 @@ std::vector<RecordingDetails> details_of(const Analysis& analysis, const Analyze
 
 void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
   timed(analysis, "restitution",
-        [&] { analysis.restitution = fit::restitution_samples(onsets_of(analysis.recordings), config.restitution); });
+        [&] { analysis.restitution = fit::restitution_samples(analysis.onsets, config.restitution); });
   timed(analysis, "fit", [&] {
     analysis.fit = fit::fit_all(analysis.restitution.samples, config.fit, callback(progress, "fit", "fits"));
   });
+}
+
+void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const StageProgress& progress) {
+  if (!first_found(analysis.recordings)) return;
+  for (const detection::RecordingDetection& r : analysis.recordings)
+    analysis.onsets.insert(analysis.onsets.end(), r.found.onsets.begin(), r.found.onsets.end());
+  times_to_constants(analysis, config, progress);
   const detection::RecordingDetection& shown = *first_found(analysis.recordings);
   analysis.wave = detection::wave_preview(std::filesystem::path(shown.recording), shown.found.summary.channel,
                                           shown.found.onsets, config.detection.rate_hz);
@@ -70,18 +77,18 @@ void times_to_constants(Analysis& analysis, const AnalyzeConfig& config, const S
 
 }  // namespace
 
-Onsets onsets_of(const std::vector<detection::RecordingDetection>& recordings) {
-  Onsets all;
-  for (const detection::RecordingDetection& r : recordings)
-    all.insert(all.end(), r.found.onsets.begin(), r.found.onsets.end());
-  return all;
-}
-
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
                  const StageProgress& progress) {
   Analysis analysis;
   timed(analysis, "detect", [&] { analysis.recordings = detected(recordings, config, progress); });
-  if (first_found(analysis.recordings)) times_to_constants(analysis, config, progress);
+  sound_to_constants(analysis, config, progress);
+  return analysis;
+}
+
+Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress) {
+  Analysis analysis;
+  analysis.onsets = std::move(onsets);
+  times_to_constants(analysis, config, progress);
   return analysis;
 }
 
@@ -89,7 +96,7 @@ Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, co
                        const StageProgress& progress) {
   Analysis analysis;
   analysis.recordings = std::move(recordings);
-  if (first_found(analysis.recordings)) times_to_constants(analysis, config, progress);
+  sound_to_constants(analysis, config, progress);
   return analysis;
 }
 

@@ -124,8 +124,9 @@ Outcome fit_outcome(const fit::FitResult& result, const report::FitInWords& word
 Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
-  std::vector<std::string> warnings;
-  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, warnings);
+  std::vector<std::string> warnings, taken_for;
+  RestitutionSamples samples =
+      read_sample_files(files, run.common.n_threads, options.columns, taken_for, warnings);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   const fit::FitConfig config = fit_config(options, run.common);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));
@@ -135,6 +136,7 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   if (!options.table.empty() && !result.law.curve.empty())
     write_table(run, options.table, fit::law_table(result.law), files);
   Outcome outcome = fit_outcome(result, words, input_name(files.front()) + more_files(files.size()));
+  outcome.text = lines_of(taken_for) + outcome.text;
   outcome.result = all;
   outcome.warnings = joined(warnings, outcome.warnings);
   return {std::move(outcome), std::move(result)};

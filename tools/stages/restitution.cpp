@@ -13,6 +13,7 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/report/detection.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 
@@ -37,7 +38,8 @@ std::string describe(const fit::RestitutionCounts& counts) {
 
 /// Onsets -> samples, in pieces from file to file.
 fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::path>& files,
-                                            const fit::RestitutionConfig& config, TableWriter& samples,
+                                            const fit::RestitutionConfig& config, const ForeignFileOptions& foreign,
+                                            TableWriter& samples, std::vector<std::string>& taken_for,
                                             std::vector<std::string>& warnings) {
   fit::RestitutionInPieces restitution(config);
   std::vector<double> eps;  // 8 bytes each, for the median
@@ -49,7 +51,7 @@ fit::RestitutionCounts restitution_of_files(const std::vector<std::filesystem::p
   RecordingNames names;
   for (const std::filesystem::path& file : files) {
     names.begin(file);
-    const std::unique_ptr<TableReader> reader = open_table(file, onset_columns());
+    const std::unique_ptr<TableReader> reader = open_onsets(file, foreign, taken_for);
     std::optional<Onset> before;
     for (bool at_end = false; !at_end;) {
       throw_if_stop_requested();
@@ -105,9 +107,11 @@ Stage<fit::RestitutionCounts> run_restitution(const RestitutionOptions& options,
   inputs.pop_back();
   inputs = each_once(inputs, run.common.n_threads, "onsets", outcome.warnings);
   TableWriter samples(run, options.out);
-  const fit::RestitutionCounts& counts = stage.result = restitution_of_files(inputs, config, samples, outcome.warnings);
+  std::vector<std::string> taken_for;
+  const fit::RestitutionCounts& counts = stage.result =
+      restitution_of_files(inputs, config, options.foreign, samples, taken_for, outcome.warnings);
   if (!options.positions.empty()) inputs.emplace_back(options.positions);
-  outcome.text = text_of(counts, config);
+  outcome.text = lines_of(taken_for) + text_of(counts, config);
   outcome.warnings = joined(outcome.warnings, report::warnings_of(counts, config));
   outcome.result = summary_of(counts, config);
   samples.finish(inputs);

@@ -42,7 +42,8 @@ Outcome run_roughness(const RoughnessOptions& options, const Run& run) {
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   check_files(run, files, {options.out});
   Outcome outcome;
-  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, outcome.warnings);
+  std::vector<std::string> taken_for;
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, {}, taken_for, outcome.warnings);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   fit::RoughnessConfig config = options.config;
   config.seed = run.common.seed;

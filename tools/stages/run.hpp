@@ -70,6 +70,13 @@ struct Outcome {
   std::string error;                  ///< why the result is not usable: one line on standard error, even with --quiet
 };
 
+/// Each with its line feed.
+inline std::string lines_of(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
 /// Both lists, without the lines of the second that are in the first already.
 inline std::vector<std::string> joined(std::vector<std::string> lines, const std::vector<std::string>& more) {
   for (const std::string& line : more)

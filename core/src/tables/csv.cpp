@@ -22,21 +22,24 @@ namespace {
 
 constexpr std::size_t kBlock_bytes = 1 << 16;
 
-bool is_utf16(const char* at, const char* end) {
-  return end - at >= 2 && (std::memcmp(at, "\xFF\xFE", 2) == 0 || std::memcmp(at, "\xFE\xFF", 2) == 0);
-}
-
 }  // namespace
 
-LineReader::LineReader(std::istream& in, std::string name) : in_(&in), name_(std::move(name)), block_(kBlock_bytes) {}
+LineReader::LineReader(std::istream& in, std::string name)
+    : in_(&in), name_(std::move(name)), decoder_(name_), block_(kBlock_bytes) {}
 
 bool LineReader::fill() {
-  const bool at_begin = at_ == nullptr;
-  in_->read(block_.data(), static_cast<std::streamsize>(block_.size()));
-  if (in_->bad()) throw FileError(name_, "reading failed; is the disk or the network drive all right?");
-  at_ = block_.data();
-  end_ = at_ + in_->gcount();
-  if (at_begin && is_utf16(at_, end_)) throw FileError(name_, "is UTF-16; save it as UTF-8");
+  text_.clear();
+  while (text_.empty()) {
+    in_->read(block_.data(), static_cast<std::streamsize>(block_.size()));
+    if (in_->bad()) throw FileError(name_, "reading failed; is the disk or the network drive all right?");
+    if (in_->gcount() == 0) {
+      decoder_.finish();
+      break;
+    }
+    decoder_.append({block_.data(), static_cast<std::size_t>(in_->gcount())}, text_);
+  }
+  at_ = text_.data();
+  end_ = at_ + text_.size();
   return at_ != end_;
 }
 
@@ -139,7 +142,6 @@ bool CsvRows::next(std::vector<std::string>& cells) {
     if (!lines_.next(text_)) return false;
   while (text_.empty() || text_ == "\r");
   line_ = lines_.number();
-  if (line_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
   cells.assign(1, {});
   state_ = State::begin_of_cell;
   for (std::size_t size = text_.size();; size += text_.size() + 1) {

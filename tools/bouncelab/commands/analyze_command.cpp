@@ -7,9 +7,11 @@
 #include <filesystem>
 
 #include "bouncelab/core/child_process.hpp"
+#include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/report/detection.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
@@ -23,10 +25,10 @@ namespace fs = std::filesystem;
 const char* const kOutputs[] = {"onsets.csv",       "samples.csv",  "fit.json",   "wave.json",
                                 "diagnostics.json", "summary.json", "report.html"};
 
-std::string title_of(const Recordings& recordings) {
-  const std::string first = fs::path(input_name(recordings.front().recording)).filename().string();
-  return recordings.size() == 1 ? "Restitution from " + first
-                                : fmt::format("Restitution from {} and {} more", first, recordings.size() - 1);
+std::string title_of(const std::vector<fs::path>& files) {
+  const std::string first = fs::path(input_name(files.front())).filename().string();
+  return files.size() == 1 ? "Restitution from " + first
+                           : fmt::format("Restitution from {} and {} more", first, files.size() - 1);
 }
 
 void write_json(const Run& run, const fs::path& path, const Value& value, int indent,
@@ -34,13 +36,17 @@ void write_json(const Run& run, const fs::path& path, const Value& value, int in
   write_text(run, path, json_text(value, indent) + "\n", inputs);
 }
 
-void write_files(const loop::Analysis& found, const report::FitInWords& words, const fs::path& folder, const Run& run) {
-  write_table(run, folder / "onsets.csv", to_table(loop::onsets_of(found.recordings)), readable_of(found.recordings));
+/// @param inputs  that could be read
+void write_files(const loop::Analysis& found, const report::FitInWords& words, const std::vector<fs::path>& inputs,
+                 const fs::path& folder, const Run& run) {
+  write_table(run, folder / "onsets.csv", to_table(found.onsets), inputs);
   write_table(run, folder / "samples.csv", to_table(found.restitution.samples), {folder / "onsets.csv"});
   write_json(run, folder / "fit.json", report::object_of(found.fit, words), 1, {folder / "samples.csv"});
-  write_json(run, folder / "wave.json", value_of(*found.wave), -1, {first_found(found.recordings)->recording});
-  // the report shows what lies in the folder: details of an earlier run must not stay in it
-  for (const char* old : {"diagnostics.json", "diagnostics.json.meta.json"}) fs::remove(folder / old);
+  // the report shows what lies in the folder: what an earlier run knew of its sound must not stay in it
+  for (const char* old : {"wave.json", "wave.json.meta.json", "diagnostics.json", "diagnostics.json.meta.json"})
+    fs::remove(folder / old);
+  if (found.wave)
+    write_json(run, folder / "wave.json", value_of(*found.wave), -1, {first_found(found.recordings)->recording});
   if (found.details.empty()) return;
   std::vector<fs::path> recordings;
   for (const loop::RecordingDetails& d : found.details) recordings.emplace_back(d.recording);
@@ -54,6 +60,77 @@ loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOp
           options.diagnostics, kMayStartChildBesideThreads ? resolved_threads(common.n_threads) : 1};
 }
 
+namespace {
+
+/// The files of an analysis in the folder, and what there is to say of it.
+/// @param files     as they were given. @param inputs  those that could be read
+/// @param detected  what there is to say of the times: text, warnings, what went wrong
+Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
+                       const std::vector<fs::path>& files, const std::vector<fs::path>& inputs, const Outcome& detected,
+                       const fs::path& folder, const Run& run) {
+  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
+  const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
+  Outcome outcome;
+  outcome.warnings = joined(report::warnings_of(found.restitution.counts, config.restitution), detected.warnings);
+  outcome.warnings = joined(outcome.warnings, fitted.warnings);
+  if (files.size() == 1) report::keep_three(outcome.warnings, words);
+  write_files(found, words, inputs, folder, run);
+  outcome.result = object_of(members_of(&found), &found);
+  outcome.result.emplace_back("answer", value_of(words.answer));
+  outcome.result.emplace_back("warnings", outcome.warnings);
+  write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
+  const Outcome shown = run_report({folder, folder / "report.html", title_of(files)}, run);
+  const std::string answer = answer_text(words.answer);
+  outcome.text = answer + detected.text + text_of(found.restitution.counts, config.restitution) + shown.text;
+  outcome.exit_code = std::max(detected.exit_code, fitted.exit_code);
+  // recordings that were left out are named also where the fit of the others fails
+  outcome.error = detected.error + (detected.error.empty() || fitted.error.empty() ? "" : "; ") + fitted.error;
+  return outcome;
+}
+
+/// Sound -> times and on.
+Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
+                      std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
+  loop::Analysis found;
+  // the checksums of the provenance while the sound is searched, as a thread has time for them
+  parallel_for(2, config.n_threads, [&](std::size_t work) {
+    if (work == 1) return compute_sha256_ahead(files, config.n_threads);
+    found = loop::analyze(files, config, stage_progress(run));
+  });
+  const Outcome detected = detection_outcome(found.recordings, std::move(warnings));
+  if (!first_found(found.recordings)) return detected;
+  return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
+}
+
+/// Times of other programs, or of an earlier `detect`, and on.
+Outcome analyze_times(const std::vector<fs::path>& files, const loop::AnalyzeConfig& config,
+                      const ForeignFileOptions& foreign, std::vector<std::string> warnings, const fs::path& folder,
+                      const Run& run) {
+  Outcome read;
+  std::vector<std::string> taken_for;
+  RecordingNames names;
+  Onsets onsets;
+  for (const fs::path& file : files) {
+    names.begin(file);
+    for (Onset& onset : read_onsets(file, foreign, taken_for)) {
+      onset.recording = names.name(onset.recording);
+      onsets.push_back(std::move(onset));
+    }
+    names.end(warnings);
+  }
+  const loop::Analysis found = loop::analyze_times(std::move(onsets), config, stage_progress(run));
+  read.text = lines_of(taken_for);
+  read.warnings = std::move(warnings);
+  if (found.restitution.samples.empty()) {
+    read.exit_code = kNotUsable;
+    read.error = input_name(files.front()) + ": no three successive impacts: no coefficient of restitution";
+    return read;
+  }
+  return write_analysis(found, config, files, files, read, folder, run);
+}
+
+}  // namespace
+
 Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
   const fs::path folder = options.out;
   const OutputFolder output_folder(folder);
@@ -64,37 +141,15 @@ Outcome run_analyze(const AnalyzeOptions& options, const Run& run) {
   std::vector<std::string> warnings;
   const std::vector<fs::path> files = each_once(given, run.common.n_threads, "recording", warnings);
   const loop::AnalyzeConfig config = analyze_config(options, run.common);
-  loop::Analysis found;
-  // the checksums of the provenance while the sound is searched, as a thread has time for them
-  parallel_for(2, config.n_threads, [&](std::size_t work) {
-    if (work == 1) return compute_sha256_ahead(files, config.n_threads);
-    found = loop::analyze(files, config, stage_progress(run));
-  });
-  return write_analysis(found, config, std::move(warnings), folder, run);
-}
-
-Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
-                       std::vector<std::string> warnings, const fs::path& folder, const Run& run) {
-  Outcome detected = detection_outcome(found.recordings, std::move(warnings));
-  if (!first_found(found.recordings)) return detected;
-  report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
-  const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
-  Outcome outcome;
-  outcome.warnings = joined(report::warnings_of(found.restitution.counts, config.restitution), detected.warnings);
-  outcome.warnings = joined(outcome.warnings, fitted.warnings);
-  if (found.recordings.size() == 1) report::keep_three(outcome.warnings, words);
-  write_files(found, words, folder, run);
-  outcome.result = object_of(members_of(&found), &found);
-  outcome.result.emplace_back("answer", value_of(words.answer));
-  outcome.result.emplace_back("warnings", outcome.warnings);
-  write_json(run, folder / "summary.json", outcome.result, 2, {folder / "fit.json"});
-  const Outcome shown = run_report({folder, folder / "report.html", title_of(found.recordings)}, run);
-  const std::string answer = answer_text(words.answer);
-  outcome.text = answer + detected.text + text_of(found.restitution.counts, config.restitution) + shown.text;
-  outcome.exit_code = std::max(detected.exit_code, fitted.exit_code);
-  // recordings that were left out are named also where the fit of the others fails
-  outcome.error = detected.error + (detected.error.empty() || fitted.error.empty() ? "" : "; ") + fitted.error;
-  return outcome;
+  const auto is_times = [&](const fs::path& file) {
+    return holds_times(file, options.detect.config.rate_hz.has_value());
+  };
+  const auto n_times = std::count_if(files.begin(), files.end(), is_times);
+  if (n_times == 0) return analyze_sound(files, config, std::move(warnings), folder, run);
+  if (n_times < std::ssize(files))
+    throw InvalidArgument(std::find_if(files.begin(), files.end(), is_times)->string() +
+                          ": holds times, other files hold sound; analyze one kind at a time");
+  return analyze_times(files, config, options.restitution.foreign, std::move(warnings), folder, run);
 }
 
 }  // namespace bouncelab::cli

@@ -27,9 +27,4 @@ loop::AnalyzeConfig analyze_config(const AnalyzeOptions& options, const CommonOp
 
 Outcome run_analyze(const AnalyzeOptions& options, const Run& run);
 
-/// The files of an analysis in the folder, and what there is to say of it.
-/// @param warnings  of the recordings' files
-Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& config,
-                       std::vector<std::string> warnings, const std::filesystem::path& folder, const Run& run);
-
 }  // namespace bouncelab::cli

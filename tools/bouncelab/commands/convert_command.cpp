@@ -43,19 +43,11 @@ Format format_of(const fs::path& path) {
                         "'; use .csv, .jsonl, .txt (Audacity), .svl, .TextGrid or .wav");
 }
 
-audio::Annotations read_annotations(const fs::path& path, Format format) {
-  const std::string name = input_name(path);
-  if (format == Format::cues) return audio::read_cues(path);
-  const std::string text = whole_content(path);
-  if (format == Format::sonic_visualiser) return audio::parse_sonic_visualiser_layer(text, name);
-  return format == Format::praat ? audio::parse_text_grid(text, name) : read_label_track(path, text);
-}
-
 /// The onsets of a table, in pieces; with --recording those of this recording alone.
 template <class Take>
-void for_each_piece(const ConvertOptions& options, Take take) {
+void for_each_piece(const ConvertOptions& options, std::vector<std::string>& taken_for, Take take) {
   const std::string name = input_name(options.input);
-  const std::unique_ptr<TableReader> reader = open_table(options.input, onset_columns());
+  const std::unique_ptr<TableReader> reader = open_onsets(options.input, options.foreign, taken_for);
   std::optional<Onset> before;
   bool is_empty = true;
   for (bool at_end = false; !at_end;) {
@@ -64,28 +56,22 @@ void for_each_piece(const ConvertOptions& options, Take take) {
     at_end = table.n_rows() < kPiece_rows;
     Onsets onsets = onsets_from_table(table, name, before ? &*before : nullptr);
     if (!onsets.empty()) before = onsets.back();
-    if (!options.recording.empty()) {
+    if (!options.foreign.recording.empty()) {
       std::erase_if(
-          onsets, [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.recording; });
-      for (Onset& onset : onsets) onset.recording = options.recording;
+          onsets, [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.foreign.recording; });
+      for (Onset& onset : onsets) onset.recording = options.foreign.recording;
     }
     is_empty = is_empty && onsets.empty();
     if (!onsets.empty()) take(std::move(onsets));
   }
   if (is_empty)
-    throw FileError(name, "holds no onsets" + (options.recording.empty() ? "" : " of '" + options.recording + "'"));
+    throw FileError(name, "holds no onsets" + (options.foreign.recording.empty() ? "" : " of '" + options.foreign.recording + "'"));
 }
 
-Onsets read_onsets(const ConvertOptions& options) {
-  const Format format = format_of(options.input);
-  if (format != Format::table) {
-    audio::Annotations annotations = read_annotations(options.input, format);
-    if (annotations.points.empty()) throw FileError(input_name(options.input), "holds no marks");
-    if (!options.recording.empty()) annotations.recording = options.recording;
-    return audio::onsets_of(annotations, options.renumber);
-  }
+Onsets read_onsets(const ConvertOptions& options, std::vector<std::string>& taken_for) {
   Onsets all;
-  for_each_piece(options, [&](Onsets onsets) { std::move(onsets.begin(), onsets.end(), std::back_inserter(all)); });
+  for_each_piece(options, taken_for,
+                 [&](Onsets onsets) { std::move(onsets.begin(), onsets.end(), std::back_inserter(all)); });
   return all;
 }
 
@@ -126,8 +112,7 @@ void write_annotations(const fs::path& out, const Onsets& onsets, const ConvertO
 /// Files that are read, with the onsets beside labels.
 std::set<fs::path> inputs_of(const ConvertOptions& options) {
   std::set<fs::path> inputs{options.input};
-  if (format_of(options.input) == Format::audacity && fs::exists(onsets_beside(options.input)))
-    inputs.insert(onsets_beside(options.input));
+  if (fs::exists(onsets_beside(options.input))) inputs.insert(onsets_beside(options.input));
   return inputs;
 }
 
@@ -141,6 +126,7 @@ std::vector<fs::path> outputs_of(const ConvertOptions& options) {
 /// What was converted.
 struct Converted {
   std::size_t n_onsets = 0, n_by_hand = 0;
+  std::vector<std::string> taken_for;
 
   void count(const Onsets& onsets) {
     n_onsets += onsets.size();
@@ -161,7 +147,7 @@ Converted convert_table(const ConvertOptions& options, const Run& run) {
   for (const std::string& out : options.outputs) tables.push_back(std::make_unique<TableWriter>(run, out));
   Converted converted;
   std::set<fs::path> recordings;
-  for_each_piece(options, [&](const Onsets& onsets) {
+  for_each_piece(options, converted.taken_for, [&](const Onsets& onsets) {
     for (std::size_t k = 0; k < onsets.size(); ++k)
       if (k == 0 || onsets[k].recording != onsets[k - 1].recording) recordings.insert(onsets[k].recording);
     converted.count(onsets);
@@ -174,7 +160,8 @@ Converted convert_table(const ConvertOptions& options, const Run& run) {
 }
 
 Converted convert_marks(const ConvertOptions& options, const Run& run) {
-  const Onsets onsets = read_onsets(options);
+  Converted converted;
+  const Onsets onsets = read_onsets(options, converted.taken_for);
   std::set<fs::path> recordings;
   for (const Onset& onset : onsets) recordings.insert(onset.recording);
   check_recordings(options, std::move(recordings), run);
@@ -184,23 +171,22 @@ Converted convert_marks(const ConvertOptions& options, const Run& run) {
     else
       write_annotations(out, onsets, options, run);
   }
-  Converted converted;
   converted.count(onsets);
   return converted;
 }
 
-bool is_table(const fs::path& path) { return format_of(path) == Format::table; }
+bool is_table(const std::string& path) { return format_of(path) == Format::table; }
 
 }  // namespace
 
 Outcome run_convert(const ConvertOptions& options, const Run& run) {
-  check_files(run, {options.input, options.recording}, outputs_of(options));
-  const bool tables_only =
-      is_table(options.input) && std::all_of(options.outputs.begin(), options.outputs.end(), is_table);
+  check_files(run, {options.input, options.foreign.recording}, outputs_of(options));
+  const bool tables_only = std::all_of(options.outputs.begin(), options.outputs.end(), is_table);
   const Converted converted = tables_only ? convert_table(options, run) : convert_marks(options, run);
   Outcome outcome;
   outcome.result = {{"n_onsets", value_of(converted.n_onsets)}, {"n_by_hand", value_of(converted.n_by_hand)}};
-  outcome.text = fmt::format("{} onsets, {} of them placed by hand\n", converted.n_onsets, converted.n_by_hand);
+  outcome.text = lines_of(converted.taken_for) +
+                 fmt::format("{} onsets, {} of them placed by hand\n", converted.n_onsets, converted.n_by_hand);
   return outcome;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "stages/files/foreign_files.hpp"
 #include "stages/run.hpp"
 
 namespace bouncelab::cli {
@@ -13,8 +14,7 @@ using namespace stages;
 struct ConvertOptions {
   std::string input;
   std::vector<std::string> outputs;
-  std::string recording;  ///< that the marks belong to; of several in a table, the one that is wanted
-  bool renumber = false;
+  ForeignFileOptions foreign;  ///< with the recording, of several in a table the one that is wanted
 };
 
 /// Onsets from a table or from a sound editor's marks, to any of these.

@@ -28,11 +28,17 @@ Command analyze_command() {
   static const Description ball = ball_options("not known, so that drag and contact time stay open");
   auto options = std::make_shared<O>();
   return {"analyze",
-          "Recordings -> impact times -> eps(v) -> constants and a report; nothing has to be set",
-          "Example: bouncelab analyze drop.wav --out out/drop",
+          "Recordings, or impact times -> eps(v) -> constants and a report; nothing has to be set",
+          "Example: bouncelab analyze drop.wav --out out/drop\n"
+          "         bouncelab analyze times.csv --ball table-tennis",
           {{"", &recordings, &options->detect},
            {"", &outputs, options.get()},
            {"", &ball, &options->restitution.world, {"restitution", "fit"}},
+           {"Marks and tables of other programs, in place of sound",
+            &members_of(&options->restitution.foreign),
+            &options->restitution.foreign,
+            {},
+            true},
            {"Detection", &members_of(&options->detect.config), &options->detect.config, {"detect"}, true},
            {"Coefficients of restitution",
             &members_of(&options->restitution),

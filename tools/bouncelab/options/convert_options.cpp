@@ -9,11 +9,13 @@ namespace bouncelab::cli {
 Command convert_command() {
   using O = ConvertOptions;
   static const Description files{
-      member("input", &O::input, "Onsets or marks").required().positional(),
+      member("input", &O::input, "Onsets, or marks or times of any program").required().positional(),
       member("to", &O::outputs, "Files to write").looks_like("FILE").required(),
-      member("recording", &O::recording,
+      member<O>(
+          "recording", [](auto& o) -> auto& { return o.foreign.recording; },
              "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark"),
-      member("renumber", &O::renumber,
+      member<O>(
+          "renumber", [](auto& o) -> auto& { return o.foreign.renumber; },
              "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")};
   auto options = std::make_shared<O>();
   return {"convert",
@@ -25,7 +27,8 @@ Command convert_command() {
           "stands, without standard error, flagged by_hand.",
           "Example: bouncelab convert onsets.csv --to marks.txt\n"
           "         bouncelab convert marks.txt --recording drop.wav --to corrected.csv",
-          {{"", &files, options.get()}},
+          {{"", &files, options.get()},
+           {"Marks and tables of other programs", &members_of(&options->foreign), &options->foreign}},
           [options](Run& run) { return run_convert(*options, run); }};
 }
 

@@ -10,8 +10,8 @@ Command restitution_command() {
   using O = RestitutionOptions;
   static const Description files{
       member("onsets", &O::onsets,
-             "Onsets, as detect writes them; a column t_s is enough. Several files are taken in this order; rows "
-             "without a recording are of one that is called like the file")
+             "Onsets, as detect writes them; or marks, or a table of times or intervals from any program. Several files "
+             "are taken in this order; rows without a recording are of one that is called like the file")
           .required()
           .positional(),
       member("out", &O::out, "Samples, .csv").looks_like("FILE").required()};
@@ -24,6 +24,7 @@ Command restitution_command() {
           "         bouncelab restitution monday.csv tuesday.csv --out samples.csv",
           {{"", &files, options.get()},
            {"", &ball, &options->world},
+           {"Marks and tables of other programs", &members_of(&options->foreign), &options->foreign},
            {"Coefficients of restitution", &members_of(options.get()), options.get()}},
           [options](Run& run) {
             options->world = with_provenance(options->world, options->onsets);

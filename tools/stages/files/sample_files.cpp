@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -11,6 +12,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/text.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 
@@ -24,8 +26,11 @@ struct SampleFile {
   RestitutionSamples samples;
 };
 
-RestitutionSamples read_one(const fs::path& path) {
-  return samples_from_table(read_table(path, sample_columns()), input_name(path));
+RestitutionSamples read_one(const fs::path& path, const std::string& columns, std::vector<std::string>& taken_for) {
+  ForeignOptions options;
+  options.columns = columns;
+  const auto reader = open_samples(path, options, taken_for);
+  return samples_from_table(reader->next(std::numeric_limits<std::size_t>::max()), input_name(path));
 }
 
 std::string short_name(const fs::path& path) { return path == "-" ? input_name(path) : path.filename().string(); }
@@ -82,10 +87,11 @@ class Cutter {
   RestitutionSamples recording_;
 };
 
-void cut_file(const fs::path& path, RecordingNames& names, const TakeRecording& take) {
+void cut_file(const fs::path& path, RecordingNames& names, std::vector<std::string>& taken_for,
+              const TakeRecording& take) {
   const std::string name = input_name(path);
   Cutter cutter(name, names, take);
-  const std::unique_ptr<TableReader> reader = open_table(path, sample_columns());
+  const std::unique_ptr<TableReader> reader = open_samples(path, {}, taken_for);
   for (bool at_end = false; !at_end;) {
     const Table piece = reader->next(kPiece_rows);
     at_end = piece.n_rows() < kPiece_rows;
@@ -96,11 +102,12 @@ void cut_file(const fs::path& path, RecordingNames& names, const TakeRecording& 
 
 }  // namespace
 
-RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_threads,
-                                     std::vector<std::string>& warnings) {
-  if (paths.size() == 1) return read_one(paths.front());
+RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_threads, const std::string& columns,
+                                     std::vector<std::string>& taken_for, std::vector<std::string>& warnings) {
+  if (paths.size() == 1) return read_one(paths.front(), columns, taken_for);
   std::vector<SampleFile> files;
-  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings)) files.push_back({path, read_one(path)});
+  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings)) 
+    files.push_back({path, read_one(path, columns, taken_for)});
   if (files.size() > 1) name_recordings(files);
   const std::set<std::string> ambiguous = ambiguous_recordings(files);
   for (const std::string& name : ambiguous)
@@ -121,7 +128,7 @@ void for_each_recording(const std::vector<fs::path>& files, int n_threads, std::
   RecordingNames names;
   for (const fs::path& file : each_once(files, n_threads, "samples", warnings)) {
     names.begin(file);
-    cut_file(file, names, take);
+    cut_file(file, names, warnings, take);
     names.end(warnings);
   }
 }

@@ -15,9 +15,12 @@ namespace bouncelab::stages {
 ///   - the same drop of the same recording in two files is of two recordings: the file is added to the name in both,
 ///     for all samples of that recording
 ///   - files of the same content count once
+/// @param columns    of tables that are not ours: ForeignOptions::columns
+/// @param taken_for  a line for each of those
 /// @param warnings  one line for each file that was left out and each recording that was renamed
 /// @throws FileError
 RestitutionSamples read_sample_files(const std::vector<std::filesystem::path>& files, int n_threads,
+                                     const std::string& columns, std::vector<std::string>& taken_for,
                                      std::vector<std::string>& warnings);
 
 /// Calls `take` with the samples of each recording of the files, in their order, and holds no more than one recording

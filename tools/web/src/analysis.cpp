@@ -125,12 +125,12 @@ Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& op
 }
 
 std::string Analysis::file(const std::string& name) const {
-  if (name == "onsets.csv") return csv_of(to_table(loop::onsets_of(found.recordings)));
+  if (name == "onsets.csv") return csv_of(to_table(found.onsets));
   if (name == "samples.csv") return csv_of(to_table(found.restitution.samples));
   if (name == "fit.json") return json_text(report::object_of(found.fit, words), 1) + "\n";
   if (name == "wave.json") return json_text(value_of(*found.wave)) + "\n";
   if (name == "labels.txt")
-    return audio::audacity_labels(audio::shortened(audio::annotations_of(loop::onsets_of(found.recordings))));
+    return audio::audacity_labels(audio::shortened(audio::annotations_of(found.onsets)));
   if (name != "report.html") throw InvalidArgument("no file '" + name + "'");
   report::ReportInput input;
   input.title = "Restitution from " + found.recordings.front().recording;

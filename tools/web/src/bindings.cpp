@@ -79,7 +79,7 @@ val shown(Analysis analysis) {
   value.set("summary", json_text(last->summary));
   value.set("fit", last->file("fit.json"));
   value.set("channel", last->found.wave->channel);
-  value.set("onsets", columns_of(to_table(loop::onsets_of(last->found.recordings))));
+  value.set("onsets", columns_of(to_table(last->found.onsets)));
   value.set("samples", columns_of(to_table(last->found.restitution.samples)));
   return value;
 }

@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
+#include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
 
@@ -38,5 +40,16 @@ inline double checked_time(double t_s, const std::string& name, const std::strin
     throw FileError(name, place + ": a time of " + number_text(t_s) + " s; times are within 1e9 s");
   return t_s;
 }
+
+/// A tier of a TextGrid, or a layer.
+struct Tier {
+  std::string name;
+  std::vector<Annotation> points;
+};
+/// The one that is wanted, by name or by number from 1, else the one that looks most like impacts: that has our labels,
+/// or of whose intervals the most shrink as those of a bouncing ball. Says which it is where there are several.
+/// @param what  "tier", "layer". @throws FileError naming all where there is none of this name
+Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, const std::string& what,
+                   const std::string& file);
 
 }  // namespace bouncelab::audio

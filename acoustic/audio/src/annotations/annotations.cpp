@@ -10,6 +10,8 @@
 
 #include "annotations/annotation_numbers.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -90,6 +92,11 @@ Onset onset_of(const Annotation& point, const Labelled& labelled, double resolut
   return moved;
 }
 
+std::vector<Annotation> by_time(std::vector<Annotation> points) {
+  std::stable_sort(points.begin(), points.end(), [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });
+  return points;
+}
+
 /// By time: each number at least one above that before it in its drop.
 void number_upwards(Onsets& onsets, bool renumber) {
   std::map<std::int64_t, std::int64_t> next;  // by drop
@@ -101,6 +108,39 @@ void number_upwards(Onsets& onsets, bool renumber) {
 }
 
 }  // namespace
+
+Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, const std::string& what,
+                   const std::string& file) {
+  std::size_t best = tiers.size();
+  double most = -1.0;
+  std::string names;
+  for (std::size_t k = 0; k < tiers.size(); ++k) {
+    const std::string number = std::to_string(k + 1);
+    names += (k == 0 ? "" : ", ") + (tiers[k].name.empty() ? number : "'" + printable(tiers[k].name, 60) + "'");
+    Annotations one;
+    one.points = by_time(tiers[k].points);
+    double n_shrink = static_cast<double>(one.points.size()) * 1e-3;  // the fuller of two that have none
+    for (std::size_t j = 2; j < one.points.size(); ++j) {
+      const double before_s = one.points[j - 1].t_s - one.points[j - 2].t_s;
+      const double here_s = one.points[j].t_s - one.points[j - 1].t_s;
+      constexpr double kLeast = 0.2, kMost = 1.1;  // ratios of a ball's intervals, with what hands make of them
+      if (here_s > kLeast * before_s && here_s < kMost * before_s) n_shrink += 1.0;
+    }
+    if (are_numbered(one)) n_shrink += 1e9;
+    const bool is_wanted = wanted.empty() ? n_shrink > most : tiers[k].name == wanted || number == wanted;
+    if (!is_wanted || (!wanted.empty() && best < k)) continue;
+    best = k;
+    most = n_shrink;
+  }
+  if (best == tiers.size())
+    throw FileError(file, "has no " + what + " '" + printable(wanted) + "' (found: " + names + ")");
+  Annotations result;
+  result.points = tiers[best].points;
+  if (tiers.size() > 1)
+    result.taken_for = what + " " + (tiers[best].name.empty() ? std::to_string(best + 1) : "'" + printable(tiers[best].name, 60) + "'") +
+                       " of " + std::to_string(tiers.size()) + " (" + names + "; --tier takes another)";
+  return result;
+}
 
 Annotations annotations_of(const Onsets& onsets) {
   if (onsets.empty()) throw InvalidArgument("there are no onsets to annotate");
@@ -141,15 +181,50 @@ Annotations completed(Annotations annotations, const Onsets& onsets) {
   return annotations;
 }
 
+bool are_numbered(const Annotations& annotations) {
+  std::map<std::int64_t, std::int64_t> last;  // impact, by drop
+  bool any = false;
+  for (const Annotation& point : by_time(annotations.points)) {
+    const auto labelled = read_label(point.label);
+    if (!labelled) continue;
+    if (labelled->t_s) return true;
+    const auto before = last.find(labelled->onset.drop);
+    const std::int64_t impact = labelled->onset.impact;
+    if (before == last.end() ? impact != 0 : impact <= before->second) return false;
+    last[labelled->onset.drop] = impact;
+    any = true;
+  }
+  return any;
+}
+
+namespace {
+
+Onsets marks_by_hand(const Annotations& annotations) {
+  std::vector<double> t_s;
+  for (const Annotation& point : by_time(annotations.points)) t_s.push_back(point.t_s);
+  const std::vector<std::int64_t> drops = drops_of(t_s);
+  Onsets onsets;
+  for (std::size_t k = 0; k < t_s.size(); ++k) {
+    Onset onset;
+    onset.recording = annotations.recording;
+    onset.drop = drops[k];
+    onset.t_s = t_s[k];
+    onset.flags = {Flag::by_hand};
+    onsets.push_back(std::move(onset));
+  }
+  number_upwards(onsets, true);
+  return onsets;
+}
+
+}  // namespace
+
 Onsets onsets_of(const Annotations& annotations, bool renumber) {
   if (annotations.points.empty()) throw InvalidArgument("there are no annotations");
-  std::vector<Annotation> by_time = annotations.points;
-  std::stable_sort(by_time.begin(), by_time.end(),
-                   [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });
+  if (!are_numbered(annotations)) return marks_by_hand(annotations);
   Onsets onsets;
   std::optional<std::int64_t> drop;
   std::size_t n_before_any_drop = 0;
-  for (const Annotation& point : by_time) {
+  for (const Annotation& point : by_time(annotations.points)) {
     Onset onset;
     if (const auto labelled = read_label(point.label)) {
       onset = onset_of(point, *labelled, annotations.resolution_s);

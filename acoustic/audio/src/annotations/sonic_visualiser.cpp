@@ -75,7 +75,7 @@ std::string sonic_visualiser_layer(const Annotations& annotations, int rate_hz, 
          "plotStyle=\"0\" colourName=\"Purple\" colour=\"#c832ff\" darkBackground=\"false\" />\n  </display>\n</sv>\n";
 }
 
-Annotations parse_sonic_visualiser_layer(std::string_view text, const std::string& name) {
+Annotations parse_sonic_visualiser_layer(std::string_view text, const std::string& name, const std::string& layer) {
   if (text.find('\0') != std::string_view::npos)
     throw FileError(name, "holds a byte 0: it is not XML in UTF-8; save the layer again");
   pugi::xml_document document;
@@ -85,21 +85,27 @@ Annotations parse_sonic_visualiser_layer(std::string_view text, const std::strin
   if (!parsed)
     throw FileError(name, "is not XML from byte " + std::to_string(parsed.offset) + " on (" + parsed.description() +
                               "); was it cut off?");
-  Annotations result;
+  std::vector<Tier> layers;
+  std::string recording;
+  pugi::xml_node dataset;  // of the point before
   double rate_hz = 0.0;
   for (pugi::xml_node node = document.first_child(); node; node = next_in_text(node)) {
     const std::string_view element = node.name();
     if (element == "model" && rate_hz == 0.0) {
       rate_hz = rate_of(node, name);
-      result.recording = node.attribute("name").value();
+      recording = node.attribute("name").value();
     }
     if (element != "point") continue;
     if (rate_hz == 0.0) throw FileError(name, "has points before a model with a sampleRate");
-    const std::string place = "point " + std::to_string(result.points.size() + 1);
-    result.points.push_back(
+    if (layers.empty() || node.parent() != dataset) layers.emplace_back();
+    dataset = node.parent();
+    const std::string place = "point " + std::to_string(layers.back().points.size() + 1);
+    layers.back().points.push_back(
         {checked_time(number_of(node, "frame", name) / rate_hz, name, place), node.attribute("label").value()});
   }
   if (rate_hz == 0.0) throw FileError(name, "is not a layer of Sonic Visualiser: no model with a sampleRate");
+  Annotations result = layers.empty() ? Annotations{} : chosen(layers, layer, "layer", name);
+  result.recording = recording;
   result.resolution_s = 1.0 / rate_hz;
   return result;
 }

@@ -10,6 +10,7 @@
 #include "annotations/annotation_numbers.hpp"
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 
 namespace bouncelab::audio {
 
@@ -97,33 +98,36 @@ std::string text_grid(const Annotations& annotations, double duration_s) {
   return text;
 }
 
-Annotations parse_text_grid(std::string_view text, const std::string& name) {
-  if (text.rfind("\xFE\xFF", 0) == 0 || text.rfind("\xFF\xFE", 0) == 0)
-    throw FileError(name, "is UTF-16; in Praat choose Preferences, Text writing preferences, UTF-8, and save it again");
+Annotations parse_text_grid(std::string_view text, const std::string& name, const std::string& tier) {
   FreeStanding in(text, name);
   if (text.find("TextGrid") == std::string_view::npos || in.text() != "ooTextFile" || in.text() != "TextGrid")
     throw FileError(name, "is not a TextGrid of Praat");
   in.number();
   in.number();
   const auto n_tiers = in.count("tiers");
-  for (std::int64_t tier = 0; tier < n_tiers; ++tier) {
+  std::vector<Tier> tiers;
+  for (std::int64_t k = 0; k < n_tiers; ++k) {
     const bool has_points = in.text() == "TextTier";
-    Annotations result;
-    result.recording = in.text();
-    result.resolution_s = 1e-9;
+    Tier here{in.text(), {}};
     in.number();
     in.number();
     const auto n = in.count("points");
-    for (std::int64_t k = 0; k < n; ++k) {
+    for (std::int64_t p = 0; p < n; ++p) {
       Annotation point;
-      point.t_s = checked_time(in.number(), name, "point " + std::to_string(k + 1));
+      point.t_s = checked_time(in.number(), name, "point " + std::to_string(p + 1));
       if (!has_points) in.number();
       point.label = in.text();
-      if (has_points) result.points.push_back(std::move(point));
+      if (has_points) here.points.push_back(std::move(point));
     }
-    if (has_points) return result;
+    if (has_points) tiers.push_back(std::move(here));
   }
-  throw FileError(name, "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
+  if (tiers.empty())
+    throw FileError(name, "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
+  Annotations result = chosen(tiers, tier, "tier", name);
+  // the tier that this program writes has the recording's name
+  if (tiers.size() == 1) result.recording = tiers.front().name;
+  result.resolution_s = 1e-9;
+  return result;
 }
 
 // ---- Audacity
@@ -138,25 +142,18 @@ std::string audacity_labels(const Annotations& annotations) {
 }
 
 Annotations parse_audacity_labels(std::string_view text, const std::string& name) {
+  const ForeignTable table = read_foreign_table(text, name);
   Annotations result;
   result.resolution_s = 1e-6;
-  int number = 0;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    ++number;
-    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    // a line that begins with a backslash holds the frequencies of the label above
-    if (line.empty() || line.front() == '\\') continue;
-    const auto first_tab = line.find('\t'), second_tab = line.find('\t', first_tab + 1);
+  for (const ForeignTable::Row& row : table.rows) {
+    const std::string place = "line " + std::to_string(row.line);
+    if (!row.numbers[0])
+      throw FileError(name, place + ": '" + printable(row.cells[0]) +
+                                "' is no time; a label of Audacity is begin, end and text with tabs between");
     Annotation point;
-    const std::string place = "line " + std::to_string(number);
-    if (first_tab == std::string_view::npos || !parse_number(line.substr(0, first_tab), point.t_s))
-      throw FileError(name, place + ": '" + std::string(line) +
-                                "' is not a label of Audacity (begin, end and text with tabs between)");
-    checked_time(point.t_s, name, place);
-    if (second_tab != std::string_view::npos) point.label = line.substr(second_tab + 1);
+    point.t_s = checked_time(row.numbers[0]->value, name, place);
+    // begin, end, text: a text in front of them would have no number
+    if (row.cells.size() > 2 || (row.cells.size() == 2 && !row.numbers[1])) point.label = row.cells.back();
     result.points.push_back(std::move(point));
   }
   return result;

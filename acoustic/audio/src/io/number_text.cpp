@@ -11,7 +11,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
-#include "io/number_row.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -37,7 +37,6 @@ class NumberRows {
   /// @return false after the last. @throws FileError
   bool next(Row& row) {
     for (std::string line; lines_.next(line);) {
-      if (lines_.number() == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
       const bool is_empty = line.find_first_not_of(" \t\r,;") == std::string::npos;
       if (is_empty || line.front() == '#') continue;
       if (!is_begun_ && !begin(line)) continue;
@@ -197,6 +196,11 @@ double TimeGrid::rate_hz() const {
 bool is_text(SoundBytes& bytes) {
   std::array<std::byte, 4096> head{};
   const std::int64_t n = bytes.read(0, head);
+  const auto begins = [&](unsigned a, unsigned b) {
+    return n >= 4 && std::to_integer<unsigned>(head[0]) == a && std::to_integer<unsigned>(head[1]) == b;
+  };
+  // UTF-16 with its mark and a character of Latin; sound of MPEG layer I begins with FF FE too
+  if ((begins(0xFF, 0xFE) && head[3] == std::byte{0}) || (begins(0xFE, 0xFF) && head[2] == std::byte{0})) return true;
   return n > 0 && std::all_of(head.begin(), head.begin() + n, [](std::byte b) {
            const auto c = std::to_integer<unsigned char>(b);
            return c == '\t' || c == '\n' || c == '\r' || (c >= ' ' && c != 0x7F);

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "bouncelab/core/description.hpp"
+#include "bouncelab/core/text.hpp"
 
 namespace bouncelab {
 
@@ -117,9 +118,9 @@ class LineReader {
   /// @param in    must outlive this
   /// @param name  of the file, for messages
   LineReader(std::istream& in, std::string name);
-  /// The next line without its line feed (a carriage return before it stays); false after the last. What the end of
-  /// the file cuts off is a line too.
-  /// @throws FileError naming the line: longer than kLongestRow_bytes, a byte 0 or UTF-16 in it, reading failed
+  /// The next line, decoded (TextDecoder), without its line feed (a carriage return before it stays); false after the
+  /// last. What the end of the file cuts off is a line too.
+  /// @throws FileError naming the line: longer than kLongestRow_bytes, a byte 0 in it, reading failed; what is no text
   bool next(std::string& line);
   /// Of the line read last, counted from 1.
   std::size_t number() const { return number_; }
@@ -131,7 +132,9 @@ class LineReader {
 
   std::istream* in_;
   std::string name_;
+  TextDecoder decoder_;
   std::vector<char> block_;
+  std::string text_;
   const char *at_ = nullptr, *end_ = nullptr;
   std::size_t number_ = 0;
 };

@@ -4,8 +4,10 @@
 #include <bit>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -38,6 +40,35 @@ std::size_t utf8_character(std::string_view text);
 std::string utf8_of_bytes(std::string_view bytes);
 /// The inverse of utf8_of_bytes.
 std::string bytes_of_utf8(std::string_view text);
+
+/// Bytes of a text file as text: without a byte order mark; UTF-16, with a mark or where every other byte is 0, as UTF-8;
+/// carriage returns that end lines by themselves as line feeds. All else stays as it is.
+class TextDecoder {
+ public:
+  /// @param name  of the file, for messages
+  explicit TextDecoder(std::string name);
+  /// The next bytes; of the first piece, some thousand bytes or the whole file, it is told what the file is.
+  /// @throws FileError naming the encoding: UTF-32, damaged UTF-16; a ZIP archive
+  void append(std::string_view bytes, std::string& text);
+  /// @throws FileError where the file ends within a character
+  void finish() const;
+
+ private:
+  void begin(std::string_view head);
+  void append_half(char byte, std::string& text);
+
+  std::string name_;
+  bool begun_ = false, cr_only_ = false;
+  std::size_t skip_ = 0;
+  std::optional<std::size_t> high_byte_;  // of two, of UTF-16
+  unsigned char half_[2] = {0, 0};
+  std::size_t n_half_ = 0;
+  std::uint32_t surrogate_ = 0;  // the first of two, that waits
+};
+
+/// A whole file as UTF-8 by TextDecoder; what is not UTF-8 then is taken for Windows-1252, of which Latin-1 is a part.
+/// @throws FileError naming what it is not
+std::string decoded_text(std::string_view bytes, const std::string& name);
 
 /// Numbers in a text of any length, as printf writes them.
 template <class... Values>

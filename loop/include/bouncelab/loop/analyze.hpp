@@ -48,6 +48,7 @@ constexpr std::int64_t kMostShown = 30;
 
 struct Analysis {
   std::vector<detection::RecordingDetection> recordings;  ///< as they were given; wave and noise with details alone
+  Onsets onsets;                                          ///< of all recordings, or those that were given
   fit::Restitution restitution;
   fit::FitResult fit;
   std::optional<detection::WavePreview> wave;           ///< of the first recording in which impacts were found
@@ -58,9 +59,6 @@ struct Analysis {
 /// summary.json: counts, recordings, seconds.
 const Description& members_of(const Analysis*);
 
-/// The onsets of all recordings, one after the other.
-Onsets onsets_of(const std::vector<detection::RecordingDetection>& recordings);
-
 /// The whole chain, with all data in memory: a hundred bytes or so an impact.
 /// @param recordings  each once
 /// @throws FileError where the only recording cannot be read, InvalidArgument naming the setting that is out of range,
@@ -69,6 +67,8 @@ Onsets onsets_of(const std::vector<detection::RecordingDetection>& recordings);
 Analysis analyze(const std::vector<std::filesystem::path>& recordings, const AnalyzeConfig& config,
                  const StageProgress& progress = {});
 
+/// What follows detection: of impact times alone, from another program for instance.
+Analysis analyze_times(Onsets onsets, const AnalyzeConfig& config, const StageProgress& progress = {});
 /// What follows detection: of recordings whose impacts are known, by hand for instance.
 Analysis analyze_found(std::vector<detection::RecordingDetection> recordings, const AnalyzeConfig& config,
                        const StageProgress& progress = {});

@@ -24,6 +24,7 @@ struct Annotation {
 struct Annotations {
   std::string recording;      ///< as the file names it; empty if it does not
   double resolution_s = 0.0;  ///< the file's times are multiples of this
+  std::string taken_for;      ///< which of several tiers or layers these are, for people; empty: there was one
   std::vector<Annotation> points;
 };
 
@@ -48,25 +49,34 @@ Annotations completed(Annotations annotations, const Onsets& onsets);
 /// resolution, the onset is restored as it was. If not, the point was moved by hand: its time is used, standard error
 /// and amplitude are unknown, and its only flag is `by_hand`. The same holds for a point without DROP.IMPACT, which
 /// joins the drop of the point before it. Impacts keep their numbers, moved up where a point was inserted.
+/// Where the labels are not numbered so (are_numbered), all points are marks made by hand, and drops are drops_of()
+/// their times.
 /// @param renumber  number the impacts of each drop anew by time: for points that were deleted
 /// @throws InvalidArgument if there are no points
 Onsets onsets_of(const Annotations& annotations, bool renumber);
 
+/// Are the labels the numbers of drops and impacts that annotations_of() writes? Those with a time are; those without
+/// have to begin each drop with its impact 0 and to rise from there: bars and beats (1.1, 1.2) and heights do not.
+bool are_numbered(const Annotations& annotations);
+
 /// Label track of Audacity: begin, end, label, tab-separated lines. Written with all digits; Audacity keeps 1e-6 s.
 std::string audacity_labels(const Annotations& annotations);
-/// Of labels that span an interval the begin is used. @param name  of the file, for messages. @throws FileError naming
-/// the line
+/// Of labels that span an interval the begin is used; decimal commas and clock times are read too.
+/// @param text  UTF-8 (decoded_text), as for all readers here. @param name  of the file, for messages
+/// @throws FileError where no line begins with a time
 Annotations parse_audacity_labels(std::string_view text, const std::string& name);
 
 /// Time instants layer of Sonic Visualiser (.svl): times are whole frames. @param n_frames  of the recording
 std::string sonic_visualiser_layer(const Annotations& annotations, int rate_hz, std::int64_t n_frames);
+/// @param layer  which of several, by its number from 1; empty: the one that looks most like impacts
 /// @throws FileError if the text is not a layer of points
-Annotations parse_sonic_visualiser_layer(std::string_view text, const std::string& name);
+Annotations parse_sonic_visualiser_layer(std::string_view text, const std::string& name, const std::string& layer = {});
 
 /// TextGrid of Praat with one point tier, named as the recording. @param duration_s  of the recording
 std::string text_grid(const Annotations& annotations, double duration_s);
-/// The first point tier of a TextGrid, long or short text. @throws FileError if there is none
-Annotations parse_text_grid(std::string_view text, const std::string& name);
+/// A point tier of a TextGrid, long or short text. @throws FileError if there is none
+/// @param tier  which of several, by its name or its number from 1; empty: the one that looks most like impacts
+Annotations parse_text_grid(std::string_view text, const std::string& name, const std::string& tier = {});
 
 /// Cue points and their labels (chunks `cue ` and `LIST` of type `adtl`) of a WAV or RF64 file; times are whole frames.
 /// @throws FileError if the file is neither, or holds no cue points

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/number_row.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,9 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/text.hpp"
+#include "tables/title_words.hpp"
 
-namespace bouncelab::audio {
+namespace bouncelab {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
@@ -36,7 +37,8 @@ double rounding_of(std::string_view number) {
   return 0.5 * pow(10.0, exponent - n_decimals);
 }
 
-/// The words of a title in small letters: letters, and whatever is not ASCII (the Greek mu).
+}  // namespace
+
 std::vector<std::string> words_of(std::string_view title) {
   std::vector<std::string> words(1);
   for (const char c : title) {
@@ -49,14 +51,18 @@ std::vector<std::string> words_of(std::string_view title) {
   return words;
 }
 
-}  // namespace
-
 std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   std::vector<std::string_view> cells;
   if (separator == ' ') line = trimmed(line, kBlanks);
   while (true) {
-    const std::size_t end =
-        std::min(separator == ' ' ? line.find_first_of(kBlanks) : line.find(separator), line.size());
+    std::size_t end = std::min(separator == ' ' ? line.find_first_of(kBlanks) : line.find(separator), line.size());
+    const std::size_t quote = line.find_first_not_of(kBlanks);
+    if (end < line.size() && quote < end && line[quote] == '"') {
+      const std::size_t closing = line.find('"', quote + 1);  // doubled quotes: two texts that touch
+      if (closing != std::string_view::npos && closing > end)
+        end = std::min(separator == ' ' ? line.find_first_of(kBlanks, closing) : line.find(separator, closing),
+                       line.size());
+    }
     cells.push_back(trimmed(line.substr(0, end), " \t\r\""));
     if (end == line.size()) return cells;
     line.remove_prefix(end + 1);
@@ -64,7 +70,9 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   }
 }
 
-std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
+namespace {
+
+std::optional<NumberCell> plain_number_of(std::string_view cell, char decimal) {
   std::array<char, 64> text{};
   if (cell.empty() || cell.size() > text.size()) return std::nullopt;
   if (cell.front() == '+') cell.remove_prefix(1);
@@ -78,6 +86,31 @@ std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
   const auto [end, error] = bouncelab::from_chars(number.data(), number.data() + number.size(), value);
   if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value)) return std::nullopt;
   return NumberCell{value, rounding_of(number)};
+}
+
+}  // namespace
+
+std::optional<NumberCell> number_of(std::string_view cell, char decimal) {
+  const std::size_t colon = cell.rfind(':');
+  if (colon == std::string_view::npos) return plain_number_of(cell, decimal);
+  // a clock time: hours and minutes are whole numbers
+  std::optional<NumberCell> result = plain_number_of(cell.substr(colon + 1), decimal);
+  if (!result || !(result->value >= 0.0 && result->value < 60.0)) return std::nullopt;
+  double unit_s = 60.0;
+  std::string_view rest = cell.substr(0, colon);
+  for (int k = 0; k < 2; ++k, unit_s *= 60.0) {
+    const std::size_t before = rest.rfind(':');
+    const std::string_view digits = before == std::string_view::npos ? rest : rest.substr(before + 1);
+    if (digits.empty() || digits.size() > 4 || digits.find_first_not_of("0123456789") != std::string_view::npos)
+      return std::nullopt;
+    result->value += unit_s * plain_number_of(digits, '.')->value;
+    if (before == std::string_view::npos) {
+      result->is_clock = true;
+      return result;
+    }
+    rest = rest.substr(0, before);
+  }
+  return std::nullopt;
 }
 
 std::optional<CellFormat> format_of(std::string_view line) {
@@ -142,4 +175,4 @@ bool is_time_title(std::string_view title) {
   return says_time || time_unit_s(title).has_value();
 }
 
-}  // namespace bouncelab::audio
+}  // namespace bouncelab

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/core/foreign_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/text.hpp"
+
+namespace bouncelab {
+namespace {
+
+constexpr std::size_t kMostColumns = 1024;
+constexpr std::size_t kLinesToDecide = 200;
+// in the order of preference: a comma or a blank stands in many cells that it does not separate
+constexpr std::array<CellFormat, 8> kFormats{
+    {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {',', '.'}, {',', ','}, {' ', '.'}, {' ', ','}}};
+
+struct Line {
+  std::size_t number = 0;
+  std::string_view text;
+};
+
+/// Lines that are not blank, no comments (#) and no frequencies of Audacity's labels (\).
+std::vector<Line> lines_of(std::string_view text) {
+  std::vector<Line> lines;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    const bool is_blank = line.find_first_not_of(" \t\r,;") == std::string_view::npos;
+    if (!is_blank && line.front() != '#' && line.front() != '\\') lines.push_back({number, line});
+  }
+  return lines;
+}
+
+/// Of the rows with a number those of the commonest length, and their numbers.
+struct Fit {
+  std::size_t n_rows = 0, n_numbers = 0, n_cells = 0;
+};
+
+Fit fit_of(const CellFormat& format, const std::vector<Line>& lines) {
+  std::map<std::size_t, Fit> by_length;
+  for (const Line& line : lines) {
+    const std::vector<std::string_view> cells = cells_of(line.text, format.separator);
+    if (cells.size() == 1 && format.separator != ' ') continue;
+    const auto n = static_cast<std::size_t>(std::count_if(
+        cells.begin(), cells.end(), [&](std::string_view cell) { return number_of(cell, format.decimal).has_value(); }));
+    if (n == 0) continue;
+    Fit& fit = by_length[cells.size()];
+    fit = {fit.n_rows + 1, fit.n_numbers + n, cells.size()};
+  }
+  Fit best;
+  for (const auto& [length, fit] : by_length)
+    if (fit.n_rows > best.n_rows) best = fit;
+  return best;
+}
+
+/// "0,400000" in each line, where the whole numbers in front do not count 1, 2, 3: a decimal comma.
+bool is_decimal_comma(const std::vector<Line>& lines) {
+  double before = 0.0;
+  bool counts = true;
+  std::size_t n = 0, n_digits = 0;
+  for (const Line& line : lines) {
+    const std::vector<std::string_view> cells = cells_of(line.text, ',');
+    if (!is_ambiguous(line.text, {',', '.'})) continue;  // a title
+    const double here = number_of(cells[0], '.')->value;
+    if (n++ == 0) n_digits = cells[1].size();
+    if (cells[1].size() != n_digits) return false;
+    counts = counts && (n == 1 || here == before + 1.0);
+    before = here;
+  }
+  return n > 1 && !counts;
+}
+
+CellFormat format_of_lines(std::vector<Line> lines, const std::string& name) {
+  if (lines.size() > kLinesToDecide) lines.resize(kLinesToDecide);
+  std::array<Fit, kFormats.size()> fits;
+  std::size_t most = 0;
+  for (std::size_t k = 0; k < kFormats.size(); ++k) {
+    fits[k] = fit_of(kFormats[k], lines);
+    most = std::max(most, fits[k].n_rows);
+  }
+  if (most == 0)
+    throw FileError(name, "holds no numbers; a table of times, intervals or samples, or a recording is needed");
+  // nine tenths: a remark between the rows may have a number of its own
+  const auto holds = [&](std::size_t k) { return 10 * fits[k].n_rows >= 9 * most; };
+  for (std::size_t k = 0; k < kFormats.size(); k += 2) {
+    if (!holds(k) && !holds(k + 1)) continue;
+    const bool comma = !holds(k) || (holds(k + 1) && fits[k + 1].n_numbers > fits[k].n_numbers);
+    const CellFormat format = kFormats[comma ? k + 1 : k];
+    if (format.separator != ',' || comma) return format;
+    if (is_decimal_comma(lines)) return {' ', ','};
+    const bool named = !is_ambiguous(lines.front().text, format) && lines.front().text.find(',') != std::string::npos;
+    for (const Line& line : lines)
+      if (is_ambiguous(line.text, format) && !named)
+        throw FileError(name, "line " + std::to_string(line.number) + ": " + printable(line.text) +
+                                  " is one number or two; write a decimal point, or separate by ;");
+    return format;
+  }
+  return {};
+}
+
+ForeignTable::Row row_of(const Line& line, const CellFormat& format) {
+  ForeignTable::Row row{line.number, {}, {}};
+  for (const std::string_view cell : cells_of(line.text, format.separator)) {
+    row.cells.emplace_back(cell);
+    row.numbers.push_back(number_of(cell, format.decimal));
+  }
+  return row;
+}
+
+}  // namespace
+
+ForeignTable read_foreign_table(std::string_view text, const std::string& name) {
+  const std::vector<Line> lines = lines_of(text);
+  ForeignTable table;
+  table.format = format_of_lines(lines, name);
+  const std::size_t n_cells = fit_of(table.format, lines).n_cells;
+  if (n_cells > kMostColumns)
+    throw FileError(name, "has " + std::to_string(n_cells) + " columns; at most " + std::to_string(kMostColumns) +
+                              " are read");
+  for (const Line& line : lines) {
+    ForeignTable::Row row = row_of(line, table.format);
+    const bool has_number = std::any_of(row.numbers.begin(), row.numbers.end(), [](const auto& n) { return n; });
+    const bool is_row = has_number && (row.cells.size() == n_cells || !table.rows.empty());
+    if (!is_row && table.rows.empty()) {
+      table.titles.clear();
+      if (n_cells == 1)  // with its blanks: "Time (s)"
+        table.titles.emplace_back(cells_of(line.text, '\0').front());
+      else if (row.cells.size() == n_cells)
+        table.titles = std::move(row.cells);
+      continue;
+    }
+    if (!is_row) {
+      ++table.n_left_out;
+      continue;
+    }
+    row.cells.resize(std::max(row.cells.size(), n_cells));
+    row.numbers.resize(row.cells.size());
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+bool is_uniform(const ForeignTable& table) {
+  constexpr std::size_t kLeastRows = 8;
+  if (table.n_columns() < 2 || table.rows.size() < kLeastRows) return false;
+  // the first column of numbers that does not count the rows
+  for (std::size_t column = 0; column < table.n_columns(); ++column) {
+    std::vector<NumberCell> times;
+    for (const ForeignTable::Row& row : table.rows)
+      if (row.numbers[column]) times.push_back(*row.numbers[column]);
+    if (times.size() < table.rows.size()) continue;
+    const double step = times[1].value - times[0].value;
+    if (!(step > 0.0)) return false;
+    bool uniform = true;
+    for (std::size_t k = 1; k < times.size() && uniform; ++k)
+      uniform = std::abs(times[k].value - times[k - 1].value - step) <=
+                0.1 * step + 2.0 * (times[k - 1].rounding + times[k].rounding);
+    if (!uniform) return false;
+    if (step != 1.0) return true;
+  }
+  return false;
+}
+
+}  // namespace bouncelab

@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the columns of other people's tables are.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <span>
+
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/text.hpp"
+#include "tables/title_words.hpp"
+
+namespace bouncelab {
+namespace {
+
+using Words = std::span<const std::string_view>;
+
+constexpr std::array<std::string_view, 15> kIntervalWords{
+    "interval",   "intervals", "intervall", "intervalle", "intervalo", "intervallo", "dt",   "\xCE\x94t",
+    "difference", "duration",  "dauer",     "flight",     "delta",     "period",     "diff"};
+constexpr std::array<std::string_view, 15> kMarkWords{"onset",  "onsets", "start",     "begin",  "stop",
+                                                      "impact", "bounce", "aufprall",  "stoss",  "rebond",
+                                                      "event",  "bote",   "rimbalzo",  "marker", "position"};
+constexpr std::array<std::string_view, 12> kDropWords{"drop",  "trial", "run",    "series", "serie", "try",
+                                                      "essai", "wurf",  "versuch", "throw",  "messung", "measurement"};
+constexpr std::array<std::string_view, 9> kEpsWords{
+    "eps", "epsilon", "\xCE\xB5", "e", "cor", "restitution", "restitutionskoeffizient", "stosszahl", "cr"};
+constexpr std::array<std::string_view, 10> kSpeedWords{"v",      "speed",   "velocity", "geschwindigkeit", "vitesse",
+                                                       "impact", "velocidad", "v\xE2\x82\x80", "vin",   "u"};
+
+constexpr std::array<std::string_view, 8> kAfterWords{"out", "after", "nach", "rebound", "ab", "aus", "apres", "h"};
+
+bool has_word(std::string_view title, Words wanted) {
+  const std::vector<std::string> words = words_of(title);
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return std::find(wanted.begin(), wanted.end(), word) != wanted.end();
+  });
+}
+
+/// Of the numbers of a column: how many rows have one, and whether they count 1, 2, 3 ... or 0, 1, 2 ...
+struct Numbers {
+  std::size_t n = 0;
+  bool counts = true;
+};
+
+Numbers numbers_of(const ForeignTable& table, std::size_t column) {
+  Numbers result;
+  std::optional<double> before;
+  for (const ForeignTable::Row& row : table.rows) {
+    const auto& number = row.numbers[column];
+    if (!number) continue;
+    ++result.n;
+    result.counts = result.counts && (before ? number->value == *before + 1.0 : number->value == 0.0 || number->value == 1.0);
+    before = number->value;
+  }
+  result.counts = result.counts && result.n > 1;
+  return result;
+}
+
+std::string title_of(const ForeignTable& table, std::size_t column) {
+  return column < table.titles.size() ? table.titles[column] : std::string();
+}
+
+std::string column_name(const ForeignTable& table, std::size_t column) {
+  const std::string title = title_of(table, column);
+  return title.empty() ? "column " + std::to_string(column + 1) : "column '" + printable(title, 60) + "'";
+}
+
+std::string titles_in_words(const ForeignTable& table) {
+  std::string text;
+  for (std::size_t k = 0; k < table.n_columns(); ++k) text += (k == 0 ? "" : ", ") + column_name(table, k);
+  return printable(text, 400);
+}
+
+std::string format_in_words(const CellFormat& format, std::size_t n_columns) {
+  std::string text;
+  if (n_columns > 1)
+    text = format.separator == '\t' ? "tabs between" : format.separator == ' ' ? "blanks between"
+                                                     : std::string("'") + format.separator + "' between";
+  if (format.decimal == ',') text += (text.empty() ? "" : ", ") + std::string("decimal comma");
+  return text;
+}
+
+/// A column by its exact title, or by its number from 1.
+std::size_t named_column(const ForeignTable& table, const std::string& wanted, const std::string& name) {
+  for (std::size_t k = 0; k < table.titles.size(); ++k)
+    if (table.titles[k] == wanted) return k;
+  const auto number = number_of(wanted, '.');
+  if (number && number->value >= 1.0 && number->value <= static_cast<double>(table.n_columns()) &&
+      number->value == std::floor(number->value))
+    return static_cast<std::size_t>(number->value) - 1;
+  throw FileError(name, "has no column '" + printable(wanted) + "' (found: " + titles_in_words(table) + ")");
+}
+
+/// "v=speed,eps=e" -> the column that is to be `key`; absent where the text does not say.
+std::optional<std::size_t> told_column(const ForeignTable& table, const ForeignOptions& options, std::string_view key,
+                                       const std::string& name) {
+  for (const std::string_view part : cells_of(options.columns, ',')) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string_view::npos && !part.empty())
+      throw InvalidArgument("--columns: '" + printable(part) + "' is no KEY=COLUMN, such as v=speed,eps=e");
+    if (part.substr(0, equals) == key) return named_column(table, std::string(part.substr(equals + 1)), name);
+  }
+  return std::nullopt;
+}
+
+/// A number with what else is known of its place.
+struct Found {
+  double value = 0.0;
+  double rounding = 0.0;
+  bool is_clock = false;
+  std::size_t line = 0;
+  std::int64_t series = 0;  // of which drop it is, where the table says so
+};
+
+/// The times or intervals of a table in their order, not yet in seconds.
+struct Sequence {
+  std::vector<Found> values;
+  std::string from;    ///< which column or row
+  std::string title;   ///< says a unit, perhaps
+  bool says_intervals = false, says_times = false;
+  bool has_series = false;
+};
+
+bool says_interval(std::string_view title) { return has_word(title, kIntervalWords); }
+bool says_time(std::string_view title) { return !says_interval(title) && (is_time_title(title) || has_word(title, kMarkWords)); }
+/// "Height 1 (m)", "Energy 1": something else.
+bool says_other(std::string_view title) {
+  constexpr std::array<std::string_view, 12> kOther{"height", "h",  "energy", "m",    "cm", "j",
+                                                    "mm",     "hz", "x",      "y",    "v",  "hoehe"};
+  return !says_time(title) && !says_interval(title) && has_word(title, kOther);
+}
+
+/// One drop in each row: "Start (s)", "Stop 1 (s)", "Stop 2 (s)" ..., or a single row of numbers.
+std::optional<Sequence> rows_of_values(const ForeignTable& table) {
+  std::vector<std::size_t> columns;
+  for (std::size_t k = 0; k < table.n_columns(); ++k)
+    if (table.rows.front().numbers[k] && !says_other(title_of(table, k)) && !has_word(title_of(table, k), kDropWords))
+      columns.push_back(k);
+  const auto is_numbered = [&](std::size_t k) {
+    return title_of(table, k).find_first_of("0123456789") != std::string::npos;
+  };
+  const auto n_numbered = std::count_if(columns.begin(), columns.end(), is_numbered);
+  if (columns.size() < 3 || (n_numbered < 3 && table.rows.size() > 1)) return std::nullopt;
+  if (n_numbered >= 3)
+    std::erase_if(columns, [&](std::size_t k) { return !is_numbered(k) && !says_time(title_of(table, k)); });
+  Sequence sequence;
+  sequence.has_series = table.rows.size() > 1;
+  sequence.from = table.rows.size() == 1 ? "a row" : "a row for each drop";
+  for (std::size_t row = 0; row < table.rows.size(); ++row)
+    for (const std::size_t k : columns) {
+      const auto& number = table.rows[row].numbers[k];
+      // what has not been measured is 0 in exports of phyphox
+      const bool is_unset = number && number->value == 0.0 && k != columns.front();
+      if (!number || is_unset) continue;
+      const std::string title = title_of(table, k);
+      sequence.says_intervals = sequence.says_intervals || says_interval(title);
+      sequence.says_times = sequence.says_times || says_time(title);
+      if (sequence.title.empty()) sequence.title = title;
+      sequence.values.push_back(
+          {number->value, number->rounding, number->is_clock, table.rows[row].line, static_cast<std::int64_t>(row)});
+    }
+  return sequence;
+}
+
+std::size_t value_column(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
+  if (const auto told = told_column(table, options, "t", name)) return *told;
+  std::vector<std::size_t> numeric;
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const Numbers numbers = numbers_of(table, k);
+    if (2 * numbers.n > table.rows.size() && !has_word(title_of(table, k), kDropWords)) numeric.push_back(k);
+  }
+  const auto first = [&](const std::function<bool(std::size_t)>& is) {
+    const auto found = std::find_if(numeric.begin(), numeric.end(), is);
+    return found == numeric.end() ? std::optional<std::size_t>{} : std::optional(*found);
+  };
+  const auto counts = [&](std::size_t k) { return numbers_of(table, k).counts; };
+  const auto title = [&](std::size_t k) { return title_of(table, k); };
+  if (options.as != "intervals")
+    if (const auto k = first([&](std::size_t c) { return says_time(title(c)) && !counts(c); })) return *k;
+  if (const auto k = first([&](std::size_t c) { return says_interval(title(c)); })) return *k;
+  if (const auto k = first([&](std::size_t c) { return !counts(c) && !says_other(title(c)); })) return *k;
+  if (numeric.size() == 1) return numeric.front();
+  throw FileError(name, "has no column of times or intervals (found: " + titles_in_words(table) +
+                            "); name it: --columns t=COLUMN");
+}
+
+Sequence column_of_values(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
+  const std::size_t column = value_column(table, options, name);
+  Sequence sequence;
+  sequence.title = title_of(table, column);
+  sequence.from = table.n_columns() == 1 && sequence.title.empty() ? "" : column_name(table, column);
+  sequence.says_intervals = says_interval(sequence.title);
+  sequence.says_times = says_time(sequence.title);
+  std::optional<std::size_t> drops = told_column(table, options, "drop", name);
+  for (std::size_t k = 0; k < table.titles.size() && !drops; ++k)
+    if (k != column && has_word(table.titles[k], kDropWords)) drops = k;
+  sequence.has_series = drops.has_value();
+  std::int64_t series = 0;
+  std::string before;
+  for (const ForeignTable::Row& row : table.rows) {
+    if (drops && row.cells[*drops] != before) {
+      series += before.empty() ? 0 : 1;
+      before = row.cells[*drops];
+    }
+    if (const auto& number = row.numbers[column])
+      sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
+  }
+  return sequence;
+}
+
+/// Do the numbers fall more often than they rise? Times rise, but where a new drop begins; intervals fall.
+bool fall(const Sequence& sequence) {
+  int n = 0;
+  for (std::size_t k = 1; k < sequence.values.size(); ++k) {
+    const Found &a = sequence.values[k - 1], &b = sequence.values[k];
+    if (!sequence.has_series || a.series == b.series) n += b.value < a.value ? 1 : b.value > a.value ? -1 : 0;
+  }
+  return n > 0;
+}
+
+/// Seconds per unit of the numbers.
+double unit_of(const Sequence& sequence, bool are_intervals, const ForeignOptions& options, const std::string& name,
+               std::string& in_words) {
+  if (sequence.values.front().is_clock) return in_words = "clock times", 1.0;
+  const auto said = [&](double unit_s) {
+    in_words = unit_s == 1.0 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : "ns";
+    return unit_s;
+  };
+  if (options.unit != "auto") return said(*time_unit_s(options.unit));
+  if (const auto unit_s = time_unit_s(sequence.title)) return said(*unit_s);
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
+    if (are_intervals)
+      lengths.push_back(std::abs(sequence.values[k].value));
+    else if (k > 0)
+      lengths.push_back(std::abs(sequence.values[k].value - sequence.values[k - 1].value));
+  }
+  // flights of 20 ms to 10 s have a median that tells s and ms apart
+  const double typical = lengths.empty() ? 0.0 : median(std::move(lengths));
+  if (typical <= 10.0) return said(1.0);
+  if (typical >= 20.0 && typical <= 1e4) return said(1e-3);
+  throw FileError(name, "has intervals of " + short_number(typical) + " in a unit that is not named; give --unit ms or us");
+}
+
+struct Times {
+  std::vector<double> t_s;
+  std::vector<std::int64_t> drop;
+};
+
+Times times_of_times(const Sequence& sequence, double unit_s) {
+  Times times;
+  for (const Found& found : sequence.values) {
+    times.t_s.push_back(unit_s * found.value);
+    times.drop.push_back(found.series);
+  }
+  if (!sequence.has_series) times.drop = drops_of(times.t_s);
+  return times;
+}
+
+/// Each drop's first impact is at 0.
+Times times_of_intervals(const Sequence& sequence, double unit_s) {
+  constexpr double kGrown = 1.5;  // of one ball's flights none is so much longer than that before it
+  Times times;
+  std::int64_t drop = 0;
+  double t_s = 0.0;
+  for (std::size_t k = 0; k < sequence.values.size(); ++k) {
+    const Found& here = sequence.values[k];
+    const bool begins = k == 0 || (sequence.has_series ? here.series != sequence.values[k - 1].series
+                                                       : here.value > kGrown * sequence.values[k - 1].value);
+    if (begins) {
+      drop += k == 0 ? 0 : 1;
+      t_s = 0.0;
+      times.t_s.push_back(t_s);
+      times.drop.push_back(drop);
+    }
+    t_s += unit_s * here.value;
+    times.t_s.push_back(t_s);
+    times.drop.push_back(drop);
+  }
+  return times;
+}
+
+/// Digits behind the point of numbers in another unit, by their roundings: half of 10^-decimals each.
+int decimals_of(const std::vector<Found>& values, double unit) {
+  double rounding = 0.0;
+  for (const Found& value : values)
+    rounding = rounding == 0.0 ? value.rounding : std::min(rounding, value.rounding);
+  return rounding > 0.0 ? static_cast<int>(std::clamp(std::round(-std::log10(2.0 * rounding * unit)), 0.0, 100.0)) : -1;
+}
+
+/// Columns that have our names keep them, with their values.
+void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>& own, const std::string& name,
+                     Table& table) {
+  for (const ColumnSpec& spec : own) {
+    const auto title = std::find(foreign.titles.begin(), foreign.titles.end(), spec.name);
+    const bool is_there = std::any_of(table.columns.begin(), table.columns.end(),
+                                      [&](const Column& column) { return column.name == spec.name; });
+    if (title == foreign.titles.end() || is_there || spec.type == ColumnType::integer) continue;
+    const auto column = static_cast<std::size_t>(title - foreign.titles.begin());
+    Column values = empty_column(spec);
+    for (const ForeignTable::Row& row : foreign.rows) {
+      if (auto* texts = std::get_if<std::vector<std::string>>(&values.values)) {
+        texts->push_back(row.cells[column]);
+        continue;
+      }
+      if (!row.cells[column].empty() && !row.numbers[column])
+        throw FileError(name, "line " + std::to_string(row.line) + ", column " + spec.name + ": '" +
+                                  printable(row.cells[column]) + "' is not a number");
+      std::get<std::vector<double>>(values.values)
+          .push_back(row.numbers[column] ? row.numbers[column]->value : std::numeric_limits<double>::quiet_NaN());
+    }
+    table.columns.push_back(std::move(values));
+  }
+}
+
+}  // namespace
+
+std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
+  std::vector<std::int64_t> drops;
+  double interval_s = 0.0;
+  for (std::size_t k = 0; k < t_s.size(); ++k) {
+    const double here_s = k == 0 ? 0.0 : t_s[k] - t_s[k - 1];
+    const bool begins = k > 0 && (here_s <= 0.0 || (interval_s > 0.0 && here_s > kMissed * interval_s));
+    drops.push_back(k == 0 ? 0 : drops.back() + (begins ? 1 : 0));
+    interval_s = begins ? 0.0 : here_s;
+  }
+  return drops;
+}
+
+TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
+  const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign) : std::nullopt;
+  if (!rows && is_uniform(foreign) && options.as == "auto")
+    throw FileError(name, "has times that are equally spaced, as the frames of a video: impact times are needed; leave "
+                          "the frames of the impacts only, or say --as times");
+  const Sequence sequence = rows ? *rows : column_of_values(foreign, options, name);
+  if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
+  const bool told = options.as != "auto", numbers_fall = fall(sequence);
+  const bool are_intervals = told ? options.as == "intervals" : sequence.says_intervals || numbers_fall;
+  std::string unit;
+  const double unit_s = unit_of(sequence, are_intervals, options, name, unit);
+  for (const Found& value : sequence.values)
+    if (are_intervals && !(value.value > 0.0))
+      throw FileError(name, "line " + std::to_string(value.line) + ": an interval of " + short_number(value.value) +
+                                "; intervals are above 0. Are these times? Say --as times");
+  const Times times = are_intervals ? times_of_intervals(sequence, unit_s) : times_of_times(sequence, unit_s);
+  const std::int64_t n_drops = times.drop.back() + 1;
+
+  TakenTable taken;
+  Column t{"t_s", times.t_s, decimals_of(sequence.values, unit_s)};
+  taken.table.columns = {Column{"drop", times.drop}, std::move(t)};
+  if (!are_intervals && !rows && times.t_s.size() == foreign.rows.size())
+    add_own_columns(foreign, onset_columns(), name, taken.table);
+  for (std::size_t k = 0; k < times.t_s.size() && !are_intervals; ++k)
+    taken.table.stands_on(k, sequence.values[k].line);
+  std::string how = format_in_words(foreign.format, foreign.n_columns());
+  if (!sequence.from.empty()) how = sequence.from + (how.empty() ? "" : ", " + how);
+  taken.taken_for = std::string(are_intervals ? "intervals" : "times") + (unit == "clock times" ? ", " : " in ") + unit +
+                    (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(times.t_s.size()) + " impacts in " +
+                    std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
+  if (are_intervals && !told && !sequence.says_intervals)
+    taken.taken_for += "; they fall, so they are no times (--as times if they are)";
+  if (foreign.n_left_out > 0)
+    taken.taken_for += "; " + std::to_string(foreign.n_left_out) + " lines without numbers left out";
+  return taken;
+}
+
+namespace {
+
+/// m/s in one of the unit that a title names.
+double speed_unit_mps(const std::string& title) {
+  std::string text;
+  for (const char c : title)
+    if (c != ' ') text += c;
+  const auto has = [&](std::string_view unit) { return text.find(unit) != std::string::npos; };
+  if (has("km/h")) return 1.0 / 3.6;
+  if (has("mm/s")) return 1e-3;
+  if (has("cm/s")) return 1e-2;
+  return 1.0;
+}
+
+/// The one column, of those that are left, whose title has one of the words; absent: none or several.
+std::optional<std::size_t> column_with(const ForeignTable& table, Words words, std::optional<std::size_t> except) {
+  std::optional<std::size_t> found;
+  for (std::size_t k = 0; k < table.titles.size(); ++k) {
+    // of the speeds before and after an impact that before
+    if (k == except || !has_word(table.titles[k], words) || has_word(table.titles[k], kAfterWords) || 2 * numbers_of(table, k).n < table.rows.size()) continue;
+    if (found) return std::nullopt;
+    found = k;
+  }
+  return found;
+}
+
+}  // namespace
+
+TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
+  auto eps = told_column(foreign, options, "eps", name);
+  auto v = told_column(foreign, options, "v", name);
+  if (!eps) eps = column_with(foreign, kEpsWords, v);
+  if (!v) v = column_with(foreign, kSpeedWords, eps);
+  if (!eps || !v)
+    throw FileError(name, "has no columns that are plainly speed and coefficient of restitution (found: " +
+                              titles_in_words(foreign) + "); name them: --columns v=COLUMN,eps=COLUMN" +
+                              (is_uniform(foreign) ? "" : "; impact times are for bouncelab restitution"));
+  const double unit_mps = speed_unit_mps(title_of(foreign, *v));
+  std::vector<double> speeds, values;
+  std::vector<Found> speed_values, eps_values;
+  ForeignTable used = foreign;
+  std::erase_if(used.rows, [&](const ForeignTable::Row& row) { return !row.numbers[*v] || !row.numbers[*eps]; });
+  for (const ForeignTable::Row& row : used.rows) {
+    speeds.push_back(unit_mps * row.numbers[*v]->value);
+    values.push_back(row.numbers[*eps]->value);
+    speed_values.push_back({0.0, row.numbers[*v]->rounding});
+    eps_values.push_back({0.0, row.numbers[*eps]->rounding});
+  }
+  if (used.rows.empty()) throw FileError(name, "has no row with a speed and a coefficient of restitution");
+  TakenTable taken;
+  taken.table.columns = {Column{"v_mps", std::move(speeds), decimals_of(speed_values, unit_mps)},
+                         Column{"eps", std::move(values), decimals_of(eps_values, 1.0)}};
+  add_own_columns(used, sample_columns(), name, taken.table);
+  for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);
+  const std::size_t n_left_out = foreign.n_left_out + foreign.rows.size() - used.rows.size();
+  const std::string how = format_in_words(foreign.format, foreign.n_columns());
+  taken.taken_for = "speeds in " + std::string(unit_mps == 1.0 ? "m/s" : unit_mps == 1e-2 ? "cm/s" : unit_mps == 1e-3 ? "mm/s" : "km/h") + " (" +
+                    column_name(foreign, *v) + ") and coefficients of restitution (" + column_name(foreign, *eps) +
+                    (how.empty() ? "" : ", " + how) + "): " + std::to_string(used.rows.size()) + " impacts";
+  if (n_left_out > 0) taken.taken_for += "; " + std::to_string(n_left_out) + " lines without numbers left out";
+  return taken;
+}
+
+}  // namespace bouncelab

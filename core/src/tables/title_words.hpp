@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bouncelab {
+
+/// The words of a title in small letters: letters, and whatever is not ASCII (the Greek mu).
+std::vector<std::string> words_of(std::string_view title);
+
+}  // namespace bouncelab

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/files/foreign_files.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <utility>
+
+#include "bouncelab/audio/annotations.hpp"
+#include "bouncelab/core/error.hpp"
+#include "bouncelab/core/files.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/text.hpp"
+#include "stages/files/label_track.hpp"
+#include "stages/files/table_file.hpp"
+
+namespace bouncelab::stages {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kHead_bytes = 1 << 14;
+
+/// A table that is in memory already, as one piece after the other.
+class TableInMemory final : public TableReader {
+ public:
+  explicit TableInMemory(Table table) : table_(std::move(table)) {}
+
+  Table next(std::size_t max_rows) override {
+    if (at_ == 0 && table_.n_rows() <= max_rows) {
+      at_ = table_.n_rows();
+      return table_;
+    }
+    Table piece;
+    const std::size_t end = std::min(table_.n_rows(), at_ + std::min(max_rows, table_.n_rows()));
+    piece.n_before = at_;
+    for (const Column& column : table_.columns)
+      piece.columns.push_back(std::visit(
+          [&](const auto& values) {
+            using Values = std::decay_t<decltype(values)>;
+            const auto from = values.begin();
+            return Column{column.name,
+                          Values(from + static_cast<std::ptrdiff_t>(at_), from + static_cast<std::ptrdiff_t>(end)),
+                          column.decimals};
+          },
+          column.values));
+    at_ = end;
+    return piece;
+  }
+
+ private:
+  Table table_;
+  std::size_t at_ = 0;
+};
+
+std::string head_of(const fs::path& path) {
+  std::ifstream in(readable(path), std::ios::binary);
+  std::string head(kHead_bytes, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
+  return head;
+}
+
+std::string decoded_head(const fs::path& path) {
+  TextDecoder decoder(input_name(path));
+  std::string text;
+  decoder.append(head_of(path), text);
+  return text;
+}
+
+/// Whether the first line names columns as our tables do.
+bool is_ours(const fs::path& path, const std::vector<std::vector<std::string>>& any_of) {
+  const std::string text = decoded_head(path);
+  const std::vector<std::string_view> titles =
+      cells_of(std::string_view(text).substr(0, text.find('\n')), ',');
+  const auto has = [&](const std::string& name) { return std::find(titles.begin(), titles.end(), name) != titles.end(); };
+  return std::any_of(any_of.begin(), any_of.end(),
+                     [&](const auto& names) { return std::all_of(names.begin(), names.end(), has); });
+}
+
+/// What cannot be read twice, or is no text, is left to the reader of our tables.
+bool may_be_foreign(const fs::path& path) {
+  std::error_code error;
+  refuse_hdf5(path);
+  return !is_json_lines(path) && fs::is_regular_file(path, error);
+}
+
+enum class Marks { none, layer, text_grid, cues };
+
+Marks marks_in(std::string_view head) {
+  if (head.starts_with("RIFF") || head.starts_with("RF64")) return Marks::cues;
+  const std::size_t begin = std::min(head.find_first_not_of(" \t\r\n"), head.size());
+  if (head.substr(begin).starts_with("<?xml") || head.substr(begin).starts_with("<sv")) return Marks::layer;
+  return head.find("\"ooTextFile\"") < 100 || head.substr(begin).starts_with("\"ooTextFile\"") ? Marks::text_grid
+                                                                                            : Marks::none;
+}
+
+/// Marks of a sound editor; absent where the file is a table of times without our numbers.
+std::optional<audio::Annotations> marks_of(const fs::path& path, const std::string& tier) {
+  const std::string name = input_name(path);
+  const std::string bytes = head_of(path);
+  if (marks_in(bytes) == Marks::cues) return audio::read_cues(path);
+  const std::string text = decoded_text(whole_content(path), name);
+  switch (marks_in(text)) {
+    case Marks::layer:
+      return audio::parse_sonic_visualiser_layer(text, name, tier);
+    case Marks::text_grid:
+      return audio::parse_text_grid(text, name, tier);
+    default:
+      break;
+  }
+  if (fs::exists(onsets_beside(path))) return read_label_track(path, text);
+  if (text.find('\t') == std::string::npos) return std::nullopt;
+  const ForeignTable table = read_foreign_table(text, name);
+  if (!table.titles.empty() || table.n_columns() < 2 || !table.rows.front().numbers[0]) return std::nullopt;
+  audio::Annotations labels = audio::parse_audacity_labels(text, name);
+  const bool ends = std::all_of(table.rows.begin(), table.rows.end(), [](const ForeignTable::Row& row) {
+    return row.numbers[0] && row.numbers[1] && row.numbers[1]->value >= row.numbers[0]->value;
+  });
+  if (!ends && !audio::are_numbered(labels)) return std::nullopt;
+  return labels;
+}
+
+std::string line_of(const fs::path& path, const std::string& taken_for) {
+  return printable(input_name(path)) + ": " + taken_for;
+}
+
+}  // namespace
+
+std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFileOptions& options,
+                                         std::vector<std::string>& taken_for) {
+  const ForeignOptions& said = options.table;
+  const bool told = said.as != "auto" || said.unit != "auto" || !said.columns.empty();
+  if (!may_be_foreign(path) || (!told && is_ours(path, {{"t_s", "drop"}, {"t_s", "recording"}, {"t_s", "impact"}})))
+    return open_table(path, onset_columns());
+  if (!told) {
+    if (std::optional<audio::Annotations> marks = marks_of(path, options.tier)) {
+      if (!options.recording.empty()) marks->recording = options.recording;
+      if (marks->points.empty()) throw FileError(input_name(path), "holds no marks");
+      if (!marks->taken_for.empty()) taken_for.push_back(line_of(path, marks->taken_for));
+      return std::make_unique<TableInMemory>(to_table(audio::onsets_of(*marks, options.renumber)));
+    }
+  }
+  const std::string name = input_name(path);
+  TakenTable taken = onsets_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name), name, said);
+  taken_for.push_back(line_of(path, taken.taken_for));
+  return std::make_unique<TableInMemory>(std::move(taken.table));
+}
+
+Onsets read_onsets(const fs::path& path, const ForeignFileOptions& options, std::vector<std::string>& taken_for) {
+  const auto reader = open_onsets(path, options, taken_for);
+  return onsets_from_table(reader->next(std::numeric_limits<std::size_t>::max()), input_name(path));
+}
+
+std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOptions& options,
+                                          std::vector<std::string>& taken_for) {
+  if (!may_be_foreign(path) || (options.columns.empty() && is_ours(path, {{"v_mps", "eps"}})))
+    return open_table(path, sample_columns());
+  const std::string name = input_name(path);
+  TakenTable taken =
+      samples_from_foreign(read_foreign_table(decoded_text(whole_content(path), name), name), name, options);
+  taken_for.push_back(line_of(path, taken.taken_for));
+  return std::make_unique<TableInMemory>(std::move(taken.table));
+}
+
+bool holds_times(const fs::path& path, bool has_rate) {
+  std::error_code error;
+  if (has_rate || !fs::is_regular_file(path, error)) return false;
+  const std::string head = head_of(path);
+  const auto is_binary = [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r';
+  };
+  std::string text;
+  try {
+    text = decoded_head(path);
+  } catch (const FileError&) {
+    return false;  // the reader of sound says what it is
+  }
+  if (text.empty() || std::any_of(text.begin(), text.end(), is_binary)) return false;
+  if (is_json_lines(path)) return true;
+  const Marks marks = marks_in(text);
+  if (marks == Marks::cues) return false;
+  if (marks != Marks::none) return true;
+  constexpr std::uintmax_t kLongest_bytes = 1 << 22;  // some 100,000 impacts: more are samples of a sound
+  if (fs::file_size(path, error) > kLongest_bytes && !is_ours(path, {{"t_s", "drop"}})) return false;
+  try {
+    // a last line that the head cuts off may have other cells
+    const std::size_t end = head.size() < kHead_bytes ? text.size() : text.rfind('\n') + 1;
+    return !is_uniform(read_foreign_table(std::string_view(text).substr(0, end), input_name(path)));
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
+}  // namespace bouncelab::stages
