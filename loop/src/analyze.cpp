@@ -45,7 +45,7 @@ std::vector<RecordingDetails> details_of(const Analysis& analysis, const Analyze
     const detection::Detection& d = r.found;
     const std::string name = input_name(r.recording);
     RecordingDetails details{r.recording, d.summary.n_drops, {}, d.wave, d.noise};
-    audio::AudioReader reader(r.recording, config.detection.rate_hz);
+    audio::AudioReader reader(r.recording, config.detection.rate_hz, d.summary.track);
     const auto sound = reader.source(d.summary.channel);
     for (std::int64_t drop = 0; drop < d.summary.n_drops && n_shown < kMostShown; ++drop, ++n_shown)
       details.drops.push_back({detection::drop_preview(sound, name, d.summary.channel, d.onsets, drop),
@@ -71,7 +71,7 @@ void sound_to_constants(Analysis& analysis, const AnalyzeConfig& config, const S
   times_to_constants(analysis, config, progress);
   const detection::RecordingDetection& shown = *first_found(analysis.recordings);
   analysis.wave = detection::wave_preview(std::filesystem::path(shown.recording), shown.found.summary.channel,
-                                          shown.found.onsets, config.detection.rate_hz);
+                                          shown.found.onsets, config.detection.rate_hz, shown.found.summary.track);
   if (config.with_details) analysis.details = details_of(analysis, config);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "channel_tracks.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -34,6 +35,23 @@ bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
   return rise_of_impacts(band, found) > kExplained * rise_of_all(band);
 }
 
+/// Where sound breaks off or begins again for want of it nothing struck.
+void leave_out_edges(const std::vector<audio::Silence>& silences, CandidatesOfSound& found) {
+  constexpr double kReach_s = 3e-3;  // of the windows in which a rise is looked for
+  if (silences.empty()) return;
+  CandidatesOfSound kept;
+  for (std::size_t k = 0; k < found.candidates.size(); ++k) {
+    const double t_s = found.candidates[k].t_s;
+    if (std::any_of(silences.begin(), silences.end(), [&](const audio::Silence& gap) {
+          return t_s > gap.begin_s - kReach_s && t_s < gap.end_s + kReach_s;
+        }))
+      continue;
+    kept.candidates.push_back(found.candidates[k]);
+    kept.band_energies.push_back(found.band_energies[k]);
+  }
+  found = std::move(kept);
+}
+
 }  // namespace
 
 BandsOfChannel::BandsOfChannel(audio::AudioSource sound, int n_threads, ProgressCallback progress)
@@ -59,6 +77,7 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   if (b == 0 && progress_) progress_(0.0, static_cast<double>(band.sound.n_samples) / band.sound.rate_hz);
   band.models = learn_ar_models(band.sound, kArOrder);
   CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
+  leave_out_edges(band.sound.silences, found);
   band.candidates = std::move(found.candidates);
   band.same_source = SameSource(found.band_energies);
   return band;

@@ -100,6 +100,15 @@ std::int64_t count_flag(const Onsets& onsets, Flag flag) {
 std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& found, bool is_timed_in_full_band) {
   std::vector<std::string> warnings;
   if (d.onsets.empty()) return warnings;
+  const auto is_in_drop = [&](const audio::Silence& gap) {
+    for (std::size_t k = 1; k < d.onsets.size(); ++k)
+      if (d.onsets[k].drop == d.onsets[k - 1].drop && d.onsets[k - 1].t_s < gap.end_s && d.onsets[k].t_s > gap.begin_s)
+        return true;
+    return false;
+  };
+  if (const auto n = std::count_if(found.sound.silences.begin(), found.sound.silences.end(), is_in_drop); n > 0)
+    warnings.push_back(std::to_string(n) + (n == 1 ? " gap" : " gaps") +
+                       " of the time stamps between impacts of a drop: an impact there would be missing");
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
   if (const auto n = count_flag(d.onsets, Flag::clipped); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
@@ -149,6 +158,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   d.summary.channel_reason = config.channel    ? "asked for"
                              : n_channels == 1 ? "the only one"
                                                : "its impacts are the most probable and rise the most";
+  d.summary.n_gaps = static_cast<int>(sound.silences.size());
   d.summary.duration_s = static_cast<double>(sound.n_samples) / sound.rate_hz;
   d.summary.noise_rms = std::sqrt(band.models.noise.quiet_variance);
   const auto drops_of = [&](const BandOfChannel& of, const std::vector<Track>& tracks) {
@@ -189,14 +199,41 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
   if (!format.warning.empty()) d.warnings.insert(d.warnings.begin(), format.warning);
 }
 
-Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
-                      const ProgressCallback& progress) {
+Detection detect_track(const audio::AudioReader& sound, const std::string& name, const DetectionConfig& config,
+                       int n_threads, const ProgressCallback& progress) {
   const int n_here = kMayStartChildBesideThreads ? n_threads : 1;
-  const audio::AudioReader sound(recording, config.rate_hz);
-  Detection d = detect_in([&](int channel) { return sound.source(channel); }, sound.format().n_channels,
-                          input_name(recording), config, n_here, progress);
+  Detection d = detect_in([&](int channel) { return sound.source(channel); }, sound.format().n_channels, name, config,
+                          n_here, progress);
+  d.summary.n_tracks = sound.format().n_tracks;
+  d.summary.track = sound.format().track;
   describe_format(sound.format(), config.lossy_coding, d);
   return d;
+}
+
+/// How likely it is that what was found are drops: the sum of their log odds.
+double log_odds_of(const Detection& d) {
+  double sum = 0.0;
+  for (const DropSummary& drop : d.drops) sum += log(drop.odds);
+  return sum;
+}
+
+Detection detect_file(const std::filesystem::path& recording, const DetectionConfig& config, int n_threads,
+                      const ProgressCallback& progress) {
+  const std::string name = input_name(recording);
+  const audio::AudioReader first(recording, config.rate_hz, config.track.value_or(0));
+  Detection best = detect_track(first, name, config, n_threads, progress);
+  const int n_tracks = first.format().n_tracks;
+  if (config.track || n_tracks == 1) return best;
+  for (int track = 1; track < n_tracks; ++track) {
+    const audio::AudioReader sound(recording, config.rate_hz, track);
+    Detection d = detect_track(sound, name, config, n_threads, progress);
+    if (log_odds_of(d) > log_odds_of(best)) best = std::move(d);
+  }
+  if (!best.onsets.empty())
+    best.warnings.insert(best.warnings.begin(), "track " + std::to_string(best.summary.track) + " of " +
+                                                    std::to_string(n_tracks) +
+                                                    " tracks of sound has the ball; --track takes another (from 0)");
+  return best;
 }
 
 /// A long recording that began last would keep one thread busy and all others waiting.
@@ -219,6 +256,9 @@ const Description& members_of(const DetectionConfig*) {
   using C = DetectionConfig;
   static const Description options{
       member("channel", &C::channel, "Channel, from 0; -1 = the one in which impacts are detected best")
+          .within(-1, 1023)
+          .unknown_as("-1"),
+      member("track", &C::track, "Track of sound in a video, from 0; -1 = the one in which a ball is heard best")
           .within(-1, 1023)
           .unknown_as("-1"),
       member("rate", &C::rate_hz, "Sampling rate [Hz] of numbers (.npy, .csv) that come without times; 0 = none")

@@ -88,6 +88,9 @@ const Description& members_of(const RecordingSummary*) {
           "`MP3`, `AAC` ...: its times may be off by more than stated; `null` where it loses nothing"),
       result<S>(
           "ffmpeg", [](const S& s) { return if_any(s.ffmpeg); }, "Version of the ffmpeg that decoded it"),
+      result("n_tracks", &S::n_tracks, "Tracks of sound in the file"),
+      result("track", &S::track, "The one used"),
+      result("n_gaps", &S::n_gaps, "Gaps of the container's time stamps, in which there is no sound"),
       result("rate_hz", &S::rate_hz, "Sampling rate"),
       result("n_channels", &S::n_channels, "Channels"),
       result("channel", &S::channel, "The one used"),

@@ -146,9 +146,9 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
   return table;
 }
 
-bool is_uniform(const ForeignTable& table) {
+std::optional<double> uniform_step_s(const ForeignTable& table) {
   constexpr std::size_t kLeastRows = 8;
-  if (table.n_columns() < 2 || table.rows.size() < kLeastRows) return false;
+  if (table.n_columns() < 2 || table.rows.size() < kLeastRows) return std::nullopt;
   // the first column of numbers that does not count the rows
   for (std::size_t column = 0; column < table.n_columns(); ++column) {
     std::vector<NumberCell> times;
@@ -156,15 +156,16 @@ bool is_uniform(const ForeignTable& table) {
       if (row.numbers[column]) times.push_back(*row.numbers[column]);
     if (times.size() < table.rows.size()) continue;
     const double step = times[1].value - times[0].value;
-    if (!(step > 0.0)) return false;
+    if (!(step > 0.0)) return std::nullopt;
     bool uniform = true;
     for (std::size_t k = 1; k < times.size() && uniform; ++k)
       uniform = std::abs(times[k].value - times[k - 1].value - step) <=
                 0.1 * step + 2.0 * (times[k - 1].rounding + times[k].rounding);
-    if (!uniform) return false;
-    if (step != 1.0) return true;
+    if (!uniform) return std::nullopt;
+    const std::string title = column < table.titles.size() ? table.titles[column] : std::string();
+    if (step != 1.0) return step * time_unit_s(title).value_or(1.0);
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace bouncelab

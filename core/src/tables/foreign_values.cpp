@@ -321,6 +321,12 @@ void add_own_columns(const ForeignTable& foreign, const std::vector<ColumnSpec>&
 
 }  // namespace
 
+namespace {
+
+std::optional<std::size_t> column_with(const ForeignTable& table, Words words, std::optional<std::size_t> except);
+
+}  // namespace
+
 std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
   std::vector<std::int64_t> drops;
   double interval_s = 0.0;
@@ -335,9 +341,12 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 
 TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
   const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign) : std::nullopt;
-  if (!rows && is_uniform(foreign) && options.as == "auto")
+  if (!rows && uniform_step_s(foreign) && options.as == "auto")
     throw FileError(name, "has times that are equally spaced, as the frames of a video: impact times are needed; leave "
                           "the frames of the impacts only, or say --as times");
+  const auto eps = column_with(foreign, kEpsWords, {});
+  if (eps && column_with(foreign, kSpeedWords, eps) && options.as == "auto" && options.columns.empty())
+    throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
   const Sequence sequence = rows ? *rows : column_of_values(foreign, options, name);
   if (sequence.values.empty()) throw FileError(name, "holds no times or intervals");
   const bool told = options.as != "auto", numbers_fall = fall(sequence);
@@ -406,7 +415,7 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
   if (!eps || !v)
     throw FileError(name, "has no columns that are plainly speed and coefficient of restitution (found: " +
                               titles_in_words(foreign) + "); name them: --columns v=COLUMN,eps=COLUMN" +
-                              (is_uniform(foreign) ? "" : "; impact times are for bouncelab restitution"));
+                              "; impact times are for bouncelab restitution");
   const double unit_mps = speed_unit_mps(title_of(foreign, *v));
   std::vector<double> speeds, values;
   std::vector<Found> speed_values, eps_values;

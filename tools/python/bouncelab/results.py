@@ -177,7 +177,7 @@ class Onsets(Table):
         name, channel = first["recording"], first.get("channel", 0)
         if self._source:
             return _core.wave_of_samples(self._source["samples"], self._source["rate"], name, channel, self._columns)
-        return _core.wave_of_file(name, channel, self._columns, 0.0) if os.path.exists(name) else ""
+        return _core.wave_of_file(name, channel, self._columns, 0.0, first.get("track", 0)) if os.path.exists(name) else ""
 
 
 class Samples(Table):

@@ -229,9 +229,9 @@ py::dict restitution(const py::dict& columns, const Arguments& arguments) {
   return result;
 }
 
-std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz) {
+std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz, int track) {
   return json_text(value_of(detection::wave_preview(fs::path(recording), channel, onsets_of(onsets),
-                                                    rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt)));
+                                                    rate_hz > 0.0 ? std::optional(rate_hz) : std::nullopt, track)));
 }
 
 std::string wave_of_samples(const py::array& array, double rate_hz, const std::string& recording, int channel,

@@ -33,7 +33,7 @@ py::dict detect_samples(const py::array& samples, double rate_hz, const std::str
 /// @return {columns, summary}
 py::dict restitution(const py::dict& onsets, const Arguments& arguments);
 /// wave.json of a recording.
-std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz);
+std::string wave_of_file(const std::string& recording, int channel, const py::dict& onsets, double rate_hz, int track);
 std::string wave_of_samples(const py::array& samples, double rate_hz, const std::string& recording, int channel,
                             const py::dict& onsets);
 /// Writes sound with the encoding that `bits` names: 16, 24, 32 or float.

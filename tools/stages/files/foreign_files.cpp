@@ -187,7 +187,9 @@ bool holds_times(const fs::path& path, bool has_rate) {
   try {
     // a last line that the head cuts off may have other cells
     const std::size_t end = head.size() < kHead_bytes ? text.size() : text.rfind('\n') + 1;
-    return !is_uniform(read_foreign_table(std::string_view(text).substr(0, end), input_name(path)));
+    constexpr double kLongestStep_s = 1.0 / 4000.0;  // of the lowest rate of a sound
+    const auto step_s = uniform_step_s(read_foreign_table(std::string_view(text).substr(0, end), input_name(path)));
+    return !step_s || *step_s > kLongestStep_s;
   } catch (const FileError&) {
     return false;
   }

@@ -24,7 +24,15 @@ struct AudioReader::State {
   std::optional<PlainSamples> plain;
   DecodedSamples decoded;  // of what is not plain
 
-  State(const std::filesystem::path& path, std::optional<double> rate_hz) : file(path), decoded(file.name()) {
+  State(const std::filesystem::path& path, std::optional<double> rate_hz, int track)
+      : file(path), decoded(file.name()) {
+    open(path, rate_hz, track);
+    if (track < 0 || track >= info.n_tracks)
+      throw InvalidArgument("track " + std::to_string(track) + ": " + file.name() + " has tracks 0 to " +
+                            std::to_string(info.n_tracks - 1));
+  }
+
+  void open(const std::filesystem::path& path, std::optional<double> rate_hz, int track) {
     if (rate_hz && !(*rate_hz >= kLowestRate_hz && *rate_hz <= kHighestRate_hz))
       throw InvalidArgument("--rate: must be 4 kHz to 4 MHz");
     SoundBytes bytes(file.descriptor());
@@ -40,7 +48,9 @@ struct AudioReader::State {
     if (const std::optional<PlainSound> sound = plain_sound(bytes, file.name()))
       open_plain(bytes, *sound);
     else
-      info = decode_coded(path, file, decoded);
+      info = decode_coded(path, file, track, decoded);
+    if (const std::string more = what_follows(bytes); !more.empty())
+      info.warning += (info.warning.empty() ? "" : "; ") + more;
     if (rate_hz) throw InvalidArgument("--rate: " + file.name() + " has a sampling rate of its own; leave --rate out");
   }
 
@@ -70,8 +80,8 @@ struct AudioReader::State {
   }
 };
 
-AudioReader::AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz)
-    : state_(std::make_unique<State>(path, rate_hz)) {}
+AudioReader::AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz, int track)
+    : state_(std::make_unique<State>(path, rate_hz, track)) {}
 
 AudioReader::AudioReader(AudioReader&&) noexcept = default;
 AudioReader& AudioReader::operator=(AudioReader&&) noexcept = default;
@@ -100,7 +110,7 @@ void AudioReader::read(std::int64_t first, int channel, std::span<float> out) co
 AudioSource AudioReader::source(int channel) const {
   const AudioFormat& of = format();
   return {of.rate_hz, of.n_frames,
-          [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); }};
+          [this, channel](std::int64_t first, std::span<float> out) { read(first, channel, out); }, of.silences};
 }
 
 }  // namespace bouncelab::audio

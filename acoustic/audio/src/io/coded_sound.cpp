@@ -56,7 +56,7 @@ void DecodedSamples::read(std::int64_t first, std::span<float> out) const {
 
 #ifdef __EMSCRIPTEN__  // a browser, which has no processes, and decodes by itself what ffmpeg would
 
-SoundInfo decode_coded(const std::filesystem::path&, const ReadableFile& file, DecodedSamples& samples) {
+SoundInfo decode_coded(const std::filesystem::path&, const ReadableFile& file, int, DecodedSamples& samples) {
   try {
     SoundDecoder decoder(SoundBytes(file.descriptor()), file.name());
     SoundInfo info = decoder.info();
@@ -153,11 +153,12 @@ SoundInfo decode_by_libsndfile(const ReadableFile& file, DecodedSamples& samples
 
 }  // namespace
 
-SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, DecodedSamples& samples) {
+SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, int track,
+                       DecodedSamples& samples) {
   try {
     return decode_by_libsndfile(file, samples);
   } catch (const NotForLibsndfile& error) {
-    return decode_by_ffmpeg(path, file, error.reason, samples);
+    return decode_by_ffmpeg(path, file, track, error.reason, samples);
   }
 }
 

@@ -41,16 +41,17 @@ class DecodedSamples {
 
 /// Decodes a recording, once and whole: by libsndfile in a process of its own, which has limits on processor time and
 /// memory that grow with the file, or, where libsndfile does not know the format, by ffmpeg.
-/// @param path  as it was given
+/// @param path   as it was given
+/// @param track  of several that ffmpeg finds, from 0
 /// @throws FileError naming the remedy; Interrupted
-SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, DecodedSamples& samples);
+SoundInfo decode_coded(const std::filesystem::path& path, const ReadableFile& file, int track, DecodedSamples& samples);
 
-/// Any recording that ffmpeg can decode, the first sound of a video too: ffmpeg runs as a process of its own and writes
+/// Any recording that ffmpeg can decode, a track of sound of a video too: ffmpeg runs as a process of its own and writes
 /// float samples to a pipe, at the recording's rate and in its channels. It leaves out what the file's edit list or
-/// encoder delay does.
+/// encoder delay does. Gaps between the time stamps of its packets become zeros (AudioFormat::silences).
 /// @param reason  why libsndfile does not read it, for messages
 /// @throws FileError: ffmpeg is not installed, or cannot read it; it holds no sound. Interrupted
-SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, const std::string& reason,
-                           DecodedSamples& samples);
+SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, int track,
+                           const std::string& reason, DecodedSamples& samples);
 
 }  // namespace bouncelab::audio

@@ -3,6 +3,9 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <optional>
@@ -12,7 +15,9 @@
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "io/coded_sound.hpp"
+#include "io/stamp_gaps.hpp"
 #include "io/sound_header.hpp"
 
 namespace bouncelab::audio {
@@ -92,34 +97,133 @@ struct Decoding {
   std::string input;  // as ffmpeg is told
   std::string name;
   int descriptor;
+  int track;  // of sound, from 0
   std::int64_t n_bytes;
   ChildLimits limits;
 
+  std::string map() const { return "0:a:" + std::to_string(track); }
   [[noreturn]] void refuse(const std::string& complaints) const {
     throw FileError(name,
                     "ffmpeg cannot decode it (" + first_line_of(complaints, input) + "); record or copy it again");
   }
 };
 
+// A packet takes 60 bytes of ffprobe's answer and holds 20 ms or so: a day of sound.
+constexpr std::size_t kMostOfAnswer_bytes = std::size_t{1} << 28;
+
 /// What the file is. @param reason  why libsndfile does not read it
-void ask_what_it_is(const Decoding& d, const std::string& reason, SoundInfo& info) {
-  const ProgramResult answer = run_program(
-      d.ffprobe,
-      {"-v", "error", "-protocol_whitelist", "file", "-select_streams", "a:0", "-show_entries",
-       "stream=codec_name,codec_long_name:format=format_long_name", "-of", "default=noprint_wrappers=1", "-i", d.input},
-      d.name, d.descriptor, d.limits);
+/// @return the packets of the track
+std::vector<StampedBlock> ask_what_it_is(const Decoding& d, const std::string& reason, SoundInfo& info) {
+  const ProgramResult answer =
+      run_program(d.ffprobe,
+                  {"-v", "error", "-protocol_whitelist", "file", "-select_streams", "a", "-show_entries",
+                   "packet=stream_index,pts_time,duration_time:stream=index,codec_name,codec_long_name:"
+                   "format=format_long_name",
+                   "-of", "default=noprint_wrappers=1", "-i", d.input},
+                  d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
   if (!answer.ended_well)
     throw FileError(d.name, "not readable as audio (libsndfile: " + reason + "; ffmpeg: " +
                                 first_line_of(answer.complaints, d.input) + "); record or copy it again");
-  const std::string codec = value_of(answer.output, "codec_name");
+  struct Track {
+    std::string index, codec, codec_in_words;
+    std::vector<StampedBlock> packets{};
+  };
+  std::vector<Track> tracks;
+  std::vector<std::pair<std::string, StampedBlock>> packets;  // each with its stream
+  std::istringstream lines(answer.output);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t equals = std::min(line.find('='), line.size());
+    const std::string key = line.substr(0, equals), value = line.substr(std::min(equals + 1, line.size()));
+    const double number = std::strtod(value.c_str(), nullptr);  // "N/A" is 0
+    if (key == "stream_index") packets.emplace_back(value, StampedBlock{});
+    if (key == "pts_time" && !packets.empty() && value != "N/A") packets.back().second.begin_s = number;
+    if (key == "duration_time" && !packets.empty()) packets.back().second.length_s = number;
+    if (key == "index") tracks.push_back({value, {}, {}});
+    if (key == "codec_name" && !tracks.empty()) tracks.back().codec = value;
+    if (key == "codec_long_name" && !tracks.empty()) tracks.back().codec_in_words = value;
+  }
   const std::string format = value_of(answer.output, "format_long_name");
-  if (codec.empty()) throw FileError(d.name, "holds no sound (" + format + "); name a recording with sound");
-  info.description = format + ", " + value_of(answer.output, "codec_long_name");
-  if (!is_lossless(codec)) info.lossy_coding = name_of_coding(codec);
+  if (tracks.empty()) throw FileError(d.name, "holds no sound (" + format + "); name a recording with sound");
+  info.n_tracks = static_cast<int>(tracks.size());
+  if (d.track < 0 || d.track >= info.n_tracks) return {};  // the reader refuses it
+  info.track = d.track;
+  Track& track = tracks[static_cast<std::size_t>(d.track)];
+  for (const auto& [index, packet] : packets)
+    if (index == track.index) track.packets.push_back(packet);
+  info.description = format + ", " + track.codec_in_words;
+  if (!is_lossless(track.codec)) info.lossy_coding = name_of_coding(track.codec);
+  return track.packets;
 }
 
+/// In MP4 a packet lasts to the next one, lost ones included.
+std::vector<StampedBlock> of_equal_length(std::vector<StampedBlock> packets) {
+  std::vector<double> lengths_s;
+  for (const StampedBlock& packet : packets) lengths_s.push_back(packet.length_s);
+  if (lengths_s.empty()) return packets;
+  const double most_s = median(std::move(lengths_s));
+  for (StampedBlock& packet : packets) packet.length_s = std::min(packet.length_s, most_s);
+  return packets;
+}
+
+/// The blocks of samples as they are decoded, with their time stamps.
+std::vector<StampedBlock> decoded_blocks(const Decoding& d) {
+  const ProgramResult answer =
+      run_program(d.ffmpeg,
+                  {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", d.input, "-map", d.map(),
+                   "-c:a", "pcm_f32le", "-f", "framecrc", "pipe:1"},
+                  d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
+  std::vector<StampedBlock> blocks;
+  std::istringstream lines(answer.output);
+  double unit_s = 0.0;
+  for (std::string line; std::getline(lines, line);) {
+    long long numerator = 0, denominator = 0, dts = 0, pts = 0, length = 0;
+    if (std::sscanf(line.c_str(), "#tb 0: %lld/%lld", &numerator, &denominator) == 2 && denominator > 0)
+      unit_s = static_cast<double>(numerator) / static_cast<double>(denominator);
+    if (std::sscanf(line.c_str(), "0, %lld, %lld, %lld", &dts, &pts, &length) == 3)
+      blocks.push_back({unit_s * static_cast<double>(pts), unit_s * static_cast<double>(length)});
+  }
+  return blocks;
+}
+
+/// Samples as they are decoded, with zeros where the container's clock ran on and without those that overlap.
+class SamplesByTheClock {
+ public:
+  SamplesByTheClock(DecodedSamples& samples, std::vector<StampGap> gaps) : samples_(samples), gaps_(std::move(gaps)) {}
+
+  void append(std::span<const float> decoded, const SoundInfo& info) {
+    while (!decoded.empty()) {
+      const std::int64_t at = gaps_.empty() ? INT64_MAX : std::llround(gaps_.front().after_s * info.rate_hz);
+      const std::int64_t n_before = at == INT64_MAX ? at : std::max<std::int64_t>(0, at * info.n_channels - n_decoded_);
+      const std::size_t n_here = std::min(decoded.size(), static_cast<std::size_t>(n_before));
+      take(decoded.first(n_here));
+      decoded = decoded.subspan(n_here);
+      if (n_decoded_ < at * info.n_channels || gaps_.empty()) continue;
+      const std::int64_t n = std::llround(gaps_.front().length_s * info.rate_hz) * info.n_channels;
+      gaps_.erase(gaps_.begin());
+      if (n < 0) n_to_skip_ -= n;
+      constexpr std::int64_t kAtOnce = 1 << 14;
+      for (std::int64_t left = n; left > 0; left -= kAtOnce)
+        samples_.append(std::vector<float>(static_cast<std::size_t>(std::min(left, kAtOnce)), 0.0F));
+    }
+  }
+
+ private:
+  void take(std::span<const float> decoded) {
+    n_decoded_ += std::ssize(decoded);
+    const std::size_t n_skipped = std::min(decoded.size(), static_cast<std::size_t>(n_to_skip_));
+    n_to_skip_ -= static_cast<std::int64_t>(n_skipped);
+    samples_.append(decoded.subspan(n_skipped));
+  }
+
+  DecodedSamples& samples_;
+  std::vector<StampGap> gaps_;
+  std::int64_t n_decoded_ = 0, n_to_skip_ = 0;  // of all channels
+};
+
 /// The sound as ffmpeg writes it, a WAV file of floats. @return frames
-std::int64_t take_sound(const Decoding& d, ChildProcess& running, SoundInfo& info, DecodedSamples& samples) {
+std::int64_t take_sound(const Decoding& d, ChildProcess& running, const std::vector<StampGap>& gaps, SoundInfo& info,
+                        DecodedSamples& samples) {
+  SamplesByTheClock by_the_clock(samples, gaps);
   std::vector<std::byte> piece(kFfmpegSamplesAtOnce * sizeof(float));
   piece.resize(running.read(piece));
   SoundBytes begin{std::span<const std::byte>(piece)};
@@ -134,7 +238,7 @@ std::int64_t take_sound(const Decoding& d, ChildProcess& running, SoundInfo& inf
   while (n_head < std::ssize(piece)) {
     std::vector<float> floats((piece.size() - static_cast<std::size_t>(n_head)) / sizeof(float));
     std::memcpy(floats.data(), piece.data() + n_head, floats.size() * sizeof(float));
-    samples.append(floats);
+    by_the_clock.append(floats, info);
     if (samples.size() / info.n_channels / kMostFfmpegFramesPerByte > d.n_bytes)
       throw FileError(d.name, "ffmpeg finds no end of it: damaged? record or copy it again");
     n_head = 0;
@@ -146,14 +250,15 @@ std::int64_t take_sound(const Decoding& d, ChildProcess& running, SoundInfo& inf
 
 }  // namespace
 
-SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, const std::string& reason,
-                           DecodedSamples& samples) {
+SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile& file, int track,
+                           const std::string& reason, DecodedSamples& samples) {
   const std::int64_t n_bytes = SoundBytes(file.descriptor()).size();
   Decoding d{installed("ffmpeg", file.name(), reason),
              installed("ffprobe", file.name(), reason),
              {},
              file.name(),
              file.descriptor(),
+             track,
              n_bytes,
              {kLeastOfFfmpeg_cpu_s + kCpuSecondsPerByte * static_cast<double>(n_bytes)}};
   const std::string content = readable(path).native();
@@ -161,16 +266,20 @@ SoundInfo decode_by_ffmpeg(const std::filesystem::path& path, const ReadableFile
   // file: a name may begin with a dash, or look like an address on the network
   d.input = "file:" + (is_of_this_process ? "/dev/fd/" + std::to_string(ChildProcess::kHandedOver) : content);
   SoundInfo info;
-  ask_what_it_is(d, reason, info);
+  std::vector<StampGap> gaps;
+  // packets show whether there are any; where they lie in the samples, the decoder's delay taken out, its blocks do
+  if (!gaps_between(of_equal_length(ask_what_it_is(d, reason, info))).empty()) gaps = gaps_between(decoded_blocks(d));
+  if (track >= info.n_tracks) return info;
   ChildProcess running(d.ffmpeg,
-                       {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", d.input, "-map", "0:a:0",
+                       {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", d.input, "-map", d.map(),
                         "-fflags", "+bitexact", "-c:a", "pcm_f32le", "-f", "wav", "pipe:1"},
                        d.name, d.descriptor, d.limits);
-  info.n_frames = take_sound(d, running, info, samples);
+  info.n_frames = take_sound(d, running, gaps, info, samples);
   const bool ended_well = running.ended_well();
   if (!ended_well || !running.complaints().empty())
     info.warning = "ffmpeg met errors (" + first_line_of(running.complaints(), d.input) + "): the " +
                    std::to_string(info.n_frames) + " samples that it decoded were read; is it cut off?";
+  say_gaps(gaps, info);
   info.ffmpeg = version_of(d.ffmpeg, d.name);
   return info;
 }

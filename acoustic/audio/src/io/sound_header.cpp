@@ -263,6 +263,61 @@ std::optional<CodedLength> coded_length(SoundBytes& bytes) {
   return CodedLength{s->begin - 4, *held * s->frame_bytes, length_of(*s)};
 }
 
+namespace {
+
+/// Where a stream begins a second time: `mark` at a place that `is_begin` accepts, of those with `n_around` bytes.
+template <class IsBegin>
+std::optional<std::int64_t> second_begin(SoundBytes& bytes, std::string_view mark, std::size_t n_around,
+                                         const IsBegin& is_begin) {
+  constexpr std::size_t kPiece = 1 << 20;
+  for (std::int64_t first = 1; first < bytes.size(); first += kPiece) {
+    const std::string piece = bytes.text(first, kPiece + n_around);
+    for (std::size_t at = piece.find(mark); at < kPiece; at = piece.find(mark, at + 1))
+      if (at + n_around <= piece.size() && is_begin(std::string_view(piece).substr(at, n_around)))
+        return first + static_cast<std::int64_t>(at);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string what_follows(SoundBytes& bytes) {
+  const Kind kind = kind_of(bytes);
+  std::optional<std::int64_t> at;
+  if (kind == Kind::other) {
+    const std::string head = bytes.text(0, 4);
+    // its first block of metadata has 34 bytes, and says so
+    if (head == "fLaC")
+      at = second_begin(bytes, "fLaC", 8, [](std::string_view text) {
+        return text.substr(5) == std::string_view("\0\0\x22", 3) && (text[4] & 0x7F) == 0;
+      });
+    // a page that begins a stream, behind one that goes on: streams side by side begin together
+    bool has_gone_on = false;
+    if (head == "OggS")
+      at = second_begin(bytes, "OggS", 6, [&](std::string_view text) {
+        if (text[4] != '\0') return false;
+        const bool begins = (text[5] & 2) != 0;
+        has_gone_on = has_gone_on || !begins;
+        return begins && has_gone_on;
+      });
+  } else if (kind != Kind::au) {
+    const std::optional<Samples> s = samples_in_chunks(bytes, kind);
+    if (!s || s->promised > static_cast<std::uint64_t>(bytes.size())) return {};
+    const ChunkLayout layout = layout_of(kind);
+    std::int64_t next = layout.next(s->begin, static_cast<std::int64_t>(s->promised));
+    for (int n = 0; n < kMostChunks && !at; ++n) {
+      const std::optional<Chunk> chunk = chunk_at(bytes, layout, next);
+      if (!chunk || chunk->length > static_cast<std::uint64_t>(bytes.size())) break;
+      constexpr std::array<std::string_view, 6> kSound{"RIFF", "RF64", "riff", "FORM", "data", "SSND"};
+      if (chunk->length > 0 && std::find(kSound.begin(), kSound.end(), chunk->name) != kSound.end()) at = next;
+      next = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
+    }
+  }
+  if (!at) return {};
+  return "more sound follows at byte " + std::to_string(*at) +
+         " (files joined, or a recorder that paused?) and is left out; cut the file there to analyze it";
+}
+
 std::optional<EmbeddedFile> ogg_in_wav(SoundBytes& bytes) {
   if (kind_of(bytes) != Kind::riff) return std::nullopt;
   const std::optional<Samples> s = samples_in_chunks(bytes, Kind::riff);

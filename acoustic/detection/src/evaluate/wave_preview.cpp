@@ -145,8 +145,8 @@ WavePreview drop_preview(const audio::AudioSource& sound, const std::string& rec
 }
 
 WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets,
-                         std::optional<double> rate_hz) {
-  audio::AudioReader reader(recording, rate_hz);
+                         std::optional<double> rate_hz, int track) {
+  audio::AudioReader reader(recording, rate_hz, track);
   return wave_preview(reader.source(channel), input_name(recording), channel, onsets);
 }
 

@@ -46,7 +46,7 @@ audio::AudioSource decimate(const audio::AudioSource& source, int factor) {
     audio::filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
   };
   const std::int64_t n_samples = source.n_samples / factor;
-  if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read};
+  if (n_samples > kMostHeld) return {source.rate_hz / factor, n_samples, read, source.silences};
   const auto held = std::make_shared<std::vector<float>>(static_cast<std::size_t>(n_samples));
   for (std::int64_t first = 0; first < n_samples; first += kResultsAtOnce)
     read(first, std::span(*held).subspan(static_cast<std::size_t>(first),
@@ -54,7 +54,7 @@ audio::AudioSource decimate(const audio::AudioSource& source, int factor) {
   const auto copy = [held](std::int64_t first, std::span<float> out) {
     std::copy_n(held->begin() + first, out.size(), out.begin());
   };
-  return {source.rate_hz / factor, n_samples, copy};
+  return {source.rate_hz / factor, n_samples, copy, source.silences};
 }
 
 }  // namespace bouncelab::detection

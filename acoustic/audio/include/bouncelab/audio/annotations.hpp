@@ -24,8 +24,8 @@ struct Annotation {
 struct Annotations {
   std::string recording;      ///< as the file names it; empty if it does not
   double resolution_s = 0.0;  ///< the file's times are multiples of this
-  std::string taken_for;      ///< which of several tiers or layers these are, for people; empty: there was one
   std::vector<Annotation> points;
+  std::string taken_for{};  ///< which of several tiers or layers these are, for people; empty: there was one
 };
 
 /// Onsets of one recording as points labelled

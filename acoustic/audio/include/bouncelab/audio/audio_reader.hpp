@@ -9,8 +9,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace bouncelab::audio {
+
+/// Where a recording has no sound, though its clock ran on: it holds zeros there.
+struct Silence {
+  double begin_s = 0.0, end_s = 0.0;
+};
 
 /// One channel of sound with random access, from a file or from memory, so that hours of sound can be read several
 /// times in bounded memory.
@@ -20,6 +26,7 @@ struct AudioSource {
   /// Fills `out` with the samples first ... first + out.size() - 1, all inside [0, n_samples). Full scale = 1. Called
   /// from any thread.
   std::function<void(std::int64_t first, std::span<float> out)> read;
+  std::vector<Silence> silences{};
 };
 
 /// Source of samples in memory, which must outlive it. @throws InvalidArgument naming a sample that is not finite
@@ -39,6 +46,9 @@ struct AudioFormat {
   std::string description;    ///< container and encoding, in words
   std::string lossy_coding;   ///< "MP3", "AAC" ...: its coding keeps what is heard, not the samples; empty: it does not
   std::string ffmpeg;         ///< version of the ffmpeg that decodes it; empty where none does
+  int n_tracks = 1;           ///< of sound
+  int track = 0;              ///< the one that is read
+  std::vector<Silence> silences;  ///< gaps of its time stamps
   std::string warning;        ///< one line where the header and what the file holds differ; empty where they agree
 };
 
@@ -48,15 +58,19 @@ struct AudioFormat {
 ///     2^24 samples into a nameless file in TMPDIR or /tmp
 ///   - the sound of any other file likewise by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
 ///   - numbers: .npy of samples (x channels), tables of text with or without a column of times
+/// Where the time stamps of a container (mp4, mkv, webm ...) leave a gap, zeros stand for what is missing, and where they
+/// overlap, what came first stays: the times of what follows are those of the container.
 /// Where the header gives another length than the file has, or none, what is there is read, and format().warning says
 /// so. May be read by several threads.
 class AudioReader {
  public:
   /// @param rate_hz  sampling rate of numbers that come without one
+  /// @param track    of several tracks of sound, from 0
   /// @throws FileError naming the remedy: missing, empty, no sound in it, ffmpeg needed and not installed, numbers
   ///         without a rate or with times that are not uniform, a sampling rate outside 4 kHz ... 4 MHz;
-  ///         InvalidArgument where rate_hz is given for a file with a rate of its own, or is out of range
-  explicit AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz = std::nullopt);
+  ///         InvalidArgument where rate_hz is given for a file with a rate of its own, or is out of range, or there is
+  ///         no such track
+  explicit AudioReader(const std::filesystem::path& path, std::optional<double> rate_hz = std::nullopt, int track = 0);
   AudioReader(AudioReader&&) noexcept;
   AudioReader& operator=(AudioReader&&) noexcept;
   ~AudioReader();

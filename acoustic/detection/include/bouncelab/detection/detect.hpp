@@ -20,13 +20,14 @@ namespace bouncelab::detection {
 /// Nothing has to be set: level, noise, band, channel, template and tracks are estimated from the recording itself.
 struct DetectionConfig {
   std::optional<int> channel;  ///< from 0; absent = the one whose tracks of impacts are the most probable
+  std::optional<int> track;    ///< of sound, from 0, of a video for instance; absent = the one with the likeliest drops
   double gravity_mps2 = kDefaultGravity_mps2;  ///< > 0; gives the impact speeds g T / 2 for the contact-time law
   std::optional<double> rate_hz;               ///< of numbers (.npy, tables) that come without their sampling rate
   std::int64_t min_impacts = 3;                ///< >= 3, one coefficient of restitution; drops of fewer are left out
   /// RecordingSummary::lossy_coding of samples that something else has decoded; that of a file goes before it.
   std::string lossy_coding;
 };
-/// The options: channel, rate, min_impacts.
+/// The options: channel, track, rate, min_impacts.
 const Description& members_of(const DetectionConfig*);
 
 enum class DetectionStatus {
@@ -61,6 +62,9 @@ struct RecordingSummary {
   std::string
       lossy_coding;    ///< "MP3", "AAC" ...: its times may be off by more than stated; empty where it loses nothing
   std::string ffmpeg;  ///< version of the ffmpeg that decoded it; empty where none did
+  int n_tracks = 1;    ///< of sound in the file
+  int track = 0;       ///< the one used
+  int n_gaps = 0;      ///< of its time stamps, that hold no sound
   double rate_hz = 0.0;
   int n_channels = 0;
   int channel = 0;             ///< the one used

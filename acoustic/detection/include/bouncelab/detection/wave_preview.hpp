@@ -63,8 +63,9 @@ WavePreview wave_preview(const audio::AudioSource& sound, const std::string& rec
 /// and excerpts of that drop. @throws InvalidArgument where there is no such drop
 WavePreview drop_preview(const audio::AudioSource& sound, const std::string& recording, int channel,
                          const Onsets& onsets, std::int64_t drop);
-/// @param rate_hz  of numbers without a sampling rate. @throws FileError where the recording cannot be read
+/// @param rate_hz  of numbers without a sampling rate. @param track  of several, from 0
+/// @throws FileError where the recording cannot be read
 WavePreview wave_preview(const std::filesystem::path& recording, int channel, const Onsets& onsets,
-                         std::optional<double> rate_hz = std::nullopt);
+                         std::optional<double> rate_hz = std::nullopt, int track = 0);
 
 }  // namespace bouncelab::detection
