@@ -65,7 +65,7 @@ TEST_F(Convert, BadInputIsNamed) {
   write("notes.txt", "dropped it twice\n");
   expect_refused("notes.txt --to x.csv", 3, {"notes.txt", "line 1"});
   write("empty.txt", "");
-  expect_refused("empty.txt --to x.csv", 3, {"empty.txt", "no marks"});
+  expect_refused("empty.txt --to x.csv", 3, {"empty.txt", "empty"});
   write("m.txt", "0.5\t0.5\thit\n");
   expect_refused("m.txt --to x.svl", 2, {"x.svl", "--recording"});
   expect_refused("m.txt --to x.wav", 2, {"x.wav", "--recording"});

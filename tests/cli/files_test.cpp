@@ -167,7 +167,7 @@ TEST_F(Files, WhatCannotBeAnInputIsRefusedInOneLine) {
   fs::create_directory(folder_ / "folder");
   for (const char* command : {"restitution folder --out x.csv", "detect folder --out x.csv", "fit folder --out f.json",
                               "synthesize folder --out x.wav", "convert folder --to x.csv"})
-    expect_one_line_error(run(command), command == std::string("convert folder --to x.csv") ? 2 : 3, {"folder"});
+    expect_one_line_error(run(command), 3, {"folder"});
   expect_one_line_error(shell("timeout 60 \"$B\" fit /dev/zero --out f.json"), 3, {"/dev/zero", "device"});
   expect_one_line_error(shell("timeout 60 \"$B\" detect - --out o.csv </dev/zero"), 3, {"standard input", "device"});
   expect_one_line_error(shell("cat on.csv | \"$B\" restitution - --positions - --out x.csv"), 2,

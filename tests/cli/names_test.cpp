@@ -59,9 +59,9 @@ TEST_F(Names, ReachTheTerminalEscapedAndCut) {
   expect_one_line_error(absent, 3, {"no\\x1b[2J\\nsuch\\xff", "xxx.wav"});
   EXPECT_LT(absent.err.size(), 1000U);
   EXPECT_EQ(absent.err.find('\x1b'), std::string::npos);
-  write("a.csv", "t_s\n\x1b[31m" + std::string(500'000, 'x') + "\n");
+  write("a.csv", "t_s\n1\n2\n\x1b[31m" + std::string(500'000, 'x') + "\n");
   const Result cell = run("restitution a.csv --out s.csv");
-  expect_one_line_error(cell, 3, {"line 2, column t_s: '\\x1b[31mxxx"});
+  expect_one_line_error(cell, 3, {"line 4, column 't_s': '\\x1b[31mxxx"});
   EXPECT_LT(cell.err.size(), 1000U);
 }
 

@@ -85,7 +85,9 @@ CellFormat format_of_lines(std::vector<Line> lines, const std::string& name) {
     most = std::max(most, fits[k].n_rows);
   }
   if (most == 0)
-    throw FileError(name, "holds no numbers; a table of times, intervals or samples, or a recording is needed");
+    throw FileError(name, "line " + std::to_string(lines.front().number) + ": " +
+                              printable(lines.front().text, 60) +
+                              ": no line holds numbers; a table of times or intervals, or marks are needed");
   // nine tenths: a remark between the rows may have a number of its own
   const auto holds = [&](std::size_t k) { return 10 * fits[k].n_rows >= 9 * most; };
   for (std::size_t k = 0; k < kFormats.size(); k += 2) {
@@ -117,6 +119,7 @@ ForeignTable::Row row_of(const Line& line, const CellFormat& format) {
 
 ForeignTable read_foreign_table(std::string_view text, const std::string& name) {
   const std::vector<Line> lines = lines_of(text);
+  if (lines.empty()) throw FileError(name, "is empty; a table of times or intervals, or marks are needed");
   ForeignTable table;
   table.format = format_of_lines(lines, name);
   const std::size_t n_cells = fit_of(table.format, lines).n_cells;
@@ -126,7 +129,9 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
   for (const Line& line : lines) {
     ForeignTable::Row row = row_of(line, table.format);
     const bool has_number = std::any_of(row.numbers.begin(), row.numbers.end(), [](const auto& n) { return n; });
-    const bool is_row = has_number && (row.cells.size() == n_cells || !table.rows.empty());
+    // once the rows have begun, one without a number is among them too: who takes its column refuses it
+    const bool has_cells = row.cells.size() == n_cells;
+    const bool is_row = table.rows.empty() ? has_number && has_cells : has_number || has_cells;
     if (!is_row && table.rows.empty()) {
       table.titles.clear();
       if (n_cells == 1)  // with its blanks: "Time (s)"
@@ -136,7 +141,7 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
       continue;
     }
     if (!is_row) {
-      ++table.n_left_out;
+      if (table.n_left_out++ == 0) table.first_left_out = line.number;
       continue;
     }
     row.cells.resize(std::max(row.cells.size(), n_cells));

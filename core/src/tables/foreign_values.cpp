@@ -66,6 +66,11 @@ std::string title_of(const ForeignTable& table, std::size_t column) {
   return column < table.titles.size() ? table.titles[column] : std::string();
 }
 
+bool is_unknown(const std::string& cell) {
+  constexpr std::array<std::string_view, 8> kNothing{"", "-", "nan", "NaN", "NA", "N/A", "null", "--"};
+  return std::find(kNothing.begin(), kNothing.end(), cell) != kNothing.end();
+}
+
 std::string column_name(const ForeignTable& table, std::size_t column) {
   const std::string title = title_of(table, column);
   return title.empty() ? "column " + std::to_string(column + 1) : "column '" + printable(title, 60) + "'";
@@ -208,8 +213,12 @@ Sequence column_of_values(const ForeignTable& table, const ForeignOptions& optio
       series += before.empty() ? 0 : 1;
       before = row.cells[*drops];
     }
+    const std::string& cell = row.cells[column];
     if (const auto& number = row.numbers[column])
       sequence.values.push_back({number->value, number->rounding, number->is_clock, row.line, series});
+    else if (!is_unknown(cell))  // without it the intervals around would be one
+      throw FileError(name, "line " + std::to_string(row.line) + ", " + column_name(table, column) + ": '" +
+                                printable(cell) + "' is no number; correct or remove the row");
   }
   return sequence;
 }

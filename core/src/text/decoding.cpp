@@ -114,6 +114,8 @@ std::string decoded_text(std::string_view bytes, const std::string& name) {
   std::string text;
   decoder.append(bytes, text);
   decoder.finish();
+  if (text.find('\0') != std::string::npos)
+    throw FileError(name, "holds bytes 0: it is no text; a table of text or marks are needed");
   if (is_utf8(text)) return text;
   std::string latin;
   for (const char c : text) {

@@ -154,7 +154,6 @@ TEST(Annotations, WhatIsNotMarksIsNamed) {
   EXPECT_THAT(refusal([] { parse_sonic_visualiser_layer("<model sampleRate=\"44100", "a.svl"); }),
               HasSubstr("cut off"));
   EXPECT_THAT(refusal([] { parse_text_grid("once upon a time", "a.TextGrid"); }), HasSubstr("TextGrid"));
-  EXPECT_THAT(refusal([] { parse_text_grid("\xFE\xFF\0F", "a.TextGrid"); }), HasSubstr("UTF-8"));
   const std::string grid = text_grid(annotations_of(some_onsets()), 9.0);
   EXPECT_THAT(refusal([&] { parse_text_grid(grid.substr(0, grid.size() / 2), "a.TextGrid"); }), HasSubstr("cut off"));
   EXPECT_THAT(refusal([] { annotations_of({}); }), HasSubstr("no onsets"));
@@ -197,7 +196,7 @@ TEST(Annotations, ATextGridWithMoreTiersOrPointsThanBytesIsRefused) {
 
 TEST(Annotations, ALabelWithAnEnormousNumberIsNotThatOfAnImpact) {
   const Onsets onsets = onsets_of(
-      parse_audacity_labels("1\t1\t0.9223372036854775807 t_s=1\n2\t2\t0.5\n3\t3\t99999999999.0\n", "a.txt"), false);
+      parse_audacity_labels("1\t1\t0.9223372036854775807 t_s=1\n2\t2\t0.5 t_s=2\n3\t3\t99999999999.0\n", "a.txt"), false);
   ASSERT_EQ(onsets.size(), 3U);
   EXPECT_EQ(onsets[0].impact, 0);
   EXPECT_EQ(onsets[0].flags, Flags{Flag::by_hand});

@@ -81,9 +81,27 @@ class Table(Mapping[str, Any]):
         raise TypeError(f"{type(values).__name__} given; {cls.__name__}, columns by name or the name of a file are needed")
 
     @classmethod
-    def from_csv(cls, path: Path) -> Any:
-        """Reads a table as the command line writes it: .csv or .jsonl."""
-        return cls(_core.read_columns(os.fspath(path), cls._kind))
+    def from_csv(cls, path: Path, *, taken_as: str = "auto", unit: str = "auto", columns: str = "",
+                 tier: str = "") -> Any:
+        """Reads a table as the command line writes it (.csv or .jsonl); as `Onsets` also marks of sound editors and
+        times or intervals of any program, as `Samples` also speeds and coefficients from elsewhere. What such a file
+        was taken for is in ``summary["taken_for"]``.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        taken_as : {"auto", "times", "intervals"}
+            What the numbers of a table from elsewhere are.
+        unit : {"auto", "s", "ms", "us"}
+            Their unit.
+        columns : str
+            Which of its columns are what, by title or number from 1: "t=COLUMN", or "v=COLUMN,eps=COLUMN".
+        tier : str
+            Tier of a TextGrid, layer of an .svl, by name or number.
+        """
+        found, taken_for = _core.read_columns(os.fspath(path), cls._kind, taken_as, unit, columns, tier)
+        return cls(found, summary={"taken_for": taken_for} if taken_for else None)
 
     def to_csv(self, path: Path, force: bool = False) -> None:
         """Writes the table as the command line does, whole or not at all; the extension chooses the format.

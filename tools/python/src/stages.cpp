@@ -17,6 +17,7 @@
 #include "bouncelab/report/detection.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
 #include "stages/files/several_files.hpp"
+#include "stages/files/foreign_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 #include "work.hpp"
@@ -268,11 +269,23 @@ void write_columns(const std::string& path, const py::dict& columns, const std::
   stages::write_table(writing(force), path, table);
 }
 
-py::dict read_columns(const std::string& path, const std::string& kind) {
+py::tuple read_columns(const std::string& path, const std::string& kind, const std::string& as, const std::string& unit,
+                       const std::string& columns, const std::string& tier) {
   if (kind == "impacts")
-    return columns_of(to_table(impacts_from_table(stages::read_table(path, impact_columns()), path)));
-  if (kind == "onsets") return columns_of(to_table(onsets_from_table(stages::read_table(path, onset_columns()), path)));
-  return columns_of(to_table(samples_from_table(stages::read_table(path, sample_columns()), path)));
+    return py::make_tuple(columns_of(to_table(impacts_from_table(stages::read_table(path, impact_columns()), path))),
+                          py::list());
+  options::ForeignFileOptions how;
+  const auto section = std::pair{&members_of(&how), &how};
+  for (const auto& [name, text] : {std::pair{"as", as}, {"unit", unit}, {"columns", columns}, {"tier", tier}})
+    for (const Member& member : *section.first)
+      if (member.name == name && !text.empty()) member.set(section.second, value_from_text(member, text));
+  std::vector<std::string> taken_for;
+  Table table = kind == "onsets" ? to_table(stages::read_onsets(path, how, taken_for))
+                                       : to_table(samples_from_table(
+                                             stages::open_samples(path, how.table, taken_for)
+                                                 ->next(std::numeric_limits<std::size_t>::max()),
+                                             path));
+  return py::make_tuple(columns_of(std::move(table)), taken_for);
 }
 
 RestitutionSamples samples_of(const py::dict& columns) {

@@ -41,7 +41,8 @@ void write_sound(const std::string& path, const py::array& samples, int rate_hz,
 /// Writes a table as the command line does. @param kind  impacts, onsets or samples
 void write_columns(const std::string& path, const py::dict& columns, const std::string& kind, bool force);
 /// Reads one.
-py::dict read_columns(const std::string& path, const std::string& kind);
+py::tuple read_columns(const std::string& path, const std::string& kind, const std::string& as, const std::string& unit,
+                       const std::string& columns, const std::string& tier);
 
 /// @throws InvalidArgument naming the row that no sample can be
 RestitutionSamples samples_of(const py::dict& columns);

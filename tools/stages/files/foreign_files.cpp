@@ -131,7 +131,7 @@ std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFile
                                          std::vector<std::string>& taken_for) {
   const ForeignOptions& said = options.table;
   const bool told = said.as != "auto" || said.unit != "auto" || !said.columns.empty();
-  if (!may_be_foreign(path) || (!told && is_ours(path, {{"t_s", "drop"}, {"t_s", "recording"}, {"t_s", "impact"}})))
+  if (!may_be_foreign(path) || (!told && is_ours(path, {{"t_s", "drop"}, {"t_s", "recording"}, {"drop", "impact"}})))
     return open_table(path, onset_columns());
   if (!told) {
     if (std::optional<audio::Annotations> marks = marks_of(path, options.tier)) {

@@ -182,12 +182,17 @@ Annotations completed(Annotations annotations, const Onsets& onsets) {
 }
 
 bool are_numbered(const Annotations& annotations) {
+  const auto& points = annotations.points;
+  if (std::any_of(points.begin(), points.end(), [](const Annotation& point) {
+        const auto labelled = read_label(point.label);
+        return labelled && labelled->t_s;
+      }))
+    return true;
   std::map<std::int64_t, std::int64_t> last;  // impact, by drop
   bool any = false;
   for (const Annotation& point : by_time(annotations.points)) {
     const auto labelled = read_label(point.label);
     if (!labelled) continue;
-    if (labelled->t_s) return true;
     const auto before = last.find(labelled->onset.drop);
     const std::int64_t impact = labelled->onset.impact;
     if (before == last.end() ? impact != 0 : impact <= before->second) return false;

@@ -145,6 +145,9 @@ Annotations parse_audacity_labels(std::string_view text, const std::string& name
   const ForeignTable table = read_foreign_table(text, name);
   Annotations result;
   result.resolution_s = 1e-6;
+  if (table.n_left_out > 0)
+    throw FileError(name, "line " + std::to_string(table.first_left_out) +
+                              " begins with no time; a label of Audacity is begin, end and text with tabs between");
   for (const ForeignTable::Row& row : table.rows) {
     const std::string place = "line " + std::to_string(row.line);
     if (!row.numbers[0])

@@ -53,6 +53,7 @@ struct ForeignTable {
   std::vector<std::string> titles;  ///< of the columns; empty where no line names them
   std::vector<Row> rows;            ///< those with a number, each of titles.size() or more cells
   std::size_t n_left_out = 0;       ///< lines behind the first row that hold no number
+  std::size_t first_left_out = 0;   ///< the first of them
 
   std::size_t n_columns() const { return rows.empty() ? 0 : rows.front().cells.size(); }
 };
