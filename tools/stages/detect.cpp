@@ -86,7 +86,8 @@ void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
     if (readable != recordings.end()) {
       outcome.exit_code = kNotUsable;
       outcome.error =
-          fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel?",
+          fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel? Times "
+                      "that you mark by hand are analyzed too: bouncelab times.csv",
                       name_of(readable->recording), readable->found.message, others);
     }
     outcome.text.clear();

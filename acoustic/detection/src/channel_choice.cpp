@@ -54,6 +54,7 @@ std::vector<double> some_impacts_s(const ChosenChannel& of) {
 ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
   ChannelTracks found = find_tracks_in(bands);
   ChosenChannel chosen{channel, std::move(bands[found.band]), {}, {}};
+  if (!found.tracks.empty() && !found.is_clear) found.second_ball = second_ball(chosen.band, found.tracks);
   chosen.band.same_source = {};  // an hour of dense music has twenty megabytes of it
   for (const ChannelTracks::OfBand& other : found.others) {
     chosen.other_bands.push_back(std::move(bands[other.band]));

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
+#include "bouncelab/core/elementary.hpp"
 #include "template/waveform_likeness.hpp"
 #include "tracking/first_arrivals.hpp"
+#include "tracking/tracking_model.hpp"
 #include "whitening/decimate.hpp"
 
 namespace bouncelab::detection {
@@ -117,6 +120,52 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
   }
   best.others = std::move(others);
   return best;
+}
+
+std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks,
+                                      const TrackingModel& model) {
+  constexpr double kBefore_s = 5e-3;  // an impact's own rise
+  std::vector<double> impacts_s;
+  for (const Track& track : tracks)
+    for (const TrackImpact& impact : track.impacts) impacts_s.push_back(band.candidates[impact.candidate].t_s);
+  std::sort(impacts_s.begin(), impacts_s.end());
+  const auto is_of_impact = [&](double t_s) {
+    const auto next = std::upper_bound(impacts_s.begin(), impacts_s.end(), t_s + kBefore_s);
+    return next != impacts_s.begin() && t_s < *(next - 1) + kEcho_s;
+  };
+  // an echo follows each impact by the same time
+  const auto is_echo = [&](const Track& track, const std::vector<Candidate>& of) {
+    constexpr double kSame_s = 5e-3;
+    double least_s = HUGE_VAL, most_s = 0.0;
+    for (const TrackImpact& impact : track.impacts) {
+      const double t_s = of[impact.candidate].t_s;
+      const auto next = std::upper_bound(impacts_s.begin(), impacts_s.end(), t_s);
+      const double delay_s = next == impacts_s.begin() ? HUGE_VAL : t_s - *(next - 1);
+      least_s = std::min(least_s, delay_s);
+      most_s = std::max(most_s, delay_s);
+    }
+    return most_s - least_s < kSame_s;
+  };
+  std::vector<std::size_t> left;
+  for (std::size_t k = 0; k < band.candidates.size(); ++k)
+    if (!is_of_impact(band.candidates[k].t_s)) left.push_back(k);
+  if (static_cast<std::int64_t>(left.size()) < kFewestImpacts) return std::nullopt;
+  std::vector<Candidate> candidates;
+  for (const std::size_t k : left) candidates.push_back(band.candidates[k]);
+  std::optional<SecondBall> second;
+  double most = log(10.0);
+  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left), model)) {
+    const double begin_s = candidates[track.impacts.front().candidate].t_s;
+    const double end_s = candidates[track.impacts.back().candidate].t_s;
+    const bool overlaps = std::any_of(tracks.begin(), tracks.end(), [&](const Track& other) {
+      return band.candidates[other.impacts.front().candidate].t_s < end_s &&
+             band.candidates[other.impacts.back().candidate].t_s > begin_s;
+    });
+    if (!overlaps || track.log_odds < most || is_echo(track, candidates)) continue;
+    most = track.log_odds;
+    second = SecondBall{begin_s, track.impacts.size()};
+  }
+  return second;
 }
 
 double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found) {

@@ -47,6 +47,12 @@ class BandsOfChannel {
   std::vector<std::optional<BandOfChannel>> bands_;
 };
 
+/// Another ball that bounces while a drop is going on; it is said, and not timed.
+struct SecondBall {
+  double begin_s = 0.0;
+  std::size_t n_impacts = 0;
+};
+
 /// The tracks of a channel, in the band where they are most probable.
 struct ChannelTracks {
   struct OfBand {
@@ -58,11 +64,17 @@ struct ChannelTracks {
   std::vector<OfBand> others;  ///< of the other bands that were searched and have any
   /// The impacts are nearly all that rises in the whole band, and none is faint: there is nothing else to find.
   bool is_clear = false;
+  std::optional<SecondBall> second_ball;
   double log_odds() const;
 };
 
 /// Lower bands are not searched where the tracks of the whole band are clear.
 ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model = {});
+
+/// Of what the tracks leave over, echoes of their impacts aside, the likeliest track that overlaps one of them in time,
+/// if a ball is ten times likelier than chance.
+std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks,
+                                      const TrackingModel& model = {});
 
 /// How much all impacts of the tracks rise in a band.
 double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found);

@@ -18,8 +18,10 @@
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "bouncelab/core/text.hpp"
 #include "channel_choice.hpp"
 #include "drops/recording_timer.hpp"
+#include "tracking/tracking_model.hpp"
 #include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
@@ -76,16 +78,29 @@ std::vector<DropSummary> summarize_drops(const Onsets& onsets, const std::vector
   return drops;
 }
 
-void set_status(std::int64_t min_impacts, Detection& d) {
+/// "5 sounds that rise like impacts, 0.6, 0.15, 0.038 and 0.009 s apart": so that whoever listens knows what was seen.
+std::string in_words(const std::vector<Candidate>& candidates) {
+  const std::size_t n = candidates.size();
+  std::string text = std::to_string(n) + (n == 1 ? " sound that rises like an impact" : " sounds that rise like impacts");
+  std::vector<double> apart_s;
+  for (std::size_t k = 1; k < n; ++k) apart_s.push_back(candidates[k].t_s - candidates[k - 1].t_s);
+  constexpr std::size_t kMostListed = 7;
+  if (apart_s.size() > kMostListed) return text + formatted(", %.2g s apart in the median", median(std::move(apart_s)));
+  for (std::size_t k = 0; k < apart_s.size(); ++k)
+    text += formatted(k == 0 ? ", %.2g" : k + 1 == apart_s.size() ? " and %.2g" : ", %.2g", apart_s[k]);
+  return apart_s.empty() ? text : text + " s apart";
+}
+
+void set_status(std::int64_t min_impacts, const std::vector<Candidate>& candidates, Detection& d) {
   if (!d.onsets.empty()) {
     d.status = DetectionStatus::ok;
     d.message = std::to_string(d.onsets.size()) + " impacts in " + std::to_string(d.summary.n_drops) +
                 (d.summary.n_drops == 1 ? " drop" : " drops");
   } else if (d.summary.n_candidates > 0) {
     d.status = DetectionStatus::too_few_impacts;
-    d.message = std::to_string(d.summary.n_candidates) + " sounds that rise like impacts, but no " +
-                (min_impacts == 3 ? "three" : std::to_string(min_impacts)) +
-                " of them in intervals that shrink like those of a bouncing ball";
+    d.message = in_words(candidates) + ", which a bouncing ball is not likelier to have made than chance" +
+                formatted(" (an ε below %.2g is not looked for, and three impacts alone tell little", kLeastEps) +
+                (min_impacts > 3 ? "; drops of fewer than " + std::to_string(min_impacts) + " are left out)" : ")");
   } else {
     d.status = DetectionStatus::silent;
     d.message = "nothing rises above the noise";
@@ -184,8 +199,12 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
     d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   }
   if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
-  set_status(config.min_impacts, d);
+  set_status(config.min_impacts, band.candidates, d);
   d.warnings = warnings_for(d, band, timed.is_full_band);
+  if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
+    d.warnings.push_back(formatted("a second ball seems to bounce at the same time, %zu impacts from %.2f s on: it is "
+                                   "not among the results",
+                                   second->n_impacts, second->begin_s));
   return d;
 }
 

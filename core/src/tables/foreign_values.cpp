@@ -178,7 +178,8 @@ std::size_t value_column(const ForeignTable& table, const ForeignOptions& option
   std::vector<std::size_t> numeric;
   for (std::size_t k = 0; k < table.n_columns(); ++k) {
     const Numbers numbers = numbers_of(table, k);
-    if (2 * numbers.n > table.rows.size() && !has_word(title_of(table, k), kDropWords)) numeric.push_back(k);
+    const bool is_mostly = 2 * numbers.n > table.rows.size() || (numbers.n > 0 && says_time(title_of(table, k)));
+    if (is_mostly && !has_word(title_of(table, k), kDropWords)) numeric.push_back(k);
   }
   const auto first = [&](const std::function<bool(std::size_t)>& is) {
     const auto found = std::find_if(numeric.begin(), numeric.end(), is);

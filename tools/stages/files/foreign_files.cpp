@@ -68,14 +68,11 @@ std::string decoded_head(const fs::path& path) {
   return text;
 }
 
-/// Whether the first line names columns as our tables do.
-bool is_ours(const fs::path& path, const std::vector<std::vector<std::string>>& any_of) {
-  const std::string text = decoded_head(path);
-  const std::vector<std::string_view> titles =
-      cells_of(std::string_view(text).substr(0, text.find('\n')), ',');
-  const auto has = [&](const std::string& name) { return std::find(titles.begin(), titles.end(), name) != titles.end(); };
-  return std::any_of(any_of.begin(), any_of.end(),
-                     [&](const auto& names) { return std::all_of(names.begin(), names.end(), has); });
+/// Whether the first line names these columns, as our tables do.
+bool has_columns(const std::string& text, const std::vector<std::string>& names) {
+  const std::vector<std::string_view> titles = cells_of(std::string_view(text).substr(0, text.find('\n')), ',');
+  return std::all_of(names.begin(), names.end(),
+                     [&](const auto& name) { return std::find(titles.begin(), titles.end(), name) != titles.end(); });
 }
 
 /// What cannot be read twice, or is no text, is left to the reader of our tables.
@@ -85,40 +82,13 @@ bool may_be_foreign(const fs::path& path) {
   return !is_json_lines(path) && fs::is_regular_file(path, error);
 }
 
-enum class Marks { none, layer, text_grid, cues };
-
-Marks marks_in(std::string_view head) {
-  if (head.starts_with("RIFF") || head.starts_with("RF64")) return Marks::cues;
-  const std::size_t begin = std::min(head.find_first_not_of(" \t\r\n"), head.size());
-  if (head.substr(begin).starts_with("<?xml") || head.substr(begin).starts_with("<sv")) return Marks::layer;
-  return head.find("\"ooTextFile\"") < 100 || head.substr(begin).starts_with("\"ooTextFile\"") ? Marks::text_grid
-                                                                                            : Marks::none;
-}
-
-/// Marks of a sound editor; absent where the file is a table of times without our numbers.
+/// Marks of a sound editor, with what is known of them beside labels of Audacity.
 std::optional<audio::Annotations> marks_of(const fs::path& path, const std::string& tier) {
   const std::string name = input_name(path);
-  const std::string bytes = head_of(path);
-  if (marks_in(bytes) == Marks::cues) return audio::read_cues(path);
-  const std::string text = decoded_text(whole_content(path), name);
-  switch (marks_in(text)) {
-    case Marks::layer:
-      return audio::parse_sonic_visualiser_layer(text, name, tier);
-    case Marks::text_grid:
-      return audio::parse_text_grid(text, name, tier);
-    default:
-      break;
-  }
-  if (fs::exists(onsets_beside(path))) return read_label_track(path, text);
-  if (text.find('\t') == std::string::npos) return std::nullopt;
-  const ForeignTable table = read_foreign_table(text, name);
-  if (!table.titles.empty() || table.n_columns() < 2 || !table.rows.front().numbers[0]) return std::nullopt;
-  audio::Annotations labels = audio::parse_audacity_labels(text, name);
-  const bool ends = std::all_of(table.rows.begin(), table.rows.end(), [](const ForeignTable::Row& row) {
-    return row.numbers[0] && row.numbers[1] && row.numbers[1]->value >= row.numbers[0]->value;
-  });
-  if (!ends && !audio::are_numbered(labels)) return std::nullopt;
-  return labels;
+  if (fs::exists(onsets_beside(path))) return read_label_track(path, decoded_text(whole_content(path), name));
+  const std::string head = head_of(path);
+  if (head.starts_with("RIFF") || head.starts_with("RF64")) return audio::read_cues(path);  // may be hours of sound
+  return audio::marks_of_file(whole_content(path), name, tier);
 }
 
 std::string line_of(const fs::path& path, const std::string& taken_for) {
@@ -130,10 +100,9 @@ std::string line_of(const fs::path& path, const std::string& taken_for) {
 std::unique_ptr<TableReader> open_onsets(const fs::path& path, const ForeignFileOptions& options,
                                          std::vector<std::string>& taken_for) {
   const ForeignOptions& said = options.table;
-  const bool told = said.as != "auto" || said.unit != "auto" || !said.columns.empty();
-  if (!may_be_foreign(path) || (!told && is_ours(path, {{"t_s", "drop"}, {"t_s", "recording"}, {"drop", "impact"}})))
+  if (!may_be_foreign(path) || (!said.tells() && audio::is_own_table(decoded_head(path))))
     return open_table(path, onset_columns());
-  if (!told) {
+  if (!said.tells()) {
     if (std::optional<audio::Annotations> marks = marks_of(path, options.tier)) {
       if (!options.recording.empty()) marks->recording = options.recording;
       if (marks->points.empty()) throw FileError(input_name(path), "holds no marks");
@@ -154,7 +123,7 @@ Onsets read_onsets(const fs::path& path, const ForeignFileOptions& options, std:
 
 std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOptions& options,
                                           std::vector<std::string>& taken_for) {
-  if (!may_be_foreign(path) || (options.columns.empty() && is_ours(path, {{"v_mps", "eps"}})))
+  if (!may_be_foreign(path) || (!options.tells() && has_columns(decoded_head(path), {"v_mps", "eps"})))
     return open_table(path, sample_columns());
   const std::string name = input_name(path);
   TakenTable taken =
@@ -166,33 +135,11 @@ std::unique_ptr<TableReader> open_samples(const fs::path& path, const ForeignOpt
 bool holds_times(const fs::path& path, bool has_rate) {
   std::error_code error;
   if (has_rate || !fs::is_regular_file(path, error)) return false;
-  const std::string head = head_of(path);
-  const auto is_binary = [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r';
-  };
-  std::string text;
-  try {
-    text = decoded_head(path);
-  } catch (const FileError&) {
-    return false;  // the reader of sound says what it is
-  }
-  if (text.empty() || std::any_of(text.begin(), text.end(), is_binary)) return false;
   if (is_json_lines(path)) return true;
-  const Marks marks = marks_in(text);
-  if (marks == Marks::cues) return false;
-  if (marks != Marks::none) return true;
   constexpr std::uintmax_t kLongest_bytes = 1 << 22;  // some 100,000 impacts: more are samples of a sound
-  if (fs::file_size(path, error) > kLongest_bytes && !is_ours(path, {{"t_s", "drop"}})) return false;
-  try {
-    // a last line that the head cuts off may have other cells
-    const std::size_t end = head.size() < kHead_bytes ? text.size() : text.rfind('\n') + 1;
-    constexpr double kLongestStep_s = 1.0 / 4000.0;  // of the lowest rate of a sound
-    const auto step_s = uniform_step_s(read_foreign_table(std::string_view(text).substr(0, end), input_name(path)));
-    return !step_s || *step_s > kLongestStep_s;
-  } catch (const FileError&) {
-    return false;
-  }
+  const std::string head = head_of(path);
+  if (fs::file_size(path, error) > kLongest_bytes && !audio::is_own_table(head)) return false;
+  return audio::holds_times(head, head.size() < kHead_bytes);
 }
 
 }  // namespace bouncelab::stages

@@ -28,8 +28,7 @@ Onsets read_onsets(const std::filesystem::path& path, const ForeignFileOptions& 
 std::unique_ptr<TableReader> open_samples(const std::filesystem::path& path, const ForeignOptions& options,
                                           std::vector<std::string>& taken_for);
 
-/// Does the file hold times or marks, rather than sound? Text without a uniform column of times does, if no rate is
-/// given; layers and TextGrids do.
+/// Does the file hold times or marks, rather than sound? As audio::holds_times() says, if no rate of samples is given.
 bool holds_times(const std::filesystem::path& path, bool has_rate);
 
 }  // namespace bouncelab::stages

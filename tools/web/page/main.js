@@ -36,7 +36,7 @@ async function work(action, begins = false) {
   working(false);
 }
 
-const settings = new Settings(() => { if (open && section) refit(section.marks.list); });
+const settings = new Settings(() => { if (open?.times) work(showTimes); else if (open && section) refit(section.marks.list); });
 /// A simulated ball and plate are known.
 const optionsNow = () => ({...settings.options(), ...open.simulated?.known});
 
@@ -57,7 +57,7 @@ async function analyze(stays) {
   $('closed-loop').hidden = $('scatter').hidden = true;
   const result = await engine.run({task: 'analyze', options: optionsNow()});
   stays();
-  $('result').hidden = false;
+  $('result').hidden = $('sound-section').hidden = false;
   await breath();
   if (!section) section = new SoundSection($('sound'), marks => refit(marks));
   section.load(result.mono, result.envelope, open.rate_hz, result.marks);
@@ -65,6 +65,18 @@ async function analyze(stays) {
   await show(result);
   const seconds = `${open.note ? open.note + ' ' : ''}${number(open.duration_s, 3)} s of sound at ${number(open.rate_hz)} Hz, ${open.format}; computed in ${number(result.seconds, 2)} s.`;
   say(open.said ? `${open.said}${seconds}` : seconds);
+  $('answer').scrollIntoView({block: 'nearest'});
+  document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
+}
+
+/// A file of times has no sound to be shown.
+async function showTimes(stays) {
+  const result = await engine.run({task: 'times', options: optionsNow()});
+  stays();
+  $('closed-loop').hidden = $('scatter').hidden = $('sound-section').hidden = true;
+  $('result').hidden = false;
+  await show(result);
+  say(result.takenFor ? `Read as ${result.takenFor}.` : `${number(result.marks.length)} impact times.`);
   $('answer').scrollIntoView({block: 'nearest'});
   document.dispatchEvent(new CustomEvent('bouncelab-result', {detail: {seconds: result.seconds, n_marks: result.marks.length}}));
 }
@@ -92,6 +104,10 @@ async function refit(marks) {
 
 async function openSound(summary, more, stays) {
   stays();
+  if (summary.times) {
+    open = {stem: summary.name.replace(/\.[^.]*$/, '') || 'times', times: true};
+    return showTimes(stays);
+  }
   const {name, rate_hz, duration_s, format, peak} = summary;
   open = {stem: name.replace(/\.[^.]*$/, '') || 'sound', rate_hz, duration_s, format, ...more};
   if (peak === 0) {

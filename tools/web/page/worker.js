@@ -6,9 +6,10 @@ import {Live} from './live.js';
 import {interleave, soundSummary, envelopeOf, channelOf} from './sound.js';
 import {lists, marksFrom, columnsFrom} from './tables.js';
 
-let module = null, sound = null, live = null;
+let module = null, sound = null, live = null, times = null;  // a file of times in place of sound
 
 /// What the page draws; the rest stays in the module until it is saved.
+/// @param withSound  give the sound too; null: there is none
 function resultFor(analysis, withSound) {
   const summary = JSON.parse(analysis.summary), fit = JSON.parse(analysis.fit), channel = analysis.channel;
   const recording = summary.recordings?.[0] ?? {};
@@ -16,7 +17,7 @@ function resultFor(analysis, withSound) {
     summary, channel, status: recording.status, message: recording.message,
     answer: fit?.answer ?? null, curve: fit?.law?.curve ?? [],
     histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
-    warnings: [...new Set([...sound.warnings, ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
+    warnings: [...new Set([...(withSound === null ? [] : sound.warnings), ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
     samples: lists(analysis.samples),
     marks: marksFrom(analysis.onsets),
   };
@@ -50,7 +51,11 @@ const tasks = {
     return {version: module.version(), ...JSON.parse(module.balls())};
   },
   open({name, bytes, channels, rate_hz, format, lossy}) {
-    sound = null;
+    sound = times = null;
+    if (bytes && module.holdsTimes(bytes)) {
+      times = {name, bytes};
+      return {name, times: true};
+    }
     if (bytes) {
       const read = module.readSound(bytes, name);
       sound = {name, samples: read.samples, rate_hz: read.rate_hz, n_channels: read.n_channels, format: read.format, lossy: read.lossy_coding, warnings: [...read.warnings]};
@@ -68,6 +73,10 @@ const tasks = {
       return {...nothingFound(String(error?.message ?? error)), ...drawn(channelOf(sound, 0))};  // the sound is shown, to be marked by hand
     }
     return resultFor(analysis, true);
+  },
+  times({options}) {
+    const analysis = module.analyzeTimes(times.bytes, times.name, JSON.stringify(options));
+    return {...resultFor(analysis, null), takenFor: analysis.taken_for};
   },
   refit({marks, options}) {
     return resultFor(module.analyzeOnsets(columnsFrom(marks), ...soundAnd(options)), false);

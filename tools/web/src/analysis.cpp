@@ -42,12 +42,14 @@ loop::AnalyzeConfig config_of(const std::string& options_json) {
   return config;
 }
 
-Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config) {
-  const detection::RecordingDetection& recording = found.recordings.front();
-  if (recording.n_onsets == 0)
-    throw InvalidArgument(recording.recording + ": " + recording.found.message +
+/// @param name  of the recording or the file
+Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config, const std::string& name) {
+  if (found.onsets.empty())
+    throw InvalidArgument(name + ": " + found.recordings.front().found.message +
                           ". Listen to it: is this the recording, and the channel?");
-  Analysis analysis{std::move(found), {}, {}};
+  if (found.restitution.samples.empty())
+    throw InvalidArgument(name + ": no three successive impacts: no coefficient of restitution");
+  Analysis analysis{std::move(found), {}, {}, name, {}};
   const loop::Analysis& all = analysis.found;
   analysis.words = report::in_words(all.fit, all.restitution.samples, config.fit.memory);
   std::vector<std::string> warnings = report::warnings_of_drops(all.recordings);
@@ -109,7 +111,7 @@ Analysis analyze(const Sound& sound, const std::string& options_json) {
   write_sound(recording, sound);
   loop::Analysis found;
   with_threads(1, [&] { found = loop::analyze({recording}, config); });
-  return completed(std::move(found), config);
+  return completed(std::move(found), config, recording);
 }
 
 Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& options_json) {
@@ -121,7 +123,26 @@ Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& op
   loop::Analysis found;
   with_threads(
       1, [&] { found = loop::analyze_found({marked(std::move(onsets), sound, recording, config.detection)}, config); });
-  return completed(std::move(found), config);
+  return completed(std::move(found), config, recording);
+}
+
+bool holds_times(const std::string& bytes) {
+  constexpr std::size_t kHead_bytes = 1 << 14, kLongest_bytes = 1 << 22;
+  return bytes.size() <= kLongest_bytes &&
+         audio::holds_times(std::string_view(bytes).substr(0, kHead_bytes), bytes.size() <= kHead_bytes);
+}
+
+Analysis analyze_times(const std::string& bytes, const std::string& name, const std::string& options_json) {
+  const loop::AnalyzeConfig config = config_of(options_json);
+  std::string taken_for;
+  Onsets onsets = audio::onsets_of_file(bytes, name, {}, {}, taken_for);
+  for (Onset& onset : onsets)
+    if (onset.recording.empty()) onset.recording = name;
+  loop::Analysis found;
+  with_threads(1, [&] { found = loop::analyze_times(std::move(onsets), config); });
+  Analysis analysis = completed(std::move(found), config, name);
+  analysis.taken_for = std::move(taken_for);
+  return analysis;
 }
 
 std::string Analysis::file(const std::string& name) const {
@@ -133,9 +154,9 @@ std::string Analysis::file(const std::string& name) const {
     return audio::audacity_labels(audio::shortened(audio::annotations_of(found.onsets)));
   if (name != "report.html") throw InvalidArgument("no file '" + name + "'");
   report::ReportInput input;
-  input.title = "Restitution from " + found.recordings.front().recording;
+  input.title = "Restitution from " + name_of_file;
   input.fit_json = file("fit.json");
-  input.wave_json = file("wave.json");
+  if (found.wave) input.wave_json = file("wave.json");
   input.summary_json = json_text(summary);
   if (!found.details.empty()) input.diagnostics_json = json_text(Object{{"recordings", value_of(found.details)}});
   input.samples_json = report::samples_json(found.restitution.samples, input.fit_json);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Put behind Emscripten's code: the module's functions, which throw an Error with the message of the C++ exception.
-for (const name of ['version', 'balls', 'readSound', 'detect', 'analyze', 'analyzeOnsets', 'file', 'simulate', 'scatter', 'wav']) {
+for (const name of ['version', 'balls', 'readSound', 'detect', 'analyze', 'analyzeOnsets', 'holdsTimes', 'analyzeTimes', 'file', 'simulate', 'scatter', 'wav']) {
   Module[name] = (...values) => {
     const answer = Module['bound_' + name](...values);
     if (answer.error !== undefined) throw new Error(answer.error);

@@ -78,7 +78,8 @@ val shown(Analysis analysis) {
   val value = val::object();
   value.set("summary", json_text(last->summary));
   value.set("fit", last->file("fit.json"));
-  value.set("channel", last->found.wave->channel);
+  value.set("channel", last->found.wave ? last->found.wave->channel : 0);
+  value.set("taken_for", last->taken_for);
   value.set("onsets", columns_of(to_table(last->found.onsets)));
   value.set("samples", columns_of(to_table(last->found.restitution.samples)));
   return value;
@@ -118,6 +119,18 @@ val bound_analyze(const val& samples, double rate_hz, int n_channels, const std:
                   const std::string& options) {
   return guarded([&] { return shown(analyze(sound_of(samples, rate_hz, n_channels, name), options)); });
 }
+val bound_holds_times(const val& bytes) {
+  return guarded([&] {
+    const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
+    return holds_times({content.begin(), content.end()});
+  });
+}
+val bound_analyze_times(const val& bytes, const std::string& name, const std::string& options) {
+  return guarded([&] {
+    const auto content = emscripten::convertJSArrayToNumberVector<unsigned char>(bytes);
+    return shown(analyze_times({content.begin(), content.end()}, name, options));
+  });
+}
 val bound_analyze_onsets(const val& onsets, const val& samples, double rate_hz, int n_channels, const std::string& name,
                          const std::string& options) {
   return guarded([&] {
@@ -153,6 +166,8 @@ EMSCRIPTEN_BINDINGS(bouncelab) {
   emscripten::function("bound_detect", &bound_detect);
   emscripten::function("bound_analyze", &bound_analyze);
   emscripten::function("bound_analyzeOnsets", &bound_analyze_onsets);
+  emscripten::function("bound_holdsTimes", &bound_holds_times);
+  emscripten::function("bound_analyzeTimes", &bound_analyze_times);
   emscripten::function("bound_file", &bound_file);
   emscripten::function("bound_simulate", &bound_simulate);
   emscripten::function("bound_scatter", &bound_scatter);

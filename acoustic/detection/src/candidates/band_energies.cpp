@@ -177,6 +177,13 @@ float SameSource::weight(std::size_t j, std::size_t k) const {
   return weight;
 }
 
+SameSource SameSource::of(const std::vector<std::size_t>& sounds) const {
+  if (n_sounds_ == 0) return {};
+  std::vector<BandEnergies> energies;
+  for (const std::size_t k : sounds) energies.push_back((*this)[k]);
+  return SameSource(energies);
+}
+
 std::optional<float> SameSource::probability(std::size_t j, std::size_t k) const {
   if (n_sounds_ == 0) return {};
   return same_source_probability((*this)[j], (*this)[k]);

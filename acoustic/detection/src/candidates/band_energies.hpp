@@ -53,6 +53,8 @@ class SameSource {
   /// Of sound k and each of the sounds first ... first + weights.size() - 1.
   void weigh(std::size_t k, std::size_t first, std::span<float> weights) const;
   float weight(std::size_t j, std::size_t k) const;
+  /// The same of some of the sounds.
+  SameSource of(const std::vector<std::size_t>& sounds) const;
   /// same_source_probability(); absent where nothing is known.
   std::optional<float> probability(std::size_t j, std::size_t k) const;
 

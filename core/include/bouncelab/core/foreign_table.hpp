@@ -68,6 +68,8 @@ struct ForeignOptions {
   std::string as = "auto";    ///< or "times", "intervals"
   std::string unit = "auto";  ///< or "s", "ms", "us"
   std::string columns;        ///< "v=speed,eps=e": which of its columns, by title or by number from 1
+
+  bool tells() const { return as != "auto" || unit != "auto" || !columns.empty(); }
 };
 
 /// A table of ours made of one that is not.

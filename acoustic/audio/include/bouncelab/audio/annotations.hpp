@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/onsets.hpp"
 
 namespace bouncelab::audio {
@@ -58,6 +60,26 @@ Onsets onsets_of(const Annotations& annotations, bool renumber);
 /// Are the labels the numbers of drops and impacts that annotations_of() writes? Those with a time are; those without
 /// have to begin each drop with its impact 0 and to rise from there: bars and beats (1.1, 1.2) and heights do not.
 bool are_numbered(const Annotations& annotations);
+
+// ---- any of these, by the content of the file
+
+/// Is it a table of onsets as detect writes it, by its first line? @param head  some bytes from the begin, decoded
+bool is_own_table(std::string_view head);
+/// Marks of Audacity, Sonic Visualiser, Praat or cue points of a WAV file; absent where the content is a table.
+/// @param tier  of several, or layer
+/// @throws FileError
+std::optional<Annotations> marks_of_file(std::string_view bytes, const std::string& name, const std::string& tier);
+/// Onsets of a file of any kind: our table, marks, times or intervals of other programs (onsets_from_foreign).
+/// @param taken_for  is set where the file is not ours
+/// @throws FileError, InvalidArgument
+Onsets onsets_of_file(std::string_view bytes, const std::string& name, const ForeignOptions& options,
+                      const std::string& tier, std::string& taken_for);
+/// Does a file hold times or marks, rather than sound? Text does where it has no column of times that are equally
+/// spaced and close enough to be samples.
+/// @param head  the first 16 kB or so. @param is_whole  it is the whole file
+bool holds_times(std::string_view head, bool is_whole);
+
+// ---- each
 
 /// Label track of Audacity: begin, end, label, tab-separated lines. Written with all digits; Audacity keeps 1e-6 s.
 std::string audacity_labels(const Annotations& annotations);
