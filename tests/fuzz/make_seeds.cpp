@@ -176,6 +176,21 @@ void write_marks(const Seeds& seeds) {
     audio::copy_with_cues(seeds.path("audio", name), marks, seeds.path("wav_cues", name), name);
 }
 
+void write_foreign(const Seeds& seeds) {
+  seeds.write("foreign", "list", "0.4\n1\n1.51\n1.9435\n");
+  seeds.write("foreign", "row", "\"Start (s)\",\"Stop 1 (s)\",\"Stop 2 (s)\"\n4.0E-1,1.0E0,1.51E0\n");
+  seeds.write("foreign", "comma", "Nr;Zeit (ms);Notiz\n1;400,0;a\n2;1000,0;b\n3;1510,0;\n");
+  seeds.write("foreign", "clock",
+              "Name\tStart\tDuration\nMarker 1\t0:00.400\t0:00.000\nMarker 2\t0:01.000\t0:00.000\n");
+  seeds.write("foreign", "eps", "speed (cm/s);e\n120,5;0,85\n98,0;0,85\n");
+  seeds.write("foreign", "utf16",
+              std::string("\xFF\xFE"
+                          "0\0.\0"
+                          "4\0\n\0"
+                          "1\0\n\0",
+                          14));
+}
+
 void write_numbers(const Seeds& seeds) {
   std::string times = "Time (ms);Volt\n", alone;
   for (int k = 0; k < 40; ++k) {
@@ -209,6 +224,7 @@ int main(int n_arguments, char** arguments) {
     const Seeds seeds(arguments[1]);
     write_tables(seeds);
     write_recordings(seeds);
+    write_foreign(seeds);
     write_numbers(seeds);
     write_foreign_recordings(seeds);
     write_marks(seeds);

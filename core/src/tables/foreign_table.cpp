@@ -47,8 +47,9 @@ Fit fit_of(const CellFormat& format, const std::vector<Line>& lines) {
   for (const Line& line : lines) {
     const std::vector<std::string_view> cells = cells_of(line.text, format.separator);
     if (cells.size() == 1 && format.separator != ' ') continue;
-    const auto n = static_cast<std::size_t>(std::count_if(
-        cells.begin(), cells.end(), [&](std::string_view cell) { return number_of(cell, format.decimal).has_value(); }));
+    const auto n = static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::string_view cell) {
+      return number_of(cell, format.decimal).has_value();
+    }));
     if (n == 0) continue;
     Fit& fit = by_length[cells.size()];
     fit = {fit.n_rows + 1, fit.n_numbers + n, cells.size()};
@@ -59,15 +60,19 @@ Fit fit_of(const CellFormat& format, const std::vector<Line>& lines) {
   return best;
 }
 
-/// "0,400000" in each line, where the whole numbers in front do not count 1, 2, 3: a decimal comma.
+/// "0,400000" in each line, where the whole numbers in front do not count 1, 2, 3, or "00:00:00,400": a decimal comma.
 bool is_decimal_comma(const std::vector<Line>& lines) {
   double before = 0.0;
   bool counts = true;
   std::size_t n = 0, n_digits = 0;
   for (const Line& line : lines) {
     const std::vector<std::string_view> cells = cells_of(line.text, ',');
-    if (!is_ambiguous(line.text, {',', '.'})) continue;  // a title
-    const double here = number_of(cells[0], '.')->value;
+    const auto first = number_of(cells[0], '.');
+    const bool is_clock = cells.size() == 2 && first && first->is_clock &&
+                          cells[1].find_first_not_of("0123456789") == std::string_view::npos;
+    if (!is_clock && !is_ambiguous(line.text, {',', '.'})) continue;  // a title
+    counts = counts && !is_clock;
+    const double here = first->value;
     if (n++ == 0) n_digits = cells[1].size();
     if (cells[1].size() != n_digits) return false;
     counts = counts && (n == 1 || here == before + 1.0);
@@ -85,8 +90,7 @@ CellFormat format_of_lines(std::vector<Line> lines, const std::string& name) {
     most = std::max(most, fits[k].n_rows);
   }
   if (most == 0)
-    throw FileError(name, "line " + std::to_string(lines.front().number) + ": " +
-                              printable(lines.front().text, 60) +
+    throw FileError(name, "line " + std::to_string(lines.front().number) + ": " + printable(lines.front().text, 60) +
                               ": no line holds numbers; a table of times or intervals, or marks are needed");
   // nine tenths: a remark between the rows may have a number of its own
   const auto holds = [&](std::size_t k) { return 10 * fits[k].n_rows >= 9 * most; };
@@ -124,8 +128,8 @@ ForeignTable read_foreign_table(std::string_view text, const std::string& name) 
   table.format = format_of_lines(lines, name);
   const std::size_t n_cells = fit_of(table.format, lines).n_cells;
   if (n_cells > kMostColumns)
-    throw FileError(name, "has " + std::to_string(n_cells) + " columns; at most " + std::to_string(kMostColumns) +
-                              " are read");
+    throw FileError(
+        name, "has " + std::to_string(n_cells) + " columns; at most " + std::to_string(kMostColumns) + " are read");
   for (const Line& line : lines) {
     ForeignTable::Row row = row_of(line, table.format);
     const bool has_number = std::any_of(row.numbers.begin(), row.numbers.end(), [](const auto& n) { return n; });

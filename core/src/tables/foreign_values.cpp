@@ -21,17 +21,17 @@ namespace {
 using Words = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 15> kIntervalWords{
-    "interval",   "intervals", "intervall", "intervalle", "intervalo", "intervallo", "dt",   "\xCE\x94t",
+    "interval",   "intervals", "intervall", "intervalle", "intervalo", "intervallo", "dt",  "\xCE\x94t",
     "difference", "duration",  "dauer",     "flight",     "delta",     "period",     "diff"};
-constexpr std::array<std::string_view, 15> kMarkWords{"onset",  "onsets", "start",     "begin",  "stop",
-                                                      "impact", "bounce", "aufprall",  "stoss",  "rebond",
-                                                      "event",  "bote",   "rimbalzo",  "marker", "position"};
-constexpr std::array<std::string_view, 12> kDropWords{"drop",  "trial", "run",    "series", "serie", "try",
+constexpr std::array<std::string_view, 15> kMarkWords{"onset",  "onsets", "start",    "begin",  "stop",
+                                                      "impact", "bounce", "aufprall", "stoss",  "rebond",
+                                                      "event",  "bote",   "rimbalzo", "marker", "position"};
+constexpr std::array<std::string_view, 12> kDropWords{"drop",  "trial", "run",     "series", "serie",   "try",
                                                       "essai", "wurf",  "versuch", "throw",  "messung", "measurement"};
 constexpr std::array<std::string_view, 9> kEpsWords{
     "eps", "epsilon", "\xCE\xB5", "e", "cor", "restitution", "restitutionskoeffizient", "stosszahl", "cr"};
-constexpr std::array<std::string_view, 10> kSpeedWords{"v",      "speed",   "velocity", "geschwindigkeit", "vitesse",
-                                                       "impact", "velocidad", "v\xE2\x82\x80", "vin",   "u"};
+constexpr std::array<std::string_view, 10> kSpeedWords{
+    "v", "speed", "velocity", "geschwindigkeit", "vitesse", "impact", "velocidad", "v\xE2\x82\x80", "vin", "u"};
 
 constexpr std::array<std::string_view, 8> kAfterWords{"out", "after", "nach", "rebound", "ab", "aus", "apres", "h"};
 
@@ -55,7 +55,8 @@ Numbers numbers_of(const ForeignTable& table, std::size_t column) {
     const auto& number = row.numbers[column];
     if (!number) continue;
     ++result.n;
-    result.counts = result.counts && (before ? number->value == *before + 1.0 : number->value == 0.0 || number->value == 1.0);
+    result.counts =
+        result.counts && (before ? number->value == *before + 1.0 : number->value == 0.0 || number->value == 1.0);
     before = number->value;
   }
   result.counts = result.counts && result.n > 1;
@@ -85,8 +86,9 @@ std::string titles_in_words(const ForeignTable& table) {
 std::string format_in_words(const CellFormat& format, std::size_t n_columns) {
   std::string text;
   if (n_columns > 1)
-    text = format.separator == '\t' ? "tabs between" : format.separator == ' ' ? "blanks between"
-                                                     : std::string("'") + format.separator + "' between";
+    text = format.separator == '\t'  ? "tabs between"
+           : format.separator == ' ' ? "blanks between"
+                                     : std::string("'") + format.separator + "' between";
   if (format.decimal == ',') text += (text.empty() ? "" : ", ") + std::string("decimal comma");
   return text;
 }
@@ -126,18 +128,20 @@ struct Found {
 /// The times or intervals of a table in their order, not yet in seconds.
 struct Sequence {
   std::vector<Found> values;
-  std::string from;    ///< which column or row
-  std::string title;   ///< says a unit, perhaps
+  std::string from;   ///< which column or row
+  std::string title;  ///< says a unit, perhaps
   bool says_intervals = false, says_times = false;
   bool has_series = false;
 };
 
 bool says_interval(std::string_view title) { return has_word(title, kIntervalWords); }
-bool says_time(std::string_view title) { return !says_interval(title) && (is_time_title(title) || has_word(title, kMarkWords)); }
+bool says_time(std::string_view title) {
+  return !says_interval(title) && (is_time_title(title) || has_word(title, kMarkWords));
+}
 /// "Height 1 (m)", "Energy 1": something else.
 bool says_other(std::string_view title) {
-  constexpr std::array<std::string_view, 12> kOther{"height", "h",  "energy", "m",    "cm", "j",
-                                                    "mm",     "hz", "x",      "y",    "v",  "hoehe"};
+  constexpr std::array<std::string_view, 12> kOther{"height", "h",  "energy", "m", "cm", "j",
+                                                    "mm",     "hz", "x",      "y", "v",  "hoehe"};
   return !says_time(title) && !says_interval(title) && has_word(title, kOther);
 }
 
@@ -192,8 +196,8 @@ std::size_t value_column(const ForeignTable& table, const ForeignOptions& option
   if (const auto k = first([&](std::size_t c) { return says_interval(title(c)); })) return *k;
   if (const auto k = first([&](std::size_t c) { return !counts(c) && !says_other(title(c)); })) return *k;
   if (numeric.size() == 1) return numeric.front();
-  throw FileError(name, "has no column of times or intervals (found: " + titles_in_words(table) +
-                            "); name it: --columns t=COLUMN");
+  throw FileError(
+      name, "has no column of times or intervals (found: " + titles_in_words(table) + "); name it: --columns t=COLUMN");
 }
 
 Sequence column_of_values(const ForeignTable& table, const ForeignOptions& options, const std::string& name) {
@@ -255,7 +259,8 @@ double unit_of(const Sequence& sequence, bool are_intervals, const ForeignOption
   const double typical = lengths.empty() ? 0.0 : median(std::move(lengths));
   if (typical <= 10.0) return said(1.0);
   if (typical >= 20.0 && typical <= 1e4) return said(1e-3);
-  throw FileError(name, "has intervals of " + short_number(typical) + " in a unit that is not named; give --unit ms or us");
+  throw FileError(name,
+                  "has intervals of " + short_number(typical) + " in a unit that is not named; give --unit ms or us");
 }
 
 struct Times {
@@ -299,8 +304,7 @@ Times times_of_intervals(const Sequence& sequence, double unit_s) {
 /// Digits behind the point of numbers in another unit, by their roundings: half of 10^-decimals each.
 int decimals_of(const std::vector<Found>& values, double unit) {
   double rounding = 0.0;
-  for (const Found& value : values)
-    rounding = rounding == 0.0 ? value.rounding : std::min(rounding, value.rounding);
+  for (const Found& value : values) rounding = rounding == 0.0 ? value.rounding : std::min(rounding, value.rounding);
   return rounding > 0.0 ? static_cast<int>(std::clamp(std::round(-std::log10(2.0 * rounding * unit)), 0.0, 100.0)) : -1;
 }
 
@@ -352,8 +356,9 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s) {
 TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& name, const ForeignOptions& options) {
   const std::optional<Sequence> rows = options.columns.empty() ? rows_of_values(foreign) : std::nullopt;
   if (!rows && uniform_step_s(foreign) && options.as == "auto")
-    throw FileError(name, "has times that are equally spaced, as the frames of a video: impact times are needed; leave "
-                          "the frames of the impacts only, or say --as times");
+    throw FileError(name,
+                    "has times that are equally spaced, as the frames of a video: impact times are needed; leave "
+                    "the frames of the impacts only, or say --as times");
   const auto eps = column_with(foreign, kEpsWords, {});
   if (eps && column_with(foreign, kSpeedWords, eps) && options.as == "auto" && options.columns.empty())
     throw FileError(name, "holds speeds and coefficients of restitution, no times; bouncelab fit takes it");
@@ -379,9 +384,9 @@ TakenTable onsets_from_foreign(const ForeignTable& foreign, const std::string& n
     taken.table.stands_on(k, sequence.values[k].line);
   std::string how = format_in_words(foreign.format, foreign.n_columns());
   if (!sequence.from.empty()) how = sequence.from + (how.empty() ? "" : ", " + how);
-  taken.taken_for = std::string(are_intervals ? "intervals" : "times") + (unit == "clock times" ? ", " : " in ") + unit +
-                    (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(times.t_s.size()) + " impacts in " +
-                    std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
+  taken.taken_for = std::string(are_intervals ? "intervals" : "times") + (unit == "clock times" ? ", " : " in ") +
+                    unit + (how.empty() ? "" : " (" + how + ")") + ": " + std::to_string(times.t_s.size()) +
+                    " impacts in " + std::to_string(n_drops) + (n_drops == 1 ? " drop" : " drops");
   if (are_intervals && !told && !sequence.says_intervals)
     taken.taken_for += "; they fall, so they are no times (--as times if they are)";
   if (foreign.n_left_out > 0)
@@ -408,7 +413,9 @@ std::optional<std::size_t> column_with(const ForeignTable& table, Words words, s
   std::optional<std::size_t> found;
   for (std::size_t k = 0; k < table.titles.size(); ++k) {
     // of the speeds before and after an impact that before
-    if (k == except || !has_word(table.titles[k], words) || has_word(table.titles[k], kAfterWords) || 2 * numbers_of(table, k).n < table.rows.size()) continue;
+    if (k == except || !has_word(table.titles[k], words) || has_word(table.titles[k], kAfterWords) ||
+        2 * numbers_of(table, k).n < table.rows.size())
+      continue;
     if (found) return std::nullopt;
     found = k;
   }
@@ -445,9 +452,14 @@ TakenTable samples_from_foreign(const ForeignTable& foreign, const std::string& 
   for (std::size_t k = 0; k < used.rows.size(); ++k) taken.table.stands_on(k, used.rows[k].line);
   const std::size_t n_left_out = foreign.n_left_out + foreign.rows.size() - used.rows.size();
   const std::string how = format_in_words(foreign.format, foreign.n_columns());
-  taken.taken_for = "speeds in " + std::string(unit_mps == 1.0 ? "m/s" : unit_mps == 1e-2 ? "cm/s" : unit_mps == 1e-3 ? "mm/s" : "km/h") + " (" +
-                    column_name(foreign, *v) + ") and coefficients of restitution (" + column_name(foreign, *eps) +
-                    (how.empty() ? "" : ", " + how) + "): " + std::to_string(used.rows.size()) + " impacts";
+  taken.taken_for = "speeds in " +
+                    std::string(unit_mps == 1.0    ? "m/s"
+                                : unit_mps == 1e-2 ? "cm/s"
+                                : unit_mps == 1e-3 ? "mm/s"
+                                                   : "km/h") +
+                    " (" + column_name(foreign, *v) + ") and coefficients of restitution (" +
+                    column_name(foreign, *eps) + (how.empty() ? "" : ", " + how) +
+                    "): " + std::to_string(used.rows.size()) + " impacts";
   if (n_left_out > 0) taken.taken_for += "; " + std::to_string(n_left_out) + " lines without numbers left out";
   return taken;
 }

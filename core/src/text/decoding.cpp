@@ -121,8 +121,7 @@ std::string decoded_text(std::string_view bytes, const std::string& name) {
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
     const std::uint32_t code = byte >= 0x80 && byte < 0xA0 ? kWindows[byte - 0x80] : byte;
-    if (code == 0 && byte != 0)
-      throw FileError(name, "is neither UTF-8 nor UTF-16 nor Windows-1252; save it as UTF-8");
+    if (code == 0 && byte != 0) throw FileError(name, "is neither UTF-8 nor UTF-16 nor Windows-1252; save it as UTF-8");
     append_utf8(latin, code);
   }
   return latin;

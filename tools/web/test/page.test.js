@@ -58,6 +58,18 @@ describe('the page', {skip: missing ?? false}, () => {
     await report.close();
   });
 
+  test('a table of times gives the answer without sound, and follows the settings', async () => {
+    const times = join(work, 'times.csv');
+    writeFileSync(times, `Zeit (ms);Notiz\n${truth.map(({t_s}) => `${(1e3 * t_s).toFixed(4).replace('.', ',')};x`).join('\n')}\n`);
+    const says = await choose(page, times);
+    assert.match(says, /^Read as times in ms \(column 'Zeit \(ms\)', ';' between, decimal comma\): \d+ impacts in 1 drop/);
+    assert.match(await page.$eval('#answer .lead', node => node.textContent), /^ε = 0\.9\d+ ± /);
+    assert.ok(await page.$eval('#sound-section', node => node.hidden));
+    assert.equal(await page.$$eval('#law-plot circle', list => list.length), truth.length - 2);
+    await choose(page, clean);
+    assert.ok(!await page.$eval('#sound-section', node => node.hidden));
+  });
+
   test('marks are selected, moved, added, deleted, restored, and each change is fitted', async () => {
     const says = () => page.$eval('#mark-says', node => node.textContent), answer = () => page.$eval('#answer', node => node.textContent);
     const original = await answer(), n = truth.length;

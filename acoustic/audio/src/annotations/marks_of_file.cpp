@@ -48,7 +48,7 @@ bool is_own_table(std::string_view head) {
 }
 
 std::optional<Annotations> marks_of_file(std::string_view bytes, const std::string& name, const std::string& tier) {
-  if (marks_in(bytes) == Marks::cues) return parse_cues(std::as_bytes(std::span(bytes)), name);
+  if (marks_in(bytes) == Marks::cues) return parse_cues(std::as_bytes(std::span(bytes.data(), bytes.size())), name);
   const std::string text = decoded_text(bytes, name);
   switch (marks_in(text)) {
     case Marks::layer:

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What people have: times and marks of any program, recordings with gaps, several tracks or files joined, and sounds in
+// which no ball is found.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+#include "wav.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kEps = 0.85;
+
+/// Impact times of n bounces.
+std::vector<double> times(int n = 12, double t_s = 0.4, double flight_s = 0.6) {
+  std::vector<double> all_s;
+  for (int k = 0; k < n; ++k, t_s += flight_s, flight_s *= kEps) all_s.push_back(t_s);
+  return all_s;
+}
+
+std::string lines(const std::vector<double>& t_s, const std::string& behind = "\n", int digits = 6) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(digits);
+  for (const double t : t_s) text << t << behind;
+  return text.str();
+}
+
+class ForeignFiles : public ProgramTest {
+ protected:
+  /// The coefficients that restitution makes of a file.
+  std::vector<double> eps_of(const std::string& arguments) {
+    const Result result = run("restitution " + arguments + " --out s.csv --force");
+    EXPECT_EQ(result.exit_code, 0) << arguments << ": " << result.err;
+    out_ = result.out;
+    std::istringstream table(content_of(folder_ / "s.csv"));
+    std::vector<double> eps;
+    std::string line;
+    for (std::getline(table, line); std::getline(table, line);) {
+      std::istringstream cells(line);
+      std::string cell;
+      for (int k = 0; k < 6; ++k) std::getline(cells, cell, ',');
+      eps.push_back(std::stod(cell));
+    }
+    return eps;
+  }
+
+  void expect_one_drop(const std::string& arguments, std::size_t n = 10, double tolerance = 1e-4) {
+    const std::vector<double> eps = eps_of(arguments);
+    EXPECT_EQ(eps.size(), n) << arguments;
+    for (const double e : eps) EXPECT_NEAR(e, kEps, tolerance) << arguments;
+  }
+
+  bool has_ffmpeg() const { return shell("command -v ffmpeg && command -v ffprobe").exit_code == 0; }
+
+  std::string out_;
+};
+
+TEST_F(ForeignFiles, OfTimesGiveTheAnswerAsARecordingDoes) {
+  write("times.csv", "Time (s)\n" + lines(times()));
+  const Result result = run("times.csv --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json answer = Json::parse(result.out).at("answer");
+  EXPECT_THAT(answer.at("sentences").at(0), HasSubstr("ε = 0.8500"));
+  EXPECT_EQ(answer.at("seen").at("n_impacts"), 12);
+  const fs::path folder = folder_ / "times-bouncelab";
+  for (const char* name : {"onsets.csv", "samples.csv", "fit.json", "summary.json", "report.html"})
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  EXPECT_FALSE(fs::exists(folder / "wave.json"));
+  EXPECT_THAT(run("times.csv --force").out,
+              HasSubstr("times.csv: times in s (column 'Time (s)'): 12 impacts in 1 drop"));
+  write("a.wav", float_wav(bouncing(12), 44100));
+  expect_one_line_error(run("analyze a.wav times.csv --out o"), 2, {"times.csv", "one kind at a time"});
+  write("speeds.csv", "speed;e\n1,2;0,85\n1,0;0,85\n0,8;0,86\n");
+  expect_one_line_error(run("speeds.csv"), 3, {"speeds.csv", "bouncelab fit"});
+}
+
+TEST_F(ForeignFiles, AreTakenAsTheUserSays) {
+  write("x.txt", lines({0.6, 0.51, 0.4335}));
+  expect_one_drop("x.txt", 2);
+  EXPECT_THAT(out_, HasSubstr("they fall"));
+  expect_one_drop("x.txt --as intervals", 2);
+  EXPECT_THAT(run("restitution x.txt --as times --out t.csv").err, HasSubstr("no three successive impacts"));
+  write("us.txt", lines({400000, 1000000, 1510000, 1943500}, "\n", 0));
+  expect_one_line_error(run("restitution us.txt --out t.csv --force"), 3, {"us.txt", "--unit"});
+  expect_one_drop("us.txt --unit us", 2);
+  write("table.csv", "a;b\n9;0,4\n8;1,0\n7;1,51\n6;1,9435\n");
+  expect_one_drop("table.csv --columns t=b", 2);
+  expect_one_line_error(run("restitution table.csv --columns t=c --out t.csv --force"), 3, {"'c'", "column 'a'"});
+}
+
+TEST_F(ForeignFiles, LabelsAreReadInEveryEncodingAndNumberedOnlyIfTheirNumbersAreOurs) {
+  std::string labels, bars, utf16 = "\xFF\xFE";
+  int k = 0;
+  for (const double t : times()) {
+    const std::string time = lines({t}, "");
+    labels += time + "\t" + time + "\thit\r\n";
+    bars += time + "\t" + time + "\t" + std::to_string(1 + k / 4) + "." + std::to_string(1 + k % 4) + "\n";
+    ++k;
+  }
+  for (const char c : labels) utf16 += {c, '\0'};
+  std::string comma = labels;
+  std::replace(comma.begin(), comma.end(), '.', ',');
+  write("bom.txt", "\xEF\xBB\xBF" + labels);
+  write("utf16.txt", utf16);
+  write("comma.txt", comma);
+  write("bars.txt", bars);  // as beat trackers write them: no drops 1 to 3
+  for (const char* name : {"bom.txt", "utf16.txt", "comma.txt", "bars.txt"}) expect_one_drop(name);
+}
+
+TEST_F(ForeignFiles, OfSeveralTiersTheOneOfTheImpactsIsTaken) {
+  const auto tier = [](const std::string& name, const std::vector<double>& t_s) {
+    std::string text = "\"TextTier\" \"" + name + "\" 0 9 " + std::to_string(t_s.size()) + "\n";
+    for (const double t : t_s) text += lines({t}, "") + " \"x\"\n";
+    return text;
+  };
+  write("a.TextGrid",
+        "\"ooTextFile\" \"TextGrid\" 0 9 <exists> 2\n" + tier("notes", {0.1, 2.0}) + tier("bounces", times()));
+  expect_one_drop("a.TextGrid");
+  EXPECT_THAT(out_, AllOf(HasSubstr("tier 'bounces' of 2"), HasSubstr("'notes'")));
+  EXPECT_THAT(run("restitution a.TextGrid --tier notes --out t.csv").err, HasSubstr("no three successive impacts"));
+  expect_one_line_error(run("restitution a.TextGrid --tier other --out t.csv --force"), 3, {"'other'", "'bounces'"});
+  const auto layer = [](const std::vector<double>& t_s) {
+    std::string text;
+    for (const double t : t_s) text += "<point frame='" + std::to_string(std::lround(44100 * t)) + "' label='x'/>";
+    return "<dataset>" + text + "</dataset>";
+  };
+  write("a.svl",
+        "<sv><data><model sampleRate='44100' name='a.wav'/>" + layer({0.1, 2.0}) + layer(times()) + "</data></sv>");
+  expect_one_drop("a.svl", 10, 1e-3);  // whole frames
+  EXPECT_THAT(out_, HasSubstr("layer 2 of 2"));
+}
+
+TEST_F(ForeignFiles, OfSpeedsAndCoefficientsAreFitted) {
+  write("video.csv",
+        "Versuch;v (cm/s);COR\n1;120,5;0,850\n2;98,0;0,851\n3;75,1;0,849\n4;60,0;0,850\n5;40;0,85\n6;33;0,851\n");
+  const Result result = run("fit video.csv --out f.json --json");
+  EXPECT_THAT(Json::parse(result.out).at("answer").at("sentences").at(0), HasSubstr("ε = 0.850"));
+  EXPECT_THAT(run("fit video.csv --out f.json --force").out, HasSubstr("speeds in cm/s (column 'v (cm/s)')"));
+  write("letters.csv", "x,y\n0.9,1.2\n0.9,1.0\n0.9,0.8\n0.9,0.6\n");
+  expect_one_line_error(run("fit letters.csv --out f.json --force"), 3,
+                        {"letters.csv", "--columns v=COLUMN,eps=COLUMN"});
+  EXPECT_THAT(run("fit letters.csv --columns v=y,eps=x --out f.json --force").out, HasSubstr("ε = 0.90 ± 0.0"));
+}
+
+TEST_F(ForeignFiles, GapsOfAContainersTimeStampsAreKept) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
+  write("a.wav", float_wav(bouncing(12, kEps, 0.6), 44100));
+  // six packets are lost, none of them with an impact
+  const Result made = shell(
+      "ffmpeg -nostdin -v error -i a.wav -c:a aac -b:a 192k a.m4a && for f in b.mp4 b.mkv; do ffmpeg -nostdin -v error "
+      "-i a.m4a -c copy -bsf:a 'noise=drop=eq(n\\,24)+eq(n\\,50)+eq(n\\,68)+eq(n\\,87)+eq(n\\,101)+eq(n\\,113)' $f; "
+      "done");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  for (const char* name : {"b.mp4", "b.mkv"}) {
+    const Result result = run(std::string("analyze ") + name + " --out o --force --json");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Json found = Json::parse(result.out).at("recordings").at(0);
+    EXPECT_EQ(found.at("n_onsets"), 12) << name;
+    EXPECT_EQ(found.at("n_gaps"), 6) << name;
+    EXPECT_NEAR(found.at("eps_median").get<double>(), kEps, 1e-3) << name;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("have 6 gaps"), HasSubstr("6 gaps of the time stamps between impacts")));
+  }
+}
+
+TEST_F(ForeignFiles, OfSeveralTracksThatWithTheBallIsTaken) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
+  write("a.wav", float_wav(bouncing(12, kEps, 0.6), 44100));
+  const Result made = shell(
+      "ffmpeg -nostdin -v error -f lavfi -i anullsrc=r=44100:cl=mono:d=4 -i a.wav -map 0:a -map 1:a -c:a pcm_s16le "
+      "a.mov");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Result result = run("detect a.mov --out o.csv --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json found = Json::parse(result.out).at("recordings").at(0);
+  EXPECT_EQ(found.at("track"), 1);
+  EXPECT_EQ(found.at("n_onsets"), 12);
+  EXPECT_THAT(result.err, HasSubstr("track 1 of 2 tracks of sound has the ball"));
+  expect_one_line_error(run("detect a.mov --track 0 --out p.csv"), 1, {"a.mov"});
+  expect_one_line_error(run("detect a.mov --track 2 --out p.csv"), 2, {"track 2", "tracks 0 to 1"});
+}
+
+TEST_F(ForeignFiles, WhatFollowsInJoinedFilesIsNamed) {
+  const std::string one = float_wav(bouncing(12), 44100);
+  write("two.wav", one + float_wav(bouncing(8), 44100));
+  const Result result = run("detect two.wav --out o.csv");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("more sound follows at byte " + std::to_string(one.size())));
+  EXPECT_THAT(run("detect two.wav --out o.csv --force --quiet").err, testing::Not(HasSubstr("follows")));
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
+  write("one.wav", one);
+  for (const char* type : {"flac", "ogg"}) {
+    const std::string name = std::string("one.") + type, joined = std::string("two.") + type;
+    if (shell("ffmpeg -nostdin -v error -i one.wav " + name).exit_code != 0) continue;  // without this encoder
+    EXPECT_THAT(run("detect " + name + " --out o.csv --force").err, testing::Not(HasSubstr("follows")));
+    shell("cat " + name + " " + name + " >" + joined);
+    EXPECT_THAT(run("detect " + joined + " --out o.csv --force").err, HasSubstr("more sound follows at byte"));
+  }
+}
+
+TEST_F(ForeignFiles, SoundWithoutABallIsDescribedAsItIs) {
+  write("dead.wav", float_wav(bouncing(5, 0.25, 0.8), 44100));
+  expect_one_line_error(run("detect dead.wav --out o.csv"), 1,
+                        {"5 sounds that rise like impacts, 0.8, 0.2, 0.05 and 0.012 s apart",
+                         "an ε below 0.4 is not looked for", "times.csv"});
+  write("three.wav", float_wav(bouncing(3, kEps, 0.6), 44100));
+  const Result three = run("detect three.wav --out o.csv");
+  expect_one_line_error(three, 1, {"3 sounds that rise like impacts, 0.6 and 0.51 s apart", "tell little"});
+}
+
+TEST_F(ForeignFiles, ASecondBallIsSaid) {
+  std::vector<float> both = bouncing(12, kEps, 0.6);
+  const std::vector<float> other = bouncing(9, 0.75, 0.7);
+  constexpr std::size_t kLater = 22050;  // half a second
+  both.resize(std::max(both.size(), other.size() + kLater));
+  for (std::size_t k = 0; k < other.size(); ++k) both[k + kLater] += 0.5F * other[k];
+  write("two.wav", float_wav(both, 44100));
+  write("one.wav", float_wav(bouncing(12, kEps, 0.6), 44100));
+  EXPECT_THAT(run("detect two.wav --out o.csv").err, HasSubstr("a second ball seems to bounce at the same time"));
+  EXPECT_THAT(run("detect one.wav --out p.csv").err, testing::Not(HasSubstr("second ball")));
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

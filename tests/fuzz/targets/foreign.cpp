@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files of other programs, whatever they hold: each is read as times, as intervals, as speeds and coefficients, and by
+// its content.
+#include "bouncelab/core/foreign_table.hpp"
+
+#include <string>
+
+#include "bouncelab/audio/annotations.hpp"
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/core/samples.hpp"
+#include "bouncelab/core/text.hpp"
+#include "target.hpp"
+
+namespace bouncelab::fuzz {
+namespace {
+
+void check_table(const ForeignTable& table) {
+  require(!table.rows.empty(), "a table has rows");
+  for (const ForeignTable::Row& row : table.rows) {
+    require(row.cells.size() == row.numbers.size(), "a row has a number or none for each cell");
+    require(row.cells.size() >= table.titles.size(), "no column has a title and no cell");
+    require(row.line > 0, "a row stands on a line");
+  }
+}
+
+void check_onsets(const ForeignTable& table, const std::string& as) {
+  ForeignOptions options;
+  options.as = as;
+  TakenTable taken;
+  if (!accepts([&] { taken = onsets_from_foreign(table, "input", options); })) return;
+  require(!taken.taken_for.empty(), "it is said what a table was taken for");
+  check_message(taken.taken_for);
+  Onsets onsets;
+  if (!accepts([&] { onsets = onsets_from_table(taken.table, "input"); })) return;
+  for (std::size_t k = 1; k < onsets.size(); ++k)
+    require(onsets[k].drop >= onsets[k - 1].drop, "drops are in their order");
+}
+
+}  // namespace
+
+void run(Bytes input) {
+  const std::string bytes(text_of(input));
+  audio::holds_times(bytes, true);
+  accepts([&] {
+    std::string taken_for;
+    audio::onsets_of_file(bytes, "input", {}, {}, taken_for);
+  });
+  std::string text;
+  ForeignTable table;
+  if (!accepts([&] { text = decoded_text(bytes, "input"); })) return;
+  if (!accepts([&] { table = read_foreign_table(text, "input"); })) return;
+  check_table(table);
+  for (const char* as : {"auto", "times", "intervals"}) check_onsets(table, as);
+  accepts([&] { samples_from_table(samples_from_foreign(table, "input", {}).table, "input"); });
+}
+
+}  // namespace bouncelab::fuzz
