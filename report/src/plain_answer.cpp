@@ -182,9 +182,8 @@ std::string of_drops(const DropsSeen& seen, bool one_ball) {
   if (seen.drop_height_m && one_ball) {
     text = "Dropped from about " + height(*seen.drop_height_m);
     if (seen.n_drops > 1)
-      text += seen.n_heights > 1
-                  ? formatted(" (median of the %zu drops whose first impact was heard)", seen.n_heights)
-                  : std::string(" (of the one drop whose first impact was heard)");
+      text += seen.n_heights > 1 ? formatted(" (median of the %zu drops whose first impact was heard)", seen.n_heights)
+                                 : std::string(" (of the one drop whose first impact was heard)");
     text += "; ";
   }
   if (!seen.n_impacts) return text.empty() ? "" : text.substr(0, text.size() - 2) + ".";

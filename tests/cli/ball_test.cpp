@@ -116,8 +116,7 @@ TEST_F(BallOption, WhatIsNotKnownIsAnsweredWithTheNearestAndTheList) {
   write("i.csv", "drop,impact,t_s,v_mps,v_after_mps\n0,0,0.1,1,0.9\n0,1,0.3,0.9,0.8\n");
   expect_one_line_error(run("synthesize i.csv --out r.wav --ball radius=33mm,mass=58g"), 2,
                         {"diameter=66mm", "contact-time="});
-  EXPECT_EQ(run("synthesize i.csv --out r.wav --rate 24000 --ball radius=33mm,mass=58g,contact-time=5ms").exit_code,
-            0);
+  EXPECT_EQ(run("synthesize i.csv --out r.wav --rate 24000 --ball radius=33mm,mass=58g,contact-time=5ms").exit_code, 0);
   EXPECT_NEAR(contact_us("r.truth.csv"), 5000.0, 1e-6);
   expect_one_line_error(run("simulate --out a.csv --contact-patch --ball squash"), 2, {"squash", "Hertz"});
   write("s.csv", "v_mps,eps,ball\n0.5,0.98,steel:6mm\n0.4,0.98,stone\n");

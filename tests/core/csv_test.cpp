@@ -173,8 +173,16 @@ TEST(Csv, RealsAreDecimalAndInRange) {
 
 TEST(Csv, WhatIsNoTableIsRefusedAtOnceInAShortLine) {
   EXPECT_THAT(message_of(std::string("RIFF\x24\0\0\0WAVE", 12), {{"a"}}), HasSubstr("line 1 holds a byte 0"));
-  EXPECT_THAT(message_of(std::string("\xFF\xFE" "a\0\n", 5), {{"a"}}), HasSubstr("cut off within a character of UTF-16"));
-  EXPECT_EQ(message_of(std::string("\xFF\xFE" "a\0\n\0", 6), {{"a"}}), "no error");
+  EXPECT_THAT(message_of(std::string("\xFF\xFE"
+                                     "a\0\n",
+                                     5),
+                         {{"a"}}),
+              HasSubstr("cut off within a character of UTF-16"));
+  EXPECT_EQ(message_of(std::string("\xFF\xFE"
+                                   "a\0\n\0",
+                                   6),
+                       {{"a"}}),
+            "no error");
   EXPECT_THAT(message_of(std::string("\xFF\xFE\0\0", 4), {{"a"}}), HasSubstr("is text in UTF-32"));
   EXPECT_THAT(message_of("PK\x03\x04", {{"a"}}), HasSubstr("is a ZIP archive"));
   EXPECT_THAT(message_of(std::string(100'000'000, ','), {{"a"}}), HasSubstr("line 1 is longer than 1048576 bytes"));

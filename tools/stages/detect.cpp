@@ -85,10 +85,10 @@ void conclude(const Recordings& recordings, bool found_any, Outcome& outcome) {
     const auto readable = std::find_if_not(recordings.begin(), recordings.end(), is_unreadable);
     if (readable != recordings.end()) {
       outcome.exit_code = kNotUsable;
-      outcome.error =
-          fmt::format("{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel? Times "
-                      "that you mark by hand are analyzed too: bouncelab times.csv",
-                      name_of(readable->recording), readable->found.message, others);
+      outcome.error = fmt::format(
+          "{}: {}{}; no onsets were written. Listen to it: is this the recording, and the channel? Times "
+          "that you mark by hand are analyzed too: bouncelab times.csv",
+          name_of(readable->recording), readable->found.message, others);
     }
     outcome.text.clear();
   } else if (n_unreadable > 0) {

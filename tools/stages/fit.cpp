@@ -125,8 +125,7 @@ Stage<fit::FitResult> run_fit(const FitOptions& options, const Run& run) {
   check_files(run, {options.samples.begin(), options.samples.end()}, {options.out, options.table});
   const std::vector<std::filesystem::path> files(options.samples.begin(), options.samples.end());
   std::vector<std::string> warnings, taken_for;
-  RestitutionSamples samples =
-      read_sample_files(files, run.common.n_threads, options.columns, taken_for, warnings);
+  RestitutionSamples samples = read_sample_files(files, run.common.n_threads, options.columns, taken_for, warnings);
   name_ball(samples, ball_of(options.world), plate_of(options.world));
   const fit::FitConfig config = fit_config(options, run.common);
   fit::FitResult result = fit::fit_all(samples, config, progress_line(run, "fit", "fits"));

@@ -81,7 +81,8 @@ std::vector<DropSummary> summarize_drops(const Onsets& onsets, const std::vector
 /// "5 sounds that rise like impacts, 0.6, 0.15, 0.038 and 0.009 s apart": so that whoever listens knows what was seen.
 std::string in_words(const std::vector<Candidate>& candidates) {
   const std::size_t n = candidates.size();
-  std::string text = std::to_string(n) + (n == 1 ? " sound that rises like an impact" : " sounds that rise like impacts");
+  std::string text =
+      std::to_string(n) + (n == 1 ? " sound that rises like an impact" : " sounds that rise like impacts");
   std::vector<double> apart_s;
   for (std::size_t k = 1; k < n; ++k) apart_s.push_back(candidates[k].t_s - candidates[k - 1].t_s);
   constexpr std::size_t kMostListed = 7;
@@ -202,9 +203,10 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   set_status(config.min_impacts, band.candidates, d);
   d.warnings = warnings_for(d, band, timed.is_full_band);
   if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
-    d.warnings.push_back(formatted("a second ball seems to bounce at the same time, %zu impacts from %.2f s on: it is "
-                                   "not among the results",
-                                   second->n_impacts, second->begin_s));
+    d.warnings.push_back(
+        formatted("a second ball seems to bounce at the same time, %zu impacts from %.2f s on: it is "
+                  "not among the results",
+                  second->n_impacts, second->begin_s));
   return d;
 }
 

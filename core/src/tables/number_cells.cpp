@@ -73,7 +73,7 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
 namespace {
 
 std::optional<NumberCell> plain_number_of(std::string_view cell, char decimal) {
-  std::array<char, 64> text{};
+  std::array<char, 512> text{};  // a double without an exponent has up to 400
   if (cell.empty() || cell.size() > text.size()) return std::nullopt;
   if (cell.front() == '+') cell.remove_prefix(1);
   std::copy(cell.begin(), cell.end(), text.begin());

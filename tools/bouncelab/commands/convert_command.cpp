@@ -57,15 +57,17 @@ void for_each_piece(const ConvertOptions& options, std::vector<std::string>& tak
     Onsets onsets = onsets_from_table(table, name, before ? &*before : nullptr);
     if (!onsets.empty()) before = onsets.back();
     if (!options.foreign.recording.empty()) {
-      std::erase_if(
-          onsets, [&](const Onset& onset) { return !onset.recording.empty() && onset.recording != options.foreign.recording; });
+      std::erase_if(onsets, [&](const Onset& onset) {
+        return !onset.recording.empty() && onset.recording != options.foreign.recording;
+      });
       for (Onset& onset : onsets) onset.recording = options.foreign.recording;
     }
     is_empty = is_empty && onsets.empty();
     if (!onsets.empty()) take(std::move(onsets));
   }
   if (is_empty)
-    throw FileError(name, "holds no onsets" + (options.foreign.recording.empty() ? "" : " of '" + options.foreign.recording + "'"));
+    throw FileError(
+        name, "holds no onsets" + (options.foreign.recording.empty() ? "" : " of '" + options.foreign.recording + "'"));
 }
 
 Onsets read_onsets(const ConvertOptions& options, std::vector<std::string>& taken_for) {

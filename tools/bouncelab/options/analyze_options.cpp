@@ -14,11 +14,17 @@ std::string folder_beside(const std::string& recording) {
   return (path.parent_path() / (path.stem().string() + "-bouncelab")).string();
 }
 
+Member recordings_or_times() {
+  Member member = recordings_member();
+  member.text += "; or tables of impact times or intervals and marks, of any program";
+  return member;
+}
+
 }  // namespace
 
 Command analyze_command() {
   using O = AnalyzeOptions;
-  static const Description recordings{recordings_member(), list_member()};
+  static const Description recordings{recordings_or_times(), list_member()};
   static const Description outputs{
       member("out", &O::out,
              "Folder for onsets, samples, fit and report (default: beside the first recording, its name + -bouncelab)")

@@ -217,7 +217,7 @@ std::string text_of(const fs::path& path) {
   if (n_bytes > kMost_bytes)
     throw FileError(path.string(),
                     fmt::format("{} bytes are no TOML file of options, which has at most {}", n_bytes, kMost_bytes));
-  return whole_content(path);
+  return decoded_text(whole_content(path), path.string());
 }
 
 /// What was typed for an option, the last of several; absent where it was not.

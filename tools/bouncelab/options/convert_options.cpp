@@ -13,14 +13,14 @@ Command convert_command() {
       member("to", &O::outputs, "Files to write").looks_like("FILE").required(),
       member<O>(
           "recording", [](auto& o) -> auto& { return o.foreign.recording; },
-             "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark"),
+          "Recording of the marks (Audacity's do not name it); of several in a table, the one to mark"),
       member<O>(
           "renumber", [](auto& o) -> auto& { return o.foreign.renumber; },
-             "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")};
+          "Number the impacts of each drop anew: after marks were taken away, or their intervals stay out")};
   auto options = std::make_shared<O>();
   return {"convert",
           "Onsets to marks that sound editors show, and marks corrected there back to onsets.\n"
-          "By extension: .csv, .jsonl (JSON Lines); .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
+          "Written by extension: .csv, .jsonl (JSON Lines); .txt (Audacity labels), .svl (Sonic Visualiser), .TextGrid "
           "(Praat), .wav, .rf64 (cue points in a copy of the recording). Labels hold all that is known of an onset "
           "(Audacity's in FILE.txt.onsets.csv beside them), so nothing is lost. A mark that was moved by more than the "
           "format resolves (Audacity 0.5 us; .svl and cues half a sample; .TextGrid 1 ns), or made, counts as it "

@@ -10,7 +10,8 @@ Command fit_command() {
   using O = FitOptions;
   static const Description files{
       member("samples", &O::samples,
-             "Samples; columns v_mps and eps are enough, or a table of speeds and eps from elsewhere. Recordings, by the column `recording` or else by the name of "
+             "Samples; columns v_mps and eps are enough, or a table of speeds and eps from elsewhere. Recordings, by "
+             "the column `recording` or else by the name of "
              "the file, are tested for agreement; where two files have the same drop of the same recording, they are "
              "two recordings")
           .required()

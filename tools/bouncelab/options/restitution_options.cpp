@@ -9,9 +9,10 @@ namespace bouncelab::cli {
 Command restitution_command() {
   using O = RestitutionOptions;
   static const Description files{
-      member("onsets", &O::onsets,
-             "Onsets, as detect writes them; or marks, or a table of times or intervals from any program. Several files "
-             "are taken in this order; rows without a recording are of one that is called like the file")
+      member(
+          "onsets", &O::onsets,
+          "Onsets, as detect writes them; or marks, or a table of times or intervals from any program. Several files "
+          "are taken in this order; rows without a recording are of one that is called like the file")
           .required()
           .positional(),
       member("out", &O::out, "Samples, .csv").looks_like("FILE").required()};

@@ -16,8 +16,8 @@
 #include "bouncelab/detection/wave_preview.hpp"
 #include "bouncelab/report/detection.hpp"
 #include "bouncelab/synthesis/synthesize.hpp"
-#include "stages/files/several_files.hpp"
 #include "stages/files/foreign_files.hpp"
+#include "stages/files/several_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
 #include "work.hpp"
@@ -280,11 +280,11 @@ py::tuple read_columns(const std::string& path, const std::string& kind, const s
     for (const Member& member : *section.first)
       if (member.name == name && !text.empty()) member.set(section.second, value_from_text(member, text));
   std::vector<std::string> taken_for;
-  Table table = kind == "onsets" ? to_table(stages::read_onsets(path, how, taken_for))
-                                       : to_table(samples_from_table(
-                                             stages::open_samples(path, how.table, taken_for)
-                                                 ->next(std::numeric_limits<std::size_t>::max()),
-                                             path));
+  Table table =
+      kind == "onsets"
+          ? to_table(stages::read_onsets(path, how, taken_for))
+          : to_table(samples_from_table(
+                stages::open_samples(path, how.table, taken_for)->next(std::numeric_limits<std::size_t>::max()), path));
   return py::make_tuple(columns_of(std::move(table)), taken_for);
 }
 

@@ -106,7 +106,7 @@ RestitutionSamples read_sample_files(const std::vector<fs::path>& paths, int n_t
                                      std::vector<std::string>& taken_for, std::vector<std::string>& warnings) {
   if (paths.size() == 1) return read_one(paths.front(), columns, taken_for);
   std::vector<SampleFile> files;
-  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings)) 
+  for (const fs::path& path : each_once(paths, n_threads, "samples", warnings))
     files.push_back({path, read_one(path, columns, taken_for)});
   if (files.size() > 1) name_recordings(files);
   const std::set<std::string> ambiguous = ambiguous_recordings(files);

@@ -150,8 +150,7 @@ std::string Analysis::file(const std::string& name) const {
   if (name == "samples.csv") return csv_of(to_table(found.restitution.samples));
   if (name == "fit.json") return json_text(report::object_of(found.fit, words), 1) + "\n";
   if (name == "wave.json") return json_text(value_of(*found.wave)) + "\n";
-  if (name == "labels.txt")
-    return audio::audacity_labels(audio::shortened(audio::annotations_of(found.onsets)));
+  if (name == "labels.txt") return audio::audacity_labels(audio::shortened(audio::annotations_of(found.onsets)));
   if (name != "report.html") throw InvalidArgument("no file '" + name + "'");
   report::ReportInput input;
   input.title = "Restitution from " + name_of_file;

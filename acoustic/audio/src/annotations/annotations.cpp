@@ -93,7 +93,8 @@ Onset onset_of(const Annotation& point, const Labelled& labelled, double resolut
 }
 
 std::vector<Annotation> by_time(std::vector<Annotation> points) {
-  std::stable_sort(points.begin(), points.end(), [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });
+  std::stable_sort(points.begin(), points.end(),
+                   [](const Annotation& a, const Annotation& b) { return a.t_s < b.t_s; });
   return points;
 }
 
@@ -137,8 +138,10 @@ Annotations chosen(const std::vector<Tier>& tiers, const std::string& wanted, co
   Annotations result;
   result.points = tiers[best].points;
   if (tiers.size() > 1)
-    result.taken_for = what + " " + (tiers[best].name.empty() ? std::to_string(best + 1) : "'" + printable(tiers[best].name, 60) + "'") +
-                       " of " + std::to_string(tiers.size()) + " (" + names + "; --tier takes another)";
+    result.taken_for =
+        what + " " +
+        (tiers[best].name.empty() ? std::to_string(best + 1) : "'" + printable(tiers[best].name, 60) + "'") + " of " +
+        std::to_string(tiers.size()) + " (" + names + "; --tier takes another)";
   return result;
 }
 

@@ -122,7 +122,8 @@ Annotations parse_text_grid(std::string_view text, const std::string& name, cons
     if (has_points) tiers.push_back(std::move(here));
   }
   if (tiers.empty())
-    throw FileError(name, "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
+    throw FileError(name,
+                    "has no point tier; in Praat: Annotate, To TextGrid with the tier's name under 'point tiers'");
   Annotations result = chosen(tiers, tier, "tier", name);
   // the tier that this program writes has the recording's name
   if (tiers.size() == 1) result.recording = tiers.front().name;

@@ -141,7 +141,8 @@ Annotations cues_of(RiffFile file) {
   }
   for (std::size_t at = 4; at + 24 <= cues.size(); at += 24)
     result.points.push_back({number_at(cues, at + 20) / static_cast<double>(rate_hz), labels[number_at(cues, at)]});
-  if (result.points.empty()) throw FileError(file.name(), "is a recording and holds no cue points; bouncelab analyze takes recordings");
+  if (result.points.empty())
+    throw FileError(file.name(), "is a recording and holds no cue points; bouncelab analyze takes recordings");
   return result;
 }
 

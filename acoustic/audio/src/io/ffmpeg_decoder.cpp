@@ -17,8 +17,8 @@
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "io/coded_sound.hpp"
-#include "io/stamp_gaps.hpp"
 #include "io/sound_header.hpp"
+#include "io/stamp_gaps.hpp"
 
 namespace bouncelab::audio {
 namespace {
@@ -167,11 +167,10 @@ std::vector<StampedBlock> of_equal_length(std::vector<StampedBlock> packets) {
 
 /// The blocks of samples as they are decoded, with their time stamps.
 std::vector<StampedBlock> decoded_blocks(const Decoding& d) {
-  const ProgramResult answer =
-      run_program(d.ffmpeg,
-                  {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", d.input, "-map", d.map(),
-                   "-c:a", "pcm_f32le", "-f", "framecrc", "pipe:1"},
-                  d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
+  const ProgramResult answer = run_program(d.ffmpeg,
+                                           {"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i",
+                                            d.input, "-map", d.map(), "-c:a", "pcm_f32le", "-f", "framecrc", "pipe:1"},
+                                           d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
   std::vector<StampedBlock> blocks;
   std::istringstream lines(answer.output);
   double unit_s = 0.0;

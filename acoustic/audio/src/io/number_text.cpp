@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "bouncelab/core/error.hpp"
+#include "bouncelab/core/foreign_table.hpp"
 #include "bouncelab/core/table.hpp"
 #include "bouncelab/core/text.hpp"
-#include "bouncelab/core/foreign_table.hpp"
 
 namespace bouncelab::audio {
 namespace {

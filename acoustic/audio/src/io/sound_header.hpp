@@ -84,8 +84,8 @@ struct CodedLength {
 };
 std::optional<CodedLength> coded_length(SoundBytes& bytes);
 
-/// What a file holds behind the sound that is read, for people: another recording that was joined to it (cat, a recorder
-/// that pauses), a second chunk of samples. Empty: nothing.
+/// What a file holds behind the sound that is read, for people: another recording that was joined to it (cat, a
+/// recorder that pauses), a second chunk of samples. Empty: nothing.
 std::string what_follows(SoundBytes& bytes);
 
 /// Where a file of another format lies inside a WAV file: Ogg in the chunk of its samples (format tags 'Og', 1998).

@@ -12,10 +12,10 @@
 namespace bouncelab::audio {
 namespace {
 
-constexpr std::size_t kAround = 8;       // blocks, some 0.2 s
-constexpr double kLeastStep_s = 2e-3;    // stamps of Matroska are whole milliseconds
-constexpr double kNearBlocks_s = 1e-3;   // to a whole number of blocks
-constexpr double kLongestGap_s = 60.0;   // no ball flies so long: a longer one is a stamp gone wrong, or a pause
+constexpr std::size_t kAround = 8;      // blocks, some 0.2 s
+constexpr double kLeastStep_s = 2e-3;   // stamps of Matroska are whole milliseconds
+constexpr double kNearBlocks_s = 1e-3;  // to a whole number of blocks
+constexpr double kLongestGap_s = 60.0;  // no ball flies so long: a longer one is a stamp gone wrong, or a pause
 
 }  // namespace
 

@@ -66,9 +66,8 @@ std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
       x_m = drop.states[k].position_m[0];
       y_m = drop.states[k].position_m[1];
     }
-    strikes.push_back({release_s + impact.t_s, x_m, y_m,
-                       contact_s.at(impact.v_mps),
-                       impulse_ns(config_, impact), n_impacts_++, impact.drop, impact.impact, impact.v_mps, !moves});
+    strikes.push_back({release_s + impact.t_s, x_m, y_m, contact_s.at(impact.v_mps), impulse_ns(config_, impact),
+                       n_impacts_++, impact.drop, impact.impact, impact.v_mps, !moves});
   }
   window_end_s_ = strikes.back().t_s + config_.pause_s;
   return strikes;

@@ -96,8 +96,8 @@ std::vector<std::int64_t> drops_of(std::span<const double> t_s);
 /// @throws FileError with the remedy: columns that cannot be told
 TakenTable samples_from_foreign(const ForeignTable& table, const std::string& name, const ForeignOptions& options);
 
-/// Where its times are equally spaced, at least eight of two or more columns, their step [s]: samples of a sound, frames
-/// of a video.
+/// Where its times are equally spaced, at least eight of two or more columns, their step [s]: samples of a sound,
+/// frames of a video.
 std::optional<double> uniform_step_s(const ForeignTable& table);
 
 }  // namespace bouncelab

@@ -41,8 +41,8 @@ std::string utf8_of_bytes(std::string_view bytes);
 /// The inverse of utf8_of_bytes.
 std::string bytes_of_utf8(std::string_view text);
 
-/// Bytes of a text file as text: without a byte order mark; UTF-16, with a mark or where every other byte is 0, as UTF-8;
-/// carriage returns that end lines by themselves as line feeds. All else stays as it is.
+/// Bytes of a text file as text: without a byte order mark; UTF-16, with a mark or where every other byte is 0, as
+/// UTF-8; carriage returns that end lines by themselves as line feeds. All else stays as it is.
 class TextDecoder {
  public:
   /// @param name  of the file, for messages

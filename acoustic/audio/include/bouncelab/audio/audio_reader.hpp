@@ -49,7 +49,7 @@ struct AudioFormat {
   int n_tracks = 1;           ///< of sound
   int track = 0;              ///< the one that is read
   std::vector<Silence> silences;  ///< gaps of its time stamps
-  std::string warning;        ///< one line where the header and what the file holds differ; empty where they agree
+  std::string warning;            ///< one line where the header and what the file holds differ; empty where they agree
 };
 
 /// Reads recordings with random access, never resampled:
@@ -58,10 +58,10 @@ struct AudioFormat {
 ///     2^24 samples into a nameless file in TMPDIR or /tmp
 ///   - the sound of any other file likewise by ffmpeg, where that is installed (m4a, mp4, mov, 3gp, webm, mkv, amr ...)
 ///   - numbers: .npy of samples (x channels), tables of text with or without a column of times
-/// Where the time stamps of a container (mp4, mkv, webm ...) leave a gap, zeros stand for what is missing, and where they
-/// overlap, what came first stays: the times of what follows are those of the container.
-/// Where the header gives another length than the file has, or none, what is there is read, and format().warning says
-/// so. May be read by several threads.
+/// Where the time stamps of a container (mp4, mkv, webm ...) leave a gap, zeros stand for what is missing, and where
+/// they overlap, what came first stays: the times of what follows are those of the container. Where the header gives
+/// another length than the file has, or none, what is there is read, and format().warning says so. May be read by
+/// several threads.
 class AudioReader {
  public:
   /// @param rate_hz  sampling rate of numbers that come without one
