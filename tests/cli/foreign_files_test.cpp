@@ -194,10 +194,12 @@ TEST_F(ForeignFiles, WhatFollowsInJoinedFilesIsNamed) {
   const Result result = run("detect two.wav --out o.csv");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.err, HasSubstr("more sound follows at byte " + std::to_string(one.size())));
+  write("data.wav", one + one.substr(36));  // a second chunk of samples
+  EXPECT_THAT(run("detect data.wav --out o.csv --force").err, HasSubstr("more sound follows"));
   EXPECT_THAT(run("detect two.wav --out o.csv --force --quiet").err, testing::Not(HasSubstr("follows")));
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: tools/setup --checks";
   write("one.wav", one);
-  for (const char* type : {"flac", "ogg"}) {
+  for (const char* type : {"flac", "ogg", "mp3", "m4a"}) {
     const std::string name = std::string("one.") + type, joined = std::string("two.") + type;
     if (shell("ffmpeg -nostdin -v error -i one.wav " + name).exit_code != 0) continue;  // without this encoder
     EXPECT_THAT(run("detect " + name + " --out o.csv --force").err, testing::Not(HasSubstr("follows")));

@@ -124,7 +124,7 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
 
 std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks,
                                       const TrackingModel& model) {
-  constexpr double kBefore_s = 5e-3;  // an impact's own rise
+  constexpr double kBefore_s = 30e-3;  // the noise of codecs before it: a block of MP3 or AAC
   std::vector<double> impacts_s;
   for (const Track& track : tracks)
     for (const TrackImpact& impact : track.impacts) impacts_s.push_back(band.candidates[impact.candidate].t_s);

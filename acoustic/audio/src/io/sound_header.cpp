@@ -265,54 +265,106 @@ std::optional<CodedLength> coded_length(SoundBytes& bytes) {
 
 namespace {
 
-/// Where a stream begins a second time: `mark` at a place that `is_begin` accepts, of those with `n_around` bytes.
-template <class IsBegin>
-std::optional<std::int64_t> second_begin(SoundBytes& bytes, std::string_view mark, std::size_t n_around,
-                                         const IsBegin& is_begin) {
-  constexpr std::size_t kPiece = 1 << 20;
+/// The first place of `mark` behind the first byte that `is_it` accepts, which gets the place and the bytes from there.
+template <class IsIt>
+std::optional<std::int64_t> place_of(SoundBytes& bytes, std::string_view mark, const IsIt& is_it) {
+  constexpr std::size_t kPiece = 1 << 20, kBehind = 8;
   for (std::int64_t first = 1; first < bytes.size(); first += kPiece) {
-    const std::string piece = bytes.text(first, kPiece + n_around);
-    for (std::size_t at = piece.find(mark); at < kPiece; at = piece.find(mark, at + 1))
-      if (at + n_around <= piece.size() && is_begin(std::string_view(piece).substr(at, n_around)))
-        return first + static_cast<std::int64_t>(at);
+    const std::string piece = bytes.text(first, kPiece + kBehind);
+    for (std::size_t at = piece.find(mark); at < kPiece; at = piece.find(mark, at + 1)) {
+      const std::int64_t place = first + static_cast<std::int64_t>(at);
+      const std::string_view text = std::string_view(piece).substr(at, kBehind);
+      if (text.size() == kBehind && is_it(place, text)) return place;
+    }
   }
   return std::nullopt;
+}
+
+/// A second FLAC: its first block of metadata has 34 bytes, and says so.
+std::optional<std::int64_t> second_flac(SoundBytes& bytes) {
+  return place_of(bytes, "fLaC", [](std::int64_t, std::string_view text) {
+    return text.substr(5) == std::string_view("\0\0\x22", 3) && (text[4] & 0x7F) == 0;
+  });
+}
+
+/// A page that begins a stream, behind one that goes on: streams side by side begin together.
+std::optional<std::int64_t> second_ogg(SoundBytes& bytes) {
+  bool has_gone_on = false;
+  return place_of(bytes, "OggS", [&](std::int64_t, std::string_view text) {
+    if (text[4] != '\0') return false;
+    const bool begins = (text[5] & 2) != 0;
+    has_gone_on = has_gone_on || !begins;
+    return begins && has_gone_on;
+  });
+}
+
+/// A second frame that says how many there are, "Xing" or "Info": decoders end where the first one says. It stands 36,
+/// 21 or 13 bytes behind the begin of its frame, by version and channels.
+std::optional<std::int64_t> second_mp3(SoundBytes& bytes) {
+  int n = 0;
+  std::optional<std::int64_t> last;
+  for (const char* mark : {"Xing", "Info"})
+    place_of(bytes, mark, [&](std::int64_t place, std::string_view) {
+      constexpr std::array<std::int64_t, 3> kBehind{36, 21, 13};
+      for (const std::int64_t behind : kBehind) {
+        const std::string sync = bytes.text(std::max<std::int64_t>(0, place - behind), 2);
+        if (sync.size() < 2 || sync[0] != '\xFF' || (sync[1] & 0xE0) != 0xE0) continue;
+        ++n;
+        last = std::max(last.value_or(0), place - behind);
+        break;
+      }
+      return n > 1;
+    });
+  return n > 1 ? last : std::nullopt;
+}
+
+/// A second box `ftyp` of an MP4 or QuickTime file.
+std::optional<std::int64_t> second_mp4(SoundBytes& bytes) {
+  for (std::int64_t at = 0; at < bytes.size();) {
+    const std::string head = bytes.text(at, 16);
+    if (head.size() < 8) return std::nullopt;
+    if (at > 0 && head.compare(4, 4, "ftyp") == 0) return at;
+    std::uint64_t length = number_in(std::string_view(head).substr(0, 4), true);
+    if (length == 1 && head.size() == 16) length = number_in(std::string_view(head).substr(8), true);
+    if (length < 8 || length > static_cast<std::uint64_t>(bytes.size() - at)) return std::nullopt;
+    at += static_cast<std::int64_t>(length);
+  }
+  return std::nullopt;
+}
+
+/// Behind the samples of a file of chunks another such file, or more samples.
+std::optional<std::int64_t> second_in_chunks(SoundBytes& bytes, Kind kind) {
+  const std::optional<Samples> s = samples_in_chunks(bytes, kind);
+  if (!s || s->promised > static_cast<std::uint64_t>(bytes.size())) return std::nullopt;
+  const ChunkLayout layout = layout_of(kind);
+  std::int64_t next = layout.next(s->begin, static_cast<std::int64_t>(s->promised));
+  for (int n = 0; n < kMostChunks; ++n) {
+    const std::optional<Chunk> chunk = chunk_at(bytes, layout, next);
+    if (!chunk || chunk->length > static_cast<std::uint64_t>(bytes.size())) return std::nullopt;
+    constexpr std::array<std::string_view, 6> kSound{"RIFF", "RF64", "riff", "FORM", "data", "SSND"};
+    if (chunk->length > 0 && std::find(kSound.begin(), kSound.end(), chunk->name) != kSound.end()) return next;
+    next = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
+  }
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> second_sound(SoundBytes& bytes) {
+  const Kind kind = kind_of(bytes);
+  if (kind == Kind::au) return std::nullopt;  // has no chunks: what follows its samples may be anything
+  if (kind != Kind::other) return second_in_chunks(bytes, kind);
+  const std::string head = bytes.text(0, 8);
+  if (head.size() < 8) return std::nullopt;
+  if (head.starts_with("fLaC")) return second_flac(bytes);
+  if (head.starts_with("OggS")) return second_ogg(bytes);
+  if (head.compare(4, 4, "ftyp") == 0) return second_mp4(bytes);
+  const bool is_frame = head[0] == '\xFF' && (head[1] & 0xE0) == 0xE0;
+  return is_frame || head.starts_with("ID3") ? second_mp3(bytes) : std::nullopt;
 }
 
 }  // namespace
 
 std::string what_follows(SoundBytes& bytes) {
-  const Kind kind = kind_of(bytes);
-  std::optional<std::int64_t> at;
-  if (kind == Kind::other) {
-    const std::string head = bytes.text(0, 4);
-    // its first block of metadata has 34 bytes, and says so
-    if (head == "fLaC")
-      at = second_begin(bytes, "fLaC", 8, [](std::string_view text) {
-        return text.substr(5) == std::string_view("\0\0\x22", 3) && (text[4] & 0x7F) == 0;
-      });
-    // a page that begins a stream, behind one that goes on: streams side by side begin together
-    bool has_gone_on = false;
-    if (head == "OggS")
-      at = second_begin(bytes, "OggS", 6, [&](std::string_view text) {
-        if (text[4] != '\0') return false;
-        const bool begins = (text[5] & 2) != 0;
-        has_gone_on = has_gone_on || !begins;
-        return begins && has_gone_on;
-      });
-  } else if (kind != Kind::au) {
-    const std::optional<Samples> s = samples_in_chunks(bytes, kind);
-    if (!s || s->promised > static_cast<std::uint64_t>(bytes.size())) return {};
-    const ChunkLayout layout = layout_of(kind);
-    std::int64_t next = layout.next(s->begin, static_cast<std::int64_t>(s->promised));
-    for (int n = 0; n < kMostChunks && !at; ++n) {
-      const std::optional<Chunk> chunk = chunk_at(bytes, layout, next);
-      if (!chunk || chunk->length > static_cast<std::uint64_t>(bytes.size())) break;
-      constexpr std::array<std::string_view, 6> kSound{"RIFF", "RF64", "riff", "FORM", "data", "SSND"};
-      if (chunk->length > 0 && std::find(kSound.begin(), kSound.end(), chunk->name) != kSound.end()) at = next;
-      next = layout.next(chunk->begin, static_cast<std::int64_t>(chunk->length));
-    }
-  }
+  const std::optional<std::int64_t> at = second_sound(bytes);
   if (!at) return {};
   return "more sound follows at byte " + std::to_string(*at) +
          " (files joined, or a recorder that paused?) and is left out; cut the file there to analyze it";
