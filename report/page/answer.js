@@ -45,7 +45,7 @@ function firstScreen() {
     words.append(element('p', {class: 'lead'}, lead), ...rest.map(s => element('p', {}, s)));
     if (explanations(answer)) words.append(element('p', {class: 'caption'}, explanations(answer)));
   }
-  const hasCurve = law && (law.curve || []).length;
+  const hasCurve = answerCurve(fit).length;
   if (few || hasCurve || (fit.density && fit.density.counts.length)) {
     const places = figure('law', 'ε against impact speed', lawCaption(), section);
     drawLaw(places);
@@ -56,7 +56,7 @@ function firstScreen() {
 
 function lawCaption() {
   return (few ? 'Points: bounces, without what air and contact did to their intervals, with the error that timing alone gives them.' : 'Colour: number of bounces in each cell, on a logarithmic scale.') +
-      ' Line and band: ε(v), the most frequent ε at each speed, with its 95 % range. A bounce that puts energy into spin or sideways motion lies below the line, so most points may.';
+      (answerCurve(fit).length ? ' Line and band: ε(v), the most frequent ε at each speed, with its 95 % range. A bounce that puts energy into spin or sideways motion lies below the line, so most points may.' : '');
 }
 
 function questions() {

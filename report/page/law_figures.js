@@ -26,7 +26,7 @@ function samplesTrace() {
 /// Figure 1 (top) of the paper: how often which eps was found at which speed, with the law.
 function drawLaw(parent) {
   const traces = few || (fit && fit.density && fit.density.counts.length) ? [samplesTrace()] : [];
-  const curve = law && law.curve;
+  const curve = answerCurve(fit);
   if (curve && curve.length) {
     if (known(curve[0].lo95)) traces.push(band(curve, 'rgba(192,57,43,.22)', '95 % range'));
     traces.push({x: curve.map(p => p.v_mps), y: curve.map(p => p.eps), mode: 'lines', type: 'scatter', name: 'ε(v)',

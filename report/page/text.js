@@ -48,6 +48,8 @@ function interval(range) {
   const decimals = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(Math.max(range[1] - range[0], 1e-12)))));
   return `${range[0].toFixed(decimals)} … ${range[1].toFixed(decimals)}`;
 }
+/// ε(v) that the answer is of: the average over laws where there is one and no fit with memory holds, else the law.
+const answerCurve = fit => !fit ? [] : fit.averaged?.curve?.length && !fit.memory?.holds ? fit.averaged.curve : fit.law?.curve ?? [];
 const speed = v => `${number(v, 3)} m/s`;
 
 /// Below 600 px report.css shows a table that is wider than its place row by row: each cell names its column and is as

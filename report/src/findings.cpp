@@ -29,6 +29,11 @@ std::string describe_nodes(const std::vector<NodeEstimate>& estimates) {
   return joined(nodes);
 }
 
+/// Beside a fit with memory, which has an answer of its own, those of the law; else as the first line has them.
+const std::vector<NodeEstimate>& nodes_of(const FitResult& r) {
+  return r.averaged && !r.memory ? r.averaged->nodes : r.law.nodes;
+}
+
 std::string dependence(const FitResult& r) {
   std::vector<std::string> known, unknown;
   for (const NamedEstimate& p : r.law.parameters)
@@ -36,7 +41,7 @@ std::string dependence(const FitResult& r) {
       known.push_back(p.name + " = " + fit::in_words(p.estimate.value, p.estimate.se));
     else
       unknown.push_back(p.name);
-  std::string text = "ε = " + describe_nodes(r.law.nodes) + " (± one standard error).";
+  std::string text = "ε = " + describe_nodes(nodes_of(r)) + " (± one standard error).";
   if (!known.empty()) text += " Constants of the law: " + joined(known) + ".";
   if (!r.law_viscoelastic.parameters.empty()) {
     const Estimate& gamma = r.law_viscoelastic.parameters.front().estimate;
@@ -50,9 +55,10 @@ std::string dependence(const FitResult& r) {
   return text;
 }
 
-std::string certainty(const LawFit& law) {
+std::string certainty(const FitResult& r) {
+  const LawFit& law = r.law;
   std::vector<std::string> intervals;
-  for (const NodeEstimate& node : law.nodes)
+  for (const NodeEstimate& node : nodes_of(r))
     if (node.eps.ci95) intervals.push_back(interval_in_words(node.eps) + formatted(" at %.3g m/s", node.v_mps));
   std::string text =
       "95 % intervals (19 of 20 such intervals hold the true value): ε from " + joined(intervals) +
@@ -158,7 +164,7 @@ std::string in_dem(const FitResult& r) {
 std::vector<Finding> findings_of(const FitResult& result) {
   if (!usable(result)) return {};
   std::vector<Finding> findings{{"How does ε depend on speed?", dependence(result)},
-                                {"How sure is that?", certainty(result.law)},
+                                {"How sure is that?", certainty(result)},
                                 {"What limits it?", limits(result)},
                                 {"Is the scatter Gaussian?", gaussian(result.histograms)},
                                 {"How do I use it in a DEM code?", in_dem(result)}};

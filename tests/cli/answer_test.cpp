@@ -35,6 +35,13 @@ TEST_F(Answer, OfASoundWithOneEpsClaimsNoChangeWithTheSpeed) {
     EXPECT_NEAR(answer.at("at").at("eps").get<double>(), eps, 1e-4);
     EXPECT_TRUE(answer.at("elsewhere").empty()) << answer;
     EXPECT_EQ(first_line(answer).find("rises"), std::string::npos);
+    // the picture shows the same as the words
+    const Json curve = Json::parse(content_of(folder_ / "out" / "fit.json")).at("averaged").at("curve");
+    EXPECT_EQ(curve.size(), 25U);
+    for (const Json& point : curve) {
+      EXPECT_LE(point.at("lo95").get<double>(), eps + 1e-5) << point;  // the detector's own 1e-5
+      EXPECT_GE(point.at("hi95").get<double>(), eps - 1e-5) << point;
+    }
   }
 }
 

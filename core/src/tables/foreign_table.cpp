@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
+#include <vector>
 
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/text.hpp"
@@ -40,6 +42,12 @@ std::vector<Line> lines_of(std::string_view text) {
 /// Of the rows with a number those of the commonest length, and their numbers.
 struct Fit {
   std::size_t n_rows = 0, n_numbers = 0, n_cells = 0;
+  std::vector<std::size_t> n_in_column{};
+
+  /// Numbers in columns that have one in every row.
+  std::size_t n_in_whole_columns() const {
+    return n_rows * static_cast<std::size_t>(std::count(n_in_column.begin(), n_in_column.end(), n_rows));
+  }
 };
 
 Fit fit_of(const CellFormat& format, const std::vector<Line>& lines) {
@@ -47,12 +55,14 @@ Fit fit_of(const CellFormat& format, const std::vector<Line>& lines) {
   for (const Line& line : lines) {
     const std::vector<std::string_view> cells = cells_of(line.text, format.separator);
     if (cells.size() == 1 && format.separator != ' ') continue;
-    const auto n = static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::string_view cell) {
-      return number_of(cell, format.decimal).has_value();
-    }));
+    std::vector<std::size_t> numbers;
+    for (const std::string_view cell : cells) numbers.push_back(number_of(cell, format.decimal) ? 1 : 0);
+    const auto n = static_cast<std::size_t>(std::count(numbers.begin(), numbers.end(), 1U));
     if (n == 0) continue;
     Fit& fit = by_length[cells.size()];
-    fit = {fit.n_rows + 1, fit.n_numbers + n, cells.size()};
+    fit.n_rows += 1, fit.n_numbers += n, fit.n_cells = cells.size();
+    fit.n_in_column.resize(cells.size());
+    for (std::size_t k = 0; k < numbers.size(); ++k) fit.n_in_column[k] += numbers[k];
   }
   Fit best;
   for (const auto& [length, fit] : by_length)
@@ -96,7 +106,12 @@ CellFormat format_of_lines(std::vector<Line> lines, const std::string& name) {
   const auto holds = [&](std::size_t k) { return 10 * fits[k].n_rows >= 9 * most; };
   for (std::size_t k = 0; k < kFormats.size(); k += 2) {
     if (!holds(k) && !holds(k + 1)) continue;
-    const bool comma = !holds(k) || (holds(k + 1) && fits[k + 1].n_numbers > fits[k].n_numbers);
+    // the first column, then whole columns: texts beside them may hold numbers that are written otherwise
+    const auto score = [&](std::size_t f) {
+      const Fit& fit = fits[f];
+      return std::tuple(fit.n_rows > 0 ? fit.n_in_column.front() : 0, fit.n_in_whole_columns(), fit.n_numbers);
+    };
+    const bool comma = !holds(k) || (holds(k + 1) && score(k + 1) > score(k));
     const CellFormat format = kFormats[comma ? k + 1 : k];
     if (format.separator != ',' || comma) return format;
     if (is_decimal_comma(lines)) return {' ', ','};

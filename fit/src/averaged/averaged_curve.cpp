@@ -187,6 +187,12 @@ class Averaging {
     config_.n_goodness = config_.n_bootstrap = 0;
     const Moved middle = moved(raw_, known_, {});
     if (nodes_mps_.empty()) nodes_mps_ = nodes_for(middle.data.v_mps);
+    speeds_mps_ = nodes_mps_;
+    // the nodes first; then, for the picture, places over all speeds
+    constexpr std::size_t kPlaces = 25;
+    const double lo = middle.data.v_mps.front(), hi = middle.data.v_mps.back();
+    for (std::size_t k = 0; k < kPlaces && hi > kOneSpeed * lo; ++k)
+      speeds_mps_.push_back(lo * pow(hi / lo, static_cast<double>(k) / (kPlaces - 1)));
     models_ = models_of(middle.data, config_);
   }
 
@@ -225,8 +231,9 @@ class Averaging {
       const Deviation at{grid.kappa.at[k / grid.tau.at.size()], grid.tau.at[k % grid.tau.at.size()]};
       const Moved there = moved(raw_, known, at);
       Fitted& fitted = grid.fits[k];
-      fitted = raw_.data.size() < kFewest ? fit_of_few(there.data, nodes_mps_.size())
-                                          : fit_of(there.data, models_[law], config_, nodes_mps_);
+      fitted = raw_.data.size() < kFewest
+                   ? fit_of_few(there.data, speeds_mps_.size())
+                   : fit_of(there.data, models_[law], config_, speeds_mps_, nodes_mps_.size() / 2);
       // the step may be at any sample
       if (models_[law].kind == LawKind::step) fitted.surprise += log(static_cast<double>(raw_.data.size()));
       // of the ratios as measured: their density is that of eps times d eps / d (T'/T)
@@ -279,6 +286,11 @@ class Averaging {
           terms, [j, middle](const Fitted& f) { return f.eps[j] - f.eps[middle]; },
           [j](const Fitted& f) { return f.change_se[j]; }));
     }
+    for (std::size_t j = nodes_mps_.size(); j < speeds_mps_.size(); ++j) {
+      const Estimate e = estimate_of(
+          terms, [j](const Fitted& f) { return f.eps[j]; }, [j](const Fitted& f) { return f.se[j]; });
+      curve.curve.push_back({speeds_mps_[j], e.value, e.ci95, e.se});
+    }
     std::vector<double> weights(models_.size(), 0.0);
     for (const Term& t : terms) weights[t.grid->law] += t.weight;
     for (std::size_t law = 0; law < models_.size(); ++law) curve.laws.emplace_back(name_of(models_[law]), weights[law]);
@@ -312,7 +324,7 @@ class Averaging {
     const LawModel& model = models_.back();
     const double v_mps = model.node_v_mps[2];
     const AirAndContact& known = estimate.is_ideal ? worlds_.back() : known_;
-    const Fitted there = fit_of(moved(raw_, known, estimate.mean).data, model, config_, {v_mps * 0.9999, v_mps});
+    const Fitted there = fit_of(moved(raw_, known, estimate.mean).data, model, config_, {v_mps * 0.9999, v_mps}, 1);
     if (there.eps.empty()) return std::nullopt;
     RestitutionStep step{v_mps, there.eps[1], there.eps[0], std::nullopt};
     const std::vector<std::size_t>& drops = raw_.data.drop;
@@ -328,7 +340,7 @@ class Averaging {
   AirAndContact known_;
   std::vector<AirAndContact> worlds_;
   LawFitConfig config_;
-  std::vector<double> nodes_mps_;
+  std::vector<double> nodes_mps_, speeds_mps_;
   std::vector<LawModel> models_;
   double best_ = -HUGE_VAL;  ///< logarithm of the largest weight so far
 };

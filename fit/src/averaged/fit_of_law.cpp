@@ -107,7 +107,7 @@ std::optional<LawModel> step_of(const LawData& data) {
 }  // namespace
 
 Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& config,
-              const std::vector<double>& nodes_mps) {
+              const std::vector<double>& wanted_mps, std::size_t middle) {
   Fitted fitted;
   std::optional<Candidate> candidate = best_candidate(data, model, config);
   constexpr double kLittle = 0.05;  // of log-likelihood: a search that stopped so near its end knows enough
@@ -117,11 +117,11 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
   LawFit fit;
   fit.n = data.size();
   const Shape shape = shape_of(model, data);
-  std::vector<double> speeds_mps = nodes_mps;
+  std::vector<double> speeds_mps = wanted_mps;
   speeds_mps.insert(speeds_mps.end(), shape.v_mps.begin(), shape.v_mps.end());
   describe_nodes(fit, likelihood, candidate->maximum, speeds_mps);
   const auto n_speeds = static_cast<Eigen::Index>(speeds_mps.size()),
-             n_nodes = static_cast<Eigen::Index>(nodes_mps.size());
+             n_wanted = static_cast<Eigen::Index>(wanted_mps.size());
   Eigen::VectorXd eps(n_speeds);
   Eigen::MatrixXd covariance(n_speeds, n_speeds);
   for (Eigen::Index i = 0; i < n_speeds; ++i) {
@@ -135,10 +135,9 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
   }
   const auto n = static_cast<double>(data.size());
   const auto n_scatter = static_cast<double>(fit.n_parameters) - static_cast<double>(model.n_parameters());
-  fitted.surprise = 0.5 * n_scatter * log(n) - candidate->maximum.loglik + take_in(shape, n_nodes, eps, covariance);
-  const std::size_t middle = nodes_mps.size() / 2;
+  fitted.surprise = 0.5 * n_scatter * log(n) - candidate->maximum.loglik + take_in(shape, n_wanted, eps, covariance);
   const auto m = static_cast<Eigen::Index>(middle);
-  for (Eigen::Index j = 0; j < n_nodes; ++j) {
+  for (Eigen::Index j = 0; j < n_wanted; ++j) {
     fitted.eps.push_back(eps[j]);
     fitted.se.push_back(std::sqrt(std::max(0.0, covariance(j, j))));
     fitted.change_se.push_back(
@@ -154,7 +153,7 @@ Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& co
   return fitted;
 }
 
-Fitted fit_of_few(const LawData& data, std::size_t n_nodes) {
+Fitted fit_of_few(const LawData& data, std::size_t n_speeds) {
   const auto n = static_cast<double>(data.size());
   double weights = 0.0, sum = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -170,9 +169,9 @@ Fitted fit_of_few(const LawData& data, std::size_t n_nodes) {
   const double scatter2 = (2.0 * square(kScatterOfFew) + std::max(0.0, own - (n - 1.0) * timing)) / nu;
   Fitted fitted;
   fitted.surprise = 0.0;
-  fitted.eps.assign(n_nodes, mean);
-  fitted.se.assign(n_nodes, std::sqrt((scatter2 + timing) / n));
-  fitted.change_se.assign(n_nodes, 0.0);
+  fitted.eps.assign(n_speeds, mean);
+  fitted.se.assign(n_speeds, std::sqrt((scatter2 + timing) / n));
+  fitted.change_se.assign(n_speeds, 0.0);
   fitted.nu = nu;
   return fitted;
 }

@@ -11,21 +11,22 @@
 
 namespace bouncelab::fit {
 
-/// One law fitted to samples at the plate: eps at the nodes.
+/// One law fitted to samples at the plate: eps at some speeds.
 struct Fitted {
   double surprise = HUGE_VAL;     ///< minus the logarithm of the law's evidence
-  std::vector<double> eps, se;    ///< at the nodes
-  std::vector<double> change_se;  ///< of the difference from the middle node
+  std::vector<double> eps, se;    ///< at the speeds
+  std::vector<double> change_se;  ///< of the difference from that at the middle one
   double nu = 1e9;                ///< degrees of freedom of the standard errors
   double stretch = 1.0;           ///< of the standard errors, where they are by drop
 };
 
+/// @param middle  of the speeds
 /// @return with an infinite surprise where the law cannot be fitted
 Fitted fit_of(const LawData& data, const LawModel& model, const LawFitConfig& config,
-              const std::vector<double>& nodes_mps);
+              const std::vector<double>& speeds_mps, std::size_t middle);
 
 /// One eps for one or two samples: their scatter is that of few, and their own.
-Fitted fit_of_few(const LawData& data, std::size_t n_nodes);
+Fitted fit_of_few(const LawData& data, std::size_t n_speeds);
 
 /// Laws that may hold for samples: that alone which is asked for, where it is not the default; else a constant, and
 /// from four samples on, of more than one speed, the viscoelastic law and a straight one in ln v, from six on the

@@ -207,6 +207,7 @@ const Description& members_of(const AveragedCurve*) {
   static const Description all{
       result("nodes", &A::nodes, "ε at each node: an estimate with `v_mps`"),
       result("changes", &A::changes, "Difference of ε at each node from that at the middle one"),
+      result("curve", &A::curve, "As that of the law; empty of one speed alone"),
       result("laws", &A::laws, "The laws by their constants → weight, the largest first"),
       result("kappa_per_m", &A::kappa_per_m, "Drag over speed squared at 1 m/s [1/m]; `null`: none"),
       result("contact_s", &A::contact_s, "Contact time at 1 m/s; `null`: none"),
@@ -233,10 +234,10 @@ const Description& members_of(const FitResult*) {
       result("n_used", &F::n_used, "Samples fitted"),
       result("n_left_out", &F::n_left_out, "Reason → number of samples left out"),
       result("law", &F::law, "The fit, see below"),
-      result(
-          "averaged", &F::averaged,
-          "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `laws`, `kappa_per_m`, "
-          "`contact_s`, `share_of_drag`, `share_of_contact`, `step`; `null` of very many samples that hold neither"),
+      result("averaged", &F::averaged,
+             "ε over several laws, drag and contact time, as `answer` has it: `nodes`, `changes`, `curve`, `laws`, "
+             "`kappa_per_m`, "
+             "`contact_s`, `share_of_drag`, `share_of_contact`, `step`; `null` of very many samples that hold neither"),
       result("recordings_test", path(&F::recordings, &Recordings::test),
              "`null`, or the test whether recordings agree, see [several recordings](#several-recordings)"),
       result("recordings", path(&F::recordings, &Recordings::rows),

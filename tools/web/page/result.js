@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, number, element: report's answer.js, text.js)
+// What was found: the answer in sentences, ε(v), distributions, notes. (explanations, answerCurve, number, element: report's answer.js, text.js)
 import {drawPicture, paddedRange} from './picture.js';
 
 const $ = id => document.getElementById(id);
@@ -24,7 +24,7 @@ function middle(values, share) {
 
 /// @param truth  {v, eps} of what was simulated, or null
 export function drawLaw(result, truth) {
-  const {samples, curve} = result, used = (samples.v_mps ?? []).map((_, k) => k).filter(k => !samples.flags?.[k] && Number.isFinite(samples.eps[k]));
+  const {samples} = result, curve = answerCurve(result.fitted), used = (samples.v_mps ?? []).map((_, k) => k).filter(k => !samples.flags?.[k] && Number.isFinite(samples.eps[k]));
   const v = used.map(k => samples.v_mps[k]), eps = used.map(k => samples.eps[k]), sigma = used.map(k => samples.sigma_eps?.[k]);
   const hasBand = curve.length && Number.isFinite(curve[0].lo95);
   const y = paddedRange([...middle(eps, 0.02), ...curve.flatMap(p => hasBand ? [p.lo95, p.hi95] : [p.eps])], 0.1);

@@ -15,7 +15,8 @@ function resultFor(analysis, withSound) {
   const recording = summary.recordings?.[0] ?? {};
   const result = {
     summary, channel, status: recording.status, message: recording.message,
-    answer: fit?.answer ?? null, curve: fit?.law?.curve ?? [],
+    answer: fit?.answer ?? null,
+    fitted: fit && {averaged: fit.averaged, law: {curve: fit.law?.curve}, memory: fit.memory && {holds: fit.memory.holds}},
     histograms: (fit?.histograms ?? []).filter(h => h.curve?.eps?.length),
     warnings: [...new Set([...(withSound === null ? [] : sound.warnings), ...(summary.warnings ?? []), ...(fit?.warnings ?? [])])],
     samples: lists(analysis.samples),
@@ -31,7 +32,7 @@ function drawn(mono) {
 }
 /// What the module asks for: the sound and the options, with the coding by which its samples came.
 const soundAnd = options => [sound.samples, sound.rate_hz, sound.n_channels, sound.name, JSON.stringify({...options, 'lossy-coding': sound.lossy || null})];
-const nothingFound = message => ({failed: true, summary: {}, channel: 0, message, answer: null, curve: [], histograms: [], warnings: sound.warnings, samples: {n: 0}, marks: []});
+const nothingFound = message => ({failed: true, summary: {}, channel: 0, message, answer: null, fitted: null, histograms: [], warnings: sound.warnings, samples: {n: 0}, marks: []});
 
 /// Out of memory, or a fault inside the module: it cannot go on, and the page starts another one.
 const isFatal = error => error instanceof WebAssembly.RuntimeError || error instanceof RangeError;

@@ -158,6 +158,7 @@ Annotations parse_audacity_labels(std::string_view text, const std::string& name
     point.t_s = checked_time(row.numbers[0]->value, name, place);
     // begin, end, text: a text in front of them would have no number
     if (row.cells.size() > 2 || (row.cells.size() == 2 && !row.numbers[1])) point.label = row.cells.back();
+    std::replace(point.label.begin(), point.label.end(), '\t', ' ');  // which would part it when it is written
     result.points.push_back(std::move(point));
   }
   return result;

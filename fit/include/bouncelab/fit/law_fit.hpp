@@ -142,6 +142,7 @@ struct AveragedCurve {
   std::vector<NodeEstimate> nodes;
   /// Difference of eps at each node from that at the middle one, of the averages.
   std::vector<Estimate> changes;
+  std::vector<CurvePoint> curve;  ///< over the speeds of the samples; empty of one speed alone
   /// Laws with their weights, the largest first: "eps", "gamma", "A2, A4".
   std::vector<std::pair<std::string, double>> laws;
   std::optional<Estimate> kappa_per_m;  ///< drag over speed squared at 1 m/s; absent: none
