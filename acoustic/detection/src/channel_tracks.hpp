@@ -64,7 +64,7 @@ struct ChannelTracks {
   std::vector<OfBand> others;  ///< of the other bands that were searched and have any
   /// The impacts are nearly all that rises in the whole band, and none is faint: there is nothing else to find.
   bool is_clear = false;
-  std::optional<SecondBall> second_ball;
+  std::optional<SecondBall> second_ball{};
   double log_odds() const;
 };
 

@@ -111,15 +111,16 @@ struct Decoding {
 // A packet takes 60 bytes of ffprobe's answer and holds 20 ms or so: a day of sound.
 constexpr std::size_t kMostOfAnswer_bytes = std::size_t{1} << 28;
 
+constexpr const char* kShown =  // of the file
+    "packet=stream_index,pts_time,duration_time:stream=index,codec_name,codec_long_name:format=format_long_name";
+
 /// What the file is. @param reason  why libsndfile does not read it
 /// @return the packets of the track
 std::vector<StampedBlock> ask_what_it_is(const Decoding& d, const std::string& reason, SoundInfo& info) {
   const ProgramResult answer =
       run_program(d.ffprobe,
-                  {"-v", "error", "-protocol_whitelist", "file", "-select_streams", "a", "-show_entries",
-                   "packet=stream_index,pts_time,duration_time:stream=index,codec_name,codec_long_name:"
-                   "format=format_long_name",
-                   "-of", "default=noprint_wrappers=1", "-i", d.input},
+                  {"-v", "error", "-protocol_whitelist", "file", "-select_streams", "a", "-show_entries", kShown, "-of",
+                   "default=noprint_wrappers=1", "-i", d.input},
                   d.name, d.descriptor, d.limits, kMostOfAnswer_bytes);
   if (!answer.ended_well)
     throw FileError(d.name, "not readable as audio (libsndfile: " + reason + "; ffmpeg: " +
