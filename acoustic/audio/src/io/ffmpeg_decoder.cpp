@@ -191,20 +191,21 @@ class SamplesByTheClock {
   SamplesByTheClock(DecodedSamples& samples, std::vector<StampGap> gaps) : samples_(samples), gaps_(std::move(gaps)) {}
 
   void append(std::span<const float> decoded, const SoundInfo& info) {
-    while (!decoded.empty()) {
-      const std::int64_t at = gaps_.empty() ? INT64_MAX : std::llround(gaps_.front().after_s * info.rate_hz);
-      const std::int64_t n_before = at == INT64_MAX ? at : std::max<std::int64_t>(0, at * info.n_channels - n_decoded_);
-      const std::size_t n_here = std::min(decoded.size(), static_cast<std::size_t>(n_before));
+    const auto samples_in = [&](double length_s) { return std::llround(length_s * info.rate_hz) * info.n_channels; };
+    while (!gaps_.empty() && !decoded.empty()) {
+      const std::int64_t n_before = samples_in(gaps_.front().after_s) - n_decoded_;
+      if (n_before > std::ssize(decoded)) break;
+      const auto n_here = static_cast<std::size_t>(std::max<std::int64_t>(0, n_before));
       take(decoded.first(n_here));
       decoded = decoded.subspan(n_here);
-      if (n_decoded_ < at * info.n_channels || gaps_.empty()) continue;
-      const std::int64_t n = std::llround(gaps_.front().length_s * info.rate_hz) * info.n_channels;
+      const std::int64_t n = samples_in(gaps_.front().length_s);
       gaps_.erase(gaps_.begin());
       if (n < 0) n_to_skip_ -= n;
       constexpr std::int64_t kAtOnce = 1 << 14;
       for (std::int64_t left = n; left > 0; left -= kAtOnce)
         samples_.append(std::vector<float>(static_cast<std::size_t>(std::min(left, kAtOnce)), 0.0F));
     }
+    take(decoded);
   }
 
  private:
