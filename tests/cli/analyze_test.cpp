@@ -156,7 +156,8 @@ TEST_F(Analyze, DropsOfFewerImpactsAreLeftOutWhereAskedFor) {
   const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
   EXPECT_EQ(summary["n_onsets"], 20);
   EXPECT_EQ(summary["recordings"][0]["status"], "too_few_impacts");
-  expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 4"), 1, {"three.wav", "no 4 of them"});
+  expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 4"), 1,
+                        {"three.wav", "1 drop of fewer than 4 impacts, left out (--min-impacts)"});
   expect_one_line_error(run("detect three.wav --out o.csv --min-impacts 2"), 2, {"--min-impacts", "from 3"});
 }
 

@@ -52,8 +52,8 @@ void summarize_tracks(const BandOfChannel& band, const std::vector<Track>& track
   summary.restitution_median = upper_median(std::move(eps));
 }
 
-/// Leaves out the drops of fewer impacts, and numbers the others from 0.
-void leave_out_short(std::int64_t min_impacts, Onsets& onsets, std::vector<Track>& tracks) {
+/// Leaves out the drops of fewer impacts, and numbers the others from 0. @return how many were left out
+std::size_t leave_out_short(std::int64_t min_impacts, Onsets& onsets, std::vector<Track>& tracks) {
   std::vector<std::int64_t> n_impacts(tracks.size(), 0), number(tracks.size(), 0);
   for (const Onset& onset : onsets) ++n_impacts[static_cast<std::size_t>(onset.drop)];
   const auto is_short = [&](std::size_t drop) { return n_impacts[drop] < min_impacts; };
@@ -64,7 +64,9 @@ void leave_out_short(std::int64_t min_impacts, Onsets& onsets, std::vector<Track
   }
   std::erase_if(onsets, [&](const Onset& onset) { return is_short(static_cast<std::size_t>(onset.drop)); });
   for (Onset& onset : onsets) onset.drop = number[static_cast<std::size_t>(onset.drop)];
+  const std::size_t n_left_out = tracks.size() - kept.size();
   tracks = std::move(kept);
+  return n_left_out;
 }
 
 std::vector<DropSummary> summarize_drops(const Onsets& onsets, const std::vector<Track>& tracks) {
@@ -92,16 +94,20 @@ std::string in_words(const std::vector<Candidate>& candidates) {
   return apart_s.empty() ? text : text + " s apart";
 }
 
-void set_status(std::int64_t min_impacts, const std::vector<Candidate>& candidates, Detection& d) {
+/// @param n_short  drops that were left out
+void set_status(std::size_t n_short, std::int64_t min_impacts, const std::vector<Candidate>& candidates, Detection& d) {
   if (!d.onsets.empty()) {
     d.status = DetectionStatus::ok;
     d.message = std::to_string(d.onsets.size()) + " impacts in " + std::to_string(d.summary.n_drops) +
                 (d.summary.n_drops == 1 ? " drop" : " drops");
+  } else if (n_short > 0) {
+    d.status = DetectionStatus::too_few_impacts;
+    d.message = in_words(candidates) + ", and " + std::to_string(n_short) + (n_short == 1 ? " drop" : " drops") +
+                " of fewer than " + std::to_string(min_impacts) + " impacts, left out (--min-impacts)";
   } else if (d.summary.n_candidates > 0) {
     d.status = DetectionStatus::too_few_impacts;
     d.message = in_words(candidates) + ", which a bouncing ball is not likelier to have made than chance" +
-                formatted(" (an ε below %.2g is not looked for, and three impacts alone tell little", kLeastEps) +
-                (min_impacts > 3 ? "; drops of fewer than " + std::to_string(min_impacts) + " are left out)" : ")");
+                formatted(" (an ε below %.2g is not looked for, and three impacts alone tell little)", kLeastEps);
   } else {
     d.status = DetectionStatus::silent;
     d.message = "nothing rises above the noise";
@@ -191,7 +197,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
   TimedRecording timed =
       time_recording(drops_of(band, best.found.tracks), other_bands, config.gravity_mps2, n_threads, name);
   d.onsets = std::move(timed.onsets);
-  leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
+  const std::size_t n_short = leave_out_short(config.min_impacts, d.onsets, best.found.tracks);
   d.drops = summarize_drops(d.onsets, best.found.tracks);
   summarize_tracks(band, best.found.tracks, d.summary);
   if (!d.onsets.empty()) {
@@ -200,7 +206,7 @@ Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std:
     d.summary.contact_time_sigma_s = timed.contact_time_sigma_s;
   }
   if (band.models.noise.quiet_variance > 0.0) d.noise = noise_spectrum(band);
-  set_status(config.min_impacts, band.candidates, d);
+  set_status(n_short, config.min_impacts, band.candidates, d);
   d.warnings = warnings_for(d, band, timed.is_full_band);
   if (const auto& second = best.found.second_ball; second && !d.onsets.empty())
     d.warnings.push_back(
