@@ -192,6 +192,18 @@ class Tables(Case):
                 for column in self.onsets:
                     np.testing.assert_array_equal(again[column], self.onsets[column])
 
+    def test_files_of_other_programs(self):
+        with open(self.path("t.csv"), "w") as file:
+            file.write("Nr;Zeit (ms)\n1;400,0\n2;1000,0\n3;1510,0\n4;1943,5\n")
+        onsets = bl.Onsets.from_csv(self.path("t.csv"))
+        np.testing.assert_allclose(onsets.t, [0.4, 1.0, 1.51, 1.9435], rtol=1e-12)
+        self.assertRegex(onsets.summary["taken_for"][0], "times in ms")
+        onsets = bl.Onsets.from_csv(self.path("t.csv"), columns="t=2", unit="s", taken_as="times")
+        self.assertEqual(onsets.t[1], 1000.0)
+        with open(self.path("v.csv"), "w") as file:
+            file.write("a;b\n1,2;0,85\n1,0;0,86\n")
+        np.testing.assert_allclose(bl.Samples.from_csv(self.path("v.csv"), columns="v=a,eps=b").eps, [0.85, 0.86])
+
     def test_the_message_says_what_was_found(self):
         self.assertRegex(self.onsets.message, "180 impacts in 6 drops")
 

@@ -19,8 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kHead_bytes = 1 << 14;
-
 /// A table that is in memory already, as one piece after the other.
 class TableInMemory final : public TableReader {
  public:
@@ -55,7 +53,7 @@ class TableInMemory final : public TableReader {
 
 std::string head_of(const fs::path& path) {
   std::ifstream in(readable(path), std::ios::binary);
-  std::string head(kHead_bytes, '\0');
+  std::string head(audio::kHeadOfTimes_bytes, '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
   return head;
@@ -136,10 +134,9 @@ bool holds_times(const fs::path& path, bool has_rate) {
   std::error_code error;
   if (has_rate || !fs::is_regular_file(path, error)) return false;
   if (is_json_lines(path)) return true;
-  constexpr std::uintmax_t kLongest_bytes = 1 << 22;  // some 100,000 impacts: more are samples of a sound
   const std::string head = head_of(path);
-  if (fs::file_size(path, error) > kLongest_bytes && !audio::is_own_table(head)) return false;
-  return audio::holds_times(head, head.size() < kHead_bytes);
+  if (fs::file_size(path, error) > audio::kLongestOfTimes_bytes && !audio::is_own_table(head)) return false;
+  return audio::holds_times(head, head.size() < audio::kHeadOfTimes_bytes);
 }
 
 }  // namespace bouncelab::stages

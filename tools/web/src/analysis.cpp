@@ -127,9 +127,8 @@ Analysis analyze_onsets(Onsets onsets, const Sound& sound, const std::string& op
 }
 
 bool holds_times(const std::string& bytes) {
-  constexpr std::size_t kHead_bytes = 1 << 14, kLongest_bytes = 1 << 22;
-  return bytes.size() <= kLongest_bytes &&
-         audio::holds_times(std::string_view(bytes).substr(0, kHead_bytes), bytes.size() <= kHead_bytes);
+  const std::string_view head = std::string_view(bytes).substr(0, audio::kHeadOfTimes_bytes);
+  return bytes.size() <= audio::kLongestOfTimes_bytes && audio::holds_times(head, head.size() == bytes.size());
 }
 
 Analysis analyze_times(const std::string& bytes, const std::string& name, const std::string& options_json) {

@@ -41,6 +41,9 @@ inline double checked_time(double t_s, const std::string& name, const std::strin
   return t_s;
 }
 
+/// parse_audacity_labels() of a table that was read.
+Annotations labels_of(const ForeignTable& table, const std::string& name);
+
 /// A tier of a TextGrid, or a layer.
 struct Tier {
   std::string name;

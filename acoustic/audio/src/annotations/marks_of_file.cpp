@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "annotations/annotation_numbers.hpp"
 #include "bouncelab/audio/annotations.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/foreign_table.hpp"
@@ -58,8 +59,8 @@ std::optional<Annotations> marks_of_file(std::string_view bytes, const std::stri
     default:
       break;
   }
-  if (!are_labels(read_foreign_table(text, name))) return std::nullopt;
-  return parse_audacity_labels(text, name);
+  const ForeignTable table = read_foreign_table(text, name);
+  return are_labels(table) ? std::optional(labels_of(table, name)) : std::nullopt;
 }
 
 Onsets onsets_of_file(std::string_view bytes, const std::string& name, const ForeignOptions& options,

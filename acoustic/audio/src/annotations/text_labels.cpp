@@ -143,7 +143,10 @@ std::string audacity_labels(const Annotations& annotations) {
 }
 
 Annotations parse_audacity_labels(std::string_view text, const std::string& name) {
-  const ForeignTable table = read_foreign_table(text, name);
+  return labels_of(read_foreign_table(text, name), name);
+}
+
+Annotations labels_of(const ForeignTable& table, const std::string& name) {
   Annotations result;
   result.resolution_s = 1e-6;
   if (table.n_left_out > 0)

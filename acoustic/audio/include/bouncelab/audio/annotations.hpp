@@ -76,8 +76,11 @@ Onsets onsets_of_file(std::string_view bytes, const std::string& name, const For
                       const std::string& tier, std::string& taken_for);
 /// Does a file hold times or marks, rather than sound? Text does where it has no column of times that are equally
 /// spaced and close enough to be samples.
-/// @param head  the first 16 kB or so. @param is_whole  it is the whole file
+/// @param head  the first kHeadOfTimes_bytes. @param is_whole  it is the whole file
 bool holds_times(std::string_view head, bool is_whole);
+inline constexpr std::size_t kHeadOfTimes_bytes = 1 << 14;
+/// Files that are longer, some 100,000 impacts, and are no table of ours hold samples of a sound.
+inline constexpr std::size_t kLongestOfTimes_bytes = 1 << 22;
 
 // ---- each
 
