@@ -15,6 +15,13 @@ FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samp
   return words;
 }
 
+void withhold_answer(const std::string& why, FitInWords& words) {
+  PlainAnswer none;
+  none.seen = words.answer.seen;
+  none.sentences = {why + "."};
+  words.answer = std::move(none);
+}
+
 void keep_three(std::vector<std::string>& warnings, FitInWords& words) {
   if (warnings.size() <= kMostWarnings) return;
   words.details.insert(words.details.begin(), warnings.begin() + kMostWarnings, warnings.end());

@@ -29,6 +29,19 @@ std::vector<std::string> warnings_of_drops(const std::vector<detection::Recordin
           where + "; kept, listen there"};
 }
 
+std::optional<std::string> doubt_of_all_drops(const std::vector<detection::RecordingDetection>& recordings) {
+  const detection::RecordingDetection* of = nullptr;
+  const detection::DropSummary* likeliest = nullptr;
+  for (const detection::RecordingDetection& r : recordings)
+    for (const detection::DropSummary& drop : r.found.drops)
+      if (likeliest == nullptr || drop.odds > likeliest->odds) likeliest = &drop, of = &r;
+  if (likeliest == nullptr || !likeliest->is_doubtful()) return {};
+  return "no ε is stated: it is doubtful whether a ball bounced" +
+         (recordings.size() == 1 ? std::string() : ", least in " + name_of(*of)) +
+         formatted(" (odds %.1f to 1 from %.1f s on); listen there, the report shows what was taken for impacts",
+                   likeliest->odds, likeliest->begin_s);
+}
+
 std::vector<std::string> warnings_of(const fit::RestitutionCounts& counts, const fit::RestitutionConfig& config) {
   if (counts.n_heights_contradicted == 0) return {};
   return {formatted(

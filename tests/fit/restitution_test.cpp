@@ -133,6 +133,17 @@ TEST(Restitution, BreaksTheChainAtADoubtfulOnsetOfUnknownErrorAndNowhereElse) {
   EXPECT_EQ(r.counts.breaks.at(Flag::doubtful), 1u);
 }
 
+TEST(Restitution, TakesNothingFromAnImpactThatIsLessLikelyThanNotTheBalls) {
+  auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
+  onsets[0].flags = {Flag::doubtful, Flag::improbable};
+  onsets[11].flags = {Flag::improbable};
+  const auto r = restitution_samples(onsets, {});
+  ASSERT_EQ(r.samples.size(), 8u);
+  EXPECT_EQ(r.samples.front().impact, 2);
+  EXPECT_EQ(r.samples.back().impact, 9);
+  EXPECT_EQ(r.counts.breaks.at(Flag::improbable), 2u);
+}
+
 TEST(Restitution, UsesOverlappingAndClippedOnsetsWithTheirStandardErrors) {
   auto onsets = onsets_at(geometric_times(0.2, 0.9, 12));
   onsets[5].flags = {Flag::overlap};

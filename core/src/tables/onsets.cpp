@@ -18,6 +18,8 @@ std::string_view name_of(Flag flag) {
       return "doubtful";
     case Flag::extra_impact:
       return "extra_impact";
+    case Flag::improbable:
+      return "improbable";
     case Flag::inferred:
       return "inferred";
     case Flag::missing_impact:
@@ -34,8 +36,8 @@ std::string_view name_of(Flag flag) {
 }
 
 std::optional<Flag> flag_named(std::string_view word) {
-  for (const Flag flag : {Flag::by_hand, Flag::clipped, Flag::doubtful, Flag::extra_impact, Flag::inferred,
-                          Flag::missing_impact, Flag::no_position, Flag::not_finite, Flag::overlap})
+  for (const Flag flag : {Flag::by_hand, Flag::clipped, Flag::doubtful, Flag::extra_impact, Flag::improbable,
+                          Flag::inferred, Flag::missing_impact, Flag::no_position, Flag::not_finite, Flag::overlap})
     if (name_of(flag) == word) return flag;
   return std::nullopt;
 }
@@ -96,7 +98,7 @@ const RowColumns<Onset>& columns_of(const Onset*) {
       column("probability", &O::probability,
              "That this mark is an impact of this ball: that of the drop, odds/(1 + odds), times that of the impact "
              "given the drop and that of its place. Empty: not known (a table of an earlier version, a mark made by "
-             "hand). `restitution` does not use it",
+             "hand). Below one half the mark is flagged `improbable`",
              {0.0, 1.0})};
   return all;
 }

@@ -20,7 +20,7 @@ namespace {
 /// off.
 std::optional<Flag> breaking_flag(const Onset& onset) {
   if (onset.flags.has(Flag::doubtful) && !onset.sigma_t_s) return Flag::doubtful;
-  for (const Flag flag : {Flag::inferred, Flag::no_position})
+  for (const Flag flag : {Flag::improbable, Flag::inferred, Flag::no_position})
     if (onset.flags.has(flag)) return flag;
   return std::nullopt;
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
@@ -70,6 +72,8 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
                        const fs::path& folder, const Run& run) {
   report::FitInWords words = report::in_words(found.fit, found.restitution.samples, config.fit.memory);
   const Outcome fitted = as_stage(fit_outcome(found.fit, words, (folder / "samples.csv").string()), found.fit);
+  const std::optional<std::string> doubt = report::doubt_of_all_drops(found.recordings);
+  if (doubt) withhold_answer(*doubt, words);
   Outcome outcome;
   outcome.warnings = joined(report::warnings_of(found.restitution.counts, config.restitution), detected.warnings);
   outcome.warnings = joined(outcome.warnings, fitted.warnings);
@@ -82,9 +86,10 @@ Outcome write_analysis(const loop::Analysis& found, const loop::AnalyzeConfig& c
   const Outcome shown = run_report({folder, folder / "report.html", title_of(files)}, run);
   const std::string answer = answer_text(words.answer);
   outcome.text = answer + detected.text + text_of(found.restitution.counts, config.restitution) + shown.text;
-  outcome.exit_code = std::max(detected.exit_code, fitted.exit_code);
+  outcome.exit_code = std::max({detected.exit_code, fitted.exit_code, doubt ? kNotUsable : 0});
   // recordings that were left out are named also where the fit of the others fails
-  outcome.error = detected.error + (detected.error.empty() || fitted.error.empty() ? "" : "; ") + fitted.error;
+  const std::string unfit = doubt.value_or(fitted.error);
+  outcome.error = detected.error + (detected.error.empty() || unfit.empty() ? "" : "; ") + unfit;
   return outcome;
 }
 

@@ -52,6 +52,7 @@ Analysis completed(loop::Analysis found, const loop::AnalyzeConfig& config, cons
   Analysis analysis{std::move(found), {}, {}, name, {}};
   const loop::Analysis& all = analysis.found;
   analysis.words = report::in_words(all.fit, all.restitution.samples, config.fit.memory);
+  if (const auto doubt = report::doubt_of_all_drops(all.recordings)) withhold_answer(*doubt, analysis.words);
   std::vector<std::string> warnings = report::warnings_of_drops(all.recordings);
   for (const auto& more : {report::warnings_of(all.restitution.counts, config.restitution),
                            report::warnings_of(all.recordings), analysis.words.warnings})

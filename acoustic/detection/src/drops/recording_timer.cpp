@@ -324,6 +324,7 @@ Onset to_onset(const TimedImpact& from, double log_odds_of_track, const ContactC
   if (from.clipped) onset.flags.add(Flag::clipped);
   if (from.overlap) onset.flags.add(Flag::overlap);
   if (from.inferred) onset.flags.add(Flag::inferred);
+  if (*onset.probability < 0.5) onset.flags.add(Flag::improbable);
   if (from.doubtful) onset.flags.add(Flag::doubtful);
   return onset;
 }

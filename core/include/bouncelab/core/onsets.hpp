@@ -18,6 +18,7 @@ enum class Flag {
   clipped,         ///< the sound is clipped at this impact
   doubtful,        ///< the impact has more than one place where it may have been; sigma_t_s covers them
   extra_impact,    ///< the ratio of intervals is explained only by an impact that did not happen
+  improbable,      ///< less likely than not to be an impact of the ball
   inferred,        ///< the impact was not detected by itself, but expected from its neighbours and then found
   missing_impact,  ///< the ratio of intervals is explained only by an impact that was not detected
   no_position,     ///< the place of the impact is not known, so that the travel time is still in the time

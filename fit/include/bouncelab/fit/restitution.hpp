@@ -83,7 +83,7 @@ struct Restitution {
 /// absent where one of the three is. Neighbours share onsets: lag one correlates by about -2/3, lag two by +1/6.
 ///
 /// A sample needs three successive impacts. The chain of a drop is broken, there and nowhere else, by an onset
-/// flagged `inferred` or `no_position`, by a `doubtful` one without standard error, and by a jump in the column
+/// flagged `improbable`, `inferred` or `no_position`, by a `doubtful` one without standard error, and by a jump in the column
 /// `impact`. An onset flagged `overlap`, `clipped` or, with a standard error, `doubtful` breaks nothing: the detector
 /// times it with a standard error of its own, which covers all places where a doubtful one may have been. Where the
 /// ratio of two neighbouring intervals leaves the median ratio m of its drop by more than a factor sqrt(1 + m), an

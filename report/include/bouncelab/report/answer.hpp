@@ -74,6 +74,9 @@ struct FitInWords {
 };
 const Description& members_of(const FitInWords*);
 
+/// Leaves no answer: `why` stands in its place.
+void withhold_answer(const std::string& why, FitInWords& words);
+
 /// @param samples  all that were given to the fit, in any order, also those that it left out
 /// @param memory   as the fit was asked for: a fit with memory that does not hold is worth a warning where it was
 FitInWords in_words(const fit::FitResult& result, const RestitutionSamples& samples,
