@@ -64,6 +64,8 @@ constexpr Number kNumbers[] = {
     BOUNCELAB_NUMBER(another_ball),
     BOUNCELAB_NUMBER(usual_first_change),
     BOUNCELAB_NUMBER(first_change_scatter),
+    BOUNCELAB_NUMBER(loudness_exponent),
+    BOUNCELAB_NUMBER(exponent_scatter),
     BOUNCELAB_NUMBER(loudness_scatter),
     BOUNCELAB_NUMBER(loudness_weight),
     BOUNCELAB_NUMBER(rhythm_log_odds),

@@ -63,7 +63,7 @@ double largest_factor_of_missing(int n_missing, const TrackingModel& model) {
 Bounces::Bounces(double log_flight, double log_amplitude)
     : first_log_flight_(log_flight),
       // the flight before the first impact is not known; it is taken for as long as that after it
-      loudness_(log_amplitude - log_flight) {}
+      loudness_(log_amplitude, log_flight) {}
 
 double Bounces::learned_variance(const TrackingModel& model) const {
   return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_of_mean_);
@@ -94,7 +94,7 @@ double Bounces::density(const Flight& flight, double log_eps, double log_flight,
         (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps + model.outliers * of_outlier;
   }
   return probability_of_missing(n_missing, model) * of_eps / flight.slope_s *
-         loudness_.density(log_amplitude - log_flight, model);
+         loudness_.density(log_amplitude, log_flight, model);
 }
 
 double Bounces::largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const {
@@ -123,7 +123,7 @@ void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int
                     const TrackingModel& model) {
   learn_eps(log_eps, n_missing, jitter2, model);
   mean_eps_ = exp(mean_log_eps_);
-  loudness_.learn(log_amplitude - log_flight, model);
+  loudness_.learn(log_amplitude, log_flight, model);
 }
 
 void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model) {

@@ -37,36 +37,48 @@ inline double largest_log(double x) {
 
 /// What is known of the loudness of one source: a running mean of its logarithm, which gain control may carry along,
 /// and its scatter with a conjugate prior. The same for balls and rhythms, so that neither is preferred for being even
-/// or uneven; they differ in what loudness is counted against, the speed of impact or nothing.
+/// or uneven; a ball's goes with a power of its speed, of which the exponent is not known well: hard balls have 1, soft
+/// ones, whose slow impacts are long and dull, up to 4.
 class Loudness {
  public:
-  /// @param mean  log loudness of the first two sounds
-  explicit Loudness(double mean) : mean_(mean) {}
+  /// @param mean        log loudness of the first two sounds
+  /// @param log_flight  of a ball, before them [ln s]; 0 of a rhythm
+  explicit Loudness(double mean, double log_flight = 0.0) : mean_(mean), mean_log_flight_(log_flight) {}
   Loudness() = default;
 
   /// Density of the next log loudness.
-  double density(double log_loudness, const TrackingModel& model) const {
-    return student3(log_loudness - mean_, std::sqrt(variance(model)));
+  double density(double log_loudness, double log_flight, const TrackingModel& model) const {
+    return student3(deviation(log_loudness, log_flight, model), width(log_flight, model));
   }
 
   /// At the mean.
   double largest_density(const TrackingModel& model) const { return student3(0.0, std::sqrt(variance(model))); }
 
-  void learn(double log_loudness, const TrackingModel& model) {
-    const double width = std::sqrt(variance(model));
-    const double step = std::clamp(log_loudness - mean_, -kMostOfOne * width, kMostOfOne * width);
+  void learn(double log_loudness, double log_flight, const TrackingModel& model) {
+    const double most = kMostOfOne * width(log_flight, model);
+    const double step = std::clamp(deviation(log_loudness, log_flight, model), -most, most);
+    const double own = std::min(1.0, std::sqrt(variance(model)) / width(log_flight, model)) * step;
     n_sounds_ = std::min(n_sounds_ + 1, model.memory);
-    sum_squares_ = (sum_squares_ + square(step)) * (n_sounds_ < model.memory ? 1.0 : 1.0 - 1.0 / model.memory);
-    mean_ += step / n_sounds_;
+    sum_squares_ = (sum_squares_ + square(own)) * (n_sounds_ < model.memory ? 1.0 : 1.0 - 1.0 / model.memory);
+    const double change = log_flight - mean_log_flight_;
+    mean_ += (model.loudness_exponent * change + step) / n_sounds_;
+    mean_log_flight_ += change / n_sounds_;
   }
 
  private:
+  double deviation(double log_loudness, double log_flight, const TrackingModel& model) const {
+    return log_loudness - mean_ - model.loudness_exponent * (log_flight - mean_log_flight_);
+  }
+  double width(double log_flight, const TrackingModel& model) const {
+    return std::sqrt(variance(model) + square(model.exponent_scatter * (log_flight - mean_log_flight_)));
+  }
   double variance(const TrackingModel& model) const {
     return (model.loudness_weight * square(model.loudness_scatter) + sum_squares_) /
            (model.loudness_weight + n_sounds_ - 2);
   }
 
   double mean_ = 0.0;
+  double mean_log_flight_ = 0.0;
   double sum_squares_ = 0.0;
   int n_sounds_ = 2;
 };

@@ -37,8 +37,8 @@ Rhythm::Rhythm(double log_interval, double log_amplitude)
 
 std::array<double, kRhythmKinds> Rhythm::follow(double interval_s, double log_amplitude, double sigma_s,
                                                 const TrackingModel& model) {
-  const double of_amplitude = loudness_.density(log_amplitude, model);
-  loudness_.learn(log_amplitude, model);
+  const double of_amplitude = loudness_.density(log_amplitude, 0.0, model);
+  loudness_.learn(log_amplitude, 0.0, model);
   const std::array<double, kRhythmKinds> densities{of_amplitude * follow_by_hand(interval_s, sigma_s, model),
                                                    of_amplitude * follow_by_machine(interval_s, sigma_s, model)};
   n_sounds_ += 1;

@@ -42,6 +42,8 @@ struct TrackingModel {
   // loudness: log amplitude
   double usual_first_change = -0.25;  ///< from the first impact to the second
   double first_change_scatter = 0.6;
+  double loudness_exponent = 1.3;  ///< of the speed of a ball, on the mean
+  double exponent_scatter = 0.8;
   double loudness_scatter = 0.4;  ///< of amplitude over speed from impact to impact, before the track itself shows it
   double loudness_weight = 4.0;   ///< impacts that this is worth
 
