@@ -7,7 +7,7 @@ namespace bouncelab::detection {
 constexpr double kShortestFirstFlight_s = 40e-3;  // a track begins with 0.2 m/s or more, a drop from 2 mm
 constexpr double kLongestFlight_s = 2.5;          // a fall from 7.6 m
 constexpr double kShortestFlight_s = 1e-3;
-constexpr double kLeastEps = 0.4;    // a basketball on carpet has 0.5
+constexpr double kLeastEps = 0.2;    // a cold squash ball has 0.3
 constexpr double kLargestEps = 1.2;  // single gains of a spinning ball
 constexpr double kEcho_s = 40e-3;    // after an impact: what is fainter then is taken for its echo
 constexpr int kMostMissing = 2;      // impacts in a row that were not detected
