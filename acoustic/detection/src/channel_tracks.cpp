@@ -17,9 +17,6 @@ namespace {
 
 constexpr std::array<double, 3> kBandRates_hz{0.0, 4e3, 1e3};  // sampling rates; the first as recorded
 
-// log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen
-constexpr double kBandSelectionMargin = 2.5;
-
 // Lower bands are not searched where they have nothing to add: where the impacts are nearly all that rises (of balls of
 // steel, glass and stone 0.99, of soft ones 0.2 to 0.99), and none is so faint that others may be missing.
 constexpr double kExplained = 0.97;
@@ -36,6 +33,61 @@ bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
     for (const TrackImpact& impact : track.impacts)
       if (rise(band.candidates[impact.candidate]) < kClearRise) return false;
   return rise_of_impacts(band, found) > kExplained * rise_of_all(band);
+}
+
+double begin_s(const BandOfChannel& band, const Track& track) {
+  return band.candidates[track.impacts.front().candidate].t_s;
+}
+double end_s(const BandOfChannel& band, const Track& track) {
+  return band.candidates[track.impacts.back().candidate].t_s;
+}
+
+/// The candidate nearest to another band's, where one is within their reach and after `last`.
+std::optional<std::size_t> same_rise(const std::vector<Candidate>& candidates, const Candidate& of,
+                                     std::optional<std::size_t> last) {
+  std::optional<std::size_t> nearest;
+  for (std::size_t k = last ? *last + 1 : 0; k < candidates.size(); ++k) {
+    const double off_s = std::abs(candidates[k].t_s - of.t_s);
+    if (off_s < std::max(candidates[k].reach_s, of.reach_s) &&
+        (!nearest || off_s < std::abs(candidates[*nearest].t_s - of.t_s)))
+      nearest = k;
+  }
+  return nearest;
+}
+
+/// Another band's track, by the rises of its impacts in this band; those that do not rise here are left out.
+Track track_in(const BandOfChannel& band, const BandOfChannel& other, const Track& track) {
+  Track found{{}, track.log_odds};
+  std::optional<std::size_t> last;
+  for (TrackImpact impact : track.impacts)
+    if (const auto rise = same_rise(band.candidates, other.candidates[impact.candidate], last)) {
+      last = impact.candidate = *rise;
+      found.impacts.push_back(impact);
+    }
+  if (found.impacts.empty()) return found;
+  const std::int64_t first = found.impacts.front().impact;
+  for (TrackImpact& impact : found.impacts) impact.impact -= first;
+  return found;
+}
+
+/// Adds the drops that only another band shows: which band has the most of a recording says nothing of one drop.
+void add_drops_of_other_bands(BandsOfChannel& bands, ChannelTracks& best, const TrackingModel& model) {
+  const BandOfChannel& band = bands[best.band];
+  std::vector<Track> more;
+  for (const ChannelTracks::OfBand& other : best.others)
+    for (const Track& track : other.tracks)
+      if (other.band != best.band && track.log_odds > (other.band > 0 ? model.lower_band : 0.0))
+        more.push_back(track_in(band, bands[other.band], track));
+  std::stable_sort(more.begin(), more.end(), [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
+  for (Track& track : more) {
+    if (std::ssize(track.impacts) < kFewestImpacts) continue;
+    const bool overlaps = std::any_of(best.tracks.begin(), best.tracks.end(), [&](const Track& other) {
+      return begin_s(band, other) <= end_s(band, track) && end_s(band, other) >= begin_s(band, track);
+    });
+    if (!overlaps) best.tracks.push_back(std::move(track));
+  }
+  std::sort(best.tracks.begin(), best.tracks.end(),
+            [&](const Track& a, const Track& b) { return begin_s(band, a) < begin_s(band, b); });
 }
 
 /// Where sound breaks off or begins again for want of it nothing struck.
@@ -114,11 +166,12 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
         b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness), {}};
     begin_at_first_arrivals(band.candidates, of_band.tracks);
     of_band.is_clear = b == 0 && are_clear(band, of_band);
-    if (b == 0 || of_band.log_odds() > best.log_odds() + kBandSelectionMargin) std::swap(best, of_band);
-    if (b > 0 && !of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
+    if (b == 0 || of_band.log_odds() > best.log_odds() + model.lower_band) std::swap(best, of_band);
+    if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
     if (best.is_clear) break;
   }
   best.others = std::move(others);
+  add_drops_of_other_bands(bands, best, model);
   return best;
 }
 

@@ -39,6 +39,9 @@ struct TrackingModel {
   double scatter_of_drops = 0.06;  ///< of the first log eps, between drops of one ball at other speeds
   double another_ball = 0.4;       ///< share of drops that are of another, or on another floor
 
+  /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
+  double lower_band = 2.5;
+
   // loudness: log amplitude
   double usual_first_change = -0.25;  ///< from the first impact to the second
   double first_change_scatter = 0.6;
@@ -48,7 +51,7 @@ struct TrackingModel {
   double loudness_weight = 4.0;   ///< impacts that this is worth
 
   // rhythms: log interval
-  double rhythm_log_odds = 0.0;   ///< of a rhythm against a ball
+  double rhythm_log_odds = -0.5;  ///< of a rhythm against a ball
   double switch_log_odds = -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound by chance
   double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
   double beat_weight = 2.0;       ///< intervals that this is worth
