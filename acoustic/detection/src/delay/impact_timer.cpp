@@ -20,9 +20,6 @@ constexpr int kCoarseSteps = 8;
 constexpr double kFine = 1.12;
 constexpr int kFineSteps = 3;  // on either side
 constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
-// the largest likelihood over that at the steps of half a sample, 1 / cos^2(pi / 4): of a sound at the Nyquist
-// frequency
-constexpr double kMostBetweenSteps = 2.0;
 
 std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
   return std::llround(duration_s * sound.rate_hz);
@@ -191,45 +188,12 @@ DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) {
 }
 
 ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
-  return *time_if_over(-INFINITY, t_s, reach_s, until_s);
-}
-
-ImpactTimer::EnergyInReach ImpactTimer::energy_in_reach(std::int64_t start, std::int64_t n_reach) {
-  const auto n_later = static_cast<std::size_t>(2 * n_reach);  // samples of the last window that are not of the first
-  if (n_later > learned_.filter.n_window()) return {INFINITY, INFINITY};
-  std::vector<float>& x = window_.sound;
-  known_.window_without(start - n_reach, {}, x);
-  const std::span<const float> before = std::span(x).first(static_cast<std::size_t>(n_reach));
-  EnergyInReach energy{audio::dot(before, before), audio::dot(x, x)};
-  known_.window_without(start + n_reach, {}, x);
-  const std::span<const float> later = std::span(x).last(n_later);
-  energy.of_all += audio::dot(later, later);
-  return energy;
-}
-
-bool ImpactTimer::is_whole_in_reach(const FitWindow& window, std::int64_t n_reach, std::int64_t end) const {
-  const auto n_template = static_cast<std::int64_t>(learned_.n_template);
-  return !window.is_clipped && end - window.first >= n_template + n_reach &&
-         static_cast<std::int64_t>(learned_.filter.n_window()) >= n_template + n_reach;
-}
-
-std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, double t_s, double reach_s,
-                                                   double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  const std::int64_t n_reach = static_cast<std::int64_t>(std::ceil(reach)) + 1;
-  EnergyInReach energy;
-  if (std::isfinite(log_likelihood_ratio)) energy = energy_in_reach(start, n_reach);
-  if (0.5 * energy.of_all <= log_likelihood_ratio) return std::nullopt;
   FitWindow& window = window_;
   cut(start, end, window);
   Correlation products = correlation_in(window, -reach, reach);
-  if (is_whole_in_reach(window, n_reach, end) &&
-      0.5 * square(std::sqrt(2.0 * kMostBetweenSteps * products.highest().log_likelihood_ratio) +
-                   std::sqrt(energy.before)) <=
-          log_likelihood_ratio)
-    return std::nullopt;
   for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
     cut(window.first + std::llround(products.highest().shift), end, window);
@@ -237,21 +201,6 @@ std::optional<ImpactFit> ImpactTimer::time_if_over(double log_likelihood_ratio, 
     products = correlation_in(window, -reach - moved, reach - moved);
   }
   return fit_of(window, products);
-}
-
-std::optional<std::vector<PossiblePlace>> ImpactTimer::places_between(double from_s, double to_s, double until_s,
-                                                                      double least, const ImpactFit& beside,
-                                                                      double apart_s) {
-  const std::int64_t first = samples(from_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
-  const std::int64_t n_lags = std::max<std::int64_t>(0, samples(to_s - from_s, sound_)) + 1;
-  const std::int64_t n_samples = n_lags + static_cast<std::int64_t>(learned_.n_template);
-  if (first + n_samples > samples(until_s, sound_) || is_clipped(first, static_cast<std::size_t>(n_samples)))
-    return std::nullopt;
-  if (!places_) places_.emplace(learned_);
-  // one that is not in the stretch as a whole explains nothing of it
-  const bool is_in_stretch = from_s <= beside.t_s && beside.t_s <= to_s;
-  return places_->find(known_, sound_.rate_hz, first, n_lags, least,
-                       {is_in_stretch ? beside.log_likelihood_ratio : 0.0, apart_s * sound_.rate_hz});
 }
 
 ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {

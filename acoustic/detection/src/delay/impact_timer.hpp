@@ -3,10 +3,8 @@
 
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "delay/place_search.hpp"
 #include "delay/ringing.hpp"
 #include "delay/timed_impact.hpp"
 #include "template/correlation_peaks.hpp"
@@ -29,15 +27,6 @@ class ImpactTimer {
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact
   ImpactFit time(double t_s, double reach_s, double until_s);
-  /// The same; absent where its log likelihood ratio cannot be above this. By Schwarz' inequality it is at most half of
-  /// the energy in reach, which takes a tenth of the time; by the first window's correlation, most often less.
-  std::optional<ImpactFit> time_if_over(double log_likelihood_ratio, double t_s, double reach_s, double until_s);
-  /// The places between two times where the log likelihood ratio may be above `least`, by one correlation; absent where
-  /// it does not tell: where the sound reaches the next impact or is clipped.
-  /// @param beside   the best fit of the impact
-  /// @param apart_s  of the places from it, at least
-  std::optional<std::vector<PossiblePlace>> places_between(double from_s, double to_s, double until_s, double least,
-                                                           const ImpactFit& beside, double apart_s);
   /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
   void subtract_from_later(const ImpactFit& impact);
   /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.
@@ -60,15 +49,6 @@ class ImpactTimer {
   };
   /// @param end  sample from which on the sound belongs to the next impact
   void cut(std::int64_t first, std::int64_t end, FitWindow& window);
-  /// Sums of squares of the samples that windows within reach of one hold.
-  struct EnergyInReach {
-    double before = INFINITY;  // before that window
-    double of_all = INFINITY;
-  };
-  EnergyInReach energy_in_reach(std::int64_t start, std::int64_t n_reach);
-  /// Whether the template, anywhere within reach behind a window's begin, ends in it and before the next impact: what
-  /// correlates with it is in the window then or before it.
-  bool is_whole_in_reach(const FitWindow& window, std::int64_t n_reach, std::int64_t end) const;
   Correlation correlation_in(const FitWindow& window, double from, double to);
   /// Samples that hold sound.
   double n_of(const FitWindow& window) const;
@@ -94,11 +74,10 @@ class ImpactTimer {
   audio::RealFft fourier_;
   double noise_;
   Ringing known_;
-  std::optional<PlaceSearch> places_;  // made when first needed
-  FitWindow window_;                   // that is searched; kept for its memory
-  audio::Spectrum placed_;             // the template where an impact is; kept for its memory
-  std::vector<float> unshifted_;       // the template; computed when first needed
-  std::vector<float> taper_;           // of the last mask
+  FitWindow window_;              // that is searched; kept for its memory
+  audio::Spectrum placed_;        // the template where an impact is; kept for its memory
+  std::vector<float> unshifted_;  // the template; computed when first needed
+  std::vector<float> taper_;      // of the last mask
 };
 
 }  // namespace bouncelab::detection

@@ -27,9 +27,6 @@ constexpr double kMinOfCandidate = 1.3;
 constexpr double kMinInGap = 2.0;
 constexpr double kMinBeyondEnd = 3.0;
 constexpr double kMinOfOutlier = 6.0;
-// ratio of the log likelihood ratio beyond the end to the largest in the sound before, where there is no impact:
-// echoes, a rolling ball and voices correlate with the template here and there
-constexpr double kMinProminence = 2.0;
 
 /// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
 /// normals. A hundredth is enough, since a track goes on more often than not.
@@ -61,26 +58,6 @@ bool has_amplitude_of(const TimedImpact& impact, const TimedImpact& neighbour) {
   return ratio > 1.0 / kMaxAmplitudeRatio && ratio < kMaxAmplitudeRatio;
 }
 
-/// Largest log likelihood ratio in the second part of the interval before t_s, where there is no impact; 0 where that
-/// part is too short.
-double llr_before(TimedTrack& track, double t_s, double min_half_s) {
-  constexpr double kSkipped = 0.4;  // of the interval: what rings there is the last impact
-  const double last_s = track.impacts.back().fit.t_s;
-  const double half_s = 0.5 * (1.0 - kSkipped) * (t_s - last_s);
-  return half_s > min_half_s ? find_impact(track.search, t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
-}
-
-/// A peak beside the one found that is so much higher that the latter is its side lobe: a single gain or loss that the
-/// search did not reach.
-std::optional<ImpactFit> sidelobe_check(Search& search, const ImpactFit& found, double after_s, double until_s) {
-  constexpr double kSideLobes_s = 1.5e-3;
-  constexpr double kHigher = 2.0;
-  if (after_s < 4.0 * kSideLobes_s) return std::nullopt;  // so near it is a neighbour's
-  const ImpactFit best = find_impact(search, found.t_s, kSideLobes_s, until_s);
-  if (best.log_likelihood_ratio < kHigher * found.log_likelihood_ratio) return std::nullopt;
-  return best;
-}
-
 /// Searches for an impact without candidate, and appends it where it is supported.
 bool search_missing(TimedTrack& track, const Prediction& p) {
   const double rate_hz = track.search.white.source().rate_hz;
@@ -93,21 +70,8 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   impact.until_s = p.until_s;
   impact.inferred = true;
   impact.overlap = p.until_s - t_s < track.search.template_s;
-  double min_llr_ratio = p.min_llr_ratio;
-  if (const auto higher = sidelobe_check(track.search, impact.fit, p.after_s, p.until_s)) {
-    impact.fit = *higher;
-    min_llr_ratio = std::max(min_llr_ratio, kMinOfOutlier);
-  }
   if (!has_amplitude_of(impact, last) ||
-      !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
-    return false;
-  // within the last impact's ringing everything correlates with the template
-  const bool is_isolated = p.after_s > track.search.template_s;
-  if (is_isolated && min_llr_ratio >= kMinBeyondEnd &&
-      impact.fit.log_likelihood_ratio < kMinProminence * llr_before(track, t_s - reach_s, reach_s))
-    return false;
-  if (p.impact == last.impact + 1 &&
-      !is_predicted_amplitude(track.impacts, impact.fit.amplitude, impact.fit.t_s - last.fit.t_s))
+      !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, p.min_llr_ratio))
     return false;
   impact.probability = probability_of_inferred(
       impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance),

@@ -18,8 +18,6 @@ constexpr double kMinEpsReach = 0.015;
 constexpr double kMaxEpsReach = 0.06;  // four times TrackingModel::scatter
 constexpr std::size_t kMaxRatios = 9;
 constexpr std::size_t kMinRatiosForReach = 7;
-constexpr std::size_t kMaxAmplitudes = 15;
-constexpr std::size_t kMinAmplitudes = 4;
 
 using TimedImpacts = std::vector<TimedImpact>;
 
@@ -31,16 +29,6 @@ std::vector<double> last_ratios(const TimedImpacts& track) {
       ratios.push_back((track[k].fit.t_s - track[k - 1].fit.t_s) / (track[k - 1].fit.t_s - track[k - 2].fit.t_s));
   std::sort(ratios.begin(), ratios.end());
   return ratios;
-}
-
-/// Median of amplitude over interval before, of impacts with a candidate of their own.
-std::optional<double> amplitude_per_s(const TimedImpacts& track) {
-  std::vector<double> ratios;
-  for (std::size_t k = track.size(); k-- > 1 && ratios.size() < kMaxAmplitudes;)
-    if (!track[k].inferred && track[k].impact == track[k - 1].impact + 1)
-      ratios.push_back(track[k].fit.amplitude / (track[k].fit.t_s - track[k - 1].fit.t_s));
-  if (ratios.size() < kMinAmplitudes) return std::nullopt;
-  return upper_median(std::move(ratios));
 }
 
 /// The flight that ends at impact k; where impacts are missing in it, its last part.
@@ -61,9 +49,9 @@ ImpactFit find_impact(Search& search, double t_s, double reach_s, double until_s
   ImpactFit best = search.timer.time(t_s, reach_s, until_s);
   if (reach_s < step_s) return best;
   for (double from_s = t_s - reach_s; from_s < t_s + reach_s; from_s += step_s) {
-    std::optional<ImpactFit> fit = search.timer.time_if_over(best.log_likelihood_ratio, from_s, step_s, until_s);
-    if (fit && fit->log_likelihood_ratio > best.log_likelihood_ratio && std::abs(fit->t_s - t_s) <= reach_s)
-      best = *std::move(fit);
+    ImpactFit fit = search.timer.time(from_s, step_s, until_s);
+    if (fit.log_likelihood_ratio > best.log_likelihood_ratio && std::abs(fit.t_s - t_s) <= reach_s)
+      best = std::move(fit);
   }
   return best;
 }
@@ -105,13 +93,6 @@ PredictedImpact predict_beyond_end(const TimedImpacts& track, int n_left_out) {
 double first_of_missing(const TimedImpacts& track, double n_missing, double total_s) {
   const double eps = predicted_eps(track);
   return total_s * (1.0 - eps) / (1.0 - pow(eps, n_missing + 1.0));
-}
-
-bool is_predicted_amplitude(const TimedImpacts& track, double amplitude, double interval_s) {
-  const std::optional<double> per_s = amplitude_per_s(track);
-  if (!per_s) return true;
-  const double ratio = amplitude / (*per_s * interval_s);
-  return ratio > 1.0 / kMaxAmplitudeRatio && ratio < kMaxAmplitudeRatio;
 }
 
 }  // namespace bouncelab::detection

@@ -22,7 +22,6 @@ struct Search {
 struct TimedTrack {
   Search search;
   std::vector<TimedImpact> impacts;
-  std::vector<double> own_shares;  ///< what impacts that sound alone have of their own, over what the template explains
 };
 
 /// Adds an impact to the track; its ringing is subtracted from then on.
@@ -59,10 +58,6 @@ PredictedImpact predict_beyond_end(const std::vector<TimedImpact>& track, int n_
 
 /// First of n_missing + 1 intervals, a geometric series of the predicted eps, that together take total_s [s].
 double first_of_missing(const std::vector<TimedImpact>& track, double n_missing, double total_s);
-
-/// Whether an amplitude is within a factor 3.5 of what the last impacts predict: the amplitude is proportional to the
-/// speed, and so to the interval before. True where fewer than four impacts are known.
-bool is_predicted_amplitude(const std::vector<TimedImpact>& track, double amplitude, double interval_s);
 
 /// Largest factor between the amplitudes of neighbours; eps and the place struck explain up to two.
 inline constexpr double kMaxAmplitudeRatio = 3.5;

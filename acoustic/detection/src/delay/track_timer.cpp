@@ -16,48 +16,24 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::ptrdiff_t kShares = 5;   // of the last impacts, whose median is expected of the next
 constexpr double kMuchLeft = 1.25;      // of the expected residual: then the impact may be at another place
 constexpr double kLate_s = 6e-3;        // of a candidate behind its impact: the longest window of candidates.cpp
 constexpr double kPreEcho_s = 21.4e-3;  // of a candidate before its impact: a block of 1024 samples at 48 kHz
 constexpr double kMinDoubt = 1e-2;      // probability of other times from which an impact is flagged doubtful
 
-/// Whether a time is one of a fit's places.
-bool is_among(const ImpactFit& fit, double t_s, double same_s) {
-  return std::abs(fit.t_s - t_s) < same_s ||
-         std::any_of(fit.alternatives.begin(), fit.alternatives.end(),
-                     [&](const DelayHypothesis& h) { return std::abs(h.t_s - t_s) < same_s; });
-}
-
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
-/// @param near     the best fit within its reach, with all places there
-/// @param reach_s  that reach
-ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double reach_s,
-                          double most_before_s, double most_after_s, double until_s) {
+/// @param near  the best fit within its reach, with all places there
+ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double most_before_s,
+                          double most_after_s, double until_s) {
   const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
   const double same_s = 1.0 / search.white.source().rate_hz;
-  // what is less likely than that adds no place (merged())
-  const auto least = [](const ImpactFit& fit) {
-    return fit.log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance;
-  };
   ImpactFit far = near;
-  const auto add = [&](double t_s, double reach_of_window_s) {
-    std::optional<ImpactFit> fit = search.timer.time_if_over(least(far), t_s, reach_of_window_s, until_s);
-    if (!fit) return;
-    std::erase_if(fit->alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
-    if (fit->t_s >= from_s) far = merged(far, *fit, same_s);
-  };
   const double step_s = search_step_s(search);
-  if (const auto places =
-          search.timer.places_between(from_s, to_s, until_s, least(near), near, reach_s - std::abs(near.t_s - c.t_s))) {
-    for (const PossiblePlace& place : *places)
-      if (std::abs(place.t_s - c.t_s) > reach_s && place.most_log_likelihood_ratio > least(far) &&
-          !is_among(far, place.t_s, same_s))
-        add(place.t_s, step_s);
-  } else {
-    for (double t_s = from_s; t_s < to_s; t_s += step_s)  // each place lies behind the beginning of one window
-      add(t_s, std::min(step_s, to_s - t_s));
+  for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
+    ImpactFit fit = search.timer.time(t_s, std::min(step_s, to_s - t_s), until_s);
+    std::erase_if(fit.alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
+    if (fit.t_s >= from_s) far = merged(far, fit, same_s);
   }
   // of many far places none may push out those where the sound rises
   return merged(with_fewer_places(near), with_fewer_places(far), same_s);
@@ -70,42 +46,15 @@ double explained_variance(const Search& search, const ImpactFit& fit) {
   return 2.0 * fit.log_likelihood_ratio / static_cast<double>(search.learned.n_template);
 }
 
-/// What an impact has of its own, over what the template explains of it: that of the training impacts or, as it grows
-/// towards slow ones, whose contact is longer, that of the last impacts which no other place explains better.
-double expected_own_share(const TimedTrack& track) {
-  const double explained = square(track.search.learned.correlation);
-  const double trained = (1.0 - explained) / explained;
-  if (std::ssize(track.own_shares) < kShares) return trained;
-  return std::max(trained, upper_median({track.own_shares.end() - kShares, track.own_shares.end()}));
+/// What an impact has of its own, over what the template explains of it: that of the training impacts.
+double expected_own_share(const Search& search) {
+  const double explained = square(search.learned.correlation);
+  return (1.0 - explained) / explained;
 }
 
-bool is_explained(const TimedTrack& track, const ImpactFit& fit) {
-  const double expected =
-      least_residual(track.search) + expected_own_share(track) * explained_variance(track.search, fit);
+bool is_explained(const Search& search, const ImpactFit& fit) {
+  const double expected = least_residual(search) + expected_own_share(search) * explained_variance(search, fit);
   return fit.residual_variance <= kMuchLeft * expected;
-}
-
-void remember_own_share(TimedTrack& track, const ImpactFit& fit) {
-  const double own = std::max(0.0, fit.residual_variance - least_residual(track.search));
-  track.own_shares.push_back(own / (explained_variance(track.search, fit) + 1e-30));
-}
-
-/// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
-/// another sound then, a knock of the same plate perhaps, however loud.
-std::optional<ImpactFit> before_another_sound(TimedTrack& track, const std::vector<Candidate>& candidates,
-                                              std::size_t k, double reach_s) {
-  Search& search = track.search;
-  const Candidate& c = candidates[k];
-  const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
-  const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
-                                  [&](const Candidate& later) { return later.t_s >= from_s; });
-  // so late that no window of find_everywhere() reaches it: there is no other sound
-  if (other == candidates.end() || other->t_s >= c.t_s + kPreEcho_s + search.template_s) return {};
-  constexpr double kOfTemplate = 0.75;  // a window without an end is longer than the template
-  const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
-  const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
-  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(track, fit)) return {};
-  return fit;
 }
 
 void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, const TrackImpact& of_track,
@@ -124,14 +73,8 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
   // another impact's sound in the window is reason enough for a low correlation
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
-  if (is_alone) {
-    const double near_s = timed.fit.t_s;
-    if (!is_explained(track, timed.fit)) {
-      const std::optional<ImpactFit> alone = before_another_sound(track, candidates, of_track.candidate, reach_s);
-      timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, reach_s, before_s, after_s, next_s);
-    }
-    if (timed.fit.t_s == near_s) remember_own_share(track, timed.fit);
-  }
+  if (is_alone && !is_explained(track.search, timed.fit))
+    timed.fit = find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
   timed.overlap = next_s - c.t_s < track.search.template_s;
   append(track, timed);
 }
@@ -283,7 +226,6 @@ std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& lea
                                     const std::vector<Candidate>& candidates, double end_s) {
   TimedTrack track{
       {white, learned, ImpactTimer(white, learned), static_cast<double>(learned.n_template) / white.source().rate_hz},
-      {},
       {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
     const TrackImpact& impact = tracked.impacts[k];

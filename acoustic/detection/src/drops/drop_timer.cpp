@@ -143,29 +143,4 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   return drop;
 }
 
-void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, WhiteSound& white,
-                        TimedDrop& drop) {
-  constexpr std::size_t kStrongest = 5;
-  constexpr double kReach_s = 0.2e-3;
-  constexpr double kAlike = 0.9;  // of the correlation with its own template: the same modes were excited
-  std::vector<std::size_t> clear;
-  for (std::size_t k = 0; k + 1 < drop.impacts.size(); ++k)
-    if (is_unflagged(drop.impacts[k])) clear.push_back(k);
-  std::sort(clear.begin(), clear.end(), [&](std::size_t a, std::size_t b) {
-    return drop.impacts[a].fit.amplitude * *drop.peak > drop.impacts[b].fit.amplitude * *drop.peak;
-  });
-  if (clear.size() < kStrongest) return;
-  ImpactTimer timer(white, reference.learned);
-  std::vector<double> later_s;
-  for (std::size_t k = 0; k < kStrongest; ++k) {
-    const double t_s = drop.impacts[clear[k]].fit.t_s;
-    const ImpactFit fit = timer.time(t_s, kReach_s, drop.impacts[clear[k] + 1].fit.t_s);
-    if (fit.correlation > kAlike * own.correlation) later_s.push_back(fit.t_s - t_s);
-  }
-  if (later_s.size() < kStrongest) return;
-  const double median_s = upper_median(std::move(later_s));
-  for (TimedImpact& impact : drop.impacts) impact.fit.t_s += median_s;
-  drop.reference_scaling = reference.scaling;
-}
-
 }  // namespace bouncelab::detection

@@ -60,16 +60,4 @@ void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
 /// Marks the impacts at which the recording is at its limit.
 void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts);
 
-/// The template that the times of all drops refer to.
-struct ReferenceTemplate {
-  ImpactTemplate learned;
-  double scaling = 0.0;  ///< v^(-1/5) of the impacts that it is the mean of
-};
-
-/// Each drop's template has an onset of its own, uncertain by a sample or two: moves all times of a drop by the median
-/// difference to those that the reference gives its five strongest impacts. Leaves a drop whose impacts do not
-/// correlate with the reference, or that has fewer than five clear ones.
-void align_to_reference(const ReferenceTemplate& reference, const ImpactTemplate& own, WhiteSound& white,
-                        TimedDrop& drop);
-
 }  // namespace bouncelab::detection

@@ -153,26 +153,4 @@ std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, do
   return n_added;
 }
 
-std::size_t doubt_what_other_band_contradicts(const TimedDrop& other, TimedDrop& drop) {
-  constexpr double kContradicts = 4.0;  // standard errors
-  if (!is_reliable(other.correlation)) return 0;
-  const TimedImpacts own = drop.impacts;
-  const std::vector<Shared> shared = shared_impacts(own, other.impacts);
-  std::size_t n_doubted = 0;
-  for (std::size_t k = 0; k < shared.size(); ++k) {
-    const TimedImpact& theirs = other.impacts[shared[k].theirs];
-    TimedImpact& impact = drop.impacts[shared[k].own];
-    if (theirs.doubtful || theirs.inferred) continue;
-    const Transfer transfer = transfer_at(shared, k, own, other.impacts);
-    const double variance = square(impact.fit.sigma_s) + square(impact.doubt_s) + square(theirs.fit.sigma_s) +
-                            square(theirs.doubt_s) + square(transfer.sigma_s);
-    const double off_s = shared[k].later_s - transfer.later_s;
-    if (square(off_s) < square(kContradicts) * variance) continue;
-    impact.doubt_s = std::sqrt(square(impact.doubt_s) + square(off_s) - variance);
-    impact.doubtful = true;
-    ++n_doubted;
-  }
-  return n_doubted;
-}
-
 }  // namespace bouncelab::detection

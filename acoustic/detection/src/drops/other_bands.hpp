@@ -20,10 +20,4 @@ namespace bouncelab::detection {
 /// @return how many were added
 std::size_t add_impacts_of_other_band(const TimedDrop& other, double begin_s, double end_s, TimedDrop& drop);
 
-/// Where another band of a reliable template has an impact of a drop at another time, after the delay between the
-/// bands, than the two errors allow (four standard errors), one of them is at a wrong place, a cycle of its sound off
-/// perhaps, and which one is not known: marks the impact doubtful, with an error that covers the difference.
-/// @return how many were marked
-std::size_t doubt_what_other_band_contradicts(const TimedDrop& other, TimedDrop& drop);
-
 }  // namespace bouncelab::detection

@@ -87,7 +87,7 @@ struct TimedDrops {
   bool is_full_band = true;
   double noise_variance = 0.0;  // in it
   std::vector<TimedDrop> drops;
-  std::optional<ReferenceTemplate> reference;
+  std::optional<ImpactTemplate> reference;  // the first
   std::optional<LearnedWave> wave;
   double rms_hz = 0.0;  // of the impacts as recorded, where there is a reference
 };
@@ -113,7 +113,7 @@ class DropsTimer {
     std::size_t first = 0;
     while (first < n && !timed_.reference) time(first++);
     parallel_for(n - first, n_threads_, [&](std::size_t k) { time(first + k); });
-    if (timed_.reference) timed_.rms_hz = rms_hz_of(band_, timed_.reference->learned);
+    if (timed_.reference) timed_.rms_hz = rms_hz_of(band_, *timed_.reference);
     return std::move(timed_);
   }
 
@@ -126,18 +126,14 @@ class DropsTimer {
     const audio::AudioSource sound = held_around(band_.sound, begin_s, last_s, memory.recorded);
     WhiteSound white(sound, memory.white.of_size(n_whitened(begin_s, last_s, sound.rate_hz)));
     // noise, and what impacts have of their own, are the recording's
-    const std::vector<float> whitener = timed_.reference ? timed_.reference->learned.whitener : std::vector<float>{};
+    const std::vector<float> whitener = timed_.reference ? timed_.reference->whitener : std::vector<float>{};
     const std::optional<ImpactTemplate> own =
         track.impacts.size() >= kOwnTemplate ? template_of(band_, {track}, white, whitener) : std::nullopt;
     const ImpactTemplate* learned = own ? &*own : shared_ ? &*shared_ : nullptr;
     TimedDrop& drop = timed_.drops[k];
     drop = time_drop(band_, track, learned, end_of_track(band_, k), gravity_mps2_, white);
-    if (learned != nullptr) {
-      if (timed_.reference)
-        align_to_reference(*timed_.reference, *learned, white, drop);
-      else  // nothing else is being timed yet
-        timed_.reference = ReferenceTemplate{*learned, drop.reference_scaling};
-    }
+    if (learned != nullptr && !timed_.reference)  // nothing else is being timed yet
+      timed_.reference = *learned;
     const std::lock_guard lock(results_);
     memories_.push_back(std::move(memory));
     if (learned != nullptr) show_if_longest(k, *learned);
@@ -238,7 +234,7 @@ TimedBands time_drops_in_best_band(const BandOfDrops& band, double gravity_mps2,
 double first_s(const TimedDrop& drop) { return drop.impacts.front().fit.t_s; }
 double last_s(const TimedDrop& drop) { return drop.impacts.back().fit.t_s; }
 
-/// Adds to each drop what another band shows of it, and doubts what that contradicts.
+/// Adds to each drop what another band shows of it.
 void add_drops_of_other_band(const BandOfDrops& band, double gravity_mps2, const TimedDrops& other, TimedDrops& timed) {
   for (std::size_t k = 0; k < timed.drops.size(); ++k) {
     TimedDrop& drop = timed.drops[k];
@@ -250,7 +246,6 @@ void add_drops_of_other_band(const BandOfDrops& band, double gravity_mps2, const
     std::size_t n_added = 0;
     for (const TimedDrop& shown : other.drops)
       if (!shown.impacts.empty() && first_s(shown) < last_s(drop) && last_s(shown) > first_s(drop)) {
-        doubt_what_other_band_contradicts(shown, drop);
         n_added += add_impacts_of_other_band(shown, begin_s, end_s, drop);
       }
     if (n_added == 0) continue;

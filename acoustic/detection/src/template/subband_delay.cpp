@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kMinBins = 6;            // three to four of what a window of this length resolves
 constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
-constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
 // prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
 constexpr double kPriorSubbands = 8.0;
 constexpr int kMaxSteps = 6;
@@ -86,19 +85,6 @@ void merge_weak_subbands(const MatchedFilter& filter, std::vector<std::size_t>& 
   }
 }
 
-/// Factor on the variance of the mean because jitters, and with them weights, are estimates: 1 + sum 4 w (1 - w) / nu
-/// (Meier, Biometrics 9, 59 (1953), doi:10.2307/3001633). A sub-band that dominates the mean has few degrees of freedom
-/// nu; the noise is taken as known.
-double weight_error_factor(const Subbands& subbands, const SubbandMean& mean) {
-  double factor = 1.0;
-  for (std::size_t j = 0; subbands.n_training > 0 && j < subbands.n(); ++j) {
-    const double kept = std::max(kMinResidualShare, 1.0 - mean.design_effect * mean.weight[j]);
-    const double n_free = static_cast<double>(subbands.n_training) * kept * kept;
-    factor += 4.0 * mean.weight[j] * (1.0 - mean.weight[j]) * mean.jitter[j] * mean.jitter[j] / n_free;
-  }
-  return factor;
-}
-
 /// Variance of the shift, scaled by how far the sub-bands disagree.
 double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
   const SubbandMean m = subband_mean(subbands, r.noise_variance);
@@ -109,7 +95,7 @@ double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
   for (std::size_t j = 0; j < n; ++j)
     chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + subbands.jitter2[j]);
   const double scale = (kPriorSubbands + chi2) / (kPriorSubbands + static_cast<double>(n) - 1.0);
-  return scale * weight_error_factor(subbands, m) * m.variance;
+  return scale * m.variance;
 }
 
 }  // namespace
@@ -153,18 +139,11 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
   };
   const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
   const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kMinBins), 1, kMaxSubbands);
-  const std::size_t reach = std::max(kMinBins / 2, n_occupied / kEdgeSearchShare);
-  const auto density = [&](std::size_t k) { return filter.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
   Subbands subbands;
   subbands.edge.push_back(1);
   for (std::size_t share = 1; share < n; ++share) {
-    const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
-    const std::size_t lo = std::max(subbands.edge.back() + kMinBins, middle > reach ? middle - reach : 1);
-    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kMinBins));
-    std::size_t lowest = lo;
-    for (std::size_t k = lo; k <= hi; ++k)
-      if (density(k) < density(lowest)) lowest = k;
-    if (lo <= hi) subbands.edge.push_back(lowest);
+    const std::size_t edge = std::max(subbands.edge.back() + kMinBins, bin_at(static_cast<double>(share) / static_cast<double>(n)));
+    if (edge + kMinBins <= n_bins) subbands.edge.push_back(edge);
   }
   subbands.edge.push_back(n_bins);
   merge_weak_subbands(filter, subbands.edge);
@@ -174,33 +153,11 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
 }
 
 SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance) {
-  const std::size_t n = subbands.n();
   SubbandMean m;
   double weights = 0.0;
-  for (std::size_t j = 0; j < n; ++j) {
-    const double variance = noise_variance[j] + subbands.jitter2[j];
-    weights += 1.0 / variance;
-    m.weight[j] = 1.0 / variance;
-    m.jitter[j] = subbands.jitter2[j] / variance;
-  }
-  // sums over the others of sqrt(weight jitter) rho^lag, those below and those above
-  std::array<double, kMaxSubbands> part{}, others{};
-  for (std::size_t j = 0; j < n; ++j) {
-    m.weight[j] /= weights;
-    part[j] = std::sqrt(m.weight[j] * m.jitter[j]);
-  }
-  double below = 0.0, above = 0.0;
-  for (std::size_t j = 1; j < n; ++j) {
-    below = subbands.correlation * (below + part[j - 1]);
-    above = subbands.correlation * (above + part[n - j]);
-    others[j] += below;
-    others[n - 1 - j] += above;
-  }
-  for (std::size_t j = 0; j < n; ++j) {
-    m.relative_covariance[j] = 1.0 + std::sqrt(m.jitter[j] / m.weight[j]) * others[j];
-    m.design_effect += part[j] * others[j];
-  }
-  m.variance = m.design_effect / weights;
+  for (std::size_t j = 0; j < subbands.n(); ++j) weights += m.weight[j] = 1.0 / (noise_variance[j] + subbands.jitter2[j]);
+  for (std::size_t j = 0; j < subbands.n(); ++j) m.weight[j] /= weights;
+  m.variance = 1.0 / weights;
   return m;
 }
 

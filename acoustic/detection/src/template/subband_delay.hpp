@@ -26,8 +26,6 @@ struct Subbands {
   std::vector<std::size_t> edge;  ///< bins; sub-band j is edge[j] ... edge[j+1] - 1
   std::vector<double> noise;      ///< noise variance in each real and imaginary part
   std::vector<double> jitter2;    ///< variance of the delay by jitter [samples^2]
-  double correlation = 0.0;       ///< of the jitter of neighbours; at lag k its k-th power
-  std::size_t n_training = 0;     ///< impacts that the jitter is estimated from; 0 = the jitter is exact
   std::size_t n() const { return noise.size(); }
 };
 
@@ -67,21 +65,16 @@ class MatchedFilter {
   std::vector<double> running_information_;
 };
 
-/// Up to ten sub-bands of about equal information on the delay, with edges at minima of the spectrum, so that no mode
-/// is shared by two; noise 1 and jitter 0.
+/// Up to ten sub-bands of about equal information on the delay; noise 1 and jitter 0.
 Subbands split_into_subbands(const MatchedFilter& filter);
 
-/// Weights and covariances of the mean of an impact's sub-band delays d_j, weighted by their inverse variances.
+/// Weights of the mean of an impact's sub-band delays, by their inverse variances.
 struct SubbandMean {
   double variance = 0.0;                      ///< of the mean
-  double design_effect = 1.0;                 ///< variance of the mean / that of independent sub-bands
-  std::array<double, kMaxSubbands> weight{};  ///< w_j; the sum is 1
-  std::array<double, kMaxSubbands> jitter{};  ///< share of jitter in Var(d_j)
-  /// Cov(d_j, mean) / (w_j Var(d_j)); 1 for independent sub-bands
-  std::array<double, kMaxSubbands> relative_covariance{};
+  std::array<double, kMaxSubbands> weight{};  ///< the sum is 1
 };
 
-/// Noise is independent from sub-band to sub-band; jitter is correlated like rho^|j - k|.
+/// Noise and jitter are independent from sub-band to sub-band.
 /// @param noise_variance  of each sub-band's delay [samples^2], positive
 SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance);
 

@@ -19,7 +19,6 @@ constexpr int kJitterRounds = 8;
 constexpr double kLittle = 2e-3;       // relative change of each jitter; 32 impacts determine one to 12 %
 constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band over the median one
 constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
-constexpr double kMaxCorrelation = 0.95;
 
 /// Sum of the squared deviations, each over its expected value, and its derivative by the jitter.
 struct Ratios {
@@ -83,40 +82,14 @@ void set_deviations(const std::vector<DelayEstimate>& estimates, const Subbands&
   }
 }
 
-/// Squared deviations over Var(d_j - mean) / Var(d_j): the mean follows each sub-band and, by their correlation, its
-/// neighbours.
+/// Squared deviations over Var(d_j - mean) / Var(d_j): the mean follows each sub-band.
 std::vector<double> squares_over_share(const Deviations& d, std::size_t subband) {
   std::vector<double> squares(d.mean.size());
   for (std::size_t k = 0; k < squares.size(); ++k) {
     const SubbandMean& m = d.mean[k];
-    squares[k] =
-        square(d.deviation[subband][k]) /
-        std::max(kMinResidualShare, 1.0 - (2.0 * m.relative_covariance[subband] - m.design_effect) * m.weight[subband]);
+    squares[k] = square(d.deviation[subband][k]) / std::max(kMinResidualShare, 1.0 - m.weight[subband]);
   }
   return squares;
-}
-
-/// Correlation rho of the jitter of neighbours. Subtracting the mean lowers the expected product of two deviations by
-/// (r_j + r_k - design effect) sqrt(w_j w_k), r the relative covariances. The estimate is shrunk by rho^2 / (rho^2 +
-/// its variance), so that chance alone hardly raises it.
-double correlation(const Deviations& d, const Subbands& subbands) {
-  std::vector<std::vector<double>> z = d.deviation;  // in standard deviations
-  for (std::size_t j = 0; j < subbands.n(); ++j)
-    for (std::size_t k = 0; k < d.mean.size(); ++k)
-      z[j][k] = std::clamp(z[j][k] / std::sqrt(d.noise[j][k] + subbands.jitter2[j]), -3.0, 3.0);
-  double products = 0.0;
-  double pairs = 0.0;
-  for (std::size_t j = 0; j + 1 < subbands.n(); ++j)
-    for (std::size_t k = 0; k < d.mean.size(); ++k) {
-      const SubbandMean& m = d.mean[k];
-      const double taken_off = (m.relative_covariance[j] + m.relative_covariance[j + 1] - m.design_effect) *
-                               std::sqrt(m.weight[j] * m.weight[j + 1]);
-      const double jitter2 = m.jitter[j] * m.jitter[j + 1];
-      products += std::sqrt(jitter2) * (z[j][k] * z[j + 1][k] + taken_off);
-      pairs += jitter2;
-    }
-  const double found = std::clamp(products / (pairs + 1e-30), 0.0, kMaxCorrelation);
-  return found * found * found / (found * found + 1.0 / (pairs + 1e-30));
 }
 
 /// Phases vary about alike at all frequencies: each sub-band's jitter is shrunk towards the median phase variance.
@@ -173,8 +146,6 @@ std::vector<std::vector<float>> residuals_of(TemplateEstimation& e) {
 void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedFilter& filter, Subbands& subbands) {
   const std::size_t n = subbands.n();
   if (estimates.size() < 3 || n < 2) return;
-  subbands.correlation = 0.0;
-  subbands.n_training = estimates.size();
   const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
   Deviations d{zeros, zeros, std::vector<SubbandMean>(estimates.size())};
   for (int round = 0; round < kJitterRounds; ++round) {
@@ -182,8 +153,6 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
     const std::vector<double> before = subbands.jitter2;
     for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares_over_share(d, j), d.noise[j]);
     shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
-    set_deviations(estimates, subbands, d);
-    subbands.correlation = correlation(d, subbands);
     if (have_settled(before, subbands.jitter2)) break;
   }
 }

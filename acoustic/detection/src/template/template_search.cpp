@@ -8,7 +8,6 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/numerics.hpp"
 #include "template/correlation_peaks.hpp"
 #include "template/impact_whitener.hpp"
 
@@ -33,14 +32,6 @@ double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
   return audio::dot(re, re) + audio::dot(im, im);
 }
 
-constexpr int kAlignmentRounds = 2;
-
-/// How a template is searched for.
-struct TemplateSearch {
-  bool at_attacks = false;       // windows begin at attacks, not at candidates
-  bool lower_half_first = true;  // the first alignment is by the lower half of the spectrum alone
-};
-
 /// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
 /// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
 std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
@@ -55,21 +46,20 @@ std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) 
   return late > e.window.samples(kRoughTimeError_s) ? late : 0;
 }
 
-std::vector<TrainingImpact> cut_training(TemplateEstimation& e, const TemplateSearch& search) {
+std::vector<TrainingImpact> cut_training(TemplateEstimation& e, bool at_attacks) {
   std::vector<TrainingImpact> training(e.n_used);
   for (std::size_t k = 0; k < training.size(); ++k)
-    cut_training_window(e, e.begins[k] + (search.at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
+    cut_training_window(e, e.begins[k] + (at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
   return training;
 }
 
 /// The template that starts from one impact. Low frequencies are aligned by first: they have one maximum where high
 /// ones have many, and a codec keeps their phases, but gives high ones phases of its own.
-void start_from(TemplateEstimation& e, std::size_t start, const TemplateSearch& search) {
+void start_from(TemplateEstimation& e, std::size_t start) {
   e.learned.subbands = {};
-  e.only_lower_half = search.lower_half_first;
+  e.only_lower_half = true;
   set_template(e, first_template(e.training[start], e.window, e.fourier));
-  if (!e.only_lower_half) return align_and_average(e, kAlignmentRounds, kAlignmentRounds);
-  align_and_average(e, kAlignmentRounds - 1, kAlignmentRounds - 1);
+  align_and_average(e, 1, 1);
   align(e, true);
   e.only_lower_half = false;
   e.learned.subbands = {};
@@ -87,7 +77,6 @@ struct Found {
   ImpactTemplate learned;
   std::vector<TrainingImpact> training;
   std::vector<float> mean;
-  bool at_attacks = false;
 
   std::ptrdiff_t n_alike() const { return detection::n_alike(training); }
   bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
@@ -96,7 +85,7 @@ struct Found {
 /// What was found so far; leaves the template in `e`, but not the windows, of which a copy takes as long as cutting
 /// them.
 Found take_state_of(TemplateEstimation& e) {
-  Found found{e.learned, std::move(e.training), std::move(e.mean), false};
+  Found found{e.learned, std::move(e.training), std::move(e.mean)};
   e.training.clear();
   return found;
 }
@@ -110,32 +99,17 @@ void restore(TemplateEstimation& e, Found found) {
 /// The template of the strongest impact that three quarters of the others correlate with. The very strongest may hold a
 /// knock, or be of another source altogether.
 /// @return where there is none, that which most correlate with
-Found find_template(TemplateEstimation& e, const TemplateSearch& search) {
+Found find_template(TemplateEstimation& e, bool at_attacks) {
   constexpr std::size_t kMaxStarts = 5;
   Found best;
   for (std::size_t start = 0; start < std::min(kMaxStarts, e.n_used); ++start) {
-    e.training = cut_training(e, search);
-    start_from(e, start, search);
+    e.training = cut_training(e, at_attacks);
+    start_from(e, start);
     Found found = take_state_of(e);
-    found.at_attacks = search.at_attacks;
     if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
     if (best.is_enough()) break;
   }
   return best;
-}
-
-/// Windows that begin at attacks may lack what the impacts have in common before them, the plate's own sound before a
-/// wall's louder answer: moves all of them back by the median of what they were moved, and averages anew.
-void include_what_comes_before(TemplateEstimation& e) {
-  std::vector<double> late;
-  for (const std::int64_t first : e.begins) late.push_back(static_cast<double>(samples_to_attack(e, first)));
-  const auto most = static_cast<std::int64_t>(e.window.n_template / 3);  // the rest must hold the attack
-  const std::int64_t back = std::min(std::llround(upper_median(std::move(late))), static_cast<long long>(most));
-  if (back == 0) return;
-  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first - back, impact);
-  e.learned.subbands = {};
-  average(e);
-  align_and_average(e, 0, 1);
 }
 
 }  // namespace
@@ -196,22 +170,17 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
 }
 
 bool find_template_at_candidates(TemplateEstimation& e) {
-  Found found = find_template(e, {});
+  Found found = find_template(e, false);
   const bool is_enough = found.is_enough();
   restore(e, std::move(found));
   return is_enough;
 }
 
 void find_template(TemplateEstimation& e) {
-  Found best = find_template(e, {});
-  for (const TemplateSearch& search : {TemplateSearch{.at_attacks = true}, TemplateSearch{.lower_half_first = false}}) {
-    if (best.is_enough()) break;
-    Found found = find_template(e, search);
-    if (found.n_alike() > best.n_alike()) best = std::move(found);
-  }
-  const bool at_attacks = best.at_attacks;
+  Found best = find_template(e, false);
+  if (!best.is_enough())
+    if (Found found = find_template(e, true); found.n_alike() > best.n_alike()) best = std::move(found);
   restore(e, std::move(best));
-  if (at_attacks) include_what_comes_before(e);
 }
 
 void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {

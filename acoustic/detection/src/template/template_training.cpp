@@ -56,38 +56,6 @@ audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const Templat
   return fourier.forward(mean);
 }
 
-/// Sets the weight to 0 where the impacts do not share the phase of their spectra: where the energy of their sum is no
-/// more than chance gives, over the 17 bins around. A codec's high frequencies may have phases of its own, all bins
-/// alike, so that the halves of the data agree by chance. Of n random phases, the share x = |sum|^2 / (n sum of
-/// squares) exceeds x with probability (1 - x)^(n - 1).
-/// @param sum     of the spectra, each times its amplitude
-/// @param weight  sum of the squared amplitudes
-/// @param power   sum of the spectra's squares
-void leave_out_incoherent(const audio::Spectrum& sum, double weight, const std::vector<double>& power, std::size_t n,
-                          std::vector<float>& weights) {
-  constexpr std::size_t kBinsAround = 8;
-  constexpr double kProbability = 0.02;
-  constexpr std::size_t kMinForTest = 12;  // with fewer, chance reaches what impacts that differ have in common
-  if (n < kMinForTest) return;
-  const double chance = 1.0 - pow(kProbability, 1.0 / static_cast<double>(n - 1));
-  std::vector<double> shared(power.size() + 1, 0.0), all(power.size() + 1, 0.0);  // running sums
-  for (std::size_t k = 0; k < power.size(); ++k) {
-    shared[k + 1] =
-        shared[k] + (square(static_cast<double>(sum.re[k])) + square(static_cast<double>(sum.im[k]))) / weight;
-    all[k + 1] = all[k] + power[k];
-  }
-  for (std::size_t k = 0; k < power.size(); ++k) {
-    const std::size_t from = k > kBinsAround ? k - kBinsAround : 0;
-    const std::size_t to = std::min(power.size(), k + kBinsAround + 1);
-    if (shared[to] - shared[from] < chance * (all[to] - all[from])) weights[k] = 0.0F;
-  }
-}
-
-void add_power(const float* re, const float* im, double* power, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k)
-    power[k] += square(static_cast<double>(re[k])) + square(static_cast<double>(im[k]));
-}
-
 double omega_of(const TemplateWindow& window) { return 2.0 * kPi / static_cast<double>(window.n_window); }
 
 constexpr std::size_t kAround = 8;   // bins on either side
@@ -145,7 +113,6 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
   const std::vector<float> none(window.n_window / 2 + 1, 0.0F);
   audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
   double weights[2] = {0.0, 0.0};
-  std::vector<double> power(none.size(), 0.0);  // of the impacts themselves
   std::size_t n_averaged = 0;
   audio::Spectrum moved{none, none};
   for (const TrainingImpact& impact : training) {
@@ -155,15 +122,13 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
     audio::phase_shift(impact.spectrum, omega_of(window) * impact.position, moved);
     audio::add_scaled(sums[half], moved, a);
     weights[half] += a * a;
-    add_power(impact.spectrum.re.data(), impact.spectrum.im.data(), power.data(), power.size());
   }
   audio::Spectrum sum = sums[0];
   audio::add_scaled(sum, sums[1], 1.0);
   TemplateAverage average;
   average.spectrum = tapered(sum, weights[0] + weights[1], window, fourier, average.mean);
   if (n_averaged >= kMinForCoherence) {
-    std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
-    leave_out_incoherent(sum, weights[0] + weights[1], power, n_averaged, weight);
+    const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
     for (std::size_t k = 0; k < average.spectrum.size(); ++k) {
       average.spectrum.re[k] *= weight[k];
       average.spectrum.im[k] *= weight[k];
