@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "template/waveform_likeness.hpp"
-#include "tracking/first_arrivals.hpp"
 #include "tracking/tracking_model.hpp"
 #include "whitening/decimate.hpp"
 
@@ -164,7 +163,6 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
     };
     ChannelTracks of_band{
         b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness), {}};
-    begin_at_first_arrivals(band.candidates, of_band.tracks);
     of_band.is_clear = b == 0 && are_clear(band, of_band);
     if (b == 0 || of_band.log_odds() > best.log_odds() + model.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});

@@ -47,8 +47,6 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
-constexpr double kSure = 3.0;  // log odds of a track that may speak for others
-
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
@@ -134,38 +132,6 @@ ScoredTrack scored(const Observations& o, Track track) {
   return {std::move(track), std::move(own)};
 }
 
-/// What comes within 40 ms after something louder is its echo rather than a first impact: where the louder one fits
-/// about as well, the track begins there.
-void begin_at_source(const Observations& o, std::size_t first_free, ScoredTrack& best) {
-  constexpr double kAsWell = 2.0;  // log odds of the echo against its source, by which intervals may prefer it
-  const std::vector<Candidate>& c = o.candidates();
-  const std::size_t first = best.track.impacts[0].candidate;
-  double least = best.track.log_odds - kAsWell;
-  for (std::size_t k = first; k-- > first_free && c[first].t_s - c[k].t_s < kEcho_s;) {
-    if (c[k].amplitude < c[first].amplitude) continue;
-    Track other = best.track;
-    other.impacts[0].candidate = k;
-    ScoredTrack from_source = scored(o, std::move(other));
-    if (from_source.track.log_odds > least) least = from_source.track.log_odds, best = std::move(from_source);
-  }
-}
-
-/// One recording, one ball: log odds that a track's eps, which was open, is that of the surest other track.
-double odds_of_same_ball(const std::vector<Candidate>& c, const std::vector<Track>& tracks, const Track& track,
-                         const TrackingModel& model) {
-  constexpr double kEpsRange = kLargestEps - kLeastEps;
-  const Track* surest = nullptr;
-  for (const Track& other : tracks)
-    if (&other != &track && other.log_odds > kSure && (surest == nullptr || other.log_odds > surest->log_odds))
-      surest = &other;
-  const std::optional<double> first_eps = eps_at(c, track, 1);
-  const std::optional<double> eps_of_surest = surest != nullptr ? eps_at(c, *surest, 1) : std::nullopt;
-  if (!first_eps || !eps_of_surest) return 0.0;
-  const double same = student3(log(*first_eps / *eps_of_surest), model.scatter_of_drops);
-  const double open = *first_eps / kEpsRange;  // eps uniform, as the model has it
-  return log((1.0 - model.another_ball) * same / open + model.another_ball);
-}
-
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
 
 bool are_same(const std::vector<TrackImpact>& a, const std::vector<TrackImpact>& b) {
@@ -221,13 +187,8 @@ Rescored rescored(const Observations& o, std::vector<Track> tracks) {
     const std::vector<TrackImpact> before = scored_track.track.impacts;
     re_estimate_start(o, first_free, scored_track.track);
     if (!are_same(scored_track.track.impacts, before)) scored_track = scored(o, std::move(scored_track.track));
-    begin_at_source(o, first_free, scored_track);
     kept.push_back(std::move(scored_track));
   }
-  tracks.clear();
-  for (const ScoredTrack& one : kept) tracks.push_back(one.track);
-  for (std::size_t k = 0; k < tracks.size(); ++k)
-    kept[k].track.log_odds += odds_of_same_ball(o.candidates(), tracks, tracks[k], o.model());
   std::sort(kept.begin(), kept.end(),
             [](const ScoredTrack& a, const ScoredTrack& b) { return ends_before(a.track, b.track); });
   Rescored rescored;

@@ -142,7 +142,7 @@ class Search {
   struct Best {
     double score = 0.0;
     std::int64_t state = -1;  // the completed track that ends here or before
-    std::int64_t n_of_ball = 0;
+    bool is_ball = false;      // rather than a rhythm
   };
 
   void visit(std::size_t k) {
@@ -175,14 +175,15 @@ class Search {
       states_.push_back(state_of(p, k));
       const State& s = states_.back();
       if (s.track.n_impacts < kFewestImpacts) continue;
-      const Hypothesis::Verdict most = s.track.most_probable(o_.model());
+      const double ball = s.track.log_odds_of_losing_ball();
+      const double most = std::max(ball, s.track.log_odds_of_rhythm(o_.model()));
       // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
-      if (most.log_odds + kOwnClutter <= 0.0) continue;
+      if (most + kOwnClutter <= 0.0) continue;
       constexpr double kMostOfSum = 0.7;  // of a sum over the larger one, log 2
-      if (s.start_score + std::max(0.0, most.log_odds) + kMostOfSum < best_[k + 1].score) continue;
-      const double score = s.start_score + log_of_sum(0.0, most.log_odds);
+      if (s.start_score + std::max(0.0, most) + kMostOfSum < best_[k + 1].score) continue;
+      const double score = s.start_score + log_of_sum(0.0, most);
       if (score > best_[k + 1].score)
-        best_[k + 1] = {score, static_cast<std::int64_t>(states_.size() - 1), most.n_of_ball};
+        best_[k + 1] = {score, static_cast<std::int64_t>(states_.size() - 1), most == ball};
     }
     begin_[k + 1] = states_.size();
     if (begin_[k] < begin_[k + 1]) {
@@ -275,9 +276,8 @@ class Search {
       }
       track.impacts.push_back({s->first_candidate, 0});
       std::reverse(track.impacts.begin(), track.impacts.end());
-      track.impacts.resize(static_cast<std::size_t>(end.n_of_ball));  // the others are a rhythm's
+      if (end.is_ball) tracks.push_back(std::move(track));
       end = best_[s->first_candidate];
-      if (std::ssize(track.impacts) >= kFewestImpacts) tracks.push_back(std::move(track));
     }
     std::reverse(tracks.begin(), tracks.end());
     return tracks;

@@ -35,9 +35,7 @@ struct TrackingModel {
   int memory = 8;               ///< impacts over which eps and loudness are taken as constant
 
   // what surrounds a track
-  double unexplained = 2.0;        ///< log odds against a ball of each sound like its own but not of it
-  double scatter_of_drops = 0.06;  ///< of the first log eps, between drops of one ball at other speeds
-  double another_ball = 0.4;       ///< share of drops that are of another, or on another floor
+  double unexplained = 2.0;  ///< log odds against a ball of each sound like its own but not of it
 
   /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
   double lower_band = 2.5;
@@ -52,11 +50,8 @@ struct TrackingModel {
 
   // rhythms: log interval
   double rhythm_log_odds = -0.5;  ///< of a rhythm against a ball
-  double switch_log_odds = -8.0;  ///< of a rhythm that takes over a ball's interval, loudness and sound by chance
-  double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
+  double beat_scatter = 0.05;     ///< drummers 2 %, hands and feet 3 to 8 %, a machine none
   double beat_weight = 2.0;       ///< intervals that this is worth
-  double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
-  double tempo_range = 0.8;       ///< of the log interval from the beginning of a rhythm to its end
   double tempo_gain = 0.5;        ///< of the level that follows the interval
   double trend_gain = 0.15;       ///< of its trend
 
