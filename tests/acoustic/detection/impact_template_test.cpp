@@ -57,7 +57,7 @@ std::optional<ImpactTemplate> template_of_one_ball(std::int64_t later_samples, d
   samples.insert(samples.begin(), static_cast<std::size_t>(later_samples), 0.0F);
   const audio::AudioSource sound = audio::source_in_memory(samples, kRate_hz);
   WhiteSound white(sound);
-  return estimate_template(white, noise, impacts, std::vector<bool>(impacts.size(), false), INFINITY, known_whitener);
+  return estimate_template(white, noise, impacts, std::vector<bool>(impacts.size(), false), known_whitener);
 }
 
 TEST(ImpactTemplate, MovesWithTheSoundAndDoesNotDependOnItsGain) {

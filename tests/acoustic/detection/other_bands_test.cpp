@@ -90,19 +90,5 @@ TEST(OtherBands, StateTheErrorOfTheirDelay) {
   EXPECT_NEAR(drop.impacts.back().fit.t_s, time_of(kImpacts - 1), 1e-12);
 }
 
-TEST(OtherBands, ContradictAnImpactThatIsACycleOff) {
-  constexpr double kCycle_s = 140e-6;
-  TimedDrop drop = drop_of(0, kImpacts, 0.0, 0.9);
-  drop.impacts[9].fit.t_s += kCycle_s;
-  EXPECT_EQ(doubt_what_other_band_contradicts(drop_of(0, kImpacts, kLater_s, 0.9), drop), 1u);
-  for (const TimedImpact& impact : drop.impacts) EXPECT_EQ(impact.doubtful, impact.impact == 9) << impact.impact;
-  // less the two errors of 5 us that the difference has anyway
-  EXPECT_NEAR(drop.impacts[9].doubt_s, kCycle_s, 1e-6);
-  TimedDrop again = drop_of(0, kImpacts, 0.0, 0.9);
-  again.impacts[9].fit.t_s += kCycle_s;
-  // a template that explains little of its impacts contradicts nothing
-  EXPECT_EQ(doubt_what_other_band_contradicts(drop_of(0, kImpacts, kLater_s, 0.3), again), 0u);
-}
-
 }  // namespace
 }  // namespace bouncelab::detection

@@ -54,22 +54,6 @@ TEST(Rescoring, WhatDoesNotFitBeforeTheFirstImpactIsLeft) {
   EXPECT_EQ(candidates_of(tracks[0]), from_to(1, 10));
 }
 
-TEST(Rescoring, AnEchoThatATrackBeginsWithIsReplacedByItsSource) {
-  std::vector<Candidate> ball = test::candidates_of({.eps = 0.7, .n_impacts = 6});
-  ball.insert(ball.begin() + 1, test::candidate(ball[0].t_s + 10e-3, 0.6 * ball[0].amplitude, 20.0));
-  const std::vector<Track> tracks = rescored_of(ball, {track_of(from_to(1, 6))});
-  ASSERT_EQ(tracks.size(), 1u);
-  EXPECT_EQ(candidates_of(tracks[0]), (std::vector<std::size_t>{0, 2, 3, 4, 5, 6}));
-}
-
-TEST(Rescoring, WhatIsFainterAndComesJustBeforeIsNoSource) {
-  std::vector<Candidate> ball = test::candidates_of({.eps = 0.7, .n_impacts = 6});
-  ball.insert(ball.begin(), test::candidate(ball[0].t_s - 25e-3, 0.2 * ball[0].amplitude, 20.0));
-  const std::vector<Track> tracks = rescored_of(ball, {track_of(from_to(1, 6))});
-  ASSERT_EQ(tracks.size(), 1u);
-  EXPECT_EQ(tracks[0].impacts.front().candidate, 1u);
-}
-
 TEST(Rescoring, OfTracksThatOverlapTheSurestIsKept) {
   // a drop of ten and a triple in which one of its sounds is the last
   const std::vector<Candidate> ball = test::candidates_of({});
@@ -89,19 +73,6 @@ TEST(Rescoring, TracksAreGivenInTheOrderOfTime) {
   ASSERT_EQ(tracks.size(), 2u);
   EXPECT_GT(tracks[1].log_odds, tracks[0].log_odds);
   EXPECT_EQ(candidates_of(tracks[0]), from_to(0, 5));
-}
-
-TEST(Rescoring, ADropIsSurerWhereAnotherHasTheSameEps) {
-  const std::vector<Candidate> first = test::candidates_of({.n_impacts = 5});
-  const auto odds_beside = [&](double eps) {
-    const std::vector<Candidate> candidates =
-        test::joined(first, test::candidates_of({.first_s = 30.0, .eps = eps, .n_impacts = 12}));
-    return rescored_of(candidates, {track_of(from_to(0, 4)), track_of(from_to(5, 16))})[0].log_odds;
-  };
-  const double alone = rescored_of(first, {track_of(from_to(0, 4))})[0].log_odds;
-  EXPECT_GT(odds_beside(0.8), alone + 0.5);
-  EXPECT_LT(odds_beside(0.55), alone);
-  EXPECT_GT(odds_beside(0.55), alone + std::log(kModel.another_ball) - 1e-9);  // it may be another ball
 }
 
 TEST(Rescoring, UnexplainedSoundsLikeItsOwnMakeATrackLessProbable) {

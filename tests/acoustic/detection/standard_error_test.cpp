@@ -93,7 +93,8 @@ double pull_of(Drop drop, int n_seeds) {
     drop.seed = static_cast<std::uint64_t>(seed);
     const Onsets truth = truth_of(drop);
     const Detection d = detect(sound_of(drop, truth), kRate_hz, "drop");
-    const OnsetScore score = score_onsets(truth, d.onsets);
+    // a sound that rises in steps may be marked at any of them, the same at all impacts
+    const OnsetScore score = score_onsets(truth, d.onsets, 3e-3);
     EXPECT_EQ(score.n_found, truth.size()) << "seed " << seed;
     squares += score.pull_sd ? *score.pull_sd * *score.pull_sd / n_seeds : NAN;
   }

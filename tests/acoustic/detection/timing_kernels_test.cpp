@@ -213,30 +213,6 @@ TEST(SubbandDelay, JitterIsEstimatedFromTheDisagreementOfTheSubbands) {
   EXPECT_LT(std::sqrt(pull2), 1.25);
 }
 
-TEST(SubbandDelay, MeanHasTheVarianceOfItsCovarianceMatrix) {
-  // by the full matrix: cov_jk = rho^|j-k| sqrt(J_j J_k), and noise on the diagonal
-  Subbands subbands;
-  subbands.jitter2 = {1.0, 4.0, 0.1, 2.0, 0.0};
-  subbands.noise.assign(5, 1.0);
-  subbands.correlation = 0.6;
-  const std::vector<double> noise{0.5, 1.0, 0.02, 3.0, 1.5};
-  const auto covariance = [&](std::size_t j, std::size_t k) {
-    const double lag = std::abs(static_cast<double>(j) - static_cast<double>(k));
-    return std::pow(0.6, lag) * std::sqrt(subbands.jitter2[j] * subbands.jitter2[k]) + (j == k ? noise[j] : 0.0);
-  };
-  const SubbandMean mean = subband_mean(subbands, noise);
-  double independent = 0.0, variance = 0.0;
-  for (std::size_t j = 0; j < 5; ++j) {
-    double with = 0.0;
-    for (std::size_t k = 0; k < 5; ++k) with += mean.weight[k] * covariance(j, k);
-    variance += mean.weight[j] * with;
-    independent += mean.weight[j] * mean.weight[j] * covariance(j, j);
-    EXPECT_NEAR(mean.relative_covariance[j], with / (mean.weight[j] * covariance(j, j)), 1e-12) << j;
-  }
-  EXPECT_NEAR(mean.variance, variance, 1e-12);
-  EXPECT_NEAR(mean.design_effect, variance / independent, 1e-12);
-}
-
 TEST(SubbandDelay, HasNoJitterWhereThereIsOnlyNoise) {
   audio::RealFft fourier(kWindow);
   const MatchedFilter filter(fourier.forward(modes(100.0, kNoPhases)), kWindow);

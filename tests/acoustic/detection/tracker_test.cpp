@@ -80,47 +80,6 @@ TEST(Tracker, BeginWithTheFirstImpactAndNotWithItsEcho) {
   }
 }
 
-TEST(Tracker, OfFewImpactsBeginWithTheFirstAndNotWithItsEcho) {
-  int n_begun = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const EchoingDrop drop{6, 0.6, 0.68, 0.008, 0.01, 12e-3, 0.6};
-    const std::vector<Candidate> candidates = with_echoes(drop, Random(seed, RandomStream::test, 3));
-    const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
-    n_begun += tracks.size() == 1 && tracks[0].impacts.front().candidate == 0 ? 1 : 0;
-  }
-  EXPECT_GE(n_begun, 36);  // 26 where an echo is as good a first impact as its source
-}
-
-TEST(Tracker, KnowABallFromItsOtherDrop) {
-  // a drop of eight impacts, then one of four among other sounds and with an echo each
-  int n_found = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    Random random(seed, RandomStream::test, 2);
-    std::vector<Candidate> candidates;
-    double t_s = 0.4;
-    double last_first_s = 0.0;
-    for (const int n_impacts : {8, 4}) {
-      double flight_s = 0.6;
-      last_first_s = t_s;
-      for (int k = 0; k < n_impacts; ++k) {
-        const double amplitude = 500.0 * flight_s * std::exp(0.4 * random.normal());
-        candidates.push_back({t_s, amplitude, 0.4e-3, 50.0});
-        candidates.push_back({t_s + 9e-3, 0.6 * amplitude, 0.4e-3, 20.0});
-        t_s += flight_s;
-        flight_s *= 0.75 * std::exp(0.01 * random.normal());
-      }
-      t_s += 1.0;
-    }
-    for (int k = 0; k < 3; ++k)
-      candidates.push_back({random.uniform(last_first_s, t_s - 1.0), 150.0 * random.uniform(), 0.4e-3, 50.0});
-    std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.t_s < b.t_s; });
-    const std::vector<Track> tracks = find_tracks(candidates, 5e-5);
-    n_found += tracks.size() == 2 && candidates[tracks[1].impacts.front().candidate].t_s == last_first_s ? 1 : 0;
-  }
-  // one in three hides behind the others; a recording whose drops do not know of each other finds one in forty
-  EXPECT_GE(n_found, 20);
-}
-
 /// The most probable set of tracks by the score of all sequences of candidates, none left out.
 class ExhaustiveSearch {
  public:
@@ -164,15 +123,15 @@ class ExhaustiveSearch {
       }
   }
 
-  void take(const Hypothesis& h, Track track) {
+  void take(const Hypothesis& h, const Track& track) {
     if (h.n_impacts < kFewestImpacts) return;
     constexpr double kOwnClutter = 5.0;  // nats that may come back when its own sounds are no longer its clutter
-    const Hypothesis::Verdict most = h.most_probable(o_.model());
-    if (most.log_odds + kOwnClutter <= 0.0) return;
-    track.impacts.resize(static_cast<std::size_t>(most.n_of_ball));
-    for (Solution s : best_[track.impacts.empty() ? 0 : track.impacts.front().candidate]) {
-      s.score += std::log1p(std::exp(most.log_odds));
-      if (std::ssize(track.impacts) >= kFewestImpacts) s.tracks.push_back(track);
+    const double ball = h.log_odds_of_losing_ball();
+    const double most = std::max(ball, h.log_odds_of_rhythm(o_.model()));
+    if (most + kOwnClutter <= 0.0) return;
+    for (Solution s : best_[track.impacts.front().candidate]) {
+      s.score += std::log1p(std::exp(most));
+      if (most == ball) s.tracks.push_back(track);
       keep(s, best_[here_ + 1]);
     }
   }
@@ -270,8 +229,6 @@ TEST(Tracker, NeitherTheTimeNorTheGainOfARecordingMatters) {
 TEST(Tracker, DropsThatHaveNothingToDoWithEachOtherAreFoundAloneAsTogether) {
   constexpr double kSure = 3.0;    // what is less probable alone may win or lose by the other
   constexpr double kOfRate = 1.1;  // log odds by which two drops may tell of each other's rate, from 1 to 1/3
-  TrackingModel model;
-  model.another_ball = 1.0;  // no drop tells of another's ball
   const auto sure = [](std::vector<Track> tracks) {
     std::erase_if(tracks, [](const Track& track) { return track.log_odds < kSure; });
     return tracks;
@@ -280,12 +237,12 @@ TEST(Tracker, DropsThatHaveNothingToDoWithEachOtherAreFoundAloneAsTogether) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const std::vector<Candidate> first = small_scene(seed);
     const std::vector<Candidate> second = test::shifted(small_scene(seed + 100), 30.0, 1.0);
-    std::vector<Track> apart = find_tracks(first, test::kTiming_s, {}, model);
-    for (Track& track : find_tracks(second, test::kTiming_s, {}, model)) {
+    std::vector<Track> apart = find_tracks(first, test::kTiming_s);
+    for (Track& track : find_tracks(second, test::kTiming_s)) {
       for (TrackImpact& impact : track.impacts) impact.candidate += first.size();
       apart.push_back(track);
     }
-    const std::vector<Track> together = find_tracks(test::joined(first, second), test::kTiming_s, {}, model);
+    const std::vector<Track> together = find_tracks(test::joined(first, second), test::kTiming_s);
     for (const Track& track : sure(apart)) {
       const auto same = std::find_if(together.begin(), together.end(),
                                      [&](const Track& other) { return places_of({other}) == places_of({track}); });
@@ -328,18 +285,6 @@ TEST(Tracker, StatesThatAreNoLongerNeededAreForgottenWithoutALoss) {
                             }),
               1)
         << drop;
-}
-
-TEST(Tracker, OtherEvidenceDecidesOnWhatIsOpenAndIsNotAskedOtherwise) {
-  const std::vector<Candidate> few = test::candidates_of({.eps = 0.7, .n_impacts = 4});
-  EXPECT_EQ(find_tracks(few, test::kTiming_s).size(), 1u);
-  EXPECT_TRUE(find_tracks(few, test::kTiming_s, {}, {}, [](const Track&) { return -20.0; }).empty());
-  const std::vector<Candidate> many = test::candidates_of({.n_impacts = 15});
-  const auto not_asked = [](const Track& track) {
-    ADD_FAILURE() << track.log_odds;
-    return 0.0;
-  };
-  EXPECT_EQ(find_tracks(many, test::kTiming_s, {}, {}, not_asked).size(), 1u);
 }
 
 TEST(Tracker, NothingGivesNoTracks) {

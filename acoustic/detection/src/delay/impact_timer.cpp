@@ -14,11 +14,6 @@
 namespace bouncelab::detection {
 namespace {
 
-// grid of amplitudes for a clipped impact: clipping hides up to thirty times
-constexpr double kCoarse = 1.5;
-constexpr int kCoarseSteps = 8;
-constexpr double kFine = 1.12;
-constexpr int kFineSteps = 3;  // on either side
 constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
 
 std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
@@ -75,53 +70,6 @@ ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) {
   return mask;
 }
 
-bool ImpactTimer::is_clipped(std::int64_t first, std::size_t n) const {
-  if (std::isinf(learned_.clip_level)) return false;
-  std::vector<float> raw(n);
-  audio::read_padded(sound_, first, raw);
-  return std::any_of(raw.begin(), raw.end(), [&](float x) { return std::abs(x) >= learned_.clip_level; });
-}
-
-MatchedFilter ImpactTimer::clipped_template(double amplitude, double shift, const Mask& mask) {
-  const std::size_t n = learned_.filter.n_window();
-  const std::size_t reach = learned_.whitener.size() - 1;  // samples over which the whitener spreads one
-  const audio::Spectrum recorded =
-      fourier_.forward(std::vector<float>(learned_.waveform.begin(), learned_.waveform.end()));
-  const std::vector<float> placed = fourier_.inverse(audio::phase_shifted(recorded, -learned_.filter.omega() * shift));
-  std::vector<float> raw(n + reach, 0.0F);
-  const float level = learned_.clip_level;
-  for (std::size_t k = 0; k < n; ++k)
-    raw[k + reach] = std::clamp(static_cast<float>(amplitude) * placed[k], -level, level);
-  const audio::AudioSource sound = audio::source_in_memory(raw, sound_.rate_hz);
-  std::vector<float> white = read_white(sound, learned_.whitener, static_cast<std::int64_t>(reach), n).sound;
-  std::fill(white.begin() + static_cast<std::ptrdiff_t>(learned_.n_template), white.end(), 0.0F);
-  multiply(white, mask);
-  return {fourier_.forward(white), n};
-}
-
-DelayEstimate ImpactTimer::estimate_clipped(const FitWindow& window, double shift) {
-  const DelayEstimate unlimited = estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
-  DelayEstimate best = unlimited;
-  double least = INFINITY;
-  const auto scan = [&](double centre, double step, int from, int to) {
-    const double start = best.shift;
-    for (int k = from; k <= to; ++k) {
-      const double amplitude = centre * pow(step, k);
-      DelayEstimate r =
-          estimate_delay(clipped_template(amplitude, start, window.mask), learned_.subbands, window.spectrum, 0.0);
-      const double rest = window.total - 2.0 * r.log_likelihood_ratio;
-      if (!(r.amplitude > 0.0) || rest >= least) continue;
-      least = rest;
-      best = r;
-      best.shift += start;
-      best.amplitude = amplitude;
-    }
-  };
-  scan(std::max(unlimited.amplitude, 1e-6), kCoarse, 0, kCoarseSteps);  // clipping only lowers the amplitude
-  scan(best.amplitude, kFine, -kFineSteps, kFineSteps);
-  return best;
-}
-
 MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
   const auto placed_at = [&](double at) {
     return fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * at));
@@ -139,7 +87,6 @@ void ImpactTimer::cut(std::int64_t first, std::int64_t end, FitWindow& window) {
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
-  window.is_clipped = is_clipped(first, learned_.n_template);
   known_.window_without(first, {}, window.sound);
   multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
@@ -177,7 +124,6 @@ double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEsti
 }
 
 DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) {
-  if (window.is_clipped) return estimate_clipped(window, shift);
   if (window.mask.empty()) return estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
   DelayEstimate r;
   for (int step = 0; step < 2; ++step) {  // the masked template depends on the shift
@@ -216,7 +162,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   fit.residual_variance = residual_variance(window, r.log_likelihood_ratio);
   // what an impact has of its own rings when the template does: it is all in the few samples that hold the energy
   const double quiet = std::min(1.0, noise_);
-  const double rest = window.is_clipped ? fit.residual_variance : residual_in_product(window, r);
+  const double rest = residual_in_product(window, r);
   fit.disturbance = quiet + std::max(0.0, rest - quiet) * std::max(1.0, n_of(window) / learned_.n_effective);
   // The sub-bands' noise was estimated where louder impacts still rang: the residual here may show that it is less. A
   // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
@@ -232,7 +178,5 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
 }
 
 void ImpactTimer::subtract_from_later(const ImpactFit& impact) { known_.add(impact.t_s, impact.amplitude); }
-
-void ImpactTimer::forget_last() { known_.remove_last(); }
 
 }  // namespace bouncelab::detection

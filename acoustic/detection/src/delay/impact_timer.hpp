@@ -17,7 +17,7 @@ namespace bouncelab::detection {
 ///
 /// Model of a window of whitened sound: y(t) = sum_i A_i w(t - t_i) + A w(t - t_0) + white noise, with the template w,
 /// the known impacts i, and A, t_0 to be estimated. Of a window that reaches the next impact only the part before it
-/// is used; a clipped impact is compared with the template limited alike.
+/// is used.
 /// Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory (1993), ch. 3, 7.
 class ImpactTimer {
  public:
@@ -31,8 +31,6 @@ class ImpactTimer {
   void subtract_from_later(const ImpactFit& impact);
   /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.
   double noise() const { return noise_; }
-  /// Undoes the last subtract_from_later().
-  void forget_last();
 
  private:
   /// Factors of a window's samples; empty = all are 1.
@@ -44,7 +42,6 @@ class ImpactTimer {
     Mask mask;
     std::vector<float> sound;
     double total = 0.0;  // sum of squares
-    bool is_clipped = false;
     audio::Spectrum spectrum;
   };
   /// @param end  sample from which on the sound belongs to the next impact
@@ -62,11 +59,6 @@ class ImpactTimer {
   ImpactFit fit_of(const FitWindow& window, const Correlation& products);
   /// 1 for the first n_fit samples, with a tapered end.
   Mask mask_of(std::size_t n_fit);
-  bool is_clipped(std::int64_t first, std::size_t n) const;
-  /// The template as the converter limits it at this amplitude, then whitened.
-  MatchedFilter clipped_template(double amplitude, double shift, const Mask& mask);
-  /// Delay of a clipped impact: the amplitude by grid search, since it only shows in how long the sound is limited.
-  DelayEstimate estimate_clipped(const FitWindow& window, double shift);
   MatchedFilter masked_template(double shift, const Mask& mask);
 
   const audio::AudioSource& sound_;

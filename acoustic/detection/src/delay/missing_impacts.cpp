@@ -15,18 +15,18 @@ namespace {
 constexpr double kOutlierCentre = 0.9;
 constexpr double kOutlierReach = 0.17;
 constexpr double kMinCycles = 3.0;   // of the template; nearer impacts cannot be separated from its ringing
-constexpr double kClearRise = 20.0;  // log likelihood ratio of a candidate that noise does not reach in hours
 constexpr int kMaxFailures = 3;      // impacts in a row that are not found, then the track has ended
 
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
 
 // Least log likelihood ratio over the residual variance. Inside another impact's ringing the residual is not white, so
-// that `noise_threshold` does not apply: an impact with a candidate needs least, one between two impacts more, one
-// beyond the track's end most.
-constexpr double kMinOfCandidate = 1.3;
+// that `noise_threshold` does not apply: one between two impacts needs less than one beyond the track's end.
 constexpr double kMinInGap = 2.0;
 constexpr double kMinBeyondEnd = 3.0;
 constexpr double kMinOfOutlier = 6.0;
+// ratio of the log likelihood ratio beyond the end to the largest in the sound before, where there is no impact:
+// echoes, a rolling ball and voices correlate with the template here and there
+constexpr double kMinProminence = 2.0;
 
 /// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
 /// normals. A hundredth is enough, since a track goes on more often than not.
@@ -58,6 +58,26 @@ bool has_amplitude_of(const TimedImpact& impact, const TimedImpact& neighbour) {
   return ratio > 1.0 / kMaxAmplitudeRatio && ratio < kMaxAmplitudeRatio;
 }
 
+/// Largest log likelihood ratio in the second part of the interval before t_s, where there is no impact; 0 where that
+/// part is too short.
+double llr_before(TimedTrack& track, double t_s, double min_half_s) {
+  constexpr double kSkipped = 0.4;  // of the interval: what rings there is the last impact
+  const double last_s = track.impacts.back().fit.t_s;
+  const double half_s = 0.5 * (1.0 - kSkipped) * (t_s - last_s);
+  return half_s > min_half_s ? find_impact(track.search, t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
+}
+
+/// A peak beside the one found that is so much higher that the latter is its side lobe: a single gain or loss that the
+/// search did not reach.
+std::optional<ImpactFit> sidelobe_check(Search& search, const ImpactFit& found, double after_s, double until_s) {
+  constexpr double kSideLobes_s = 1.5e-3;
+  constexpr double kHigher = 2.0;
+  if (after_s < 4.0 * kSideLobes_s) return std::nullopt;  // so near it is a neighbour's
+  const ImpactFit best = find_impact(search, found.t_s, kSideLobes_s, until_s);
+  if (best.log_likelihood_ratio < kHigher * found.log_likelihood_ratio) return std::nullopt;
+  return best;
+}
+
 /// Searches for an impact without candidate, and appends it where it is supported.
 bool search_missing(TimedTrack& track, const Prediction& p) {
   const double rate_hz = track.search.white.source().rate_hz;
@@ -70,31 +90,24 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   impact.until_s = p.until_s;
   impact.inferred = true;
   impact.overlap = p.until_s - t_s < track.search.template_s;
+  double min_llr_ratio = p.min_llr_ratio;
+  if (const auto higher = sidelobe_check(track.search, impact.fit, p.after_s, p.until_s)) {
+    impact.fit = *higher;
+    min_llr_ratio = std::max(min_llr_ratio, kMinOfOutlier);
+  }
   if (!has_amplitude_of(impact, last) ||
-      !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, p.min_llr_ratio))
+      !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
+    return false;
+  // within the last impact's ringing everything correlates with the template
+  const bool is_isolated = p.after_s > track.search.template_s;
+  if (is_isolated && min_llr_ratio >= kMinBeyondEnd &&
+      impact.fit.log_likelihood_ratio < kMinProminence * llr_before(track, t_s - reach_s, reach_s))
     return false;
   impact.probability = probability_of_inferred(
       impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance),
       kLagsPerSample * reach_s * rate_hz);
   append(track, impact);
   return true;
-}
-
-/// Whether the last impact stays. A rise out of quiet is an impact though it may not correlate with the template; in
-/// the ringing of the one before it may be an echo.
-/// @param c  its candidate
-bool keeps_last(const TimedTrack& track, const Candidate& c) {
-  const TimedImpact& last = track.impacts.back();
-  const TimedImpact& before = track.impacts[track.impacts.size() - 2];
-  const double interval_s = last.fit.t_s - before.fit.t_s;
-  const double template_s = track.search.template_s;
-  const bool has_reliable_template = is_reliable(track.search.learned.correlation);
-  const bool is_clear = c.log_likelihood_ratio > kClearRise;
-  if (!has_reliable_template && (is_clear || interval_s > template_s)) return true;
-  const bool rises_out_of_quiet = is_clear && interval_s > template_s;
-  return (rises_out_of_quiet || has_amplitude_of(last, before)) &&
-         is_supported(track.search, last, before, kLagsPerSample * c.reach_s * track.search.white.source().rate_hz,
-                      kMinOfCandidate);
 }
 
 }  // namespace
@@ -112,14 +125,6 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
         // the next candidate may be late: a knock, an echo
         (track.impacts.size() >= 3 && search_after(predict_beyond_end(track.impacts, 0).t_s - last_s));
     if (!found) return;
-  }
-}
-
-void trim_tail(TimedTrack& track, const Track& tracked, const std::vector<Candidate>& candidates) {
-  for (std::size_t k = tracked.impacts.size(); k-- > 0 && track.impacts.size() > 3;) {
-    if (keeps_last(track, candidates[tracked.impacts[k].candidate])) return;
-    track.impacts.pop_back();
-    track.search.timer.forget_last();  // extend() searches where it was
   }
 }
 

@@ -13,9 +13,6 @@ namespace bouncelab::detection {
 /// Searches for the impacts between the last one and the next candidate.
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s);
 
-/// Removes impacts at the end that the template does not support.
-void trim_tail(TimedTrack& track, const Track& tracked, const std::vector<Candidate>& candidates);
-
 /// Continues the track beyond its last impact.
 /// @param end_s  impacts are searched for up to it
 void extend(TimedTrack& track, double end_s);

@@ -53,8 +53,6 @@ void Ringing::set(std::size_t k, double t_s, double amplitude) {
   impact.placed.clear();
 }
 
-void Ringing::remove_last() { impacts_.pop_back(); }
-
 const std::vector<float>& Ringing::placed(Known& impact) {
   if (impact.placed.empty()) {
     const double shift = impact.t_s * rate_hz_ - learned_.contact_index - static_cast<double>(impact.first);
@@ -79,16 +77,6 @@ void Ringing::window_without(std::int64_t first, std::optional<std::size_t> exce
     const float* wave = placed(impacts_[k]).data() + shared.begin_in_first;
     const auto a = static_cast<float>(impacts_[k].amplitude);
     audio::add_scaled(x.data() + shared.begin, -a, wave, shared.size);
-  }
-}
-
-void Ringing::stretch_without(std::int64_t first, std::span<float> stretch) {
-  std::vector<float> window;
-  const auto n_window = static_cast<std::size_t>(n_window_);
-  for (std::size_t at = 0; at < stretch.size(); at += n_window) {
-    window_without(first + static_cast<std::int64_t>(at), {}, window);
-    std::copy_n(window.begin(), std::min(n_window, stretch.size() - at),
-                stretch.begin() + static_cast<std::ptrdiff_t>(at));
   }
 }
 

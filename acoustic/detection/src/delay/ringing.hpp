@@ -22,7 +22,6 @@ class Ringing {
   /// @param wave  spectrum of the impact's sound; none = that of the template
   void add(double t_s, double amplitude, std::optional<audio::Spectrum> wave = std::nullopt);
   void set(std::size_t k, double t_s, double amplitude);
-  void remove_last();
   std::size_t size() const { return impacts_.size(); }
   double amplitude(std::size_t k) const { return impacts_[k].amplitude; }
 
@@ -30,9 +29,6 @@ class Ringing {
   std::vector<float> window_without(std::int64_t first, std::optional<std::size_t> except = std::nullopt);
   /// The same into a window that has memory already.
   void window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& window);
-
-  /// A stretch of any length, less the sound of all known impacts.
-  void stretch_without(std::int64_t first, std::span<float> stretch);
 
   /// Sets the amplitudes of impacts whose windows overlap, jointly, to those of least squares: normal equations
   /// sum_j <w_i, w_j> A_j = <w_i, x>, banded since only neighbours overlap. Those of no others change.

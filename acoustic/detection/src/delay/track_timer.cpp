@@ -57,6 +57,23 @@ bool is_explained(const Search& search, const ImpactFit& fit) {
   return fit.residual_variance <= kMuchLeft * expected;
 }
 
+/// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
+/// another sound then, a knock of the same plate perhaps, however loud.
+std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<Candidate>& candidates, std::size_t k,
+                                              double reach_s) {
+  const Candidate& c = candidates[k];
+  const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
+  const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
+                                  [&](const Candidate& later) { return later.t_s >= from_s; });
+  // so late that no window of find_everywhere() reaches it: there is no other sound
+  if (other == candidates.end() || other->t_s >= c.t_s + kPreEcho_s + search.template_s) return {};
+  constexpr double kOfTemplate = 0.75;  // a window without an end is longer than the template
+  const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
+  const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
+  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(search, fit)) return {};
+  return fit;
+}
+
 void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, const TrackImpact& of_track,
                    double next_s) {
   constexpr double kShare = 0.25;  // of the intervals on either side, over which an impact may be searched for
@@ -73,8 +90,10 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
   // another impact's sound in the window is reason enough for a low correlation
   const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
-  if (is_alone && !is_explained(track.search, timed.fit))
-    timed.fit = find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
+  if (is_alone && !is_explained(track.search, timed.fit)) {
+    const auto alone = before_another_sound(track.search, candidates, of_track.candidate, reach_s);
+    timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
+  }
   timed.overlap = next_s - c.t_s < track.search.template_s;
   append(track, timed);
 }
@@ -233,7 +252,6 @@ std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& lea
     if (k > 0 && impact.impact > tracked.impacts[k - 1].impact + 1) fill_gap(track, impact.impact, c.t_s);
     add_candidate(track, candidates, impact, next_time(tracked, candidates, k));
   }
-  trim_tail(track, tracked, candidates);
   extend(track, end_s);
   add_predicted_places(track.search, track.impacts);
   std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);

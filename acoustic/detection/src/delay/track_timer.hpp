@@ -14,9 +14,8 @@ namespace bouncelab::detection {
 ///
 /// 1. each candidate, in time order, the ringing of the impacts before it subtracted; where impacts are missing between
 ///    two candidates they are searched for at the times that a geometric series of intervals predicts (fill_gap);
-/// 2. impacts at the end that the template does not support are removed (trim_tail);
-/// 3. the track is continued beyond its last impact as long as the sound supports the next one (extend);
-/// 4. of the places where each impact may have been the most probable is chosen (delay_posterior.hpp); the others'
+/// 2. the track is continued beyond its last impact as long as the sound supports the next one (extend);
+/// 3. of the places where each impact may have been the most probable is chosen (delay_posterior.hpp); the others'
 ///    probabilities add to its variance.
 ///
 /// @param end_s  the next track, or the end of the recording: impacts are searched for up to it [s]

@@ -25,23 +25,17 @@ bool is_unflagged(const TimedImpact& impact) {
   return !impact.overlap && !impact.inferred && !impact.doubtful && !impact.clipped;
 }
 
-/// The limit that a recording reaches within 5 ms after t_s: three successive samples of the same value, the largest in
-/// magnitude there. Infinity where it does not.
-float clip_level(const audio::AudioSource& sound, double t_s) {
+/// Whether a recording is at its limit within 5 ms after t_s: three successive samples of the same value, the largest
+/// in magnitude there.
+bool is_clipped(const audio::AudioSource& sound, double t_s) {
   constexpr double kAround_s = 5e-3;
-  const auto n = static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3;
-  const std::int64_t first = std::llround(t_s * sound.rate_hz) - 1;
-  std::vector<float> x(n);
-  audio::read_padded(sound, first, x);
-  int n_flat = 0;  // 0 for most impacts, and this loop is vectorised
-  for (std::size_t k = 2; k < x.size(); ++k)
-    n_flat += static_cast<int>(x[k] == x[k - 1]) & static_cast<int>(x[k] == x[k - 2]) & static_cast<int>(x[k] != 0.0F);
-  if (n_flat == 0) return INFINITY;
+  std::vector<float> x(static_cast<std::size_t>(kAround_s * sound.rate_hz) + 3);
+  audio::read_padded(sound, std::llround(t_s * sound.rate_hz) - 1, x);
   float largest = 0.0F;
   for (const float value : x) largest = std::max(largest, std::abs(value));
   for (std::size_t k = 2; k < x.size(); ++k)
-    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return largest;
-  return INFINITY;
+    if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
+  return false;
 }
 
 /// The sound as recorded, in which a converter's limit shows.
@@ -79,7 +73,7 @@ double scaling_of_strongest(const std::vector<TimedImpact>& impacts) {
 }  // namespace
 
 void mark_clipped(const audio::AudioSource& whole, std::vector<TimedImpact>& impacts) {
-  for (TimedImpact& impact : impacts) impact.clipped = !std::isinf(clip_level(whole, impact.fit.t_s));
+  for (TimedImpact& impact : impacts) impact.clipped = is_clipped(whole, impact.fit.t_s);
 }
 
 void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
@@ -101,20 +95,14 @@ double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned) {
 
 std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks, WhiteSound& white,
                                           const std::vector<float>& known_whitener) {
-  constexpr float kBelowLimit = 0.999F;
   std::vector<Candidate> impacts;
   std::vector<bool> clipped;
-  float limit = INFINITY;
   for (const Track& track : tracks)
     for (const TrackImpact& impact : track.impacts) {
       impacts.push_back(band.candidates[impact.candidate]);
-      const float level = clip_level(recorded_sound(band, white), impacts.back().t_s);
-      clipped.push_back(!std::isinf(level));
-      limit = std::min(limit, level);
+      clipped.push_back(is_clipped(recorded_sound(band, white), impacts.back().t_s));
     }
-  // a low band does not show where the converter was limited
-  return estimate_template(white, band.noise, impacts, clipped, band.is_full_band() ? kBelowLimit * limit : INFINITY,
-                           known_whitener);
+  return estimate_template(white, band.noise, impacts, clipped, known_whitener);
 }
 
 TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,

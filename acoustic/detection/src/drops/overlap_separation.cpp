@@ -47,7 +47,7 @@ class JointEstimator {
       const double scaling = impact.v_mps > 0.0 ? pow(impact.v_mps, -0.2) : 0.0;
       waves_.push_back(template_at_speed(learned.filter, sound_.rate_hz, tau_1_s, scaling, template_scaling));
       ringing_.add(impact.fit.t_s, impact.fit.amplitude, waves_.back());
-      free_.push_back(impact.overlap && !is_clipped(begin(free_.size())));
+      free_.push_back(impact.overlap);
     }
   }
 
@@ -67,13 +67,6 @@ class JointEstimator {
   /// Sample at which the window of an impact begins.
   std::int64_t begin(std::size_t k) const {
     return static_cast<std::int64_t>(std::floor(impacts_[k].fit.t_s * sound_.rate_hz - learned_.contact_index));
-  }
-
-  bool is_clipped(std::int64_t first) const {
-    if (std::isinf(learned_.clip_level)) return false;
-    std::vector<float> raw(n_window());
-    audio::read_padded(sound_, first, raw);
-    return std::any_of(raw.begin(), raw.end(), [&](float x) { return std::abs(x) >= learned_.clip_level; });
   }
 
   /// Times one impact by its window less the sound of the others.

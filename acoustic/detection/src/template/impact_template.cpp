@@ -192,7 +192,7 @@ std::vector<double> gain2(const ImpactTemplate& learned) {
 
 std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
-                                                float clip_level, const std::vector<float>& known_whitener) {
+                                                const std::vector<float>& known_whitener) {
   if (impacts.size() < 3) return std::nullopt;
   TemplateEstimation e = begin_estimation(white, impacts, clipped);
   e.learned.whitener = known_whitener;
@@ -206,13 +206,7 @@ std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel
   describe_training(e);
   if (e.learned.n_impacts < 3) return std::nullopt;
   describe_waveform(e);
-  // a template of clipped impacts is clipped itself: then samples beyond the limit fit it and must not be left out
-  if (has_enough_unclipped(clipped)) e.learned.clip_level = clip_level;
   return std::move(e.learned);
-}
-
-bool has_enough_unclipped(const std::vector<bool>& clipped) {
-  return std::count(clipped.begin(), clipped.end(), false) >= kMinUnclipped;
 }
 
 double correlation(const DelayEstimate& estimate, double total) {

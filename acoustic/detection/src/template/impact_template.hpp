@@ -33,26 +33,20 @@ struct ImpactTemplate {
   std::vector<double> waveform;      ///< the mean as recorded, not whitened
   std::vector<double> spread;        ///< its standard deviation from impact to impact
   double peak = 0.0;                 ///< largest magnitude of `waveform`
-  float clip_level = INFINITY;       ///< of the sound as recorded; samples at or beyond it carry no information
 };
 
 /// Estimates the template from the recording's own strong and isolated impacts: aligned below a sample and averaged,
 /// in turns; then the noise and the jitter of its sub-bands.
 /// @param white    what of it was whitened by the result's whitener is kept for what follows
 /// @param impacts  with times to a millisecond or better, in time order
-/// @param clipped  for each whether the recording is at its limit there; such impacts are used only where too few
-///                 others are (has_enough_unclipped)
-/// @param clip_level  limit of the recording; infinity where it is not reached
+/// @param clipped  for each whether the recording is at its limit there; such impacts are used only where fewer than
+///                 five others are
 /// @param known_whitener  that of other impacts in the same noise, which is kept where three quarters of these are
 ///                        alike by it; empty = one is estimated
 /// @return absent where no three impacts are alike
 std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
                                                 const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
-                                                float clip_level = INFINITY,
                                                 const std::vector<float>& known_whitener = {});
-
-/// Whether a template can be estimated from unclipped impacts alone.
-bool has_enough_unclipped(const std::vector<bool>& clipped);
 
 /// Whether a template of this correlation with the impacts explains half of their energy: then what it does not support
 /// is none.

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMinBins = 6;            // three to four of what a window of this length resolves
 constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
+constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
 // prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
 constexpr double kPriorSubbands = 8.0;
 constexpr int kMaxSteps = 6;
@@ -139,11 +140,18 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
   };
   const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
   const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kMinBins), 1, kMaxSubbands);
+  const std::size_t reach = std::max(kMinBins / 2, n_occupied / kEdgeSearchShare);
+  const auto density = [&](std::size_t k) { return filter.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
   Subbands subbands;
   subbands.edge.push_back(1);
   for (std::size_t share = 1; share < n; ++share) {
-    const std::size_t edge = std::max(subbands.edge.back() + kMinBins, bin_at(static_cast<double>(share) / static_cast<double>(n)));
-    if (edge + kMinBins <= n_bins) subbands.edge.push_back(edge);
+    const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
+    const std::size_t lo = std::max(subbands.edge.back() + kMinBins, middle > reach ? middle - reach : 1);
+    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kMinBins));
+    std::size_t lowest = lo;
+    for (std::size_t k = lo; k <= hi; ++k)
+      if (density(k) < density(lowest)) lowest = k;
+    if (lo <= hi) subbands.edge.push_back(lowest);
   }
   subbands.edge.push_back(n_bins);
   merge_weak_subbands(filter, subbands.edge);

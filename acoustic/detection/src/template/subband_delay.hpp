@@ -65,7 +65,8 @@ class MatchedFilter {
   std::vector<double> running_information_;
 };
 
-/// Up to ten sub-bands of about equal information on the delay; noise 1 and jitter 0.
+/// Up to ten sub-bands of about equal information on the delay, with edges at minima of the spectrum, so that no mode
+/// is shared by two; noise 1 and jitter 0.
 Subbands split_into_subbands(const MatchedFilter& filter);
 
 /// Weights of the mean of an impact's sub-band delays, by their inverse variances.

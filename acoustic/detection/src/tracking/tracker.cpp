@@ -26,7 +26,6 @@ constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds a
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
 constexpr double kAcceptance = 0.0;             // log odds of a track
-constexpr double kOpen = 10.0;                  // beyond, no other evidence decides
 constexpr std::size_t kStatesAtOnce = 1 << 12;  // 1 MB, which stays in the cache; then those no track needs are dropped
 
 struct State {
@@ -309,12 +308,9 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
 }
 
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-                               const TrackingModel& model, const std::function<double(const Track&)>& other_evidence) {
+                               const TrackingModel& model) {
   const Observations observations(candidates, timing_s, same_source, model);
   auto [tracks, own] = rescored(observations, Search(observations).run());
-  if (other_evidence)
-    for (Track& track : tracks)
-      if (std::abs(track.log_odds) < kOpen) track.log_odds += other_evidence(track);
   weigh_by_drop_rate(candidates, tracks, model);
   std::vector<Track> accepted;
   for (std::size_t k = 0; k < tracks.size(); ++k) {

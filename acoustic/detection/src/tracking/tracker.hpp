@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -36,12 +35,10 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// hypotheses (hypothesis.hpp), each impact of which may be followed by up to kMostMissing that were not detected. Each
 /// track is then scored anew without its own sounds among the clutter (rescoring.hpp) and weighed by how often balls
 /// are dropped in the recording (drop_rate.hpp); those of even odds at least are left.
-/// @param timing_s        error of the candidates' times, standard deviation [s]; where only a longer window noticed
+/// @param timing_s     error of the candidates' times, standard deviation [s]; where only a longer window noticed
 ///                        one, 0.15 of that window
-/// @param same_source     which of the candidates may have one source
-/// @param other_evidence  log odds by what the candidates do not hold, added to those of tracks that it may decide on
+/// @param same_source  which of the candidates may have one source
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const SameSource& same_source = {}, const TrackingModel& model = {},
-                               const std::function<double(const Track&)>& other_evidence = {});
+                               const SameSource& same_source = {}, const TrackingModel& model = {});
 
 }  // namespace bouncelab::detection
