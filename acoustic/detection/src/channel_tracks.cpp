@@ -155,8 +155,7 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) 
   std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks of_band{
-        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model), {}};
+    ChannelTracks of_band{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model), {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
     if (b == 0 || of_band.log_odds() > best.log_odds() + model.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});

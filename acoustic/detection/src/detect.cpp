@@ -133,8 +133,7 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
                        " of the time stamps between impacts of a drop: an impact there would be missing");
   const std::string of_all = " of " + std::to_string(d.onsets.size()) + " impacts ";
   if (const auto n = count_flag(d.onsets, Flag::clipped); n > 0)
-    warnings.push_back(std::to_string(n) + of_all +
-                       "are clipped: record with less gain");
+    warnings.push_back(std::to_string(n) + of_all + "are clipped: record with less gain");
   if (const auto n = count_flag(d.onsets, Flag::doubtful); n > 0)
     warnings.push_back(std::to_string(n) + of_all +
                        "have more than one place where they may have been (flag doubtful; sigma_t_s covers them)");

@@ -49,7 +49,8 @@ TEST(Loudness, OneSoundMovesWhatIsKnownByThreeStandardDeviationsAtMost) {
   Loudness by_much(3.0), by_more(3.0);
   by_much.learn(3.0 + 10.0, 0.0, kModel);
   by_more.learn(3.0 + 1000.0, 0.0, kModel);
-  for (const double x : {2.0, 3.0, 4.0}) EXPECT_EQ(by_much.density(x, 0.0, kModel), by_more.density(x, 0.0, kModel)) << x;
+  for (const double x : {2.0, 3.0, 4.0})
+    EXPECT_EQ(by_much.density(x, 0.0, kModel), by_more.density(x, 0.0, kModel)) << x;
 }
 
 TEST(Loudness, OfABallGoesWithAPowerOfItsSpeedThatIsNotKnownWell) {

@@ -56,9 +56,8 @@ TEST(Rhythm, DensityOverTimeAndLoudnessIntegratesToAboutOne) {
       const double interval_s = kInterval_s * std::exp(log_ratio);
       return interval_s * density_at(rhythm, interval_s);
     });
-    const double of_loudness = test::integral_over_line(kLogAmplitude, 1.0, 2000, [&](double a) {
-                                 return density_at(rhythm, kInterval_s, a);
-                               }) /
+    const double of_loudness = test::integral_over_line(kLogAmplitude, 1.0, 2000,
+                                                        [&](double a) { return density_at(rhythm, kInterval_s, a); }) /
                                density_at(rhythm, kInterval_s);
     // beats are left out and divided, each by a probability of its own: 1.065 in all, as irregular ones reach it less
     EXPECT_NEAR(of_time * of_loudness, 1.0, 0.08) << n_known << " intervals";

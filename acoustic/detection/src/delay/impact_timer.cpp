@@ -14,7 +14,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr int kMaxCuts = 2;    // of two peaks each may be the higher one in the window cut for the other
+constexpr int kMaxCuts = 2;  // of two peaks each may be the higher one in the window cut for the other
 
 std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
   return std::llround(duration_s * sound.rate_hz);

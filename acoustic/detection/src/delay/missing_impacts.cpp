@@ -14,8 +14,8 @@ namespace {
 // where nothing is found at the predicted time, a single loss or gain may be the reason: 0.73 to 1.07 of the interval
 constexpr double kOutlierCentre = 0.9;
 constexpr double kOutlierReach = 0.17;
-constexpr double kMinCycles = 3.0;   // of the template; nearer impacts cannot be separated from its ringing
-constexpr int kMaxFailures = 3;      // impacts in a row that are not found, then the track has ended
+constexpr double kMinCycles = 3.0;  // of the template; nearer impacts cannot be separated from its ringing
+constexpr int kMaxFailures = 3;     // impacts in a row that are not found, then the track has ended
 
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
 

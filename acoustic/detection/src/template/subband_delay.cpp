@@ -163,7 +163,8 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
 SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance) {
   SubbandMean m;
   double weights = 0.0;
-  for (std::size_t j = 0; j < subbands.n(); ++j) weights += m.weight[j] = 1.0 / (noise_variance[j] + subbands.jitter2[j]);
+  for (std::size_t j = 0; j < subbands.n(); ++j)
+    weights += m.weight[j] = 1.0 / (noise_variance[j] + subbands.jitter2[j]);
   for (std::size_t j = 0; j < subbands.n(); ++j) m.weight[j] /= weights;
   m.variance = 1.0 / weights;
   return m;

@@ -61,7 +61,8 @@ class Alternatives {
     const auto take = [&](std::size_t k) {
       // what is so near is the same sound, noticed twice or rising in steps
       constexpr double kSameSound_s = 3e-3;
-      if (std::abs(c[k].t_s - c[own].t_s) > std::max({c[k].reach_s, c[own].reach_s, kSameSound_s})) sum += weight(replaced(n, k));
+      if (std::abs(c[k].t_s - c[own].t_s) > std::max({c[k].reach_s, c[own].reach_s, kSameSound_s}))
+        sum += weight(replaced(n, k));
     };
     const bool is_last = n + 1 == size();
     const double first_s = n > 0 ? c[own_.candidates[n - 1]].t_s : c[own].t_s - furthest_s(0);

@@ -6,10 +6,10 @@
 
 namespace bouncelab::detection {
 
-/// What the same sounds are as a rhythm: steps, claps, syllables, strokes, a metronome. The log interval follows a local
-/// level with a trend (Harvey 1989, doi:10.1017/CBO9781107049994), about which it scatters as the rhythm itself shows. A
-/// beat may be left out, as impacts are, or divided by two. Loudness scatters about its running mean, whatever the
-/// interval.
+/// What the same sounds are as a rhythm: steps, claps, syllables, strokes, a metronome. The log interval follows a
+/// local level with a trend (Harvey 1989, doi:10.1017/CBO9781107049994), about which it scatters as the rhythm itself
+/// shows. A beat may be left out, as impacts are, or divided by two. Loudness scatters about its running mean, whatever
+/// the interval.
 class Rhythm {
  public:
   /// @param log_interval   of the first two sounds [ln s]

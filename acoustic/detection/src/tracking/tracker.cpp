@@ -141,7 +141,7 @@ class Search {
   struct Best {
     double score = 0.0;
     std::int64_t state = -1;  // the completed track that ends here or before
-    bool is_ball = false;      // rather than a rhythm
+    bool is_ball = false;     // rather than a rhythm
   };
 
   void visit(std::size_t k) {
