@@ -69,6 +69,7 @@ constexpr Number kNumbers[] = {
     BOUNCELAB_NUMBER(rhythm_log_odds),
     BOUNCELAB_NUMBER(beat_scatter),
     BOUNCELAB_NUMBER(beat_weight),
+    BOUNCELAB_NUMBER(machine_scatter),
     BOUNCELAB_NUMBER(tempo_gain),
     BOUNCELAB_NUMBER(trend_gain),
     BOUNCELAB_NUMBER(kernel_width),

@@ -83,7 +83,7 @@ TEST(Hypothesis, AMetronomeIsARhythm) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(row_of({.beat_scatter = 1e-3}, seed));
     EXPECT_TRUE(is_rhythm(h)) << seed;
-    EXPECT_LT(h.log_odds_of_ball(kModel), -2.0) << seed;
+    EXPECT_LT(h.log_odds_of_ball(kModel), -8.0) << seed;
   }
 }
 

@@ -12,7 +12,7 @@ namespace bouncelab::detection {
 Hypothesis::Hypothesis(const Observation& first, const Observation& second, const Step& step)
     : BallHypothesis(first, second, step),
       rhythm_(step.log_flight, 0.5 * (first.log_amplitude + second.log_amplitude)),
-      log_odds_rhythm_(step.log_odds) {}
+      log_odds_rhythm_{step.log_odds, step.log_odds} {}
 
 Hypothesis Hypothesis::begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
                              const TrackingModel& model) {
@@ -22,15 +22,17 @@ Hypothesis Hypothesis::begin(const Observation& first, const Observation& second
 
 void Hypothesis::take(const Step& step, const Observation& next, const TrackingModel& model) {
   const double sigma_s = hypot(next.sigma_s, last().sigma_s);
-  const double density = rhythm_.follow(next.t_s - last().t_s, next.log_amplitude, sigma_s, model);
-  log_odds_rhythm_ += next.log_rise_odds + log(density / step.of_clutter);
-  most_log_odds_rhythm_ = std::max(most_log_odds_rhythm_, log_odds_rhythm_);
+  const auto densities = rhythm_.follow(next.t_s - last().t_s, next.log_amplitude, sigma_s, model);
+  for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) {
+    log_odds_rhythm_[kind] += next.log_rise_odds + log(densities[kind] / step.of_clutter);
+    most_log_odds_rhythm_[kind] = std::max(most_log_odds_rhythm_[kind], log_odds_rhythm_[kind]);
+  }
   BallHypothesis::take(step, next, model);
   log_probability_of_loss_ = log_probability_of_loss(model);
 }
 
 double Hypothesis::log_odds_of_rhythm(const TrackingModel& model) const {
-  return most_log_odds_rhythm_ + model.rhythm_log_odds - model.start_log_odds;
+  return std::max(most_log_odds_rhythm_[0], most_log_odds_rhythm_[1]) + model.rhythm_log_odds - model.start_log_odds;
 }
 
 double Hypothesis::log_odds_of_ball(const TrackingModel& model) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+
 #include "tracking/ball_hypothesis.hpp"
 #include "tracking/observations.hpp"
 #include "tracking/rhythm.hpp"
@@ -24,7 +26,7 @@ class Hypothesis : public BallHypothesis {
 
   /// Of a ball that loses energy against clutter.
   double log_odds_of_losing_ball() const { return log_odds + log_probability_of_loss_; }
-  /// Of a rhythm, which may have ended before, against clutter.
+  /// Of a rhythm of either kind, which may have ended before, against clutter.
   double log_odds_of_rhythm(const TrackingModel& model) const;
   /// Of the ball against clutter, rhythms, and what loses no energy.
   double log_odds_of_ball(const TrackingModel& model) const;
@@ -32,8 +34,8 @@ class Hypothesis : public BallHypothesis {
  private:
   Rhythm rhythm_;
   double log_probability_of_loss_ = 0.0;
-  double log_odds_rhythm_ = 0.0;
-  double most_log_odds_rhythm_ = -1e9;  ///< of one that ended there
+  std::array<double, kRhythmKinds> log_odds_rhythm_{};
+  std::array<double, kRhythmKinds> most_log_odds_rhythm_{-1e9, -1e9};  ///< of one that ended there
 };
 
 }  // namespace bouncelab::detection

@@ -32,11 +32,20 @@ double density_of(double core, double n_beats, double interval_s, const Tracking
 
 }  // namespace
 
-Rhythm::Rhythm(double log_interval, double log_amplitude) : level_(log_interval), loudness_(log_amplitude) {}
+Rhythm::Rhythm(double log_interval, double log_amplitude)
+    : level_(log_interval), period_s_(exp(log_interval)), loudness_(log_amplitude) {}
 
-double Rhythm::follow(double interval_s, double log_amplitude, double sigma_s, const TrackingModel& model) {
+std::array<double, kRhythmKinds> Rhythm::follow(double interval_s, double log_amplitude, double sigma_s,
+                                                const TrackingModel& model) {
   const double of_amplitude = loudness_.density(log_amplitude, 0.0, model);
   loudness_.learn(log_amplitude, 0.0, model);
+  const std::array<double, kRhythmKinds> densities{of_amplitude * follow_by_hand(interval_s, sigma_s, model),
+                                                   of_amplitude * follow_by_machine(interval_s, sigma_s, model)};
+  n_sounds_ += 1;
+  return densities;
+}
+
+double Rhythm::follow_by_hand(double interval_s, double sigma_s, const TrackingModel& model) {
   const double expected = level_ + trend_;
   const double n_beats = beats_of(interval_s * exp(-expected));
   const double deviation = log(interval_s / n_beats) - expected;
@@ -48,8 +57,27 @@ double Rhythm::follow(double interval_s, double log_amplitude, double sigma_s, c
   sum_squares_ += square(step) - (n_sounds_ - 2 >= model.memory ? sum_squares_ / model.memory : 0.0);
   level_ = n_beats < 1.0 ? log(interval_s) : expected + model.tempo_gain * step;
   trend_ += model.trend_gain * step;
-  n_sounds_ += 1;
-  return of_amplitude * density_of(student3(deviation, width), n_beats, interval_s, model);
+  return density_of(student3(deviation, width), n_beats, interval_s, model);
+}
+
+double Rhythm::follow_by_machine(double interval_s, double sigma_s, const TrackingModel& model) {
+  const double n_beats = beats_of((interval_s + late_s_) / period_s_);
+  const double deviation_s = interval_s + late_s_ - n_beats * period_s_;
+  const double n = std::min(n_sounds_, model.memory);  // sounds that beat and interval are known from
+  const double position_gain = 2.0 * (2.0 * n + 1.0) / ((n + 1.0) * (n + 2.0));
+  const double period_gain = 6.0 / ((n + 1.0) * (n + 2.0));
+  const double learned =
+      (model.beat_weight * square(model.machine_scatter) + sum_squares_of_lateness_) / (model.beat_weight + n - 2.0);
+  // a line through n points predicts the next with the variance 1/(1 - gain) of that of one
+  const double width_s =
+      std::sqrt((learned * square(period_s_) + square(sigma_s)) / std::max(0.1, 1.0 - position_gain));
+  const double step_s = std::clamp(deviation_s, -kMostOfOne * width_s, kMostOfOne * width_s);
+  sum_squares_of_lateness_ += (1.0 - position_gain) * square(step_s / period_s_) -
+                              (n_sounds_ >= model.memory ? sum_squares_of_lateness_ / model.memory : 0.0);
+  late_s_ = deviation_s - position_gain * step_s;
+  period_s_ = std::max(0.5 * period_s_, period_s_ + period_gain * step_s / n_beats);  // intervals are positive
+  const double core = student3(deviation_s / interval_s, width_s / interval_s);
+  return density_of(core, n_beats, interval_s, model);
 }
 
 }  // namespace bouncelab::detection

@@ -50,8 +50,9 @@ struct TrackingModel {
 
   // rhythms: log interval
   double rhythm_log_odds = -0.5;  ///< of a rhythm against a ball
-  double beat_scatter = 0.05;     ///< drummers 2 %, hands and feet 3 to 8 %, a machine none
+  double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
   double beat_weight = 2.0;       ///< intervals that this is worth
+  double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
   double tempo_gain = 0.5;        ///< of the level that follows the interval
   double trend_gain = 0.15;       ///< of its trend
 
