@@ -102,7 +102,7 @@ Outcome analyze_sound(const std::vector<fs::path>& files, const loop::AnalyzeCon
     if (work == 1) return compute_sha256_ahead(files, config.n_threads);
     found = loop::analyze(files, config, stage_progress(run));
   });
-  const Outcome detected = detection_outcome(found.recordings, std::move(warnings));
+  Outcome detected = detection_outcome(found.recordings, std::move(warnings));
   if (!first_found(found.recordings)) return detected;
   return write_analysis(found, config, files, readable_of(found.recordings), detected, folder, run);
 }
