@@ -2,6 +2,7 @@
 #include "bouncelab/report/answer.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 #include "words.hpp"
 
@@ -19,6 +20,8 @@ void withhold_answer(const std::string& why, FitInWords& words) {
   PlainAnswer none;
   none.seen = words.answer.seen;
   none.sentences = {why + "."};
+  std::string& sentence = none.sentences.front();
+  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
   words.answer = std::move(none);
 }
 

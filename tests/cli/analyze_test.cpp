@@ -138,7 +138,7 @@ TEST_F(Analyze, WhereNoDropIsTenTimesAsLikelyABallThereIsAReportAndNoAnswer) {
   write("three.wav", float_wav(bouncing(3, 0.75, 0.5), 44100));
   const Result result = run("analyze three.wav --out out");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.out, testing::StartsWith("no ε is stated: it is doubtful whether a ball bounced (odds "));
+  EXPECT_THAT(result.out, testing::StartsWith("No ε is stated: it is doubtful whether a ball bounced (odds "));
   EXPECT_THAT(result.err, testing::HasSubstr("bouncelab: no ε is stated"));
   const Json summary = Json::parse(content_of(folder_ / "out" / "summary.json"));
   EXPECT_EQ(summary["n_samples"], 1);

@@ -74,7 +74,7 @@ struct FitInWords {
 };
 const Description& members_of(const FitInWords*);
 
-/// Leaves no answer: `why` stands in its place.
+/// Leaves no answer: `why`, not empty and without its full stop, stands in its place.
 void withhold_answer(const std::string& why, FitInWords& words);
 
 /// @param samples  all that were given to the fit, in any order, also those that it left out
