@@ -40,11 +40,14 @@ double end_s(const BandOfChannel& band, const Track& track) {
   return band.candidates[track.impacts.back().candidate].t_s;
 }
 
-/// The candidate nearest to another band's, where one is within their reach and after `last`.
-std::optional<std::size_t> same_rise(const std::vector<Candidate>& candidates, const Candidate& of,
-                                     std::optional<std::size_t> last) {
+/// The candidate nearest to another band's, where one is within their reach and none before `first`.
+std::optional<std::size_t> same_rise(const std::vector<Candidate>& candidates, const Candidate& of, std::size_t first) {
+  constexpr double kLongestReach_s = 60e-3;  // the longest window, at 1 kHz
+  const auto begin = std::partition_point(candidates.begin() + static_cast<std::ptrdiff_t>(first), candidates.end(),
+                                          [&](const Candidate& c) { return c.t_s < of.t_s - kLongestReach_s; });
   std::optional<std::size_t> nearest;
-  for (std::size_t k = last ? *last + 1 : 0; k < candidates.size(); ++k) {
+  for (auto k = static_cast<std::size_t>(begin - candidates.begin());
+       k < candidates.size() && candidates[k].t_s < of.t_s + kLongestReach_s; ++k) {
     const double off_s = std::abs(candidates[k].t_s - of.t_s);
     if (off_s < std::max(candidates[k].reach_s, of.reach_s) &&
         (!nearest || off_s < std::abs(candidates[*nearest].t_s - of.t_s)))
@@ -56,10 +59,11 @@ std::optional<std::size_t> same_rise(const std::vector<Candidate>& candidates, c
 /// Another band's track, by the rises of its impacts in this band; those that do not rise here are left out.
 Track track_in(const BandOfChannel& band, const BandOfChannel& other, const Track& track) {
   Track found{{}, track.log_odds};
-  std::optional<std::size_t> last;
+  std::size_t first_free = 0;
   for (TrackImpact impact : track.impacts)
-    if (const auto rise = same_rise(band.candidates, other.candidates[impact.candidate], last)) {
-      last = impact.candidate = *rise;
+    if (const auto rise = same_rise(band.candidates, other.candidates[impact.candidate], first_free)) {
+      impact.candidate = *rise;
+      first_free = *rise + 1;
       found.impacts.push_back(impact);
     }
   if (found.impacts.empty()) return found;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "candidate_rows.hpp"
@@ -39,6 +40,22 @@ TEST(ChannelTracks, AreThoseOfALowBandWhereOnlyThatHasTheBall) {
     ASSERT_EQ(found.tracks.size(), 1u);
     EXPECT_EQ(found.tracks[0].impacts.size(), kBall.size());
   }
+}
+
+TEST(ChannelTracks, ADropThatAnotherBandShowsByItselfJoinsWithTheImpactsThatRiseHere) {
+  const std::vector<Candidate> later = test::candidates_of({.first_s = 12.0});
+  const std::vector<Candidate> some{later[0], later[1], later[3]};  // which are no ball's by themselves
+  const auto channel = channel_of({band_of(test::joined(kBall, some), kFull_hz), band_of(later, kLow_hz)});
+  EXPECT_EQ(channel.found.band, 0u);
+  ASSERT_EQ(channel.found.tracks.size(), 2u);
+  std::vector<std::size_t> candidates;
+  std::vector<std::int64_t> numbers;
+  for (const TrackImpact& impact : channel.found.tracks[1].impacts) {
+    candidates.push_back(impact.candidate - kBall.size());
+    numbers.push_back(impact.impact);
+  }
+  EXPECT_EQ(candidates, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 1, 3}));
 }
 
 TEST(ChannelTracks, LowerBandsAreNotSearchedWhereTheyHaveNothingToAdd) {
