@@ -72,6 +72,7 @@ int floats_of(std::uint64_t n_bits) { return n_bits == 32 ? SF_FORMAT_FLOAT : n_
 void take_wav_format(std::string_view content, Kind kind, Samples& s) {
   constexpr std::string_view kRestOfIdentifier("\x00\x00\x00\x00\x10\x00\x80\x00\x00\xAA\x00\x38\x9B\x71", 14);
   const auto number = [&](std::size_t at, std::size_t n) { return number_in(content.substr(at, n)); };
+  s.format = 0;  // a second chunk replaces the first whole
   if (content.size() < 16) return;
   std::uint64_t tag = number(0, 2);
   const bool is_extensible = tag == 0xFFFE;
@@ -93,6 +94,7 @@ void take_wav_format(std::string_view content, Kind kind, Samples& s) {
 /// The content of the chunk `COMM` of AIFF: channels, frames, bits, rate as an extended float, coding of AIFC.
 void take_aiff_format(std::string_view content, Samples& s) {
   const auto number = [&](std::size_t at, std::size_t n) { return number_in(content.substr(at, n), true); };
+  s.format = 0;
   if (content.size() < 18) return;
   const std::uint64_t n_bits = number(6, 2);
   const std::string_view coding = content.size() >= 22 ? content.substr(18, 4) : "NONE";
