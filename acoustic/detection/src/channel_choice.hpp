@@ -20,9 +20,6 @@ struct ChosenChannel {
 
 /// Chooses the channel whose tracks are the most probable; of those that have recorded the same ball, that in which its
 /// impacts rise the most (is_preferred); of equal ones the first.
-///
-/// A look at a few seconds of each comes before a search, which takes many times as long: the channel in which most
-/// rises is searched first, and where the ball is clear there, another only if the impacts rise more in it.
 /// @param channels   at least one; sources that may be read by several threads where n_threads is not 1
 /// @param n_threads  that search
 ChosenChannel choose_channel(const std::vector<audio::AudioSource>& channels, int n_threads,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/core/elementary.hpp"
+#include "channel_model.hpp"
 #include "tracking/tracking_model.hpp"
 #include "whitening/decimate.hpp"
 
@@ -14,11 +15,6 @@ namespace bouncelab::detection {
 namespace {
 
 constexpr std::array<double, 3> kBandRates_hz{0.0, 4e3, 1e3};  // sampling rates; the first as recorded
-
-// Lower bands are not searched where they have nothing to add: where the impacts are nearly all that rises (of balls of
-// steel, glass and stone 0.99, of soft ones 0.2 to 0.99), and none is so faint that others may be missing.
-constexpr double kExplained = 0.97;
-constexpr double kClearRise = 8.0;  // beyond the threshold
 
 double rise_of_all(const BandOfChannel& band) {
   double sum = 0.0;
@@ -29,8 +25,8 @@ double rise_of_all(const BandOfChannel& band) {
 bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
   for (const Track& track : found.tracks)
     for (const TrackImpact& impact : track.impacts)
-      if (rise(band.candidates[impact.candidate]) < kClearRise) return false;
-  return rise_of_impacts(band, found) > kExplained * rise_of_all(band);
+      if (rise(band.candidates[impact.candidate]) < kChannels.clear_rise) return false;
+  return rise_of_impacts(band, found) > kChannels.explained * rise_of_all(band);
 }
 
 double begin_s(const BandOfChannel& band, const Track& track) {
@@ -73,12 +69,12 @@ Track track_in(const BandOfChannel& band, const BandOfChannel& other, const Trac
 }
 
 /// Adds the drops that only another band shows: which band has the most of a recording says nothing of one drop.
-void add_drops_of_other_bands(BandsOfChannel& bands, ChannelTracks& best, const TrackingModel& model) {
+void add_drops_of_other_bands(BandsOfChannel& bands, ChannelTracks& best) {
   const BandOfChannel& band = bands[best.band];
   std::vector<Track> more;
   for (const ChannelTracks::OfBand& other : best.others)
     for (const Track& track : other.tracks)
-      if (other.band != best.band && track.log_odds > (other.band > 0 ? model.lower_band : 0.0))
+      if (other.band != best.band && track.log_odds > (other.band > 0 ? kTracking.lower_band : 0.0))
         more.push_back(track_in(band, bands[other.band], track));
   std::stable_sort(more.begin(), more.end(), [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
   for (Track& track : more) {
@@ -94,13 +90,12 @@ void add_drops_of_other_bands(BandsOfChannel& bands, ChannelTracks& best, const 
 
 /// Where sound breaks off or begins again for want of it nothing struck.
 void leave_out_edges(const std::vector<audio::Silence>& silences, CandidatesOfSound& found) {
-  constexpr double kReach_s = 3e-3;  // of the windows in which a rise is looked for
   if (silences.empty()) return;
   CandidatesOfSound kept;
   for (std::size_t k = 0; k < found.candidates.size(); ++k) {
     const double t_s = found.candidates[k].t_s;
     if (std::any_of(silences.begin(), silences.end(), [&](const audio::Silence& gap) {
-          return t_s > gap.begin_s - kReach_s && t_s < gap.end_s + kReach_s;
+          return t_s > gap.begin_s - kChannels.edge_s && t_s < gap.end_s + kChannels.edge_s;
         }))
       continue;
     kept.candidates.push_back(found.candidates[k]);
@@ -154,36 +149,33 @@ double ChannelTracks::log_odds() const {
   return sum;
 }
 
-ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model) {
+ChannelTracks find_tracks_in(BandsOfChannel& bands) {
   ChannelTracks best;
   std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks of_band{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, model), {}};
+    ChannelTracks of_band{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source), {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
-    if (b == 0 || of_band.log_odds() > best.log_odds() + model.lower_band) std::swap(best, of_band);
+    if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
     if (best.is_clear) break;
   }
   best.others = std::move(others);
-  add_drops_of_other_bands(bands, best, model);
+  add_drops_of_other_bands(bands, best);
   return best;
 }
 
-std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks,
-                                      const TrackingModel& model) {
-  constexpr double kBefore_s = 30e-3;  // the noise of codecs before it: a block of MP3 or AAC
+std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks) {
   std::vector<double> impacts_s;
   for (const Track& track : tracks)
     for (const TrackImpact& impact : track.impacts) impacts_s.push_back(band.candidates[impact.candidate].t_s);
   std::sort(impacts_s.begin(), impacts_s.end());
   const auto is_of_impact = [&](double t_s) {
-    const auto next = std::upper_bound(impacts_s.begin(), impacts_s.end(), t_s + kBefore_s);
-    return next != impacts_s.begin() && t_s < *(next - 1) + kEcho_s;
+    const auto next = std::upper_bound(impacts_s.begin(), impacts_s.end(), t_s + kChannels.codec_noise_s);
+    return next != impacts_s.begin() && t_s < *(next - 1) + kTracking.echo_s;
   };
   // an echo follows each impact by the same time
   const auto is_echo = [&](const Track& track, const std::vector<Candidate>& of) {
-    constexpr double kSame_s = 5e-3;
     double least_s = HUGE_VAL, most_s = 0.0;
     for (const TrackImpact& impact : track.impacts) {
       const double t_s = of[impact.candidate].t_s;
@@ -192,7 +184,7 @@ std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vect
       least_s = std::min(least_s, delay_s);
       most_s = std::max(most_s, delay_s);
     }
-    return most_s - least_s < kSame_s;
+    return most_s - least_s < kChannels.same_echo_s;
   };
   std::vector<std::size_t> left;
   for (std::size_t k = 0; k < band.candidates.size(); ++k)
@@ -202,7 +194,7 @@ std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vect
   for (const std::size_t k : left) candidates.push_back(band.candidates[k]);
   std::optional<SecondBall> second;
   double most = log(10.0);
-  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left), model)) {
+  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left))) {
     const double begin_s = candidates[track.impacts.front().candidate].t_s;
     const double end_s = candidates[track.impacts.back().candidate].t_s;
     const bool overlaps = std::any_of(tracks.begin(), tracks.end(), [&](const Track& other) {

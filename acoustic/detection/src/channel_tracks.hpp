@@ -69,12 +69,11 @@ struct ChannelTracks {
 };
 
 /// Lower bands are not searched where the tracks of the whole band are clear.
-ChannelTracks find_tracks_in(BandsOfChannel& bands, const TrackingModel& model = {});
+ChannelTracks find_tracks_in(BandsOfChannel& bands);
 
 /// Of what the tracks leave over, echoes of their impacts aside, the likeliest track that overlaps one of them in time,
 /// if a ball is ten times likelier than chance.
-std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks,
-                                      const TrackingModel& model = {});
+std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks);
 
 /// How much all impacts of the tracks rise in a band.
 double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found);

@@ -12,21 +12,20 @@
 namespace bouncelab::detection {
 namespace {
 
-const TrackingModel kModel;
 constexpr double kFlight_s = 0.4;
 constexpr double kLogAmplitude = 5.0;
 
 /// A ball whose flights all last as long, as far as loudness knows, after some coefficients.
 Bounces after(const std::vector<double>& log_eps) {
   Bounces ball(std::log(kFlight_s), kLogAmplitude);
-  for (const double each : log_eps) ball.learn(each, std::log(kFlight_s), kLogAmplitude, 0, 0.0, kModel);
+  for (const double each : log_eps) ball.learn(each, std::log(kFlight_s), kLogAmplitude, 0, 0.0);
   return ball;
 }
 
 double density_at(const Bounces& ball, double interval_s, double log_amplitude, int n_missing, double jitter2 = 0.0) {
   const std::optional<Flight> flight = flight_of(interval_s, kFlight_s, n_missing);
   return flight ? ball.density(*flight, std::log(flight->eps), std::log(flight->flight_s), log_amplitude, n_missing,
-                               jitter2, kModel)
+                               jitter2)
                 : 0.0;
 }
 
@@ -48,7 +47,7 @@ TEST(Bounces, DensityOverTimeAndLoudnessIntegratesToTheProbabilityOfDetection) {
   for (const std::vector<double>& past : pasts)
     for (const double jitter2 : {0.0, 1e-4})
       for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
-        const double p = probability_of_missing(n_missing, kModel);
+        const double p = probability_of_missing(n_missing);
         // tails of Student's t outside kLeastEps ... kLargestEps, and steps of the prior there: 3 in 1000
         EXPECT_NEAR(integral_of(after(past), n_missing, jitter2) / p, 1.0, 3e-3)
             << past.size() << " coefficients known, " << n_missing << " missing";
@@ -62,11 +61,11 @@ TEST(Bounces, NoDensityIsAboveTheLargest) {
     for (const double jitter2 : {0.0, 1e-4})
       for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
         const Bounces ball = after(past);
-        const double of_flight = ball.largest_share_of_flight(kModel) * largest_factor_of_missing(n_missing, kModel);
+        const double of_flight = ball.largest_share_of_flight() * largest_factor_of_missing(n_missing);
         for (double interval_s = 0.3 * kFlight_s; interval_s < 5.0 * kFlight_s; interval_s *= 1.01) {
           const std::optional<Flight> flight = flight_of(interval_s, kFlight_s, n_missing);
           if (!flight) continue;
-          const double largest = ball.largest_density(*flight, n_missing, jitter2, kModel);
+          const double largest = ball.largest_density(*flight, n_missing, jitter2);
           EXPECT_LE(largest * flight->flight_s, (1.0 + 1e-12) * of_flight) << interval_s;
           for (const double log_amplitude : {kLogAmplitude - 1.0, kLogAmplitude, kLogAmplitude + 0.3})
             EXPECT_LE(density_at(ball, interval_s, log_amplitude, n_missing, jitter2), (1.0 + 1e-12) * largest)
@@ -76,7 +75,7 @@ TEST(Bounces, NoDensityIsAboveTheLargest) {
 }
 
 TEST(Bounces, PriorOfEpsIntegratesToOneWithinItsLimits) {
-  const auto prior = [](double eps) { return prior_of_eps(eps, kModel); };
+  const auto prior = [](double eps) { return prior_of_eps(eps); };
   EXPECT_NEAR(test::integral(0.0, 2.0, 20000, prior), 1.0, 1e-9);
   EXPECT_EQ(prior(kLeastEps - 1e-9), 0.0);
   EXPECT_EQ(prior(kLargestEps + 1e-9), 0.0);
@@ -138,14 +137,14 @@ TEST(Bounces, ASmoothBallIsKnownBetterThanARoughOne) {
 double log_p_loss(double log_eps, int n) {
   Bounces ball(std::log(kFlight_s), kLogAmplitude);
   double log_flight = std::log(kFlight_s);
-  for (int k = 0; k < n; ++k) ball.learn(log_eps, log_flight += log_eps, kLogAmplitude, 0, 0.0, kModel);
-  return ball.log_probability_of_loss(log_flight, kModel);
+  for (int k = 0; k < n; ++k) ball.learn(log_eps, log_flight += log_eps, kLogAmplitude, 0, 0.0);
+  return ball.log_probability_of_loss(log_flight);
 }
 
 TEST(Bounces, ProbabilityOfLossIsOneForABallAndVanishesForWhatGains) {
-  EXPECT_EQ(Bounces(0.0, 0.0).log_probability_of_loss(0.0, kModel), 0.0);  // nothing is known
+  EXPECT_EQ(Bounces(0.0, 0.0).log_probability_of_loss(0.0), 0.0);  // nothing is known
   EXPECT_NEAR(log_p_loss(-0.2, 10), 0.0, 1e-9);
-  EXPECT_NEAR(log_p_loss(-kModel.least_loss, 10), std::log(0.5), 1e-9);
+  EXPECT_NEAR(log_p_loss(-kTracking.least_loss, 10), std::log(0.5), 1e-9);
   EXPECT_LT(log_p_loss(0.0, 100), -10.0);  // a metronome
   EXPECT_LT(log_p_loss(0.1, 10), -100.0);
   EXPECT_TRUE(std::isfinite(log_p_loss(0.1, 1000)));
@@ -166,8 +165,8 @@ TEST(Bounces, SingleLossesMakeNoBallOfARhythm) {
   std::vector<double> even(30, 0.0), with_gaps(30, 0.0);
   with_gaps[10] = with_gaps[20] = -0.6;
   const double log_flight = std::log(kFlight_s);
-  EXPECT_LT(after(even).log_probability_of_loss(log_flight, kModel), std::log(0.1));
-  EXPECT_LT(after(with_gaps).log_probability_of_loss(log_flight, kModel), std::log(0.6));
+  EXPECT_LT(after(even).log_probability_of_loss(log_flight), std::log(0.1));
+  EXPECT_LT(after(with_gaps).log_probability_of_loss(log_flight), std::log(0.6));
 }
 
 TEST(Bounces, WhatIsLostBeforeAndAfterAnEvenStretchDoesNotMakeItABalls) {
@@ -175,13 +174,13 @@ TEST(Bounces, WhatIsLostBeforeAndAfterAnEvenStretchDoesNotMakeItABalls) {
   for (int k = 0; k < 10; ++k) log_eps[static_cast<std::size_t>(k)] = log_eps[static_cast<std::size_t>(59 - k)] = -0.2;
   double log_flight = std::log(kFlight_s);
   for (const double each : log_eps) log_flight += each;
-  EXPECT_LT(after(log_eps).log_probability_of_loss(log_flight, kModel), -5.0);  // 0.067 on the whole
+  EXPECT_LT(after(log_eps).log_probability_of_loss(log_flight), -5.0);  // 0.067 on the whole
 }
 
 TEST(Bounces, ProbabilitiesOfMissingSumToOneButForMoreThanTheMost) {
   double sum = 0.0;
-  for (int n = 0; n <= kMostMissing; ++n) sum += probability_of_missing(n, kModel);
-  EXPECT_NEAR(sum, 1.0 - std::pow(1.0 - kModel.detection_probability, kMostMissing + 1), 1e-12);
+  for (int n = 0; n <= kMostMissing; ++n) sum += probability_of_missing(n);
+  EXPECT_NEAR(sum, 1.0 - std::pow(1.0 - kTracking.detection_probability, kMostMissing + 1), 1e-12);
 }
 
 }  // namespace

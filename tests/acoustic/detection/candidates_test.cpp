@@ -86,27 +86,5 @@ TEST(Candidates, AreInTheOrderOfTheirTimes) {
       std::is_sorted(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.t_s < b.t_s; }));
 }
 
-TEST(Candidates, ALookAtSomePlacesShowsTheSameRisesAsTheSearch) {
-  constexpr double kWithin_s = 2e-3;  // no two sounds are so near
-  constexpr double kRounding =
-      1e-4;  // of innovations in single precision, in other stretches: 1e-7 in a thousand samples
-  for (const double rate_hz : kRates_hz) {
-    const std::vector<float> x = struck(rate_hz);
-    const audio::AudioSource sound = audio::source_in_memory(x, rate_hz);
-    std::vector<double> t_s, rises, between_s;
-    for (const Candidate& candidate : found_in(sound, 1).candidates) {
-      t_s.push_back(candidate.t_s);
-      rises.push_back(rise(candidate));
-      between_s.push_back(candidate.t_s + 0.075);
-    }
-    ASSERT_GT(t_s.size(), 20U);
-    between_s.resize(between_s.size() - 2);  // to within the sound
-    const ArModel model = learn_ar_models(sound, 48).signal;
-    EXPECT_THAT(highest_rises(sound, model, t_s, kWithin_s), testing::Pointwise(testing::DoubleNear(kRounding), rises))
-        << rate_hz;
-    EXPECT_EQ(highest_rises(sound, model, between_s, kWithin_s), std::vector(between_s.size(), 0.0)) << rate_hz;
-  }
-}
-
 }  // namespace
 }  // namespace bouncelab::detection

@@ -9,8 +9,6 @@
 namespace bouncelab::detection {
 namespace {
 
-const TrackingModel kModel;
-
 /// Sounds enough for a track in every second of a recording.
 std::vector<Candidate> sounds_of(double duration_s) {
   std::vector<Candidate> sounds;
@@ -22,7 +20,7 @@ std::vector<Candidate> sounds_of(double duration_s) {
 double weighed(double log_odds, std::size_t n_tracks, double duration_s) {
   std::vector<Track> tracks(n_tracks);
   for (Track& track : tracks) track.log_odds = log_odds;
-  weigh_by_drop_rate(sounds_of(duration_s), tracks, kModel);
+  weigh_by_drop_rate(sounds_of(duration_s), tracks);
   return tracks.front().log_odds;
 }
 
@@ -57,10 +55,10 @@ TEST(DropRate, SilenceOffersNoChance) {
   std::vector<Track> tracks(1);
   tracks[0].log_odds = 2.0;
   sounds.push_back({3600.0, 100.0, 0.4e-3, 50.0});
-  weigh_by_drop_rate(sounds, tracks, kModel);
+  weigh_by_drop_rate(sounds, tracks);
   EXPECT_NEAR(tracks[0].log_odds, 2.0, 1e-9);
   std::vector<Track> none;
-  weigh_by_drop_rate(sounds, none, kModel);
+  weigh_by_drop_rate(sounds, none);
   EXPECT_TRUE(none.empty());
 }
 

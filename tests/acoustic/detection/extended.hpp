@@ -12,12 +12,11 @@ namespace bouncelab::test {
 /// the least log odds.
 inline std::optional<detection::Hypothesis> extended(const detection::Hypothesis& h, const detection::Observation& next,
                                                      int n_missing, double same_source, bool is_counted,
-                                                     const detection::TrackingModel& model,
                                                      double least_log_odds = -INFINITY) {
-  const auto step = h.step_to(next, n_missing, same_source, is_counted, least_log_odds, model);
+  const auto step = h.step_to(next, n_missing, same_source, is_counted, least_log_odds);
   if (!step) return {};
   std::optional<detection::Hypothesis> longer = h;
-  longer->take(*step, next, model);
+  longer->take(*step, next);
   return longer;
 }
 

@@ -15,19 +15,18 @@
 namespace bouncelab::detection {
 namespace {
 
-const TrackingModel kModel;
 const SameSource kNone;
 
-bool is_rhythm(const Hypothesis& h) { return h.log_odds_of_rhythm(kModel) > h.log_odds_of_losing_ball(); }
+bool is_rhythm(const Hypothesis& h) { return h.log_odds_of_rhythm() > h.log_odds_of_losing_ball(); }
 
 /// That all candidates are the impacts of one ball, their own sounds no clutter.
 Hypothesis all_of(const std::vector<Candidate>& candidates) {
-  const Observations o(candidates, test::kTiming_s, kNone, kModel);
+  const Observations o(candidates, test::kTiming_s, kNone);
   std::vector<std::size_t> own;
   for (std::size_t k = 0; k < candidates.size(); ++k) own.push_back(k);
-  Hypothesis h = Hypothesis::begin(o.without(0, own), o.without(1, own), 1.0, false, kModel);
+  Hypothesis h = Hypothesis::begin(o.without(0, own), o.without(1, own), 1.0, false);
   for (std::size_t k = 2; k < candidates.size(); ++k) {
-    const std::optional<Hypothesis> longer = test::extended(h, o.without(k, own), 0, 1.0, false, kModel);
+    const std::optional<Hypothesis> longer = test::extended(h, o.without(k, own), 0, 1.0, false);
     EXPECT_TRUE(longer) << "impact " << k;
     if (!longer) return h;
     h = *longer;
@@ -66,8 +65,8 @@ TEST(Hypothesis, NeitherWhenItWasNorTheGainOfTheRecordingMatters) {
       const Hypothesis there = all_of(test::shifted(ball, by_s, gain));
       // times of a day are rounded to 1.5e-11 s, a 1e-7 of the errors
       EXPECT_NEAR(there.log_odds, here.log_odds, 1e-4) << gain << " " << by_s;
-      EXPECT_NEAR(there.log_odds_of_ball(kModel), here.log_odds_of_ball(kModel), 1e-4) << gain << " " << by_s;
-      EXPECT_NEAR(there.log_odds_of_rhythm(kModel), here.log_odds_of_rhythm(kModel), 1e-4);
+      EXPECT_NEAR(there.log_odds_of_ball(), here.log_odds_of_ball(), 1e-4) << gain << " " << by_s;
+      EXPECT_NEAR(there.log_odds_of_rhythm(), here.log_odds_of_rhythm(), 1e-4);
     }
 }
 
@@ -75,7 +74,7 @@ TEST(Hypothesis, ABallIsABall) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(test::candidates_of(uneven_ball(), Random(seed, RandomStream::test, 2)));
     EXPECT_FALSE(is_rhythm(h)) << seed;
-    EXPECT_GT(h.log_odds_of_ball(kModel), 8.0) << seed;
+    EXPECT_GT(h.log_odds_of_ball(), 8.0) << seed;
   }
 }
 
@@ -83,7 +82,7 @@ TEST(Hypothesis, AMetronomeIsARhythm) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(row_of({.beat_scatter = 1e-3}, seed));
     EXPECT_TRUE(is_rhythm(h)) << seed;
-    EXPECT_LT(h.log_odds_of_ball(kModel), -8.0) << seed;
+    EXPECT_LT(h.log_odds_of_ball(), -8.0) << seed;
   }
 }
 
@@ -91,7 +90,7 @@ TEST(Hypothesis, AnAccelerandoByHandIsARhythm) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Hypothesis h = all_of(row_of({.factor = 0.97, .interval_scatter = 0.03}, seed));
     EXPECT_TRUE(is_rhythm(h)) << seed;
-    EXPECT_LT(h.log_odds_of_ball(kModel), -2.0) << seed;  // fast balls lose as little
+    EXPECT_LT(h.log_odds_of_ball(), -2.0) << seed;  // fast balls lose as little
   }
 }
 
@@ -101,7 +100,7 @@ TEST(Hypothesis, AnEvenRowIsNoBallForTheClutterThatFollows) {
     double t_s = both.back().t_s;
     for (const double interval_s : {0.78, 0.73, 0.69, 0.37, 0.33})  // which neither fits
       both.push_back(test::candidate(t_s += interval_s, 20.0));
-    EXPECT_LT(all_of(both).log_odds_of_ball(kModel), -2.0) << seed;
+    EXPECT_LT(all_of(both).log_odds_of_ball(), -2.0) << seed;
   }
 }
 
@@ -110,7 +109,7 @@ TEST(Hypothesis, ARowThatTurnsFasterIsNoBallForHavingLostOnTheWhole) {
     std::vector<Candidate> both = row_of({.n = 40, .interval_s = 0.5, .beat_scatter = 1e-3}, seed);
     double t_s = both.back().t_s;
     for (int k = 0; k < 40; ++k) both.push_back(test::candidate(t_s += k < 20 ? 0.25 : 0.125, 100.0));
-    EXPECT_LT(all_of(both).log_odds_of_ball(kModel), -2.0) << seed;
+    EXPECT_LT(all_of(both).log_odds_of_ball(), -2.0) << seed;
     EXPECT_TRUE(is_rhythm(all_of(both))) << seed;
   }
 }
@@ -119,57 +118,56 @@ TEST(Hypothesis, AMissedImpactCostsItsProbability) {
   const std::vector<Candidate> ball = test::candidates_of({});
   std::vector<Candidate> with_gap = ball;
   with_gap.erase(with_gap.begin() + 5);
-  const Observations o(with_gap, test::kTiming_s, kNone, kModel);
-  Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
-  for (std::size_t k = 2; k < 5; ++k) h = test::extended(h, o[k], 0, 1.0, true, kModel).value();
-  const Hypothesis next = test::extended(h, o[5], 1, 1.0, true, kModel).value();
+  const Observations o(with_gap, test::kTiming_s, kNone);
+  Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true);
+  for (std::size_t k = 2; k < 5; ++k) h = test::extended(h, o[k], 0, 1.0, true).value();
+  const Hypothesis next = test::extended(h, o[5], 1, 1.0, true).value();
   EXPECT_EQ(next.impact, 6);
   EXPECT_EQ(next.n_impacts, 6);
   EXPECT_GT(next.log_odds, h.log_odds);
   // and what follows directly would be a gain of eps above its limit
-  EXPECT_FALSE(test::extended(h, o[5], 0, 1.0, true, kModel));
+  EXPECT_FALSE(test::extended(h, o[5], 0, 1.0, true));
 }
 
 TEST(Hypothesis, BelowTheLeastLogOddsIsNoHypothesis) {
   const std::vector<Candidate> ball = test::candidates_of({});
-  const Observations o(ball, test::kTiming_s, kNone, kModel);
-  const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
-  const double odds = test::extended(h, o[2], 0, 1.0, true, kModel)->log_odds;
-  EXPECT_TRUE(test::extended(h, o[2], 0, 1.0, true, kModel, odds - 1e-9));
-  EXPECT_FALSE(test::extended(h, o[2], 0, 1.0, true, kModel, odds + 1e-9));
+  const Observations o(ball, test::kTiming_s, kNone);
+  const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true);
+  const double odds = test::extended(h, o[2], 0, 1.0, true)->log_odds;
+  EXPECT_TRUE(test::extended(h, o[2], 0, 1.0, true, odds - 1e-9));
+  EXPECT_FALSE(test::extended(h, o[2], 0, 1.0, true, odds + 1e-9));
 }
 
 TEST(Hypothesis, NoImpactAddsMoreThanTheLargestGain) {
   const std::vector<Candidate> ball = test::candidates_of({});
-  const Observations o(ball, test::kTiming_s, kNone, kModel);
-  Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
+  const Observations o(ball, test::kTiming_s, kNone);
+  Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true);
   for (std::size_t k = 2; k < 6; ++k) {
     for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
-      const double most =
-          h.log_odds + h.largest_gain(kModel) + BallHypothesis::log_factor_of_missing(n_missing, kModel);
+      const double most = h.log_odds + h.largest_gain() + BallHypothesis::log_factor_of_missing(n_missing);
       for (double gap = 0.4; gap < 4.4; gap *= 1.003) {
         Observation next = o[k];
         next.t_s = o[k - 1].t_s + gap * h.flight_s;
         for (const bool is_counted : {false, true}) {
-          const auto step = h.step_to(next, n_missing, 1.0, is_counted, -INFINITY, kModel);
+          const auto step = h.step_to(next, n_missing, 1.0, is_counted, -INFINITY);
           if (!step) continue;
           EXPECT_LE(step->log_odds - next.log_rise_odds, most) << k << ' ' << n_missing << ' ' << gap;
         }
       }
     }
-    h = test::extended(h, o[k], 0, 1.0, true, kModel).value();
+    h = test::extended(h, o[k], 0, 1.0, true).value();
   }
 }
 
 TEST(Hypothesis, AStepHasTheLogOddsOfTheHypothesisThatTakesIt) {
   const std::vector<Candidate> ball = test::candidates_of({});
-  const Observations o(ball, test::kTiming_s, kNone, kModel);
-  const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true, kModel);
-  const auto step = h.step_to(o[2], 0, 1.0, true, -INFINITY, kModel);
+  const Observations o(ball, test::kTiming_s, kNone);
+  const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true);
+  const auto step = h.step_to(o[2], 0, 1.0, true, -INFINITY);
   ASSERT_TRUE(step);
-  const Hypothesis longer = test::extended(h, o[2], 0, 1.0, true, kModel).value();
+  const Hypothesis longer = test::extended(h, o[2], 0, 1.0, true).value();
   BallHypothesis as_ball = h;
-  as_ball.take(*step, o[2], kModel);
+  as_ball.take(*step, o[2]);
   for (const BallHypothesis* one : {static_cast<const BallHypothesis*>(&longer), &std::as_const(as_ball)}) {
     EXPECT_EQ(one->log_odds, step->log_odds);
     EXPECT_EQ(one->flight_s, step->flight_s);
@@ -180,9 +178,8 @@ TEST(Hypothesis, AStepHasTheLogOddsOfTheHypothesisThatTakesIt) {
 
 TEST(Hypothesis, ASoundOfAnotherSourceIsAWorseImpact) {
   const std::vector<Candidate> ball = test::candidates_of({});
-  const Observations o(ball, test::kTiming_s, kNone, kModel);
-  EXPECT_LT(Hypothesis::begin(o[0], o[1], 0.1, true, kModel).log_odds,
-            Hypothesis::begin(o[0], o[1], 1.0, true, kModel).log_odds - 1.0);
+  const Observations o(ball, test::kTiming_s, kNone);
+  EXPECT_LT(Hypothesis::begin(o[0], o[1], 0.1, true).log_odds, Hypothesis::begin(o[0], o[1], 1.0, true).log_odds - 1.0);
 }
 
 TEST(Hypothesis, LogOddsOfAThousandImpactsDoNotOverflow) {
@@ -192,15 +189,15 @@ TEST(Hypothesis, LogOddsOfAThousandImpactsDoNotOverflow) {
   for (const int n : {100, 300, 1000}) {
     const Hypothesis h = all_of({ball.begin(), ball.begin() + n});
     EXPECT_EQ(h.n_impacts, n);
-    EXPECT_TRUE(std::isfinite(h.log_odds_of_ball(kModel)));
-    EXPECT_TRUE(std::isfinite(h.log_odds_of_rhythm(kModel)));
+    EXPECT_TRUE(std::isfinite(h.log_odds_of_ball()));
+    EXPECT_TRUE(std::isfinite(h.log_odds_of_rhythm()));
     EXPECT_GT(h.log_odds, last + 100.0);
     last = h.log_odds;
   }
   for (Candidate& c : ball) c.t_s = 1.0 + 0.3 * static_cast<double>(&c - ball.data());  // and of a clock
   const Hypothesis clock = all_of(ball);
-  EXPECT_TRUE(std::isfinite(clock.log_odds_of_ball(kModel)));
-  EXPECT_LT(clock.log_odds_of_ball(kModel), -100.0);
+  EXPECT_TRUE(std::isfinite(clock.log_odds_of_ball()));
+  EXPECT_LT(clock.log_odds_of_ball(), -100.0);
 }
 
 TEST(Hypothesis, OddsOfAnImpactBeforeAreBestWhereTheBallWouldHaveBeen) {
@@ -209,9 +206,9 @@ TEST(Hypothesis, OddsOfAnImpactBeforeAreBestWhereTheBallWouldHaveBeen) {
   const auto odds_at = [&](double off) {
     std::vector<Candidate> moved = ball;
     moved[0].t_s += off * (ball[1].t_s - ball[0].t_s);
-    const Observations o(moved, test::kTiming_s, kNone, kModel);
+    const Observations o(moved, test::kTiming_s, kNone);
     const std::vector<std::size_t> own{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
-    return log_odds_before(o.without(0, own), o[1], 1.0, flight_s, std::log(0.8), 0.01, kModel);
+    return log_odds_before(o.without(0, own), o[1], 1.0, flight_s, std::log(0.8), 0.01);
   };
   EXPECT_GT(odds_at(0.0), 0.0);
   EXPECT_GT(odds_at(0.0), odds_at(0.05));

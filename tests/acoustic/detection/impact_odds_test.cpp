@@ -132,9 +132,8 @@ Track whole(const std::vector<Candidate>& candidates) {
 }
 
 std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, Track track) {
-  const TrackingModel model;
   const SameSource none;
-  const Observations o(candidates, 5e-5, none, model);
+  const Observations o(candidates, 5e-5, none);
   set_impact_probabilities(o, own_sounds(o, track), track);
   std::vector<double> p;
   for (const TrackImpact& impact : track.impacts) p.push_back(impact.probability);
@@ -181,8 +180,8 @@ TEST(ImpactOdds, NeitherTheTimeNorTheGainOfARecordingMatters) {
 
 TEST(ImpactOdds, AnInferredImpactIsWorthItsSignificanceAmongThePlacesSearched) {
   EXPECT_LT(probability_of_inferred(0.0, 100.0), 0.01);
-  EXPECT_NEAR(probability_of_inferred(std::log(100.0), 100.0), 1.0 / (2.0 + kOtherSound), 1e-12);
-  EXPECT_NEAR(probability_of_inferred(1e6, 100.0), 1.0 / (1.0 + kOtherSound), 1e-12);
+  EXPECT_NEAR(probability_of_inferred(std::log(100.0), 100.0), 1.0 / (2.0 + kTracking.other_sound), 1e-12);
+  EXPECT_NEAR(probability_of_inferred(1e6, 100.0), 1.0 / (1.0 + kTracking.other_sound), 1e-12);
 }
 
 TEST(ImpactOdds, AMarkIsAtMostAsProbableAsItsTrack) {

@@ -56,7 +56,7 @@ TEST(ImpactTimer, GivesTheSameMarginToAnImpactFoundFarFromWhereItWasExpected) {
   const ImpactFit far = timer.time(time_of(10) + 1.5e-3, 4e-3, time_of(11));
   EXPECT_NEAR(far.t_s, near.t_s, 0.1 * near.sigma_s);
   EXPECT_NEAR(far.log_likelihood_ratio / near.log_likelihood_ratio, 1.0, 0.01);
-  ASSERT_FALSE(near.log_likelihood_ratio < 10.0 * kUnambiguousLogOdds);
+  ASSERT_FALSE(near.log_likelihood_ratio < 10.0 * kDelay.unambiguous);
   EXPECT_TRUE(far.alternatives.empty());
 }
 

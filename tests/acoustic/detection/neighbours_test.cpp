@@ -13,7 +13,6 @@
 namespace bouncelab::detection {
 namespace {
 
-const TrackingModel kModel;
 constexpr double kFlight_s = 0.4;
 
 std::vector<double> log_amplitudes(const std::vector<Candidate>& candidates) {
@@ -22,14 +21,13 @@ std::vector<double> log_amplitudes(const std::vector<Candidate>& candidates) {
   return logs;
 }
 
-std::vector<Neighbours> counted(const std::vector<Candidate>& candidates, const SameSource& same_source = {},
-                                const TrackingModel& model = kModel) {
-  return count_neighbours(candidates, log_amplitudes(candidates), same_source, model);
+std::vector<Neighbours> counted(const std::vector<Candidate>& candidates, const SameSource& same_source = {}) {
+  return count_neighbours(candidates, log_amplitudes(candidates), same_source);
 }
 
 Neighbours counted_of(std::size_t k, const std::vector<Candidate>& candidates,
                       const std::vector<std::size_t>& not_counted) {
-  return count_neighbours_of(k, candidates, log_amplitudes(candidates), {}, not_counted, kModel);
+  return count_neighbours_of(k, candidates, log_amplitudes(candidates), {}, not_counted);
 }
 
 /// As loud sounds at even times.
@@ -56,15 +54,15 @@ TEST(Neighbours, WindowIsBetweenTheRootOfTwoAndOfEightFlights) {
 }
 
 TEST(Neighbours, KernelIntegratesToOneSoThatOneSoundCountsOnce) {
-  EXPECT_NEAR(test::integral_over_line(0.0, 1.0, 400, [](double x) { return amplitude_kernel(x, kModel); }), 1.0, 1e-9);
+  EXPECT_NEAR(test::integral_over_line(0.0, 1.0, 400, [](double x) { return amplitude_kernel(x); }), 1.0, 1e-9);
 }
 
 TEST(Neighbours, IntensityCountsTheSoundsWithinTheWindow) {
   const double window_s = clutter_window_s(kFlight_s);
   const std::vector<Candidate> row = even_row(41, 0.1);
   const double n_others = 2.0 * std::floor(window_s / 0.1);
-  const double expected = (n_others + kModel.unseen) * amplitude_kernel(0.0, kModel) / (2.0 * window_s);
-  EXPECT_NEAR(clutter_intensity(counted(row)[20], kFlight_s, 0.0, kModel) / expected, 1.0, 1e-5);  // as floats
+  const double expected = (n_others + kTracking.unseen) * amplitude_kernel(0.0) / (2.0 * window_s);
+  EXPECT_NEAR(clutter_intensity(counted(row)[20], kFlight_s, 0.0) / expected, 1.0, 1e-5);  // as floats
 }
 
 TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
@@ -73,8 +71,6 @@ TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
   double sum = 0.0;
   constexpr int kSeeds = 400;
   constexpr double kDuration_s = 10.0, kRate_hz = 12.0;
-  TrackingModel model;
-  model.unseen = 0.0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     std::vector<Candidate> row = at_random(static_cast<int>(kDuration_s * kRate_hz), kDuration_s, seed);
     Random random(seed, RandomStream::test, 1);
@@ -82,7 +78,7 @@ TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
     row = test::joined(row, {probe});
     const auto here = std::find_if(row.begin(), row.end(), [&](const Candidate& c) { return c.t_s == probe.t_s; });
     const auto k = static_cast<std::size_t>(here - row.begin());
-    sum += kRange * clutter_intensity(counted(row, {}, model)[k], kFlight_s, 0.0, model);
+    sum += kRange * (clutter_intensity(counted(row)[k], kFlight_s, 0.0) - least_clutter_intensity(kFlight_s));
   }
   // each probe counts what is within a range of about 2 of 16: 400 of them give the mean to a tenth
   EXPECT_NEAR(sum / kSeeds, kRate_hz, 0.25 * kRate_hz);
@@ -91,12 +87,12 @@ TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
 TEST(Neighbours, OwnSoundsAreNoClutter) {
   const std::vector<Candidate> row = even_row(9, 0.2);
   const Neighbours n = counted(row)[4];
-  const double one = amplitude_kernel(0.0, kModel) / (2.0 * clutter_window_s(kFlight_s));
-  const double all = clutter_intensity(n, kFlight_s, 0.0, kModel);
-  const double without_two = clutter_intensity(n, kFlight_s, 2.0 * amplitude_kernel(0.0, kModel), kModel);
+  const double one = amplitude_kernel(0.0) / (2.0 * clutter_window_s(kFlight_s));
+  const double all = clutter_intensity(n, kFlight_s, 0.0);
+  const double without_two = clutter_intensity(n, kFlight_s, 2.0 * amplitude_kernel(0.0));
   EXPECT_NEAR(all - without_two, 2.0 * one, 1e-5 * all);
   // and where all are, what is left is the prior
-  EXPECT_NEAR(clutter_intensity(n, kFlight_s, 1e3, kModel), kModel.unseen * one, 1e-12);
+  EXPECT_NEAR(clutter_intensity(n, kFlight_s, 1e3), kTracking.unseen * one, 1e-12);
 }
 
 TEST(Neighbours, WhatIsNotCountedMightAsWellNotBeThere) {

@@ -13,7 +13,6 @@
 namespace bouncelab::detection {
 namespace {
 
-const TrackingModel kModel;
 constexpr double kInterval_s = 0.4;
 constexpr double kLogAmplitude = 5.0;
 constexpr double kSigma_s = 7e-5;
@@ -23,12 +22,12 @@ constexpr auto kByMachine = static_cast<std::size_t>(RhythmKind::by_machine);
 
 Rhythm after(const std::vector<double>& intervals_s) {
   Rhythm rhythm(std::log(intervals_s.front()), kLogAmplitude);
-  for (std::size_t k = 1; k < intervals_s.size(); ++k) rhythm.follow(intervals_s[k], kLogAmplitude, kSigma_s, kModel);
+  for (std::size_t k = 1; k < intervals_s.size(); ++k) rhythm.follow(intervals_s[k], kLogAmplitude, kSigma_s);
   return rhythm;
 }
 
 Densities densities_at(Rhythm rhythm, double interval_s, double log_amplitude = kLogAmplitude) {
-  return rhythm.follow(interval_s, log_amplitude, kSigma_s, kModel);  // of the copy
+  return rhythm.follow(interval_s, log_amplitude, kSigma_s);  // of the copy
 }
 
 /// Sum of the log densities, by kind.
@@ -36,7 +35,7 @@ Densities log_densities_of(const std::vector<double>& intervals_s) {
   Rhythm rhythm(std::log(intervals_s.front()), kLogAmplitude);
   Densities sum{};
   for (std::size_t k = 1; k < intervals_s.size(); ++k) {
-    const Densities densities = rhythm.follow(intervals_s[k], kLogAmplitude, kSigma_s, kModel);
+    const Densities densities = rhythm.follow(intervals_s[k], kLogAmplitude, kSigma_s);
     for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) sum[kind] += std::log(densities[kind]);
   }
   return sum;
@@ -109,7 +108,7 @@ TEST(Rhythm, AnEvenRowIsKnownBetterTheLongerItLasts) {
 TEST(Rhythm, BeatsLeftOutAndDividedHaveTheirProbabilities) {
   const Rhythm rhythm = after(std::vector<double>(10, kInterval_s));
   const Densities one = densities_at(rhythm, kInterval_s);
-  const double lost = 1.0 - kModel.detection_probability;
+  const double lost = 1.0 - kTracking.detection_probability;
   // widths are those of the interval's logarithm by hand, of the time itself by machine
   const Densities two = densities_at(rhythm, 2.0 * kInterval_s), three = densities_at(rhythm, 3.0 * kInterval_s);
   const Densities half = densities_at(rhythm, 0.5 * kInterval_s);
@@ -126,8 +125,8 @@ TEST(Rhythm, NeitherTheTempoNorTheGainMatters) {
   const std::vector<double> row = row_by_hand(12, 1.02, 0.03, random);
   Rhythm slow(std::log(2.0 * row[0]), kLogAmplitude + 4.0), fast(std::log(row[0]), kLogAmplitude);
   for (std::size_t k = 1; k < row.size(); ++k) {
-    const Densities a = slow.follow(2.0 * row[k], kLogAmplitude + 4.0, 2.0 * kSigma_s, kModel);
-    const Densities b = fast.follow(row[k], kLogAmplitude, kSigma_s, kModel);
+    const Densities a = slow.follow(2.0 * row[k], kLogAmplitude + 4.0, 2.0 * kSigma_s);
+    const Densities b = fast.follow(row[k], kLogAmplitude, kSigma_s);
     for (std::size_t kind = 0; kind < kRhythmKinds; ++kind) EXPECT_NEAR(2.0 * a[kind] / b[kind], 1.0, 1e-9);
   }
 }

@@ -13,7 +13,6 @@
 namespace bouncelab::detection {
 namespace {
 
-const TrackingModel kModel;
 constexpr double kInWindow = 18.0;  // samples of 0.4 ms at 44.1 kHz
 
 struct Scene {
@@ -25,18 +24,18 @@ struct Scene {
 Scene scene(int n, double share_of_events, std::uint64_t seed) {
   Random random(seed, RandomStream::test, 0);
   Scene s;
-  const double z0 = kModel.event_per_sample * kInWindow;
-  const double excess = kModel.excess + kModel.excess_per_sample * kInWindow;
+  const double z0 = kTracking.event_per_sample * kInWindow;
+  const double excess = kTracking.excess + kTracking.excess_per_sample * kInWindow;
   for (int k = 0; k < n; ++k) {
     s.is_event.push_back(random.uniform() < share_of_events);
     const double u = random.uniform();
     const double z = s.is_event.back() ? z0 * u / (1.0 - u) : excess * random.exponential();
-    s.candidates.push_back(test::candidate(0.02 * k, 100.0, kCandidateThreshold + z));
+    s.candidates.push_back(test::candidate(0.02 * k, 100.0, kCandidates.threshold + z));
   }
   return s;
 }
 
-std::vector<double> odds_of(const Scene& s) { return log_rise_odds(s.candidates, kInWindow, kModel); }
+std::vector<double> odds_of(const Scene& s) { return log_rise_odds(s.candidates, kInWindow); }
 
 double mean(const std::vector<double>& values) {
   double sum = 0.0;
@@ -94,15 +93,15 @@ TEST(RiseOdds, GrowWithTheRise) {
 
 TEST(RiseOdds, ACandidateAloneHasThePriorShare) {
   // p(LLR | event) / p(LLR) with one half: between nothing and log 2
-  EXPECT_NEAR(log_rise_odds({test::candidate(1.0, 100.0, 1e4)}, kInWindow, kModel)[0], std::log(2.0), 1e-6);
-  EXPECT_LT(log_rise_odds({test::candidate(1.0, 100.0, kCandidateThreshold)}, kInWindow, kModel)[0], 0.0);
+  EXPECT_NEAR(log_rise_odds({test::candidate(1.0, 100.0, 1e4)}, kInWindow)[0], std::log(2.0), 1e-6);
+  EXPECT_LT(log_rise_odds({test::candidate(1.0, 100.0, kCandidates.threshold)}, kInWindow)[0], 0.0);
 }
 
 TEST(RiseOdds, WhatIsFurtherThanASecondDoesNotMatter) {
   Scene s = scene(40, 0.0, 6);
   s.candidates.push_back(test::candidate(10.0, 100.0, 30.0));
   const double among_others = odds_of(s).back();
-  EXPECT_EQ(among_others, log_rise_odds({s.candidates.back()}, kInWindow, kModel)[0]);
+  EXPECT_EQ(among_others, log_rise_odds({s.candidates.back()}, kInWindow)[0]);
 }
 
 }  // namespace

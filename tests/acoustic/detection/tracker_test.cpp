@@ -100,7 +100,7 @@ class ExhaustiveSearch {
           if (flight_s < kShortestFirstFlight_s || flight_s > kLongestFlight_s) continue;
           Track track;
           track.impacts = {{j, 0}, {k, 1}};
-          follow(Hypothesis::begin(o[j], o[k], o.same_source(j, k), true, o.model()), track);
+          follow(Hypothesis::begin(o[j], o[k], o.same_source(j, k), true), track);
         }
     }
   }
@@ -115,7 +115,7 @@ class ExhaustiveSearch {
     const int most_missing = h.n_eps() == 0 ? 0 : kMostMissing;
     for (std::size_t k = last + 1; k <= here_; ++k)
       for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
-        const auto longer = test::extended(h, o_[k], n_missing, o_.same_source(last, k), true, o_.model());
+        const auto longer = test::extended(h, o_[k], n_missing, o_.same_source(last, k), true);
         if (!longer) continue;
         Track more = track;
         more.impacts.push_back({k, longer->impact});
@@ -127,7 +127,7 @@ class ExhaustiveSearch {
     if (h.n_impacts < kFewestImpacts) return;
     constexpr double kOwnClutter = 5.0;  // nats that may come back when its own sounds are no longer its clutter
     const double ball = h.log_odds_of_losing_ball();
-    const double most = std::max(ball, h.log_odds_of_rhythm(o_.model()));
+    const double most = std::max(ball, h.log_odds_of_rhythm());
     if (most + kOwnClutter <= 0.0) return;
     for (Solution s : best_[track.impacts.front().candidate]) {
       s.score += std::log1p(std::exp(most));
@@ -195,19 +195,18 @@ TEST(Tracker, SearchFindsWhatAnExhaustiveSearchOverAllSequencesFinds) {
   constexpr double kClear = 0.5;  // log odds of the best against the second
   constexpr std::uint64_t kSeeds = 300;
   int n_clear = 0, n_with_ball = 0;
-  const TrackingModel model;
   const SameSource none;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const std::vector<Candidate> candidates = small_scene(seed);
     ASSERT_LE(candidates.size(), 12u);
-    const Observations o(candidates, test::kTiming_s, none, model);
+    const Observations o(candidates, test::kTiming_s, none);
     const ExhaustiveSearch all(o);
     const std::vector<ExhaustiveSearch::Solution>& best = all.solutions();
     if (best.size() > 1 && best[0].score < best[1].score + kClear) continue;
     n_clear += 1;
     n_with_ball += best[0].tracks.empty() ? 0 : 1;
     std::vector<Track> expected = rescored(o, best[0].tracks).tracks;
-    weigh_by_drop_rate(candidates, expected, model);
+    weigh_by_drop_rate(candidates, expected);
     std::erase_if(expected, [](const Track& track) { return track.log_odds < 0.0; });
     EXPECT_EQ(places_of(find_tracks(candidates, test::kTiming_s)), places_of(expected)) << seed;
   }

@@ -9,21 +9,13 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "candidates/candidate_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kWindow_s = 11.6e-3;
-constexpr double kLowest_hz = 90.0;
-constexpr float kDetectable = 0.3F;   // least addition to a power that could be detected, of that power
-constexpr float kSameScatter = 0.9F;  // of ln power in an octave: the place struck varies
-constexpr float kOtherScatter = 2.5F;
-constexpr float kMinLogOddsOfBand = -2.5F;
-constexpr float kIndependence = 0.5F;  // factor on the log odds, since octaves are correlated
-constexpr float kMaxLogOdds = 4.0F;
-
 std::size_t window_length(double rate_hz) {
-  return std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kWindow_s * rate_hz)));
+  return std::max<std::size_t>(16, std::bit_ceil(static_cast<std::size_t>(kCandidates.band_window_s * rate_hz)));
 }
 
 /// The first bin of each octave, and the one behind the last.
@@ -31,7 +23,7 @@ std::array<std::size_t, kEnergyBands + 1> octave_begins(std::size_t n_bins, doub
   std::array<std::size_t, kEnergyBands + 1> begin;
   begin.fill(n_bins);
   for (std::size_t k = n_bins; k-- > 0;) {
-    const double over_lowest = static_cast<double>(k) * bin_hz / kLowest_hz;
+    const double over_lowest = static_cast<double>(k) * bin_hz / kCandidates.lowest_band_hz;
     if (over_lowest < 1.0) break;
     const auto octave = static_cast<std::size_t>(std::min(kEnergyBands - 1, std::ilogb(over_lowest)));
     std::fill(begin.begin(), begin.begin() + static_cast<std::ptrdiff_t>(octave) + 1, k);
@@ -47,12 +39,13 @@ float power(const audio::Spectrum& spectrum, std::size_t k) {
 [[gnu::always_inline]] inline float larger(float x, float y) { return x > y ? x : y; }
 [[gnu::always_inline]] inline float smaller(float x, float y) { return x < y ? x : y; }
 
-/// Between -kMaxLogOdds and kMaxLogOdds.
+/// Between -kCandidates.most_log_odds and kCandidates.most_log_odds.
 /// @param power_of, share_of  log_power and added_share of b in an octave
 template <class PowerOf, class ShareOf>
 [[gnu::always_inline]] inline float log_odds_of_same_source(const BandEnergies& a, const PowerOf& power_of,
                                                             const ShareOf& share_of, float log_ratio) {
-  constexpr float kCurvature = 0.5F / (kSameScatter * kSameScatter) - 0.5F / (kOtherScatter * kOtherScatter);
+  constexpr float kCurvature = 0.5F / (kCandidates.same_scatter * kCandidates.same_scatter) -
+                               0.5F / (kCandidates.other_scatter * kCandidates.other_scatter);
   float weight = 1e-6F;
   float loudness = 0.0F;  // of b over a
   for (int k = 0; k < kEnergyBands; ++k) {
@@ -71,18 +64,18 @@ template <class PowerOf, class ShareOf>
     share = difference > 0.0F ? share_b : share;
     share = difference < 0.0F ? share_a : share;
     const float of_octave = log_ratio - kCurvature * difference * difference;
-    sum += larger(both, share) * larger(of_octave, kMinLogOddsOfBand);
+    sum += larger(both, share) * larger(of_octave, kCandidates.least_log_odds_of_band);
   }
-  return smaller(larger(kIndependence * sum, -kMaxLogOdds), kMaxLogOdds);
+  return smaller(larger(kCandidates.independence * sum, -kCandidates.most_log_odds), kCandidates.most_log_odds);
 }
 
 float log_ratio_of_scatters() {
-  static const auto log_ratio = static_cast<float>(log(kOtherScatter / kSameScatter));
+  static const auto log_ratio = static_cast<float>(log(kCandidates.other_scatter / kCandidates.same_scatter));
   return log_ratio;
 }
 
 /// To 4e-7 of it, by operations that go side by side.
-/// @param x  0 ... kMaxLogOdds
+/// @param x  0 ... kCandidates.most_log_odds
 [[gnu::always_inline]] inline float exp_of_log_odds(float x) {
   constexpr float kExp2 = 7.389056F;
   const float z = 0.125F * x - 0.25F;  // -0.25 ... 0.25, and exp(x) = exp(2) exp(z)^8
@@ -133,7 +126,7 @@ BandEnergies BandEnergyMeter::measure(std::span<const float> sound) {
   BandEnergies energies;
   for (int b = 0; b < kEnergyBands; ++b) {
     const float added = std::max(0.0F, after[b] - before[b]);
-    energies.log_power[b] = static_cast<float>(log(std::max(added, kDetectable * before[b]) + 1e-20F));
+    energies.log_power[b] = static_cast<float>(log(std::max(added, kCandidates.detectable * before[b]) + 1e-20F));
     energies.added_share[b] = added / (after[b] + before[b] + 1e-20F);
   }
   return energies;

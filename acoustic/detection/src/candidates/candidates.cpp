@@ -11,22 +11,20 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/parallel.hpp"
+#include "candidates/candidate_model.hpp"
 #include "candidates/innovation_energy.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kHop_s = 0.125e-3;
-constexpr std::array<std::int64_t, 3> kAfterHops{3, 12, 48};
-constexpr std::int64_t kBeforeFactor = 3;  // three times as long before, for a more accurate background
-constexpr std::int64_t kApartHops = 4;
 constexpr std::int64_t kBlockHops = 1 << 13;
 // of one thread, of which the margins are read twice: a hundredth of it
 constexpr std::int64_t kMostBlocksOfSegment = 8;
 constexpr std::int64_t kSegmentsOfThread = 2;  // at least: threads do not end at the same time
 // candidates are searched so far beyond a block's ends that the result does not depend on the blocks
 constexpr std::int64_t kOverlapHops = 128;
-constexpr std::int64_t kMarginHops = kOverlapHops + kBeforeFactor * kAfterHops.back() + 2 * kApartHops;
+constexpr std::int64_t kMarginHops =
+    kOverlapHops + CandidateModel::kBeforeFactor * CandidateModel::kAfterHops.back() + 2 * CandidateModel::kApartHops;
 
 /// Log of the likelihood ratio of two variances against one; 0 where there is no rise.
 double rise_ratio(double sum_before, double n_before, double sum_after, double n_after) {
@@ -40,12 +38,12 @@ double rise_ratio(double sum_before, double n_before, double sum_after, double n
 /// after / before at which the likelihood ratio reaches the threshold. The ratio is a monotonic function of
 /// after / before alone, so that most hops need no logarithm.
 double threshold_rise(double n_after) {
-  const double n_before = kBeforeFactor * n_after;
+  const double n_before = CandidateModel::kBeforeFactor * n_after;
   double lo = 1.0;
   double hi = 1e12;
   for (int k = 0; k < 200 && hi - lo > 1e-9 * lo; ++k) {
     const double middle = std::sqrt(lo * hi);
-    (rise_ratio(n_before, n_before, middle * n_after, n_after) < kCandidateThreshold ? lo : hi) = middle;
+    (rise_ratio(n_before, n_before, middle * n_after, n_after) < kCandidates.threshold ? lo : hi) = middle;
   }
   return hi;
 }
@@ -53,7 +51,7 @@ double threshold_rise(double n_after) {
 /// The sample of the most likely change of variance. The statistic of a short pulse is flat while the pulse lies in the
 /// window, so that the whole window is searched.
 std::int64_t refine(const InnovationEnergy& energy, std::int64_t hop, std::int64_t hop_index, std::int64_t after_hops) {
-  const std::int64_t first = (hop_index - kApartHops) * hop;
+  const std::int64_t first = (hop_index - CandidateModel::kApartHops) * hop;
   const std::int64_t last = (hop_index + after_hops + 1) * hop;
   const std::int64_t begin = first - 2 * after_hops * hop;
   const std::int64_t end = last + after_hops * hop;
@@ -89,10 +87,11 @@ std::int64_t refine(const InnovationEnergy& energy, std::int64_t hop, std::int64
 
 double added_amplitude(const InnovationEnergy& energy, std::int64_t at, std::int64_t hop, double quiet_variance) {
   double best = 0.0;
-  for (const std::int64_t after_hops : kAfterHops) {
+  for (const std::int64_t after_hops : CandidateModel::kAfterHops) {
     const std::int64_t after = after_hops * hop;
     const double added =
-        energy.of_samples(at, at + after) - energy.of_samples(at - kBeforeFactor * after, at) / kBeforeFactor;
+        energy.of_samples(at, at + after) -
+        energy.of_samples(at - CandidateModel::kBeforeFactor * after, at) / CandidateModel::kBeforeFactor;
     best = std::max(best, added);
   }
   return std::sqrt(best / quiet_variance);
@@ -102,17 +101,15 @@ double added_amplitude(const InnovationEnergy& energy, std::int64_t at, std::int
 /// the sound until then.
 double amplitude_before_next(const InnovationEnergy& energy, const Candidate& candidate, double next_s, double rate_hz,
                              std::int64_t hop, double quiet_variance) {
-  constexpr double kFaint = 0.03;  // of the power; a codec's pre-echo has about 0.01, the first of two arrivals 0.2
-  constexpr std::int64_t kLoudHops = 8;
   const auto at = static_cast<std::int64_t>(std::llround(candidate.t_s * rate_hz));
   const auto next = static_cast<std::int64_t>(std::llround(next_s * rate_hz));
-  const std::int64_t last = at + kAfterHops.back() * hop;
-  const std::int64_t n_loud = kLoudHops * hop;
+  const std::int64_t last = at + CandidateModel::kAfterHops.back() * hop;
+  const std::int64_t n_loud = kCandidates.loud_hops * hop;
   double loudest = 0.0;
   for (std::int64_t from = next; from < last; from += n_loud)
     loudest = std::max(loudest, energy.of_samples(from, from + n_loud));
   const double own = energy.of_samples(at, next);
-  if (next > last || own * static_cast<double>(n_loud) > kFaint * loudest * static_cast<double>(next - at))
+  if (next > last || own * static_cast<double>(n_loud) > kCandidates.faint * loudest * static_cast<double>(next - at))
     return candidate.amplitude;
   return std::sqrt(own / quiet_variance);
 }
@@ -127,23 +124,24 @@ struct Rise {
 std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, std::int64_t first, std::int64_t n_hops,
                              std::int64_t after_hops, double least) {
   const auto n_after = static_cast<double>(after_hops * hop);
-  const double n_before = kBeforeFactor * n_after;
-  const auto after = [&](std::int64_t k) { return kBeforeFactor * energy.of_hops(k, k + after_hops); };
-  const auto before = [&](std::int64_t k) { return energy.of_hops(k - kBeforeFactor * after_hops, k); };
+  const double n_before = CandidateModel::kBeforeFactor * n_after;
+  const auto after = [&](std::int64_t k) { return CandidateModel::kBeforeFactor * energy.of_hops(k, k + after_hops); };
+  const auto before = [&](std::int64_t k) { return energy.of_hops(k - CandidateModel::kBeforeFactor * after_hops, k); };
   std::vector<Rise> found;
   const auto add_if_highest = [&](std::int64_t k) {
     const double ratio = after(k) / before(k);
     const auto is_higher = [&](std::int64_t j) {
       return !(after(j) / before(j) <= ratio);
-    };                                                          // nor is it where there is no number
-    for (std::int64_t apart = 1; apart <= kApartHops; ++apart)  // on a slope the nearest tells
+    };                                                                          // nor is it where there is no number
+    for (std::int64_t apart = 1; apart <= CandidateModel::kApartHops; ++apart)  // on a slope the nearest tells
       if (is_higher(k - apart) || is_higher(k + apart)) return;
     found.push_back({k, rise_ratio(n_before, n_before, ratio * n_after, n_after)});
   };
   constexpr std::int64_t kAtOnce = 64;  // hops tested at once: most hold no rise
   for (std::int64_t at = first; at < first + n_hops; at += kAtOnce) {
     const std::int64_t n = std::min(kAtOnce, first + n_hops - at);
-    for (std::uint64_t rises = energy.rises(at, n, after_hops, kBeforeFactor, least); rises != 0; rises &= rises - 1)
+    for (std::uint64_t rises = energy.rises(at, n, after_hops, CandidateModel::kBeforeFactor, least); rises != 0;
+         rises &= rises - 1)
       add_if_highest(at + std::countr_zero(rises));
   }
   return found;
@@ -153,16 +151,16 @@ std::vector<Rise> find_rises(const InnovationEnergy& energy, std::int64_t hop, s
 /// is for rises too weak for the shorter ones, and its times are less accurate.
 /// @param least_rises  threshold_rise() of each window
 std::vector<Candidate> find_in_block(const InnovationEnergy& energy, std::int64_t first, std::int64_t n_hops,
-                                     const std::array<double, kAfterHops.size()>& least_rises) {
+                                     const std::array<double, CandidateModel::kAfterHops.size()>& least_rises) {
   const double rate_hz = energy.rate_hz();
   const double quiet_variance = energy.quiet_variance();
   const std::int64_t hop = energy.hop();
   std::vector<double> found_s;
   std::vector<Candidate> candidates;
-  for (std::size_t window = 0; window < kAfterHops.size(); ++window) {
-    const std::int64_t after_hops = kAfterHops[window];
+  for (std::size_t window = 0; window < CandidateModel::kAfterHops.size(); ++window) {
+    const std::int64_t after_hops = CandidateModel::kAfterHops[window];
     const double reach_s = static_cast<double>(after_hops * hop) / rate_hz;
-    const double apart_s = static_cast<double>(kApartHops * hop) / rate_hz;
+    const double apart_s = static_cast<double>(CandidateModel::kApartHops * hop) / rate_hz;
     std::vector<double> new_s;
     for (const Rise& rise :
          find_rises(energy, hop, first - kOverlapHops, n_hops + 2 * kOverlapHops, after_hops, least_rises[window])) {
@@ -199,14 +197,14 @@ struct Search {
   const ArModel& model;
   std::int64_t hop;
   std::int64_t n_hops;
-  std::array<double, kAfterHops.size()> least_rises;
+  std::array<double, CandidateModel::kAfterHops.size()> least_rises;
 };
 
 Search search_in(const audio::AudioSource& sound, const ArModel& model) {
-  const auto hop = std::max<std::int64_t>(1, std::llround(kHop_s * sound.rate_hz));
+  const auto hop = std::max<std::int64_t>(1, std::llround(kCandidates.hop_s * sound.rate_hz));
   Search search{sound, model, hop, sound.n_samples / hop, {}};
-  for (std::size_t window = 0; window < kAfterHops.size(); ++window)
-    search.least_rises[window] = threshold_rise(static_cast<double>(kAfterHops[window] * hop));
+  for (std::size_t window = 0; window < CandidateModel::kAfterHops.size(); ++window)
+    search.least_rises[window] = threshold_rise(static_cast<double>(CandidateModel::kAfterHops[window] * hop));
   return search;
 }
 
@@ -266,26 +264,6 @@ CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel
     all.band_energies.insert(all.band_energies.end(), part.band_energies.begin(), part.band_energies.end());
   }
   return all;
-}
-
-std::vector<double> highest_rises(const audio::AudioSource& sound, const ArModel& model, std::span<const double> t_s,
-                                  double within_s) {
-  std::vector<double> highest(t_s.size(), 0.0);
-  if (model.quiet_variance <= 0.0) return highest;
-  const Search search = search_in(sound, model);
-  const auto hop_at = [&](double at_s) {
-    return std::clamp<std::int64_t>(std::llround(at_s * sound.rate_hz) / search.hop, 0, search.n_hops);
-  };
-  InnovationEnergy energy(sound, model, search.hop, kMarginHops);
-  for (std::size_t k = 0; k < t_s.size(); ++k) {
-    const std::int64_t first = hop_at(t_s[k] - within_s);
-    const std::int64_t n = std::min(hop_at(t_s[k] + within_s) + 1, search.n_hops) - first;
-    if (n <= 0) continue;
-    energy.load(first, n);
-    for (const Candidate& candidate : find_in_block(energy, first, n, search.least_rises))
-      highest[k] = std::max(highest[k], rise(candidate));
-  }
-  return highest;
 }
 
 }  // namespace bouncelab::detection

@@ -7,6 +7,7 @@
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "candidates/band_energies.hpp"
+#include "candidates/candidate_model.hpp"
 #include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
@@ -19,12 +20,8 @@ struct Candidate {
   double log_likelihood_ratio = 0.0;  ///< rise against no rise
 };
 
-/// Least LLR of a candidate: P(chi2_1 > 16) = 6e-5, half of them rises, at about 1e4 independent places a second: one
-/// in 3 s.
-constexpr double kCandidateThreshold = 8.0;
-
 /// The LLR of a candidate beyond the threshold.
-inline double rise(const Candidate& candidate) { return candidate.log_likelihood_ratio - kCandidateThreshold; }
+inline double rise(const Candidate& candidate) { return candidate.log_likelihood_ratio - kCandidates.threshold; }
 
 /// The candidates of a recording in time order, and the energies of the sound around each: both from the one time that
 /// the recording is read.
@@ -52,13 +49,5 @@ struct CandidatesOfSound {
 /// Source: Sleeman & van Eck, Phys. Earth Planet. Inter. 113, 265 (1999), doi:10.1016/S0031-9201(99)00007-2
 CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel& model, int n_threads,
                                   const ProgressCallback& progress);
-
-/// The highest rise of the candidates around each of some times, without a search of what lies between them; 0 where
-/// there is none.
-/// @param model     as of find_candidates(); nothing rises where its quiet variance is 0
-/// @param t_s       in ascending order
-/// @param within_s  of each
-std::vector<double> highest_rises(const audio::AudioSource& sound, const ArModel& model, std::span<const double> t_s,
-                                  double within_s);
 
 }  // namespace bouncelab::detection

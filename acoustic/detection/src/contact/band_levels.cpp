@@ -8,29 +8,23 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "contact/contact_model.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMaxImpacts = 192;  // beyond, the scatter of the levels limits the result
-constexpr double kMinSpeed = 0.125;       // of the fastest impact; the ringing of others is louder than slower ones
-constexpr std::size_t kMaxBands = 60;
-constexpr std::size_t kMinBins = 6;       // a band holds a mode and not a part of one
-constexpr std::size_t kNeighbours = 4;    // on either side
-constexpr double kMinTemplateSnr = 30.0;  // energy of the template over that of the noise left in it
-constexpr double kSameImpact_s = 1e-3;
-
-/// At most kMaxImpacts, evenly over the list, without the slowest.
+/// At most kContact.most_impacts, evenly over the list, without the slowest.
 std::vector<TimedImpact> thin_out(std::vector<TimedImpact> impacts) {
   double fastest_mps = 0.0;
   for (const TimedImpact& impact : impacts) fastest_mps = std::max(fastest_mps, impact.v_mps);
   std::erase_if(impacts, [&](const TimedImpact& impact) {
-    return impact.v_mps < kMinSpeed * fastest_mps || !(impact.fit.amplitude > 0.0);
+    return impact.v_mps < kContact.least_speed * fastest_mps || !(impact.fit.amplitude > 0.0);
   });
-  if (impacts.size() <= kMaxImpacts) return impacts;
+  if (impacts.size() <= kContact.most_impacts) return impacts;
   std::vector<TimedImpact> chosen;
-  for (std::size_t k = 0; k < kMaxImpacts; ++k) chosen.push_back(impacts[k * impacts.size() / kMaxImpacts]);
+  for (std::size_t k = 0; k < kContact.most_impacts; ++k)
+    chosen.push_back(impacts[k * impacts.size() / kContact.most_impacts]);
   return chosen;
 }
 
@@ -50,7 +44,7 @@ double noise_at(const Subbands& subbands, std::size_t bin) {
 
 std::vector<Band> choose_bands(const ImpactTemplate& learned) {
   const std::size_t n_bins = learned.filter.spectrum().size() - 1;
-  const std::size_t width = std::max(kMinBins, n_bins / kMaxBands);
+  const std::size_t width = std::max(kContact.fewest_bins, n_bins / kContact.most_bands);
   std::vector<Band> all;
   for (std::size_t b = 1; b + width <= n_bins; b += width) {
     Band band{b, b + width, learned.filter.energy(b, b + width) + 1e-30, noise_at(learned.subbands, b + width / 2),
@@ -61,10 +55,12 @@ std::vector<Band> choose_bands(const ImpactTemplate& learned) {
   std::vector<Band> bands;
   for (std::size_t m = 0; m < all.size(); ++m) {
     std::vector<double> around;
-    for (std::size_t c = m > kNeighbours ? m - kNeighbours : 0; c < std::min(m + kNeighbours + 1, all.size()); ++c)
+    for (std::size_t c = m > kContact.neighbours ? m - kContact.neighbours : 0;
+         c < std::min(m + kContact.neighbours + 1, all.size()); ++c)
       around.push_back(all[c].energy);
     const std::size_t lower_middle = (around.size() - 1) / 2;
-    if (all[m].energy >= order_statistic(std::move(around), lower_middle) && kMinTemplateSnr * all[m].own_noise <= 1.0)
+    if (all[m].energy >= order_statistic(std::move(around), lower_middle) &&
+        kContact.least_template_snr * all[m].own_noise <= 1.0)
       bands.push_back(all[m]);
   }
   return bands;
@@ -98,8 +94,9 @@ BandLevels measure_levels(WhiteSound& white, const ImpactTemplate& learned, cons
     fourier.forward(window, sound);
     audio::product_conj(w, sound, w.size(), products.re.data(), products.im.data());
     audio::phase_shift(products, learned.filter.omega() * (position - static_cast<double>(first)), in_phase);
-    const bool is_training = std::any_of(learned.training_t_s.begin(), learned.training_t_s.end(),
-                                         [&](double t_s) { return std::abs(t_s - impact.fit.t_s) < kSameImpact_s; });
+    const bool is_training = std::any_of(learned.training_t_s.begin(), learned.training_t_s.end(), [&](double t_s) {
+      return std::abs(t_s - impact.fit.t_s) < kContact.same_impact_s;
+    });
     std::vector<double> row;
     row.reserve(bands.size());
     for (const Band& band : bands) {

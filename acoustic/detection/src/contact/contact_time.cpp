@@ -8,19 +8,11 @@
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
+#include "contact/contact_model.hpp"
 #include "contact/level_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-// A half-sine pulse of duration tau has the rms frequency 1/(2 tau). What is struck, the room and the microphone pass
-// the higher frequencies better or worse: of steel, wood and rubber from 30 us to 6 ms, tau f is between 0.1 and 0.8.
-constexpr double kDurationTimesFrequency = 0.4;
-constexpr double kDurationSigma = 0.25;  // times the frequency
-constexpr double kMaxDifference = 3.0;  // standard errors between the prior and a recording, beyond which it is dropped
-constexpr double kSignificant = 2.0;    // standard errors of tau^2: four of tau
-// standard errors by which two pulses must differ before it counts: neighbouring bands are correlated
-constexpr double kMinPulseDifference = 2.0;
 
 ContactFit pool(const std::vector<ContactEvidence>& drops, ContactFit ContactEvidence::*pulse) {
   ContactFit pooled;
@@ -51,14 +43,14 @@ double probability_of_hertz(const std::vector<ContactEvidence>& drops) {
     }
   const double error = std::sqrt(std::max(squares - sum * sum / n, 1e-30) / (n - 1.0) * n);
   const double z = sum / error;
-  return 0.5 * erfc(-std::copysign(std::max(0.0, std::abs(z) - kMinPulseDifference), z) / std::sqrt(2.0));
+  return 0.5 * erfc(-std::copysign(std::max(0.0, std::abs(z) - kContact.least_pulse_difference), z) / std::sqrt(2.0));
 }
 
 /// Combined with the prior, where the two are compatible.
 ContactFit with_prior(ContactFit fit, const ContactLaw& assumed) {
   const double prior = square(assumed.tau_1_s);
   const double spread = 2.0 * assumed.tau_1_s * assumed.sigma_s;
-  if (std::abs(fit.tau2_s2 - prior) > kMaxDifference * hypot(fit.sigma2_s2, spread)) return fit;
+  if (std::abs(fit.tau2_s2 - prior) > kContact.most_difference * hypot(fit.sigma2_s2, spread)) return fit;
   const double weight = 1.0 / (fit.sigma2_s2 * fit.sigma2_s2);
   const double prior_weight = 1.0 / (spread * spread);
   fit.tau2_s2 = (weight * fit.tau2_s2 + prior_weight * prior) / (weight + prior_weight);
@@ -72,11 +64,8 @@ ContactLaw law_of(const ContactFit& fit) {
   return {std::sqrt(square), std::sqrt(square + fit.sigma2_s2) - std::sqrt(square)};
 }
 
-constexpr std::size_t kMinImpacts = 8;
-constexpr std::size_t kMinBands = 6;
-constexpr double kStart_s = 30e-6;           // steel on glass; the result does not depend on it
-constexpr double kHalfSineOverHertz = 0.87;  // durations of pulses of about the same spectrum
-constexpr double kMinTau_s = 5e-6;           // about which the law is linearised in tau^2
+constexpr double kStart_s = 30e-6;  // steel on glass; the result does not depend on it
+constexpr double kMinTau_s = 5e-6;  // about which the law is linearised in tau^2
 constexpr int kMaxSteps = 25;
 constexpr int kFirstRounds = 4;  // of amplitudes and weights, which converge to a thousandth of an error
 constexpr int kLaterRounds = 2;  // from those of the last step
@@ -106,10 +95,9 @@ void add_products(const double* w, const double* x, const double* y, double* __r
 /// Subtracts half of the logarithm of the variance and of the square of the residual, which is limited.
 void subtract_half_of(const double* log_variance, const double* residual, const double* variance,
                       double* __restrict sum, std::size_t n) {
-  constexpr double kLargest = 9.0;
   for (std::size_t m = 0; m < n; ++m) {
     const double square = residual[m] * residual[m] / variance[m];
-    sum[m] -= 0.5 * (log_variance[m] + (kLargest < square ? kLargest : square));
+    sum[m] -= 0.5 * (log_variance[m] + (kContact.most_of_residual < square ? kContact.most_of_residual : square));
   }
 }
 
@@ -152,7 +140,8 @@ PooledEstimate pool_bands(const BandEstimates& bands) {
     inflation = std::max(1.0, chi2 / std::max(n - 2.0, 1.0));  // the amplitudes take one more degree of freedom
     mean.sigma = std::sqrt(inflation / weights);
     for (std::size_t m = 0; m < step.size(); ++m)
-      robust[m] = std::min(1.0, kHuber / (std::abs(step[m] - mean.step) / std::sqrt(inflation * variance[m]) + 1e-300));
+      robust[m] =
+          std::min(1.0, kContact.huber / (std::abs(step[m] - mean.step) / std::sqrt(inflation * variance[m]) + 1e-300));
   }
   return mean;
 }
@@ -185,7 +174,7 @@ std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, 
       update_weights(model);
     }
     const BandEstimates bands = estimates_by_band(model);
-    const PooledEstimate pooled = bands.step.size() < kMinBands ? PooledEstimate{} : pool_bands(bands);
+    const PooledEstimate pooled = bands.step.size() < kContact.fewest_bands ? PooledEstimate{} : pool_bands(bands);
     if (!std::isfinite(pooled.step) || !std::isfinite(pooled.sigma) || !(pooled.sigma > 0.0)) return std::nullopt;
     fit = {tau_1_s * tau_1_s + pooled.step, pooled.sigma, {}};
     const double next_s = std::sqrt(std::max(fit.tau2_s2, kMinTau_s * kMinTau_s));
@@ -201,8 +190,8 @@ std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, 
 double contact_delay(double v_mps, double reference_scaling) { return 0.5 * (pow(v_mps, -0.2) - reference_scaling); }
 
 ContactLaw assumed_contact(double rms_hz) {
-  const double tau_s = kDurationTimesFrequency / rms_hz;
-  return {tau_s, kDurationSigma / rms_hz, tau_s};
+  const double tau_s = kContact.duration_times_frequency / rms_hz;
+  return {tau_s, kContact.duration_sigma / rms_hz, tau_s};
 }
 
 std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed) {
@@ -216,18 +205,19 @@ std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drop
   law.sigma_s = std::sqrt(p_hertz * a.sigma_s * a.sigma_s + (1.0 - p_hertz) * b.sigma_s * b.sigma_s +
                           p_hertz * (1.0 - p_hertz) * square(a.tau_1_s - b.tau_1_s));
   law.hertz_tau_1_s = a.tau_1_s;
-  law.is_significant = pooled[0].tau2_s2 > kSignificant * pooled[0].sigma2_s2;
+  law.is_significant = pooled[0].tau2_s2 > kContact.significant * pooled[0].sigma2_s2;
   return law;
 }
 
 std::optional<ContactEvidence> fit_contact(const BandLevels& levels) {
-  if (levels.contact_scaling.size() < kMinImpacts || levels.f_hz.size() < kMinBands) return std::nullopt;
+  if (levels.contact_scaling.size() < kContact.fewest_impacts || levels.f_hz.size() < kContact.fewest_bands)
+    return std::nullopt;
   LevelModel model(levels);
   const std::optional<ContactFit> hertz = fit_pulse(PulseSpectrum::hertz(), kStart_s, model);
   if (!hertz) return std::nullopt;
   // the likelihoods of two pulses can be compared where the levels have the same bands, weights and variances
   model.is_fixed = true;
-  const double start_s = kHalfSineOverHertz * std::sqrt(std::max(hertz->tau2_s2, kMinTau_s * kMinTau_s));
+  const double start_s = kContact.half_sine_over_hertz * std::sqrt(std::max(hertz->tau2_s2, kMinTau_s * kMinTau_s));
   const std::optional<ContactFit> half_sine = fit_pulse(PulseSpectrum::half_sine(), start_s, model);
   if (!half_sine) return std::nullopt;
   return ContactEvidence{*hertz, *half_sine};

@@ -7,6 +7,7 @@
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "contact/contact_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -45,10 +46,6 @@ double demean_once(BandTable& x, const BandTable& weight, const std::vector<doub
   return audio::dot(means.data(), means.data(), n);
 }
 
-constexpr double kMinPulse = 0.25;    // of P; near its first zero the model of the pulse does not hold
-constexpr double kMaxArgument = 1.5;  // f tau: beyond lie the pulse's side lobes
-constexpr double kMinScatter = 0.03;  // of a level, relative; less than any ball has
-
 using Values = std::vector<double>;
 
 // The loops over the bands of one impact. All are elementwise.
@@ -83,7 +80,7 @@ void add_excess(const double* residual, const double* noise2, const double* scat
   for (std::size_t m = 0; m < n; ++m) {
     const double size2 = scatter2[m] + noise2[m];
     const double weight = 1.0 / (size2 * size2);
-    const double largest = 2.0 * kHuber * kHuber * size2;
+    const double largest = 2.0 * kContact.huber * kContact.huber * size2;
     const double square = residual[m] * residual[m] / row_inflation;
     sum[m] += ((square < largest ? square : largest) - noise2[m]) * weight;
     weights[m] += weight;
@@ -92,10 +89,9 @@ void add_excess(const double* residual, const double* noise2, const double* scat
 
 void limited_squares(const double* residual, const double* noise2, const double* scatter2, double* __restrict squares,
                      std::size_t n) {
-  constexpr double kLargest = 100.0;
   for (std::size_t m = 0; m < n; ++m) {
     const double square = residual[m] * residual[m] / (scatter2[m] + noise2[m]);
-    squares[m] = square < kLargest ? square : kLargest;
+    squares[m] = square < kContact.most_of_square ? square : kContact.most_of_square;
   }
 }
 
@@ -103,7 +99,7 @@ void huber_weights(const double* residual, const double* noise2, const double* s
                    double row_inflation, double* __restrict weight, std::size_t n) {
   for (std::size_t m = 0; m < n; ++m) {
     const double size2 = (scatter2[m] + noise2[m]) * row_inflation;
-    const double near = kHuber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
+    const double near = kContact.huber * std::sqrt(size2) / (std::abs(residual[m]) + 1e-300);
     weight[m] = active[m] * (near < 1.0 ? near : 1.0) / size2;
   }
 }
@@ -131,7 +127,7 @@ void estimate_scatter(LevelModel& model) {
                weights.data(), n);
   Values active;
   for (std::size_t m = 0; m < n; ++m) {
-    sum[m] = model.is_active[m] ? std::max(sum[m] / weights[m], kMinScatter * kMinScatter) : 0.0;
+    sum[m] = model.is_active[m] ? std::max(sum[m] / weights[m], kContact.least_scatter * kContact.least_scatter) : 0.0;
     if (model.is_active[m]) active.push_back(sum[m]);
   }
   if (active.empty()) return;
@@ -140,15 +136,14 @@ void estimate_scatter(LevelModel& model) {
 }
 
 void estimate_row_inflation(LevelModel& model) {
-  constexpr double kTypical = 1.3;  // mean of squares that noise alone hardly exceeds
-  constexpr double kPrior = 4.0;    // weight of an inflation of 1, in bands
   const double n = std::accumulate(model.active_mask.begin(), model.active_mask.end(), 0.0);
   Values squares(model.n_bands());
   for (std::size_t k = 0; k < model.n_impacts(); ++k) {
     limited_squares(model.residual[k], model.relative_noise2[k], model.scatter2.data(), squares.data(),
                     model.n_bands());
     const double sum = audio::dot(squares.data(), model.active_mask.data(), model.n_bands());
-    model.row_inflation[k] = std::max(1.0, (sum + kPrior) / (n + kPrior) / kTypical);
+    model.row_inflation[k] =
+        std::max(1.0, (sum + kContact.inflation_prior) / (n + kContact.inflation_prior) / kContact.typical);
   }
 }
 
@@ -194,7 +189,8 @@ void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
   const double largest_scaling = *std::max_element(l.contact_scaling.begin(), l.contact_scaling.end());
   for (std::size_t m = 0; m < model.n_bands(); ++m) {
     const double largest = l.f_hz[m] * tau_1_s * largest_scaling;
-    if (!model.is_fixed) model.is_active[m] = pulse.at(largest).value > kMinPulse && largest < kMaxArgument;
+    if (!model.is_fixed)
+      model.is_active[m] = pulse.at(largest).value > kContact.least_pulse && largest < kContact.most_argument;
     model.active_mask[m] = model.is_active[m] ? 1.0 : 0.0;
   }
   for (std::size_t k = 0; k < model.n_impacts(); ++k) {

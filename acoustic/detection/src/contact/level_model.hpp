@@ -76,6 +76,5 @@ void fit_amplitudes(LevelModel& model);
 void update_weights(LevelModel& model);
 
 /// Huber's threshold, in standard deviations.
-inline constexpr double kHuber = 2.5;
 
 }  // namespace bouncelab::detection

@@ -9,17 +9,11 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "delay/delay_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMinImpacts = 7;
-constexpr std::size_t kNeighbours = 7;     // on either side, for the median
-constexpr std::size_t kScatterReach = 15;  // on either side, for the width
-constexpr double kMinScatter = 2e-4;       // of ln eps; smoother than any ball
-constexpr double kFar_s = 27.4e-3;         // over which an impact may lie that is not where the sound rises
-constexpr double kWeightOfPrior = 10.0;    // of the share of such impacts and of the width of the others, in impacts
-constexpr double kMinWidth = 0.1;          // of the reach; rises are known to a hop, a third of the shortest window
 constexpr int kRounds = 3;
 constexpr double kDisordered = 1e-100;  // density of times that do not increase
 
@@ -50,7 +44,7 @@ double near_density(const TimedImpact& impact, std::size_t h, const RisePrior& p
 
 double place_density(const TimedImpact& impact, std::size_t h, const RisePrior& prior) {
   if (!(impact.rise_reach_s > 0.0)) return 1.0;
-  return (1.0 - prior.far_share) * near_density(impact, h, prior) + prior.far_share / kFar_s;
+  return (1.0 - prior.far_share) * near_density(impact, h, prior) + prior.far_share / kDelay.far_s;
 }
 
 /// The densities of which the posterior is the product.
@@ -151,13 +145,13 @@ RisePrior rise_prior_of(const TimedImpacts& track, const std::vector<HypothesisP
   constexpr double kMedianOfStudent4 = 0.741;  // of its magnitude
   const RisePrior prior;
   std::vector<double> late_s(2, prior.late_s);  // two impacts' worth of the prior
-  double far = kWeightOfPrior * prior.far_share, all = kWeightOfPrior;
+  double far = kDelay.rise_weight * prior.far_share, all = kDelay.rise_weight;
   for (std::size_t k = 0; k < track.size(); ++k) {
     if (!(track[k].rise_reach_s > 0.0)) continue;
     late_s.push_back(t_s[k] - track[k].rise_s);
     all += 1.0;
     for (std::size_t h = 0; h < posterior[k].size(); ++h)
-      far += posterior[k][h] * (last.far_share / kFar_s) / place_density(track[k], h, last);
+      far += posterior[k][h] * (last.far_share / kDelay.far_s) / place_density(track[k], h, last);
   }
   RisePrior found{far / all, upper_median(std::move(late_s)), prior.width};
   std::vector<double> off;
@@ -167,8 +161,8 @@ RisePrior rise_prior_of(const TimedImpacts& track, const std::vector<HypothesisP
   if (off.empty()) return found;
   const auto n = static_cast<double>(off.size());
   const double shown = upper_median(std::move(off)) / kMedianOfStudent4;
-  found.width =
-      std::max(kMinWidth, std::sqrt((n * square(shown) + kWeightOfPrior * square(prior.width)) / (n + kWeightOfPrior)));
+  found.width = std::max(kDelay.least_width, std::sqrt((n * square(shown) + kDelay.rise_weight * square(prior.width)) /
+                                                       (n + kDelay.rise_weight)));
   return found;
 }
 
@@ -198,10 +192,11 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
   std::vector<ExpectedLogEps> expected(track.size());
   for (std::size_t k = 1; k + 1 < track.size(); ++k) {
     if (!is_triple(track, k)) continue;
-    std::vector<double> near = around(k, kNeighbours, 0.0);
+    std::vector<double> near = around(k, kDelay.neighbours, 0.0);
     if (near.size() < 3) continue;
     expected[k].centre = upper_median(std::move(near));
-    expected[k].width = std::max(kMinScatter, 1.4826 * upper_median(around(k, kScatterReach, expected[k].centre)));
+    expected[k].width =
+        std::max(kDelay.least_scatter, 1.4826 * upper_median(around(k, kDelay.scatter_reach, expected[k].centre)));
   }
   return expected;
 }
@@ -231,8 +226,8 @@ std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) 
   RisePrior prior;
   std::vector<HypothesisProbabilities> posterior;
   for (int round = 0; round < kRounds; ++round) {
-    posterior = track.size() < kMinImpacts ? posterior_by_sound(track, prior)
-                                           : chain_posterior(track, expected_log_eps(track, t_s), prior);
+    posterior = track.size() < kDelay.fewest_impacts ? posterior_by_sound(track, prior)
+                                                     : chain_posterior(track, expected_log_eps(track, t_s), prior);
     for (std::size_t k = 0; k < track.size(); ++k) t_s[k] = hypothesis_time(track[k], most_probable(posterior[k]));
     prior = rise_prior_of(track, posterior, t_s, prior);
   }
@@ -246,7 +241,7 @@ Doubt doubt_about(const TimedImpact& impact, const HypothesisProbabilities& p, s
     if (h == chosen) continue;
     const double off_s = hypothesis_time(impact, h) - t_s;
     doubt.others += p[h];
-    if (std::abs(off_s) > kMinInterval_s) doubt.elsewhere += p[h];
+    if (std::abs(off_s) > kDelay.least_interval_s) doubt.elsewhere += p[h];
     squares += p[h] * square(off_s);
   }
   doubt.sigma_s = std::sqrt(squares);
@@ -260,7 +255,7 @@ ImpactFit merged(const ImpactFit& a, const ImpactFit& b, double same_s) {
   const double margin = (best.log_likelihood_ratio - other.log_likelihood_ratio) / best.disturbance;
   const auto add = [&](double t_s, double log_odds_margin) {
     const auto is_there = [&](const DelayHypothesis& h) { return std::abs(h.t_s - t_s) < same_s; };
-    if (log_odds_margin >= kUnambiguousLogOdds || std::abs(best.t_s - t_s) < same_s ||
+    if (log_odds_margin >= kDelay.unambiguous || std::abs(best.t_s - t_s) < same_s ||
         std::any_of(best.alternatives.begin(), best.alternatives.end(), is_there))
       return;
     best.alternatives.push_back({t_s, log_odds_margin});

@@ -9,6 +9,8 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "delay/delay_model.hpp"
+#include "template/template_model.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
@@ -140,7 +142,7 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   FitWindow& window = window_;
   cut(start, end, window);
   Correlation products = correlation_in(window, -reach, reach);
-  for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kRecutDistance_samples; ++again) {
+  for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kTemplate.recut_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
     cut(window.first + std::llround(products.highest().shift), end, window);
     const auto moved = static_cast<double>(window.first - start);
@@ -169,10 +171,10 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
   fit.correlation = correlation(r, window.total);
   const std::vector<CorrelationPeak> peaks =
-      products.peaks(products.highest().log_likelihood_ratio - kUnambiguousLogOdds * fit.disturbance);
+      products.peaks(products.highest().log_likelihood_ratio - kDelay.unambiguous * fit.disturbance);
   for (std::size_t k = 1; k < peaks.size(); ++k) {
     const double margin = (peaks[0].log_likelihood_ratio - peaks[k].log_likelihood_ratio) / fit.disturbance;
-    if (margin < kUnambiguousLogOdds) fit.alternatives.push_back({time_of(peaks[k].shift), margin});
+    if (margin < kDelay.unambiguous) fit.alternatives.push_back({time_of(peaks[k].shift), margin});
   }
   return fit;
 }

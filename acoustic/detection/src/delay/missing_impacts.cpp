@@ -5,28 +5,14 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
+#include "delay/delay_model.hpp"
 #include "delay/track_search.hpp"
 #include "tracking/impact_odds.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-// where nothing is found at the predicted time, a single loss or gain may be the reason: 0.73 to 1.07 of the interval
-constexpr double kOutlierCentre = 0.9;
-constexpr double kOutlierReach = 0.17;
-constexpr double kMinCycles = 3.0;  // of the template; nearer impacts cannot be separated from its ringing
-constexpr int kMaxFailures = 3;     // impacts in a row that are not found, then the track has ended
-
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
-
-// Least log likelihood ratio over the residual variance. Inside another impact's ringing the residual is not white, so
-// that `noise_threshold` does not apply: one between two impacts needs less than one beyond the track's end.
-constexpr double kMinInGap = 2.0;
-constexpr double kMinBeyondEnd = 3.0;
-constexpr double kMinOfOutlier = 6.0;
-// ratio of the log likelihood ratio beyond the end to the largest in the sound before, where there is no impact:
-// echoes, a rolling ball and voices correlate with the template here and there
-constexpr double kMinProminence = 2.0;
 
 /// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
 /// normals. A hundredth is enough, since a track goes on more often than not.
@@ -55,26 +41,23 @@ bool is_supported(const Search& search, const TimedImpact& impact, const TimedIm
 
 bool has_amplitude_of(const TimedImpact& impact, const TimedImpact& neighbour) {
   const double ratio = impact.fit.amplitude / neighbour.fit.amplitude;
-  return ratio > 1.0 / kMaxAmplitudeRatio && ratio < kMaxAmplitudeRatio;
+  return ratio > 1.0 / kDelay.most_amplitude_ratio && ratio < kDelay.most_amplitude_ratio;
 }
 
 /// Largest log likelihood ratio in the second part of the interval before t_s, where there is no impact; 0 where that
 /// part is too short.
 double llr_before(TimedTrack& track, double t_s, double min_half_s) {
-  constexpr double kSkipped = 0.4;  // of the interval: what rings there is the last impact
   const double last_s = track.impacts.back().fit.t_s;
-  const double half_s = 0.5 * (1.0 - kSkipped) * (t_s - last_s);
+  const double half_s = 0.5 * (1.0 - kDelay.ringing_part) * (t_s - last_s);
   return half_s > min_half_s ? find_impact(track.search, t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
 }
 
 /// A peak beside the one found that is so much higher that the latter is its side lobe: a single gain or loss that the
 /// search did not reach.
 std::optional<ImpactFit> sidelobe_check(Search& search, const ImpactFit& found, double after_s, double until_s) {
-  constexpr double kSideLobes_s = 1.5e-3;
-  constexpr double kHigher = 2.0;
-  if (after_s < 4.0 * kSideLobes_s) return std::nullopt;  // so near it is a neighbour's
-  const ImpactFit best = find_impact(search, found.t_s, kSideLobes_s, until_s);
-  if (best.log_likelihood_ratio < kHigher * found.log_likelihood_ratio) return std::nullopt;
+  if (after_s < 4.0 * kDelay.side_lobes_s) return std::nullopt;  // so near it is a neighbour's
+  const ImpactFit best = find_impact(search, found.t_s, kDelay.side_lobes_s, until_s);
+  if (best.log_likelihood_ratio < kDelay.higher * found.log_likelihood_ratio) return std::nullopt;
   return best;
 }
 
@@ -93,15 +76,15 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   double min_llr_ratio = p.min_llr_ratio;
   if (const auto higher = sidelobe_check(track.search, impact.fit, p.after_s, p.until_s)) {
     impact.fit = *higher;
-    min_llr_ratio = std::max(min_llr_ratio, kMinOfOutlier);
+    min_llr_ratio = std::max(min_llr_ratio, kDelay.least_of_outlier);
   }
   if (!has_amplitude_of(impact, last) ||
       !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
     return false;
   // within the last impact's ringing everything correlates with the template
   const bool is_isolated = p.after_s > track.search.template_s;
-  if (is_isolated && min_llr_ratio >= kMinBeyondEnd &&
-      impact.fit.log_likelihood_ratio < kMinProminence * llr_before(track, t_s - reach_s, reach_s))
+  if (is_isolated && min_llr_ratio >= kDelay.least_beyond_end &&
+      impact.fit.log_likelihood_ratio < kDelay.least_prominence * llr_before(track, t_s - reach_s, reach_s))
     return false;
   impact.probability = probability_of_inferred(
       impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance),
@@ -118,7 +101,7 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
     const double last_s = track.impacts.back().fit.t_s;
     const double eps_reach = predicted_eps_reach(track.impacts);
     const auto search_after = [&](double after_s) {
-      return search_missing(track, {impact, after_s, eps_reach * after_s, next_s, kMinInGap});
+      return search_missing(track, {impact, after_s, eps_reach * after_s, next_s, kDelay.least_in_gap});
     };
     const bool found =
         search_after(first_of_missing(track.impacts, static_cast<double>(next_impact - impact), next_s - last_s)) ||
@@ -131,8 +114,9 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
 void extend(TimedTrack& track, double end_s) {
   const Search& search = track.search;
   const double shortest_s =
-      std::max(kMinInterval_s, kMinCycles / (search.learned.filter.rms_frequency() * search.white.source().rate_hz));
-  for (int failures = 0; failures < kMaxFailures && track.impacts.size() >= 3;) {
+      std::max(kDelay.least_interval_s,
+               kDelay.fewest_cycles / (search.learned.filter.rms_frequency() * search.white.source().rate_hz));
+  for (int failures = 0; failures < kDelay.most_failures && track.impacts.size() >= 3;) {
     const double last_s = track.impacts.back().fit.t_s;
     const PredictedImpact predicted = predict_beyond_end(track.impacts, failures);
     const double after_s = predicted.t_s - last_s, flight_s = predicted.flight_s;
@@ -141,9 +125,10 @@ void extend(TimedTrack& track, double end_s) {
     const double until_s = predicted.t_s + 0.9 * flight_s;
     // what the last impacts predict may differ by more than eps scatters: one of them has gained or lost, or is wrong
     const double reach_s = predicted_eps_reach(track.impacts) * after_s + predicted.spread_s;
-    const bool found = search_missing(track, {next, after_s, reach_s, until_s, kMinBeyondEnd}) ||
-                       (failures == 0 && search_missing(track, {next, kOutlierCentre * after_s, kOutlierReach * after_s,
-                                                                until_s, kMinOfOutlier}));
+    const bool found =
+        search_missing(track, {next, after_s, reach_s, until_s, kDelay.least_beyond_end}) ||
+        (failures == 0 && search_missing(track, {next, kDelay.outlier_centre * after_s, kDelay.outlier_reach * after_s,
+                                                 until_s, kDelay.least_of_outlier}));
     failures = found ? 0 : failures + 1;
   }
 }

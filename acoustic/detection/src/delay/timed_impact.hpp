@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "delay/delay_model.hpp"
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 namespace bouncelab::detection {
-
-/// Log odds from which the sound alone decides between two times.
-inline constexpr double kUnambiguousLogOdds = 15.0;
-
-/// Impacts that follow nearer are not told apart.
-inline constexpr double kMinInterval_s = 1.2e-3;
 
 /// Another time at which an impact may have been: a lower peak of its likelihood.
 struct DelayHypothesis {
@@ -28,7 +23,7 @@ struct ImpactFit {
   double disturbance = 1.0;                   ///< variance of noise and unexplained sound where the template is
   double noise = 1.0;                         ///< residual noise variance after whitening (1 if perfect); at least 1
   double correlation = 0.0;                   ///< of the sound with the template, 0 ... 1
-  std::vector<DelayHypothesis> alternatives;  ///< other times with a margin below kUnambiguousLogOdds
+  std::vector<DelayHypothesis> alternatives;  ///< other times with a margin below kDelay.unambiguous
 };
 
 /// One impact of a track, timed.

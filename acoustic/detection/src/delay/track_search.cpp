@@ -9,22 +9,17 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "delay/delay_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr double kDefaultEps = 0.97;
-constexpr double kMinEpsReach = 0.015;
-constexpr double kMaxEpsReach = 0.06;  // four times TrackingModel::scatter
-constexpr std::size_t kMaxRatios = 9;
-constexpr std::size_t kMinRatiosForReach = 7;
 
 using TimedImpacts = std::vector<TimedImpact>;
 
 /// Ratios of the last intervals, sorted.
 std::vector<double> last_ratios(const TimedImpacts& track) {
   std::vector<double> ratios;
-  for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kMaxRatios;)
+  for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kDelay.most_ratios;)
     if (track[k].impact - track[k - 2].impact == 2)
       ratios.push_back((track[k].fit.t_s - track[k - 1].fit.t_s) / (track[k - 1].fit.t_s - track[k - 2].fit.t_s));
   std::sort(ratios.begin(), ratios.end());
@@ -61,23 +56,22 @@ double search_step_s(const Search& search) { return 0.25 * search.template_s; }
 double predicted_eps(const TimedImpacts& track) {
   const std::vector<double> ratios = last_ratios(track);
   // at most 0.999, so that a geometric series of it has a finite sum
-  return ratios.empty() ? kDefaultEps : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
+  return ratios.empty() ? kDelay.default_eps : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
 }
 
 double predicted_eps_reach(const TimedImpacts& track) {
   constexpr double kQuartilesToSigma = 0.74;  // the quartiles of a normal distribution are 1.35 sigma apart
   const std::vector<double> ratios = last_ratios(track);
-  if (ratios.size() < kMinRatiosForReach) return kMaxEpsReach;
+  if (ratios.size() < kDelay.fewest_ratios) return kDelay.most_eps_reach;
   const double quartiles = ratios[3 * ratios.size() / 4] - ratios[ratios.size() / 4];
-  return std::clamp(4.0 * kQuartilesToSigma * quartiles, kMinEpsReach, kMaxEpsReach);
+  return std::clamp(4.0 * kQuartilesToSigma * quartiles, kDelay.least_eps_reach, kDelay.most_eps_reach);
 }
 
 PredictedImpact predict_beyond_end(const TimedImpacts& track, int n_left_out) {
-  constexpr std::size_t kAnchors = 3;
   const double eps = predicted_eps(track);
   const std::int64_t next = track.back().impact + 1 + n_left_out;
   std::vector<PredictedImpact> predicted;
-  for (std::size_t back = 1; back <= kAnchors && back < track.size(); ++back) {
+  for (std::size_t back = 1; back <= kDelay.anchors && back < track.size(); ++back) {
     const std::size_t k = track.size() - back;
     PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps), 0.0};
     for (std::int64_t impact = track[k].impact; impact < next; ++impact) p.t_s += p.flight_s *= eps;

@@ -59,7 +59,4 @@ PredictedImpact predict_beyond_end(const std::vector<TimedImpact>& track, int n_
 /// First of n_missing + 1 intervals, a geometric series of the predicted eps, that together take total_s [s].
 double first_of_missing(const std::vector<TimedImpact>& track, double n_missing, double total_s);
 
-/// Largest factor between the amplitudes of neighbours; eps and the place struck explain up to two.
-inline constexpr double kMaxAmplitudeRatio = 3.5;
-
 }  // namespace bouncelab::detection

@@ -8,25 +8,23 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "delay/delay_model.hpp"
 #include "delay/delay_posterior.hpp"
 #include "delay/missing_impacts.hpp"
 #include "delay/track_search.hpp"
 #include "tracking/impact_odds.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr double kMuchLeft = 1.25;      // of the expected residual: then the impact may be at another place
-constexpr double kLate_s = 6e-3;        // of a candidate behind its impact: the longest window of candidates.cpp
-constexpr double kPreEcho_s = 21.4e-3;  // of a candidate before its impact: a block of 1024 samples at 48 kHz
-constexpr double kMinDoubt = 1e-2;      // probability of other times from which an impact is flagged doubtful
 
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
 /// @param near  the best fit within its reach, with all places there
 ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double most_before_s,
                           double most_after_s, double until_s) {
-  const double from_s = c.t_s - std::min(kLate_s, most_before_s), to_s = c.t_s + std::min(kPreEcho_s, most_after_s);
+  const double from_s = c.t_s - std::min(kDelay.late_s, most_before_s),
+               to_s = c.t_s + std::min(kDelay.pre_echo_s, most_after_s);
   const double same_s = 1.0 / search.white.source().rate_hz;
   ImpactFit far = near;
   const double step_s = search_step_s(search);
@@ -54,7 +52,7 @@ double expected_own_share(const Search& search) {
 
 bool is_explained(const Search& search, const ImpactFit& fit) {
   const double expected = least_residual(search) + expected_own_share(search) * explained_variance(search, fit);
-  return fit.residual_variance <= kMuchLeft * expected;
+  return fit.residual_variance <= kDelay.much_left * expected;
 }
 
 /// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
@@ -62,24 +60,23 @@ bool is_explained(const Search& search, const ImpactFit& fit) {
 std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<Candidate>& candidates, std::size_t k,
                                               double reach_s) {
   const Candidate& c = candidates[k];
-  const double from_s = c.t_s + std::max(c.reach_s, kMinInterval_s);  // before that it is the same sound, noticed twice
+  const double from_s =
+      c.t_s + std::max(c.reach_s, kDelay.least_interval_s);  // before that it is the same sound, noticed twice
   const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
                                   [&](const Candidate& later) { return later.t_s >= from_s; });
   // so late that no window of find_everywhere() reaches it: there is no other sound
-  if (other == candidates.end() || other->t_s >= c.t_s + kPreEcho_s + search.template_s) return {};
-  constexpr double kOfTemplate = 0.75;  // a window without an end is longer than the template
-  const double until_s = std::min(other->t_s, c.t_s + kOfTemplate * search.template_s);
+  if (other == candidates.end() || other->t_s >= c.t_s + kDelay.pre_echo_s + search.template_s) return {};
+  const double until_s = std::min(other->t_s, c.t_s + kDelay.of_template * search.template_s);
   const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
-  if (fit.log_likelihood_ratio < kUnambiguousLogOdds || !is_explained(search, fit)) return {};
+  if (fit.log_likelihood_ratio < kDelay.unambiguous || !is_explained(search, fit)) return {};
   return fit;
 }
 
 void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, const TrackImpact& of_track,
                    double next_s) {
-  constexpr double kShare = 0.25;  // of the intervals on either side, over which an impact may be searched for
   const Candidate& c = candidates[of_track.candidate];
   const double last_s = track.impacts.empty() ? -1.0 : track.impacts.back().fit.t_s;
-  const double before_s = kShare * (c.t_s - last_s), after_s = kShare * (next_s - c.t_s);
+  const double before_s = kDelay.search_share * (c.t_s - last_s), after_s = kDelay.search_share * (next_s - c.t_s);
   TimedImpact timed;
   timed.impact = of_track.impact;
   timed.probability = of_track.probability;
@@ -101,7 +98,7 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
 void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
                TimedImpact& impact) {
   const Doubt doubt = doubt_about(hypotheses, p, chosen, impact.fit.t_s);
-  impact.doubtful = doubt.others > kMinDoubt;
+  impact.doubtful = doubt.others > kDelay.least_doubt;
   impact.doubt_s = doubt.sigma_s;
   impact.probability *= 1.0 - doubt.elsewhere;
 }
@@ -117,7 +114,7 @@ std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<
     const std::size_t chosen = most_probable(posterior[k]);
     const double next_s = k + 1 < track.size() ? track[k + 1].fit.t_s : INFINITY;
     const bool next_was_unknown =
-        next_s - impact.fit.t_s < search.template_s && impact.until_s > next_s + kMinInterval_s;
+        next_s - impact.fit.t_s < search.template_s && impact.until_s > next_s + kDelay.least_interval_s;
     if (chosen > 0 || next_was_unknown) {
       impact.until_s = std::min(impact.until_s, next_s);
       impact.fit = timer.time(hypothesis_time(track[k], chosen), 0.0, impact.until_s);
@@ -159,7 +156,7 @@ void set_probabilities_of_row(std::size_t begin, std::size_t end, std::vector<Ti
 /// Beyond the significance that search_missing() has set.
 void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std::vector<TimedImpact>& track) {
   for (TimedImpact& impact : track)
-    if (impact.inferred && is_at_candidate(candidates, impact.fit.t_s)) impact.probability *= kProbabilityOfRefused;
+    if (impact.inferred && is_at_candidate(candidates, impact.fit.t_s)) impact.probability *= kTracking.refused;
   for (std::size_t begin = 0; begin < track.size();) {
     std::size_t end = begin;
     while (end < track.size() && track[end].inferred) ++end;
@@ -172,13 +169,11 @@ void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std
 /// of a codec and in a rolling ball's sound the template finds something wherever it is searched for. A last one at a
 /// candidate that the tracker refused is about as often an impact as not, and is kept with its probability.
 void end_where_improbable(std::vector<TimedImpact>& track) {
-  constexpr double kLeast = 0.9 * kProbabilityOfRefused;
+  constexpr double kLeast = 0.9 * kTracking.refused;
   while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 
-constexpr int kMaxTurns = 3;             // a wrong place moves what is expected of both neighbours
-constexpr double kUnexpected = 4.0;      // standard deviations
-constexpr double kMaxOfInterval = 0.25;  // of either interval: what is further off is the neighbour's
+constexpr int kMaxTurns = 3;  // a wrong place moves what is expected of both neighbours
 
 using TimedImpacts = std::vector<TimedImpact>;
 
@@ -206,9 +201,9 @@ std::optional<ImpactFit> find_where_expected(Search& search, const TimedImpacts&
   const double before_s = track[k - 1].fit.t_s, here_s = track[k].fit.t_s, after_s = track[k + 1].fit.t_s;
   if (log_eps.width == 0.0 || !(before_s < here_s && here_s < after_s)) return {};
   const ExpectedTime expected = expected_time(log_eps, before_s, after_s);
-  const double reach_s = kUnexpected * expected.sigma_s;
+  const double reach_s = kDelay.unexpected * expected.sigma_s;
   if (std::abs(here_s - expected.t_s) < reach_s) return {};
-  const double most_s = kMaxOfInterval * std::min(expected.t_s - before_s, after_s - expected.t_s);
+  const double most_s = kDelay.most_of_interval * std::min(expected.t_s - before_s, after_s - expected.t_s);
   return find_impact(search, expected.t_s, std::min(reach_s, most_s), after_s);
 }
 

@@ -13,13 +13,12 @@
 #include "contact/band_levels.hpp"
 #include "delay/impact_timer.hpp"
 #include "delay/track_timer.hpp"
+#include "drops/drops_model.hpp"
 #include "drops/overlap_separation.hpp"
 #include "template/impact_template.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr double kSigmaOfReach = 0.25;  // standard error of a candidate's time over its reach
 
 bool is_unflagged(const TimedImpact& impact) {
   return !impact.overlap && !impact.inferred && !impact.doubtful && !impact.clipped;
@@ -52,7 +51,7 @@ std::vector<TimedImpact> times_of_candidates(const BandOfDrops& band, const Trac
     impact.impact = of_track.impact;
     impact.probability = of_track.probability;
     impact.fit.t_s = c.t_s;
-    impact.fit.sigma_s = kSigmaOfReach * c.reach_s;
+    impact.fit.sigma_s = kDrops.sigma_of_reach * c.reach_s;
     impacts.push_back(impact);
   }
   return impacts;
@@ -93,8 +92,8 @@ double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned) {
   return band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(learned) * band.sound.rate_hz;
 }
 
-std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks, WhiteSound& white,
-                                          const std::vector<float>& known_whitener) {
+std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks,
+                                          WhiteSound& white) {
   std::vector<Candidate> impacts;
   std::vector<bool> clipped;
   for (const Track& track : tracks)
@@ -102,7 +101,7 @@ std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::ve
       impacts.push_back(band.candidates[impact.candidate]);
       clipped.push_back(is_clipped(recorded_sound(band, white), impacts.back().t_s));
     }
-  return estimate_template(white, band.noise, impacts, clipped, known_whitener);
+  return estimate_template(white, band.noise, impacts, clipped);
 }
 
 TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,

@@ -39,8 +39,7 @@ struct TimedDrop {
 
 /// Template of the impacts of some tracks of a recording.
 /// @param white  of the band's sound
-std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks, WhiteSound& white,
-                                          const std::vector<float>& known_whitener = {});
+std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks, WhiteSound& white);
 
 /// Times one track: its impacts by the template, their speeds, g T / 2, the contact time by their band levels,
 /// and then the impacts that overlap, jointly.

@@ -11,15 +11,11 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "delay/delay_model.hpp"
+#include "drops/drops_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr std::size_t kMinShared = 5;  // impacts
-constexpr double kMaxDelay_s = 8e-3;   // of one band's times against another's: a quarter of a cycle at 30 Hz
-constexpr double kOfInterval = 0.25;   // nearer to an impact than that part of the intervals beside it is the same one
-constexpr std::size_t kNearestShared = 9;
-constexpr double kMinOfFlight = 0.5;  // nearer to its neighbours than that is another place of theirs
 
 using TimedImpacts = std::vector<TimedImpact>;
 
@@ -44,7 +40,7 @@ std::vector<Shared> shared_impacts(const TimedImpacts& own, const TimedImpacts& 
     const auto off_s = [&](std::size_t other) { return own[k].fit.t_s - theirs[other].fit.t_s - later_s; };
     while (j + 1 < theirs.size() && std::abs(off_s(j + 1)) < std::abs(off_s(j))) ++j;
     const double most_s =
-        std::min(reach_s, kOfInterval * std::min(shorter_interval(own, k), shorter_interval(theirs, j)));
+        std::min(reach_s, kDrops.same_of_interval * std::min(shorter_interval(own, k), shorter_interval(theirs, j)));
     if (std::abs(off_s(j)) > most_s || (!shared.empty() && shared.back().theirs == j)) continue;
     shared.push_back({k, j, off_s(j) + later_s});
   }
@@ -59,10 +55,10 @@ double median_later_s(const std::vector<Shared>& shared) {
 
 std::vector<Shared> shared_impacts(const TimedImpacts& own, const TimedImpacts& theirs) {
   if (own.empty() || theirs.empty()) return {};
-  const std::vector<Shared> rough = shared_impacts(own, theirs, 0.0, kMaxDelay_s);
-  if (rough.size() < kMinShared) return {};
-  std::vector<Shared> shared = shared_impacts(own, theirs, median_later_s(rough), kMinInterval_s);
-  if (shared.size() < kMinShared || 2 * shared.size() < std::min(own.size(), theirs.size())) return {};
+  const std::vector<Shared> rough = shared_impacts(own, theirs, 0.0, kDrops.most_delay_s);
+  if (rough.size() < kDrops.fewest_shared) return {};
+  std::vector<Shared> shared = shared_impacts(own, theirs, median_later_s(rough), kDelay.least_interval_s);
+  if (shared.size() < kDrops.fewest_shared || 2 * shared.size() < std::min(own.size(), theirs.size())) return {};
   return shared;
 }
 
@@ -75,7 +71,7 @@ struct Transfer {
 /// By the shared impacts nearest to number `next`, the first after it.
 Transfer transfer_at(const std::vector<Shared>& shared, std::size_t next, const TimedImpacts& own,
                      const TimedImpacts& theirs) {
-  const std::size_t n = std::min(kNearestShared, shared.size());
+  const std::size_t n = std::min(kDrops.nearest_shared, shared.size());
   const std::size_t first = std::min(next > n / 2 ? next - n / 2 : 0, shared.size() - n);
   std::vector<double> later_s, gain, off_s;
   for (std::size_t k = first; k < first + n; ++k) {
@@ -113,9 +109,11 @@ bool insert(const TimedImpact& impact, double before_s, double after_s, TimedImp
   const auto at = std::partition_point(impacts.begin(), impacts.end(),
                                        [&](const TimedImpact& other) { return other.impact < impact.impact; });
   if (at != impacts.end() &&
-      (at->impact == impact.impact || at->fit.t_s - impact.fit.t_s < std::max(kMinInterval_s, kMinOfFlight * after_s)))
+      (at->impact == impact.impact ||
+       at->fit.t_s - impact.fit.t_s < std::max(kDelay.least_interval_s, kDrops.least_of_flight * after_s)))
     return false;
-  if (at != impacts.begin() && impact.fit.t_s - (at - 1)->fit.t_s < std::max(kMinInterval_s, kMinOfFlight * before_s))
+  if (at != impacts.begin() &&
+      impact.fit.t_s - (at - 1)->fit.t_s < std::max(kDelay.least_interval_s, kDrops.least_of_flight * before_s))
     return false;
   impacts.insert(at, impact);
   return true;

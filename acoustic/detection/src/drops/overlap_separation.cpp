@@ -9,14 +9,13 @@
 #include "bouncelab/core/elementary.hpp"
 #include "contact/pulse_spectrum.hpp"
 #include "delay/ringing.hpp"
+#include "drops/drops_model.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
 constexpr int kMaxRounds = 8;
-constexpr double kLargestMove = 0.2;  // standard errors
-constexpr double kMinPulse = 0.1;     // of P; near its first zero the ratio of two pulses is undetermined
 
 /// The template as an impact of speed v has it.
 /// @param scaling, template_scaling  v^(-1/5) of the impact and of the template; 0 = not known
@@ -28,7 +27,7 @@ audio::Spectrum template_at_speed(const MatchedFilter& filter, double rate_hz, d
   std::vector<float> own(w.size()), reference(w.size()), slope(w.size());
   PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * scaling, own, slope);
   PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * template_scaling, reference, slope);
-  constexpr auto least = static_cast<float>(kMinPulse);
+  constexpr auto least = static_cast<float>(kDrops.least_pulse);
   float ratio = 1.0F;
   for (std::size_t b = 0; b < w.size(); ++b) {
     if (own[b] > least && reference[b] > least) ratio = own[b] / reference[b];  // beyond, the last one known
@@ -57,7 +56,7 @@ class JointEstimator {
       double largest_move = 0.0;  // over the standard error
       for (std::size_t k = 0; k < impacts_.size(); ++k)
         if (free_[k]) largest_move = std::max(largest_move, estimate(k));
-      if (largest_move < kLargestMove) break;
+      if (largest_move < kDrops.little_move) break;
     }
   }
 

@@ -14,14 +14,13 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "contact/contact_time.hpp"
+#include "drops/drops_model.hpp"
 #include "drops/other_bands.hpp"
 #include "tracking/impact_odds.hpp"
 #include "whitening/linear_prediction.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr std::size_t kOwnTemplate = 12;  // impacts from which a track has a template of its own, with noise 11 dB down
 
 /// Memory for samples of one track after another: fresh memory would cost more than what is read into it.
 class SampleMemory {
@@ -101,7 +100,7 @@ class DropsTimer {
         n_threads_(n_threads),
         timed_{band.is_full_band(), band.noise.quiet_variance, {}, {}, {}} {
     const bool is_shared = std::any_of(band.tracks.begin(), band.tracks.end(),
-                                       [](const Track& track) { return track.impacts.size() < kOwnTemplate; });
+                                       [](const Track& track) { return track.impacts.size() < kDrops.own_template; });
     if (!is_shared) return;
     WhiteSound white(band.sound);
     shared_ = template_of(band, band.tracks, white);
@@ -125,10 +124,8 @@ class DropsTimer {
     TrackMemory memory = take_memory();
     const audio::AudioSource sound = held_around(band_.sound, begin_s, last_s, memory.recorded);
     WhiteSound white(sound, memory.white.of_size(n_whitened(begin_s, last_s, sound.rate_hz)));
-    // noise, and what impacts have of their own, are the recording's
-    const std::vector<float> whitener = timed_.reference ? timed_.reference->whitener : std::vector<float>{};
     const std::optional<ImpactTemplate> own =
-        track.impacts.size() >= kOwnTemplate ? template_of(band_, {track}, white, whitener) : std::nullopt;
+        track.impacts.size() >= kDrops.own_template ? template_of(band_, {track}, white) : std::nullopt;
     const ImpactTemplate* learned = own ? &*own : shared_ ? &*shared_ : nullptr;
     TimedDrop& drop = timed_.drops[k];
     drop = time_drop(band_, track, learned, end_of_track(band_, k), gravity_mps2_, white);
@@ -209,7 +206,6 @@ BandOfDrops with_rms_hz(BandOfDrops band, std::optional<double> rms_hz) {
 /// of the information. Times them in the whole sound too, and takes that where no impact is lost and the errors are
 /// half as large: the lesser of two estimated errors is too small by chance.
 TimedBands time_drops_in_best_band(const BandOfDrops& band, double gravity_mps2, int n_threads) {
-  constexpr double kClearlyLess = 0.5;
   TimedBands timed;
   if (band.is_full_band()) {
     timed.bands.push_back(DropsTimer(band, gravity_mps2, n_threads).run());
@@ -224,8 +220,8 @@ TimedBands time_drops_in_best_band(const BandOfDrops& band, double gravity_mps2,
   timed.rms_hz = rms_hz_of(in_whole);
   const BandOfDrops with_rms = with_rms_hz(band, timed.rms_hz);
   TimedDrops in_band = DropsTimer(with_rms, gravity_mps2, n_threads).run();
-  const bool is_better =
-      n_impacts(in_whole) >= n_impacts(in_band) && median_sigma_s(in_whole) < kClearlyLess * median_sigma_s(in_band);
+  const bool is_better = n_impacts(in_whole) >= n_impacts(in_band) &&
+                         median_sigma_s(in_whole) < kDrops.clearly_less * median_sigma_s(in_band);
   timed.bands.push_back(std::move(is_better ? in_whole : in_band));
   timed.bands.push_back(std::move(is_better ? in_band : in_whole));
   return timed;

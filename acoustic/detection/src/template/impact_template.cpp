@@ -13,33 +13,31 @@
 #include "bouncelab/core/numerics.hpp"
 #include "template/impact_whitener.hpp"
 #include "template/subband_errors.hpp"
+#include "template/template_model.hpp"
 #include "template/template_search.hpp"
 #include "template/template_training.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-// of so many training impacts every other one is enough for the first template and its whitener
-constexpr std::size_t kMany = 24;
 constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
-constexpr std::size_t kResidualOrder = 32;
-constexpr std::size_t kMinSubbands = 2;  // from which their disagreement gives the jitter
-constexpr float kOnsetOfPeak = 0.1F;     // a plate's first motion is above, noise and a converter's pre-ringing below
 
 /// Extends the whitener by a filter that also whitens what the template does not explain: noise where that is all, the
 /// ringing of modes that are excited differently each time where the noise is less than their variation.
 void whiten_residuals(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
-  std::vector<double> r(kResidualOrder + 1, 0.0);
+  std::vector<double> r(kTemplate.residual_order + 1, 0.0);
   for (const TrainingImpact& impact : e.training) {
     const std::vector<float> x = residual_of(e, impact);
     const double energy = audio::dot(x, x) + 1e-30;
-    for (std::size_t lag = 0; lag <= kResidualOrder; ++lag) r[lag] += audio::dot(x, std::span(x).subspan(lag)) / energy;
+    for (std::size_t lag = 0; lag <= kTemplate.residual_order; ++lag)
+      r[lag] += audio::dot(x, std::span(x).subspan(lag)) / energy;
   }
   const std::vector<double> a = prediction_error_filter(r);
-  std::vector<float> both(learned.whitener.size() + kResidualOrder, 0.0F);
+  std::vector<float> both(learned.whitener.size() + kTemplate.residual_order, 0.0F);
   for (std::size_t j = 0; j < learned.whitener.size(); ++j)
-    for (std::size_t k = 0; k <= kResidualOrder; ++k) both[j + k] += learned.whitener[j] * static_cast<float>(a[k]);
+    for (std::size_t k = 0; k <= kTemplate.residual_order; ++k)
+      both[j + k] += learned.whitener[j] * static_cast<float>(a[k]);
   learned.whitener = std::move(both);
 }
 
@@ -47,7 +45,6 @@ void whiten_residuals(TemplateEstimation& e) {
 void refine_template(TemplateEstimation& e) {
   for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
   average(e);
-  let_others_join(e);
   align_and_average(e, 1, 1);  // the new whitener may have resolved what was ambiguous
 }
 
@@ -63,7 +60,7 @@ void estimate_subbands(TemplateEstimation& e) {
     for (const TrainingImpact& impact : e.training)
       if (impact.is_averaged()) estimates.push_back(impact.estimate);
     estimate_jitter(estimates, learned.filter, learned.subbands);
-    if (learned.subbands.n() < kMinSubbands) add_unexplained_jitter(e, quiet);
+    if (learned.subbands.n() < kTemplate.fewest_subbands) add_unexplained_jitter(e, quiet);
     average(e);
   }
 }
@@ -72,7 +69,8 @@ void estimate_subbands(TemplateEstimation& e) {
 double onset_index(const std::vector<float>& mean) {
   float peak = 0.0F;
   for (const float x : mean) peak = std::max(peak, std::abs(x));
-  const auto first = std::find_if(mean.begin(), mean.end(), [&](float x) { return std::abs(x) > kOnsetOfPeak * peak; });
+  const auto first =
+      std::find_if(mean.begin(), mean.end(), [&](float x) { return std::abs(x) > kTemplate.onset_of_peak * peak; });
   return static_cast<double>(first - mean.begin());
 }
 
@@ -141,33 +139,17 @@ TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candida
                                     const std::vector<bool>& clipped) {
   const audio::AudioSource& sound = white.source();
   const TemplateWindow window = template_window(sound, impacts);
-  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, 0, {}, {}, {}};
+  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
   e.learned.n_template = window.n_template;
-  const std::vector<std::size_t> chosen = choose_training_impacts(impacts, clipped);
-  const std::size_t step = chosen.size() >= kMany ? 2 : 1;
-  for (std::size_t first = 0; first < step; ++first) {
-    for (std::size_t k = first; k < chosen.size(); k += step)
-      e.begins.push_back(window.samples(impacts[chosen[k]].t_s - kTemplateLead_s));
-    if (first == 0) e.n_used = e.begins.size();
-  }
+  for (const std::size_t k : choose_training_impacts(impacts, clipped))
+    e.begins.push_back(window.samples(impacts[k].t_s - kTemplate.lead_s));
   return e;
-}
-
-void whiten_by_impacts(TemplateEstimation& e, const ArModel& noise) {
-  const std::vector<std::int64_t> used(e.begins.begin(), e.begins.begin() + static_cast<std::ptrdiff_t>(e.n_used));
-  e.learned.whitener = impact_whitener(e.white.source(), noise, used, e.window.n_window);
 }
 
 /// The template by a whitener of its own.
 void find_template_and_whitener(TemplateEstimation& e, const ArModel& noise) {
-  whiten_by_impacts(e, noise);
-  if (e.n_used == e.begins.size() || !find_template_at_candidates(e)) {
-    if (e.n_used < e.begins.size()) {
-      e.n_used = e.begins.size();
-      whiten_by_impacts(e, noise);
-    }
-    find_template(e);
-  }
+  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window);
+  find_template(e);
   whiten_by_noise(e, noise);
   whiten_residuals(e);
   refine_template(e);
@@ -191,17 +173,11 @@ std::vector<double> gain2(const ImpactTemplate& learned) {
 }  // namespace
 
 std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
-                                                const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
-                                                const std::vector<float>& known_whitener) {
+                                                const std::vector<Candidate>& impacts,
+                                                const std::vector<bool>& clipped) {
   if (impacts.size() < 3) return std::nullopt;
   TemplateEstimation e = begin_estimation(white, impacts, clipped);
-  e.learned.whitener = known_whitener;
-  if (known_whitener.empty() || !find_template_at_candidates(e)) {
-    find_template_and_whitener(e, noise);
-  } else if (e.n_used < e.begins.size()) {
-    let_others_join(e);
-    align_and_average(e, 1, 1);
-  }
+  find_template_and_whitener(e, noise);
   estimate_subbands(e);
   describe_training(e);
   if (e.learned.n_impacts < 3) return std::nullopt;

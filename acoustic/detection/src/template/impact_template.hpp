@@ -14,9 +14,6 @@
 
 namespace bouncelab::detection {
 
-/// An impact found further than this from the middle of its window is timed again in a window about it [samples].
-inline constexpr double kRecutDistance_samples = 8.0;
-
 /// The matched-filter template of a recording's impacts, whitened by the noise. Windows begin at a sample of the
 /// recording; positions within them count from there.
 struct ImpactTemplate {
@@ -41,12 +38,10 @@ struct ImpactTemplate {
 /// @param impacts  with times to a millisecond or better, in time order
 /// @param clipped  for each whether the recording is at its limit there; such impacts are used only where fewer than
 ///                 five others are
-/// @param known_whitener  that of other impacts in the same noise, which is kept where three quarters of these are
-///                        alike by it; empty = one is estimated
 /// @return absent where no three impacts are alike
 std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
-                                                const std::vector<Candidate>& impacts, const std::vector<bool>& clipped,
-                                                const std::vector<float>& known_whitener = {});
+                                                const std::vector<Candidate>& impacts,
+                                                const std::vector<bool>& clipped);
 
 /// Whether a template of this correlation with the impacts explains half of their energy: then what it does not support
 /// is none.

@@ -9,13 +9,10 @@
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "template/template_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-// share of an impact's power that is different each time, before the residuals show how much it is: that of modes whose
-// amplitudes scatter by a tenth, and of a codec's errors where they are just masked
-constexpr double kUnrepeated = 1e-2;
 
 /// Power of the noise in each bin of a spectrum, per real and imaginary part; 0 in digital silence.
 std::vector<double> noise_power(const ArModel& noise, audio::RealFft& fourier) {
@@ -96,7 +93,7 @@ std::vector<float> impact_whitener(const audio::AudioSource& sound, const ArMode
   audio::RealFft fourier(std::max(n_window, std::bit_ceil(noise.filter.size())));
   std::vector<double> power = noise_power(noise, fourier);
   const std::vector<double> impacts = impact_power(sound, begins, n_window, fourier);
-  for (std::size_t k = 0; k < power.size(); ++k) power[k] += kUnrepeated * impacts[k];
+  for (std::size_t k = 0; k < power.size(); ++k) power[k] += kTemplate.unrepeated * impacts[k];
   return whitener_for(power, noise.filter.size() - 2);
 }
 

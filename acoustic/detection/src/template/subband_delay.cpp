@@ -9,15 +9,11 @@
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "template/template_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMinBins = 6;            // three to four of what a window of this length resolves
-constexpr double kMinInformationShare = 0.25;  // of the mean information of a sub-band
-constexpr std::size_t kEdgeSearchShare = 20;   // an edge is looked for within 1/20 of the occupied bins
-// prior of chi2, as of so many sub-bands that agree: eleven differences alone give their scatter to 20 % only
-constexpr double kPriorSubbands = 8.0;
 constexpr int kMaxSteps = 6;
 constexpr double kDelayTolerance = 1e-4;  // samples; below the error at 80 dB
 constexpr double kMaxStep = 1.0;          // samples; half a cycle at the highest frequencies
@@ -65,16 +61,15 @@ SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& s
 
 /// Amplitude in one sub-band, shrunk towards the common one where its signal-to-noise ratio is low.
 double subband_amplitude(double own, double common, double energy, double noise) {
-  constexpr double kPrior = 10.0;  // weight of the common one, as a signal-to-noise ratio
   const double snr = common * common * energy / noise;
-  return std::max((own * snr + common * kPrior) / (snr + kPrior), 0.2 * common);
+  return std::max((own * snr + common * kTemplate.amplitude_prior) / (snr + kTemplate.amplitude_prior), 0.2 * common);
 }
 
 /// A sub-band of little information is the skirt of a mode in the next one and its error is correlated: merges the two.
 void merge_weak_subbands(const MatchedFilter& filter, std::vector<std::size_t>& edge) {
   const auto information_of = [&](std::size_t j) { return filter.information(edge[j], edge[j + 1]); };
-  const double enough =
-      kMinInformationShare * filter.information(edge.front(), edge.back()) / static_cast<double>(edge.size() - 1);
+  const double enough = kTemplate.least_information_share * filter.information(edge.front(), edge.back()) /
+                        static_cast<double>(edge.size() - 1);
   while (edge.size() > 2) {
     const auto n = edge.size() - 1;
     std::size_t least = 0;
@@ -95,7 +90,7 @@ double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
   double chi2 = 0.0;
   for (std::size_t j = 0; j < n; ++j)
     chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + subbands.jitter2[j]);
-  const double scale = (kPriorSubbands + chi2) / (kPriorSubbands + static_cast<double>(n) - 1.0);
+  const double scale = (kTemplate.prior_subbands + chi2) / (kTemplate.prior_subbands + static_cast<double>(n) - 1.0);
   return scale * m.variance;
 }
 
@@ -139,15 +134,15 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
     return k;
   };
   const std::size_t n_occupied = bin_at(0.99) - bin_at(0.01) + 1;
-  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kMinBins), 1, kMaxSubbands);
-  const std::size_t reach = std::max(kMinBins / 2, n_occupied / kEdgeSearchShare);
+  const std::size_t n = std::clamp<std::size_t>(n_occupied / (2 * kTemplate.fewest_bins), 1, kMaxSubbands);
+  const std::size_t reach = std::max(kTemplate.fewest_bins / 2, n_occupied / kTemplate.edge_search_share);
   const auto density = [&](std::size_t k) { return filter.information(k < 2 ? 0 : k - 2, std::min(k + 3, n_bins)); };
   Subbands subbands;
   subbands.edge.push_back(1);
   for (std::size_t share = 1; share < n; ++share) {
     const std::size_t middle = bin_at(static_cast<double>(share) / static_cast<double>(n));
-    const std::size_t lo = std::max(subbands.edge.back() + kMinBins, middle > reach ? middle - reach : 1);
-    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kMinBins));
+    const std::size_t lo = std::max(subbands.edge.back() + kTemplate.fewest_bins, middle > reach ? middle - reach : 1);
+    const std::size_t hi = std::min(middle + reach, n_bins - std::min(n_bins, kTemplate.fewest_bins));
     std::size_t lowest = lo;
     for (std::size_t k = lo; k <= hi; ++k)
       if (density(k) < density(lowest)) lowest = k;

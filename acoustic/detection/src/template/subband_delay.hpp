@@ -12,10 +12,6 @@ namespace bouncelab::detection {
 
 inline constexpr std::size_t kMaxSubbands = 10;  // of one template
 
-/// Least share of its variance that a sub-band's deviations from the mean keep: a mean that rests on one sub-band alone
-/// follows it altogether.
-inline constexpr double kMinResidualShare = 0.2;
-
 /// Sub-bands of a template's spectrum, each of which gives an estimate of the delay of its own.
 ///
 /// The variance of a sub-band's delay has two components: noise, with noise / (amplitude^2 sum omega^2 |W|^2), and

@@ -10,15 +10,14 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
+#include "template/template_model.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
 constexpr int kJitterRounds = 8;
-constexpr double kLittle = 2e-3;       // relative change of each jitter; 32 impacts determine one to 12 %
-constexpr double kMinOfMedian = 0.5;   // least phase variance of a sub-band over the median one
-constexpr double kPriorImpacts = 4.0;  // weight of the median phase variance, in impacts
+constexpr double kLittle = 2e-3;  // relative change of each jitter; 32 impacts determine one to 12 %
 
 /// Sum of the squared deviations, each over its expected value, and its derivative by the jitter.
 struct Ratios {
@@ -28,13 +27,12 @@ struct Ratios {
 
 /// @param squares  over the share of its variance that a deviation keeps
 Ratios ratios_at(double jitter2, const std::vector<double>& squares, const std::vector<double>& noise) {
-  constexpr double kMost = 9.0;  // robust against single disturbed impacts
   Ratios ratios;
   for (std::size_t k = 0; k < squares.size(); ++k) {
     const double per_variance = 1.0 / (noise[k] + jitter2);
     const double ratio = squares[k] * per_variance;
-    ratios.sum += std::min(ratio, kMost);
-    if (ratio < kMost) ratios.slope -= ratio * per_variance;
+    ratios.sum += std::min(ratio, kTemplate.most_of_one);
+    if (ratio < kTemplate.most_of_one) ratios.slope -= ratio * per_variance;
   }
   return ratios;
 }
@@ -87,7 +85,7 @@ std::vector<double> squares_over_share(const Deviations& d, std::size_t subband)
   std::vector<double> squares(d.mean.size());
   for (std::size_t k = 0; k < squares.size(); ++k) {
     const SubbandMean& m = d.mean[k];
-    squares[k] = square(d.deviation[subband][k]) / std::max(kMinResidualShare, 1.0 - m.weight[subband]);
+    squares[k] = square(d.deviation[subband][k]) / std::max(kTemplate.least_residual_share, 1.0 - m.weight[subband]);
   }
   return squares;
 }
@@ -103,8 +101,9 @@ void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& s
   for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (energy_over_information(j) + 1e-30);
   const double median = upper_median(phase2);
   for (std::size_t j = 0; j < n; ++j)
-    subbands.jitter2[j] = (n_impacts * std::max(phase2[j], kMinOfMedian * median) + kPriorImpacts * median) /
-                          (n_impacts + kPriorImpacts) * energy_over_information(j);
+    subbands.jitter2[j] =
+        (n_impacts * std::max(phase2[j], kTemplate.least_of_median * median) + kTemplate.prior_impacts * median) /
+        (n_impacts + kTemplate.prior_impacts) * energy_over_information(j);
 }
 
 bool have_settled(const std::vector<double>& before, const std::vector<double>& after) {

@@ -10,6 +10,7 @@
 #include "bouncelab/core/elementary.hpp"
 #include "template/correlation_peaks.hpp"
 #include "template/impact_whitener.hpp"
+#include "template/template_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -35,19 +36,18 @@ double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
 /// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
 /// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
 std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
-  constexpr double kShareOfEnergy = 0.2;
   std::vector<float> x(e.window.n_window);
   e.white.read(e.learned.whitener, first, x);
-  const double enough = kShareOfEnergy * audio::dot(x, x);
+  const double enough = kTemplate.attack_share * audio::dot(x, x);
   double sum = 0.0;
   std::size_t n = 0;
   while (n + 1 < x.size() && sum < enough) sum += square(static_cast<double>(x[n++]));
-  const std::int64_t late = static_cast<std::int64_t>(n) - e.window.samples(kTemplateLead_s);
-  return late > e.window.samples(kRoughTimeError_s) ? late : 0;
+  const std::int64_t late = static_cast<std::int64_t>(n) - e.window.samples(kTemplate.lead_s);
+  return late > e.window.samples(kTemplate.rough_time_error_s) ? late : 0;
 }
 
 std::vector<TrainingImpact> cut_training(TemplateEstimation& e, bool at_attacks) {
-  std::vector<TrainingImpact> training(e.n_used);
+  std::vector<TrainingImpact> training(e.begins.size());
   for (std::size_t k = 0; k < training.size(); ++k)
     cut_training_window(e, e.begins[k] + (at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
   return training;
@@ -100,9 +100,8 @@ void restore(TemplateEstimation& e, Found found) {
 /// knock, or be of another source altogether.
 /// @return where there is none, that which most correlate with
 Found find_template(TemplateEstimation& e, bool at_attacks) {
-  constexpr std::size_t kMaxStarts = 5;
   Found best;
-  for (std::size_t start = 0; start < std::min(kMaxStarts, e.n_used); ++start) {
+  for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
     e.training = cut_training(e, at_attacks);
     start_from(e, start);
     Found found = take_state_of(e);
@@ -129,14 +128,14 @@ void set_template(TemplateEstimation& e, TemplateAverage average) {
 void average(TemplateEstimation& e) { set_template(e, average_of(e.training, e.window, e.fourier)); }
 
 void align(TemplateEstimation& e, bool search) {
-  const double reach = kRoughTimeError_s * e.white.source().rate_hz;
+  const double reach = kTemplate.rough_time_error_s * e.white.source().rate_hz;
   for (TrainingImpact& impact : e.training) {
     if (!(e.learned.filter.energy() > 0.0)) {
       impact.correlation = 0.0;
       continue;
     }
     if (search) impact.position = Correlation(e.learned.filter, impact.spectrum, -reach, reach).highest().shift;
-    if (std::abs(impact.position) > kRecutDistance_samples) {
+    if (std::abs(impact.position) > kTemplate.recut_samples) {
       const std::int64_t moved = std::llround(impact.position);
       cut_training_window(e, impact.window.first + moved, impact);
       impact.position -= static_cast<double>(moved);
@@ -156,10 +155,6 @@ void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds) {
   }
 }
 
-void let_others_join(TemplateEstimation& e) {
-  for (; e.n_used < e.begins.size(); ++e.n_used) cut_training_window(e, e.begins[e.n_used], e.training.emplace_back());
-}
-
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact) {
   const MatchedFilter& filter = e.learned.filter;
   const std::vector<float> placed =
@@ -167,13 +162,6 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
   std::vector<float> x = impact.window.sound;
   for (std::size_t n = 0; n < e.window.n_window; ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
   return x;
-}
-
-bool find_template_at_candidates(TemplateEstimation& e) {
-  Found found = find_template(e, false);
-  const bool is_enough = found.is_enough();
-  restore(e, std::move(found));
-  return is_enough;
 }
 
 void find_template(TemplateEstimation& e) {

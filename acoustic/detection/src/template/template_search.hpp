@@ -18,8 +18,7 @@ struct TemplateEstimation {
   WhiteSound& white;
   TemplateWindow window;
   audio::RealFft fourier;
-  std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates
-  std::size_t n_used = 0;            ///< of them, until the others join; in either part the strongest first
+  std::vector<std::int64_t> begins;  ///< of the training impacts' windows, by their candidates; the strongest first
   std::vector<TrainingImpact> training;
   ImpactTemplate learned;
   std::vector<float> mean;       ///< of the last average, as a function of time
@@ -42,19 +41,12 @@ void align(TemplateEstimation& e, bool search);
 /// @param n_searched  rounds in which positions are searched for; in the others they are refined
 void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds);
 
-/// Uses all training impacts from here on; where the template is in those that join has to be searched for.
-void let_others_join(TemplateEstimation& e);
-
 /// What the template leaves of a training impact.
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
 
 /// The first template: from one impact after the other, one way after the other, until three quarters of the impacts
 /// are alike.
 void find_template(TemplateEstimation& e);
-
-/// The same, in the first way alone.
-/// @return whether three quarters of the impacts are alike
-bool find_template_at_candidates(TemplateEstimation& e);
 
 /// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood
 /// for is known from the residuals from here on. Leaves the whitener where fewer impacts are alike by the noise's: it

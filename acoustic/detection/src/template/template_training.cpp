@@ -8,33 +8,24 @@
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "template/template_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr double kShortTemplate_s = 15e-3;
-constexpr double kLongTemplate_s = 40e-3;
-constexpr double kClose_s = 20e-3;
-constexpr std::size_t kManyClose = 20;
-constexpr std::size_t kManyIsolated = 12;
-constexpr std::size_t kMinIsolated = 5;
-constexpr std::size_t kMaxTraining = 32;
-constexpr double kTaper_s = 2e-3;            // at the template's end
-constexpr std::size_t kMinForCoherence = 4;  // impacts; with fewer, halves are too noisy to be compared
 
 double template_length_s(const std::vector<Candidate>& impacts) {
   std::size_t n_close = 0;
   std::size_t n_far = 0;
   for (std::size_t k = 0; k + 1 < impacts.size(); ++k) {
-    n_close += impacts[k + 1].t_s - impacts[k].t_s < kClose_s ? 1 : 0;
-    n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kLongTemplate_s ? 1 : 0;
+    n_close += impacts[k + 1].t_s - impacts[k].t_s < kTemplate.close_s ? 1 : 0;
+    n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kTemplate.long_s ? 1 : 0;
   }
-  return n_close >= kManyClose && n_far >= kManyIsolated ? kLongTemplate_s : kShortTemplate_s;
+  return n_close >= kTemplate.many_close && n_far >= kTemplate.many_isolated ? kTemplate.long_s : kTemplate.short_s;
 }
 
 std::vector<double> taper_of(const TemplateWindow& window) {
-  const auto fall = static_cast<std::size_t>(window.samples(kTaper_s));
-  const auto rise = static_cast<std::size_t>(window.samples(0.25 * kTemplateLead_s)) + 1;
+  const auto fall = static_cast<std::size_t>(window.samples(kTemplate.taper_s));
+  const auto rise = static_cast<std::size_t>(window.samples(0.25 * kTemplate.lead_s)) + 1;
   const auto part_of_sine = [](std::size_t n, std::size_t of) {
     return square(sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(of)));
   };
@@ -58,9 +49,6 @@ audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const Templat
 
 double omega_of(const TemplateWindow& window) { return 2.0 * kPi / static_cast<double>(window.n_window); }
 
-constexpr std::size_t kAround = 8;   // bins on either side
-constexpr double kNoiseShare = 0.5;  // what 17 bins of noise reach at one and a half standard deviations
-
 }  // namespace
 
 std::int64_t TemplateWindow::samples(double duration_s) const { return std::llround(duration_s * rate_hz); }
@@ -68,8 +56,9 @@ std::int64_t TemplateWindow::samples(double duration_s) const { return std::llro
 TemplateWindow template_window(const audio::AudioSource& sound, const std::vector<Candidate>& impacts) {
   const double length_s = template_length_s(impacts);
   TemplateWindow w{sound.rate_hz, 0, 0, {}};
-  w.n_window = std::bit_ceil(static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s + 2.0 * kRoughTimeError_s)));
-  w.n_template = std::min(w.n_window, static_cast<std::size_t>(w.samples(kTemplateLead_s + length_s)));
+  w.n_window = std::bit_ceil(
+      static_cast<std::size_t>(w.samples(kTemplate.lead_s + length_s + 2.0 * kTemplate.rough_time_error_s)));
+  w.n_template = std::min(w.n_window, static_cast<std::size_t>(w.samples(kTemplate.lead_s + length_s)));
   w.taper = taper_of(w);
   return w;
 }
@@ -82,18 +71,18 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
   for (std::size_t k = 0; k < impacts.size(); ++k) {
     all.push_back(k);
     const bool next_far =
-        k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > length_s + 2.0 * kRoughTimeError_s;
+        k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > length_s + 2.0 * kTemplate.rough_time_error_s;
     const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > length_s;
     if (next_far && last_far) isolated.push_back(k);
   }
   std::vector<std::size_t> unclipped = isolated;
   std::erase_if(unclipped, [&](std::size_t k) { return clipped[k]; });
-  if (std::ssize(unclipped) >= kMinUnclipped) isolated = unclipped;
-  std::vector<std::size_t>& chosen = isolated.size() >= kMinIsolated ? isolated : all;
+  if (std::ssize(unclipped) >= kTemplate.fewest_unclipped) isolated = unclipped;
+  std::vector<std::size_t>& chosen = isolated.size() >= kTemplate.few_isolated ? isolated : all;
   const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
-  if (chosen.size() > kMaxTraining) {
-    std::nth_element(chosen.begin(), chosen.begin() + kMaxTraining, chosen.end(), stronger);
-    chosen.resize(kMaxTraining);
+  if (chosen.size() > kTemplate.most_training) {
+    std::nth_element(chosen.begin(), chosen.begin() + kTemplate.most_training, chosen.end(), stronger);
+    chosen.resize(kTemplate.most_training);
   }
   std::sort(chosen.begin(), chosen.end(), stronger);
   return chosen;
@@ -127,7 +116,7 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
   audio::add_scaled(sum, sums[1], 1.0);
   TemplateAverage average;
   average.spectrum = tapered(sum, weights[0] + weights[1], window, fourier, average.mean);
-  if (n_averaged >= kMinForCoherence) {
+  if (n_averaged >= kTemplate.fewest_for_coherence) {
     const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
     for (std::size_t k = 0; k < average.spectrum.size(); ++k) {
       average.spectrum.re[k] *= weight[k];
@@ -158,10 +147,11 @@ std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, c
   }
   std::vector<float> weights(n);
   for (std::size_t k = 0; k < n; ++k) {
-    const std::size_t from = k > kAround ? k - kAround : 0;
-    const std::size_t to = std::min(n, k + kAround + 1);
+    const std::size_t from = k > kTemplate.coherence_bins ? k - kTemplate.coherence_bins : 0;
+    const std::size_t to = std::min(n, k + kTemplate.coherence_bins + 1);
     const double ratio = (common[to] - common[from]) / (all[to] - all[from] + 1e-30);
-    weights[k] = static_cast<float>(std::clamp((ratio - kNoiseShare) / (1.0 - kNoiseShare), 0.0, 1.0));
+    weights[k] = static_cast<float>(
+        std::clamp((ratio - kTemplate.coherence_of_noise) / (1.0 - kTemplate.coherence_of_noise), 0.0, 1.0));
   }
   return weights;
 }

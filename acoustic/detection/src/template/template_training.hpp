@@ -8,14 +8,10 @@
 #include "bouncelab/audio/dsp/real_fft.hpp"
 #include "candidates/candidates.hpp"
 #include "template/subband_delay.hpp"
+#include "template/template_model.hpp"
 #include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
-
-inline constexpr double kTemplateLead_s = 0.5e-3;       // quiet part of a window before the rough time
-inline constexpr double kRoughTimeError_s = 1e-3;       // of the candidates
-inline constexpr double kMinTrainingCorrelation = 0.5;  // with the template, from which an impact is averaged
-inline constexpr std::ptrdiff_t kMinUnclipped = 5;      // impacts; with fewer, clipped ones are used too
 
 /// Samples of a window, and how many of them the template may fill.
 struct TemplateWindow {
@@ -35,7 +31,7 @@ struct TrainingImpact {
   double position = 0.0;  ///< of the template within the window [samples]
   DelayEstimate estimate;
   double correlation = 1.0;
-  bool is_averaged() const { return correlation >= kMinTrainingCorrelation; }
+  bool is_averaged() const { return correlation >= kTemplate.least_correlation; }
 };
 
 /// Template of 15 ms, which hold more than nine tenths of the information of a plate's sound on its time; of 40 ms

@@ -41,22 +41,21 @@ class BallHypothesis {
   /// @param same_source  weight of one source, 0 ... 1
   /// @param is_counted   whether the track's own sounds are among its observations' neighbours
   static std::optional<Step> first_step(double least_log_odds, const Birth& birth, const Observation& first,
-                                        const Observation& second, double same_source, bool is_counted,
-                                        const TrackingModel& model);
+                                        const Observation& second, double same_source, bool is_counted);
   BallHypothesis(const Observation& first, const Observation& second, const Step& step);
   BallHypothesis() = default;
 
   /// One more impact after n_missing that were not detected; absent where no ball does that, or below the least log
   /// odds that are of interest.
   std::optional<Step> step_to(const Observation& next, int n_missing, double same_source, bool is_counted,
-                              double least_log_odds, const TrackingModel& model) const;
+                              double least_log_odds) const;
   /// @param step  to `next`
-  void take(const Step& step, const Observation& next, const TrackingModel& model);
+  void take(const Step& step, const Observation& next);
 
   /// Log odds that an impact after n_missing may add at most, but for its rise: the part of this hypothesis, and that
   /// of n_missing.
-  double largest_gain(const TrackingModel& model) const;
-  static double log_factor_of_missing(int n_missing, const TrackingModel& model);
+  double largest_gain() const;
+  static double log_factor_of_missing(int n_missing);
 
   double log_odds = 0.0;
   double flight_s = 0.0;       ///< last interval, or what it would have been
@@ -72,13 +71,10 @@ class BallHypothesis {
   };
   const Impact& last() const { return last_[0]; }
   /// log of the probability that it loses energy, as no rhythm does.
-  double log_probability_of_loss(const TrackingModel& model) const {
-    return bounces_.log_probability_of_loss(log_flight_, model);
-  }
+  double log_probability_of_loss() const { return bounces_.log_probability_of_loss(log_flight_); }
 
  private:
-  double own_density(const Observation& next, const Flight& flight, double log_eps, double same_source,
-                     const TrackingModel& model) const;
+  double own_density(const Observation& next, const Flight& flight, double log_eps, double same_source) const;
   double jitter2(const Observation& next) const;
 
   std::array<Impact, 3> last_{};  ///< the last first
@@ -87,12 +83,12 @@ class BallHypothesis {
 };
 
 /// Log odds of a track that begins with an observation, before its second impact.
-double log_odds_of_first(const Observation& first, const TrackingModel& model);
+double log_odds_of_first(const Observation& first);
 
 /// Log odds that `before` is the impact before a track's first one.
 /// @param flight_s      the track's first interval
 /// @param mean_log_eps  of the track's first impacts, and how much they scatter
 double log_odds_before(const Observation& before, const Observation& first, double same_source, double flight_s,
-                       double mean_log_eps, double scatter, const TrackingModel& model);
+                       double mean_log_eps, double scatter);
 
 }  // namespace bouncelab::detection

@@ -7,6 +7,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/densities.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -44,20 +45,20 @@ std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missin
   return flight;
 }
 
-double prior_of_eps(double eps, const TrackingModel& model) {
+double prior_of_eps(double eps) {
   if (eps < kLeastEps || eps > kLargestEps) return 0.0;
   const double losses = eps <= 1.0 ? 1.0 / (1.0 - kLeastEps) : 0.0;
-  return (1.0 - model.gains) * losses + model.gains / (kLargestEps - kLeastEps);
+  return (1.0 - kTracking.gains) * losses + kTracking.gains / (kLargestEps - kLeastEps);
 }
 
-double probability_of_missing(int n_missing, const TrackingModel& model) {
-  return model.detection_probability * power(1.0 - model.detection_probability, n_missing);
+double probability_of_missing(int n_missing) {
+  return kTracking.detection_probability * power(1.0 - kTracking.detection_probability, n_missing);
 }
 
-double largest_factor_of_missing(int n_missing, const TrackingModel& model) {
+double largest_factor_of_missing(int n_missing) {
   double slope = 0.0;  // of the gap in flights
   for (int m = n_missing; m >= 0; --m) slope = (m + 1) + slope * kLargestEps;
-  return power(1.0 - model.detection_probability, n_missing) * power(kLargestEps, n_missing) / slope;
+  return power(1.0 - kTracking.detection_probability, n_missing) * power(kLargestEps, n_missing) / slope;
 }
 
 Bounces::Bounces(double log_flight, double log_amplitude)
@@ -65,68 +66,67 @@ Bounces::Bounces(double log_flight, double log_amplitude)
       // the flight before the first impact is not known; it is taken for as long as that after it
       loudness_(log_amplitude, log_flight) {}
 
-double Bounces::learned_variance(const TrackingModel& model) const {
-  return (model.scatter_weight * square(model.scatter) + sum_squares_) / (model.scatter_weight + n_of_mean_);
+double Bounces::learned_variance() const {
+  return (kTracking.scatter_weight * square(kTracking.scatter) + sum_squares_) /
+         (kTracking.scatter_weight + n_of_mean_);
 }
 
-double Bounces::variance(double most_of_loss, const TrackingModel& model) const {
-  const double most = most_of_loss * std::max(model.least_loss, -mean_log_eps_);
-  return std::min(learned_variance(model), square(most));
+double Bounces::variance(double most_of_loss) const {
+  const double most = most_of_loss * std::max(kTracking.least_loss, -mean_log_eps_);
+  return std::min(learned_variance(), square(most));
 }
 
-double Bounces::variance_of_next(int n_missing, const TrackingModel& model) const {
-  const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, model.memory)) * (1.0 + n_missing);
-  return variance(model.most_scatter, model) * of_mean;
+double Bounces::variance_of_next(int n_missing) const {
+  const double of_mean = (1.0 + 1.0 / std::min(n_of_mean_, kTracking.memory)) * (1.0 + n_missing);
+  return variance(kTracking.most_scatter) * of_mean;
 }
 
 double Bounces::density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
-                        double jitter2, const TrackingModel& model) const {
-  const double prior = prior_of_eps(flight.eps, model);
+                        double jitter2) const {
+  const double prior = prior_of_eps(flight.eps);
   double of_eps = prior;
   if (n_eps_ > 0) {
-    const double width = std::sqrt(variance_of_next(n_missing, model) + jitter2);
+    const double width = std::sqrt(variance_of_next(n_missing) + jitter2);
     double of_outlier = prior;
     if (changed_log_eps_) {
-      const double of_change = std::sqrt(2.0 * square(model.scatter) * (1.0 + n_missing) + jitter2);
+      const double of_change = std::sqrt(2.0 * square(kTracking.scatter) * (1.0 + n_missing) + jitter2);
       of_outlier = 0.5 * (prior + student3(log_eps - *changed_log_eps_, of_change) / flight.eps);
     }
-    of_eps =
-        (1.0 - model.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps + model.outliers * of_outlier;
+    of_eps = (1.0 - kTracking.outliers) * student3(log_eps - mean_log_eps_, width) / flight.eps +
+             kTracking.outliers * of_outlier;
   }
-  return probability_of_missing(n_missing, model) * of_eps / flight.slope_s *
-         loudness_.density(log_amplitude, log_flight, model);
+  return probability_of_missing(n_missing) * of_eps / flight.slope_s * loudness_.density(log_amplitude, log_flight);
 }
 
-double Bounces::largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const {
-  double of_eps = prior_of_eps(flight.eps, model);
+double Bounces::largest_density(const Flight& flight, int n_missing, double jitter2) const {
+  double of_eps = prior_of_eps(flight.eps);
   if (n_eps_ > 0) {
-    const double width = std::sqrt(variance_of_next(n_missing, model) + jitter2);
+    const double width = std::sqrt(variance_of_next(n_missing) + jitter2);
     // 1 - 1/x <= log x <= x - 1
     const double least_deviation = std::abs(flight.eps - mean_eps_) / std::max(flight.eps, mean_eps_);
     double of_outlier = of_eps;
-    if (changed_log_eps_) of_outlier += student3(0.0, model.scatter) / flight.eps;
-    of_eps = student3(least_deviation, width) / flight.eps + model.outliers * of_outlier;
+    if (changed_log_eps_) of_outlier += student3(0.0, kTracking.scatter) / flight.eps;
+    of_eps = student3(least_deviation, width) / flight.eps + kTracking.outliers * of_outlier;
   }
-  return probability_of_missing(n_missing, model) * of_eps / flight.slope_s * loudness_.largest_density(model);
+  return probability_of_missing(n_missing) * of_eps / flight.slope_s * loudness_.largest_density();
 }
 
-double Bounces::largest_share_of_flight(const TrackingModel& model) const {
-  double of_log_eps = kLargestEps * prior_of_eps(kLeastEps, model);
+double Bounces::largest_share_of_flight() const {
+  double of_log_eps = kLargestEps * prior_of_eps(kLeastEps);
   if (n_eps_ > 0) {
-    of_log_eps = student3(0.0, std::sqrt(variance_of_next(0, model))) + model.outliers * of_log_eps;
-    if (changed_log_eps_) of_log_eps += model.outliers * student3(0.0, model.scatter);
+    of_log_eps = student3(0.0, std::sqrt(variance_of_next(0))) + kTracking.outliers * of_log_eps;
+    if (changed_log_eps_) of_log_eps += kTracking.outliers * student3(0.0, kTracking.scatter);
   }
-  return probability_of_missing(0, model) * of_log_eps * loudness_.largest_density(model);
+  return probability_of_missing(0) * of_log_eps * loudness_.largest_density();
 }
 
-void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
-                    const TrackingModel& model) {
-  learn_eps(log_eps, n_missing, jitter2, model);
+void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2) {
+  learn_eps(log_eps, n_missing, jitter2);
   mean_eps_ = exp(mean_log_eps_);
-  loudness_.learn(log_amplitude, log_flight, model);
+  loudness_.learn(log_amplitude, log_flight);
 }
 
-void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model) {
+void Bounces::learn_eps(double log_eps, int n_missing, double jitter2) {
   n_eps_ += 1;
   const double deviation = log_eps - mean_log_eps_;
   const bool has_changed = changed_log_eps_ && std::abs(log_eps - *changed_log_eps_) < std::abs(deviation);
@@ -139,32 +139,32 @@ void Bounces::learn_eps(double log_eps, int n_missing, double jitter2, const Tra
     changed_log_eps_.reset();
     return;
   }
-  const double n_before = std::min(n_of_mean_, model.memory);
-  const double width = std::sqrt(learned_variance(model) * (1.0 + 1.0 / n_before) * (1.0 + n_missing) + jitter2);
+  const double n_before = std::min(n_of_mean_, kTracking.memory);
+  const double width = std::sqrt(learned_variance() * (1.0 + 1.0 / n_before) * (1.0 + n_missing) + jitter2);
   // one loss or gain must not carry the mean away
-  const double step = std::clamp(deviation, -kMostOfOne * width, kMostOfOne * width);
+  const double step = std::clamp(deviation, -kTracking.most_of_one * width, kTracking.most_of_one * width);
   changed_log_eps_.reset();
   if (step != deviation) changed_log_eps_ = log_eps;
   n_of_mean_ += 1;
   sum_squares_ += square(step) * (n_of_mean_ - 1) / n_of_mean_;
   // single losses must not make a ball of a rhythm, nor single gains hide that it is one
   loss_ -= mean_log_eps_ + step;
-  mean_log_eps_ += step / std::min(n_of_mean_, model.memory);
-  if (n_of_mean_ % model.memory == 0)
-    log_probability_of_losses_ += log_normal_probability(widths_above_least(-mean_log_eps_, model.memory, model));
+  mean_log_eps_ += step / std::min(n_of_mean_, kTracking.memory);
+  if (n_of_mean_ % kTracking.memory == 0)
+    log_probability_of_losses_ += log_normal_probability(widths_above_least(-mean_log_eps_, kTracking.memory));
 }
 
-double Bounces::log_probability_of_loss(double log_flight, const TrackingModel& model) const {
+double Bounces::log_probability_of_loss(double log_flight) const {
   if (n_eps_ == 0) return 0.0;
   const double of_all = std::min(loss_, first_log_flight_ - log_flight) / n_eps_;
   const double of_last = -mean_log_eps_;  // since eps changed
-  const double z = std::min(widths_above_least(of_all, n_eps_, model), widths_above_least(of_last, n_of_mean_, model));
+  const double z = std::min(widths_above_least(of_all, n_eps_), widths_above_least(of_last, n_of_mean_));
   return std::min(log_probability_of_losses_, log_normal_probability(z));
 }
 
-double Bounces::widths_above_least(double loss, int n_eps, const TrackingModel& model) const {
+double Bounces::widths_above_least(double loss, int n_eps) const {
   // what scatters by more than it loses may be anything: it is asked for the more
-  return (loss - model.least_loss) / std::sqrt(variance(1.0, model) / n_eps);
+  return (loss - kTracking.least_loss) / std::sqrt(variance(1.0) / n_eps);
 }
 
 }  // namespace bouncelab::detection

@@ -52,30 +52,29 @@ class Bounces {
   /// Density of the next impact [1/s, per unit of log amplitude].
   /// @param jitter2  variance that errors of the times add to log eps
   double density(const Flight& flight, double log_eps, double log_flight, double log_amplitude, int n_missing,
-                 double jitter2, const TrackingModel& model) const;
+                 double jitter2) const;
   /// No less than that, whatever the loudness; without a logarithm.
-  double largest_density(const Flight& flight, int n_missing, double jitter2, const TrackingModel& model) const;
+  double largest_density(const Flight& flight, int n_missing, double jitter2) const;
   /// No less than density() times the duration of the flight that ends with the next impact, whatever its time and
   /// loudness, over largest_factor_of_missing().
-  double largest_share_of_flight(const TrackingModel& model) const;
-  void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2,
-             const TrackingModel& model);
+  double largest_share_of_flight() const;
+  void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2);
 
   /// log of the probability that it loses energy, as no rhythm does: on the whole, since eps changed, and over each
-  /// model.memory impacts.
+  /// kTracking.memory impacts.
   /// @param log_flight  of the last flight [ln s]
-  double log_probability_of_loss(double log_flight, const TrackingModel& model) const;
+  double log_probability_of_loss(double log_flight) const;
 
   int n_eps() const { return n_eps_; }
 
  private:
   /// By how many standard errors of its mean a loss is above the least.
-  double widths_above_least(double loss, int n_eps, const TrackingModel& model) const;
-  double learned_variance(const TrackingModel& model) const;
-  double variance(double most_of_loss, const TrackingModel& model) const;  ///< what of it a ball can have
+  double widths_above_least(double loss, int n_eps) const;
+  double learned_variance() const;
+  double variance(double most_of_loss) const;  ///< what of it a ball can have
   /// Of the next log eps about the mean, itself known from a few, but for errors of the times.
-  double variance_of_next(int n_missing, const TrackingModel& model) const;
-  void learn_eps(double log_eps, int n_missing, double jitter2, const TrackingModel& model);
+  double variance_of_next(int n_missing) const;
+  void learn_eps(double log_eps, int n_missing, double jitter2);
 
   int n_eps_ = 0;  ///< ratios of intervals
   int n_of_mean_ = 0;
@@ -84,18 +83,18 @@ class Bounces {
   double sum_squares_ = 0.0;                ///< of the deviations of log eps from its running mean, large ones cut
   std::optional<double> changed_log_eps_;   ///< the last one, where it was far from the mean: it may stay
   double loss_ = 0.0;                       ///< -sum of log eps, large deviations cut
-  double log_probability_of_losses_ = 0.0;  ///< over each model.memory impacts of constant eps
+  double log_probability_of_losses_ = 0.0;  ///< over each kTracking.memory impacts of constant eps
   double first_log_flight_ = 0.0;
   Loudness loudness_;  ///< amplitude over the flight before
 };
 
 /// Density of eps where nothing is known of the ball.
-double prior_of_eps(double eps, const TrackingModel& model);
+double prior_of_eps(double eps);
 
 /// Probability that n_missing impacts are not detected, and the next one is.
-double probability_of_missing(int n_missing, const TrackingModel& model);
+double probability_of_missing(int n_missing);
 
 /// Factor of n_missing on the largest density of what comes after them; 1 of none.
-double largest_factor_of_missing(int n_missing, const TrackingModel& model);
+double largest_factor_of_missing(int n_missing);
 
 }  // namespace bouncelab::detection

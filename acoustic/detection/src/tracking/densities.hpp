@@ -14,8 +14,6 @@
 
 namespace bouncelab::detection {
 
-constexpr double kMostOfOne = 3.0;  // widths by which one observation moves a running mean at most
-
 /// Density of Student's t with three degrees of freedom, scaled: a normal core, tails that forgive. Integrates to one.
 /// @param width  > 0, in units of x
 inline double student3(double x, double width) {
@@ -47,34 +45,34 @@ class Loudness {
   Loudness() = default;
 
   /// Density of the next log loudness.
-  double density(double log_loudness, double log_flight, const TrackingModel& model) const {
-    return student3(deviation(log_loudness, log_flight, model), width(log_flight, model));
+  double density(double log_loudness, double log_flight) const {
+    return student3(deviation(log_loudness, log_flight), width(log_flight));
   }
 
   /// At the mean.
-  double largest_density(const TrackingModel& model) const { return student3(0.0, std::sqrt(variance(model))); }
+  double largest_density() const { return student3(0.0, std::sqrt(variance())); }
 
-  void learn(double log_loudness, double log_flight, const TrackingModel& model) {
-    const double most = kMostOfOne * width(log_flight, model);
-    const double step = std::clamp(deviation(log_loudness, log_flight, model), -most, most);
-    const double own = std::min(1.0, std::sqrt(variance(model)) / width(log_flight, model)) * step;
-    n_sounds_ = std::min(n_sounds_ + 1, model.memory);
-    sum_squares_ = (sum_squares_ + square(own)) * (n_sounds_ < model.memory ? 1.0 : 1.0 - 1.0 / model.memory);
+  void learn(double log_loudness, double log_flight) {
+    const double most = kTracking.most_of_one * width(log_flight);
+    const double step = std::clamp(deviation(log_loudness, log_flight), -most, most);
+    const double own = std::min(1.0, std::sqrt(variance()) / width(log_flight)) * step;
+    n_sounds_ = std::min(n_sounds_ + 1, kTracking.memory);
+    sum_squares_ = (sum_squares_ + square(own)) * (n_sounds_ < kTracking.memory ? 1.0 : 1.0 - 1.0 / kTracking.memory);
     const double change = log_flight - mean_log_flight_;
-    mean_ += (model.loudness_exponent * change + step) / n_sounds_;
+    mean_ += (kTracking.loudness_exponent * change + step) / n_sounds_;
     mean_log_flight_ += change / n_sounds_;
   }
 
  private:
-  double deviation(double log_loudness, double log_flight, const TrackingModel& model) const {
-    return log_loudness - mean_ - model.loudness_exponent * (log_flight - mean_log_flight_);
+  double deviation(double log_loudness, double log_flight) const {
+    return log_loudness - mean_ - kTracking.loudness_exponent * (log_flight - mean_log_flight_);
   }
-  double width(double log_flight, const TrackingModel& model) const {
-    return std::sqrt(variance(model) + square(model.exponent_scatter * (log_flight - mean_log_flight_)));
+  double width(double log_flight) const {
+    return std::sqrt(variance() + square(kTracking.exponent_scatter * (log_flight - mean_log_flight_)));
   }
-  double variance(const TrackingModel& model) const {
-    return (model.loudness_weight * square(model.loudness_scatter) + sum_squares_) /
-           (model.loudness_weight + n_sounds_ - 2);
+  double variance() const {
+    return (kTracking.loudness_weight * square(kTracking.loudness_scatter) + sum_squares_) /
+           (kTracking.loudness_weight + n_sounds_ - 2);
   }
 
   double mean_ = 0.0;

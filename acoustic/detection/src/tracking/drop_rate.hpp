@@ -14,7 +14,6 @@ namespace bouncelab::detection {
 /// music needs better reasons than three knocks in a clip of three seconds, and many drops speak for each other.
 /// @param candidates  of the recording; time without them offers no chance
 /// @param tracks      with log odds for the largest rate; they are lowered
-void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Track>& tracks,
-                        const TrackingModel& model);
+void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Track>& tracks);
 
 }  // namespace bouncelab::detection

@@ -19,17 +19,16 @@ class Hypothesis : public BallHypothesis {
   /// A track that begins with two impacts.
   /// @param same_source  weight of one source, 0 ... 1
   /// @param is_counted   whether the track's own sounds are among its observations' neighbours
-  static Hypothesis begin(const Observation& first, const Observation& second, double same_source, bool is_counted,
-                          const TrackingModel& model);
+  static Hypothesis begin(const Observation& first, const Observation& second, double same_source, bool is_counted);
   /// @param step  to `next`
-  void take(const Step& step, const Observation& next, const TrackingModel& model);
+  void take(const Step& step, const Observation& next);
 
   /// Of a ball that loses energy against clutter.
   double log_odds_of_losing_ball() const { return log_odds + log_probability_of_loss_; }
   /// Of a rhythm of either kind, which may have ended before, against clutter.
-  double log_odds_of_rhythm(const TrackingModel& model) const;
+  double log_odds_of_rhythm() const;
   /// Of the ball against clutter, rhythms, and what loses no energy.
-  double log_odds_of_ball(const TrackingModel& model) const;
+  double log_odds_of_ball() const;
 
  private:
   Rhythm rhythm_;

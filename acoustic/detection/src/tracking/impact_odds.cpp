@@ -8,6 +8,7 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/ball_hypothesis.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -34,7 +35,7 @@ class Alternatives {
       const std::optional<Step> step = step_to(up_to_.back(), n - 1, n, -INFINITY);
       if (!step) break;
       up_to_.push_back(up_to_.back());
-      up_to_.back().take(*step, own_.seen[n], o_.model());
+      up_to_.back().take(*step, own_.seen[n]);
     }
   }
 
@@ -59,9 +60,7 @@ class Alternatives {
     const std::size_t own = own_.candidates[n];
     double sum = 0.0;
     const auto take = [&](std::size_t k) {
-      // what is so near is the same sound, noticed twice or rising in steps
-      constexpr double kSameSound_s = 3e-3;
-      if (std::abs(c[k].t_s - c[own].t_s) > std::max({c[k].reach_s, c[own].reach_s, kSameSound_s}))
+      if (std::abs(c[k].t_s - c[own].t_s) > std::max({c[k].reach_s, c[own].reach_s, kTracking.same_sound_s}))
         sum += weight(replaced(n, k));
     };
     const bool is_last = n + 1 == size();
@@ -88,9 +87,8 @@ class Alternatives {
   }
 
   BallHypothesis begun(const Observation& first, const Observation& second, double same_source) const {
-    const BallHypothesis::Birth birth{log_odds_of_first(first, o_.model()), log_usual_eps_};
-    return {first, second,
-            *BallHypothesis::first_step(-INFINITY, birth, first, second, same_source, false, o_.model())};
+    const BallHypothesis::Birth birth{log_odds_of_first(first), log_usual_eps_};
+    return {first, second, *BallHypothesis::first_step(-INFINITY, birth, first, second, same_source, false)};
   }
   BallHypothesis begun(std::size_t first, std::size_t second) const {
     return begun(own_.seen[first], own_.seen[second], same_source(first, second));
@@ -99,7 +97,7 @@ class Alternatives {
     return k == j + 1 ? own_.same_source[j] : o_.same_source(own_.candidates[j], own_.candidates[k]);
   }
   std::optional<Step> step_to(const BallHypothesis& h, std::size_t from, std::size_t to, double least) const {
-    return h.step_to(own_.seen[to], n_missing(from, to), same_source(from, to), false, least, o_.model());
+    return h.step_to(own_.seen[to], n_missing(from, to), same_source(from, to), false, least);
   }
 
   /// Log weight of a hypothesis that has reached impact n, over as many more of the track's.
@@ -110,20 +108,19 @@ class Alternatives {
       const std::optional<Step> step = step_to(h, n, n + 1, -INFINITY);
       if (!step) return -INFINITY;
       if (++n == last) return step->log_odds - log_odds(last);
-      h.take(*step, own_.seen[n], o_.model());
+      h.take(*step, own_.seen[n]);
     }
   }
 
   /// The same of what a step makes of a hypothesis, if it is possible.
   double taken(BallHypothesis h, const std::optional<Step>& step, std::size_t n, std::size_t n_more) const {
     if (!step) return -INFINITY;
-    h.take(*step, own_.seen[n], o_.model());
+    h.take(*step, own_.seen[n]);
     return followed(h, n, n_more);
   }
 
   /// Log weight with candidate k in the place of n.
   double replaced(std::size_t n, std::size_t k) const {
-    const TrackingModel& model = o_.model();
     const auto source = [&](std::size_t own) { return o_.same_source(own_.candidates[own], k); };
     if (n == 0) return followed(begun(o_.without(k, own_.explained), own_.seen[1], source(1)), 1, kFollowed);
     BallHypothesis h;
@@ -133,21 +130,20 @@ class Alternatives {
       h = hypothesis(n - 1);
       const double of_source = source(n - 1);
       // whether it is worth the count of its neighbours without the track's own
-      if (!h.step_to(o_[k], n_missing(n - 1, n), of_source, false, least(n) - kOwnSounds, model)) return -INFINITY;
+      if (!h.step_to(o_[k], n_missing(n - 1, n), of_source, false, least(n) - kOwnSounds)) return -INFINITY;
       const Observation seen = o_.without(k, own_.explained);
-      const std::optional<Step> step = h.step_to(seen, n_missing(n - 1, n), of_source, false, least(n), model);
+      const std::optional<Step> step = h.step_to(seen, n_missing(n - 1, n), of_source, false, least(n));
       if (!step) return -INFINITY;
-      h.take(*step, seen, model);
+      h.take(*step, seen);
     }
     if (n + 1 == size()) return h.log_odds - log_odds(n);
-    const std::optional<Step> step =
-        h.step_to(own_.seen[n + 1], n_missing(n, n + 1), source(n + 1), false, -INFINITY, model);
+    const std::optional<Step> step = h.step_to(own_.seen[n + 1], n_missing(n, n + 1), source(n + 1), false, -INFINITY);
     return taken(h, step, n + 1, kFollowed - 1);
   }
 
   const Observations& o_;
   const OwnSounds& own_;
-  double log_usual_eps_ = log(o_.model().usual_eps);
+  double log_usual_eps_ = log(kTracking.usual_eps);
   std::vector<std::int64_t> number_;   ///< of each impact in the track
   std::vector<BallHypothesis> up_to_;  ///< from the second impact on
 };
@@ -175,14 +171,15 @@ void set_impact_probabilities(const Observations& o, const OwnSounds& own, Track
   }
 }
 
-double probability_of_inferred(double llr, double n_places) { return 1.0 / (1.0 + n_places * exp(-llr) + kOtherSound); }
+double probability_of_inferred(double llr, double n_places) {
+  return 1.0 / (1.0 + n_places * exp(-llr) + kTracking.other_sound);
+}
 
 bool is_at_candidate(const std::vector<Candidate>& c, double t_s) {
-  constexpr double kNear_s = 3e-3;  // a template's time and that of a rise
   constexpr double kFar_s = 48e-3;  // the longest window
   auto k = std::partition_point(c.begin(), c.end(), [&](const Candidate& other) { return other.t_s < t_s - kFar_s; });
   for (; k != c.end() && k->t_s < t_s + kFar_s; ++k)
-    if (std::abs(k->t_s - t_s) < std::max(kNear_s, k->reach_s)) return true;
+    if (std::abs(k->t_s - t_s) < std::max(kTracking.rise_of_template_s, k->reach_s)) return true;
   return false;
 }
 

@@ -6,6 +6,7 @@
 #include "tracking/observations.hpp"
 #include "tracking/rescoring.hpp"
 #include "tracking/tracker.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 
@@ -25,16 +26,13 @@ void set_impact_probabilities(const Observations& observations, const OwnSounds&
 
 /// Probability of an impact found where its track predicts one, from its significance. There either is an impact, whose
 /// log likelihood ratio may be any, or the largest of n_places squared normals is taken for one, odds of exp(LLR) /
-/// n_places, or another sound that no candidate stands for, at odds of kOtherSound.
+/// n_places, or another sound that no candidate stands for, at odds of kTracking.other_sound.
 /// @param llr       over the variance of noise and unexplained sound there
 /// @param n_places  independent ones of the search, > 0
-constexpr double kOtherSound = 0.1;  // counted among knocks: tests/acoustic/detection/impact_odds_test.cpp
 double probability_of_inferred(double llr, double n_places);
 
-/// Probability of an inferred impact that is at a candidate: that one was weighed in the search for tracks, and left
-/// out.
-constexpr double kProbabilityOfRefused = 0.5;
-/// Whether there is a candidate within its reach of a time.
+/// Whether there is a candidate within its reach of a time. An inferred impact there has the probability
+/// kTracking.refused: the candidate was weighed in the search for tracks, and left out.
 bool is_at_candidate(const std::vector<Candidate>& candidates, double t_s);
 
 /// p(a mark is an impact of this ball) = p(track) p(impact | track), to six decimals.

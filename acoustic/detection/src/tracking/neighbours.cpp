@@ -50,19 +50,20 @@ void accumulate(Neighbours& n) {
 }  // namespace
 
 std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, std::span<const double> log_amplitude,
-                                         const SameSource& same_source, const TrackingModel& model) {
+                                         const SameSource& same_source) {
   std::vector<Neighbours> neighbours(c.size());
   std::vector<float> shares, densities;
   std::size_t last = 1;  // behind the last within reach
   for (std::size_t k = 0; k < c.size(); ++k) {
     last = std::max(last, k + 1);
-    count(static_cast<float>(amplitude_kernel(0.0, model)), true, 0, 1.0F, neighbours[k]);
+    count(static_cast<float>(amplitude_kernel(0.0)), true, 0, 1.0F, neighbours[k]);
     while (last < c.size() && c[last].t_s - c[k].t_s <= kLargestReach_s) ++last;
     const std::size_t n = std::min(whole_registers(last - k - 1), c.size() - k - 1);
     shares.resize(n);
     same_source.weigh(k, k + 1, shares);
     densities.resize(n);
-    density_row(log_amplitude.data() + k + 1, log_amplitude[k], model.kernel_width, densities.data(), densities.size());
+    density_row(log_amplitude.data() + k + 1, log_amplitude[k], kTracking.kernel_width, densities.data(),
+                densities.size());
     int octave = 0;
     for (std::size_t j = k + 1; j < last; ++j) {
       while (c[j].t_s - c[k].t_s > reach_s(octave)) ++octave;
@@ -78,8 +79,7 @@ std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& c, std::s
 }
 
 Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, std::span<const double> log_amplitude,
-                               const SameSource& same_source, const std::vector<std::size_t>& not_counted,
-                               const TrackingModel& model) {
+                               const SameSource& same_source, const std::vector<std::size_t>& not_counted) {
   std::size_t first = k, end = k + 1;
   while (first > 0 && c[k].t_s - c[first - 1].t_s <= kLargestReach_s) --first;
   while (end < c.size() && c[end].t_s - c[k].t_s <= kLargestReach_s) ++end;
@@ -91,7 +91,7 @@ Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, s
        ++j)
     shares[*j - first] = 0.0F;
   shares[k - first] = 1.0F;
-  density_row(log_amplitude.data() + first, log_amplitude[k], model.kernel_width, densities.data(), n);
+  density_row(log_amplitude.data() + first, log_amplitude[k], kTracking.kernel_width, densities.data(), n);
   Neighbours neighbours;
   // one octave after the other, whose sums stay in registers: from the furthest before to the furthest after
   std::size_t j = first;
@@ -117,16 +117,16 @@ Neighbours count_neighbours_of(std::size_t k, const std::vector<Candidate>& c, s
 
 double clutter_window_s(double flight_s) { return reach_s(window_octave(flight_s)); }
 
-double clutter_intensity(const Neighbours& neighbours, double flight_s, double own, const TrackingModel& model) {
+double clutter_intensity(const Neighbours& neighbours, double flight_s, double own) {
   const int octave = window_octave(flight_s);
-  const double itself = amplitude_kernel(0.0, model);
+  const double itself = amplitude_kernel(0.0);
   // where all others are the track's own, none is left
-  const double density = std::max(0.0, neighbours.density[octave] - itself - own) + model.unseen * itself;
+  const double density = std::max(0.0, neighbours.density[octave] - itself - own) + kTracking.unseen * itself;
   return density / (2.0 * reach_s(octave));
 }
 
-double least_clutter_intensity(double flight_s, const TrackingModel& model) {
-  return model.unseen * amplitude_kernel(0.0, model) / (2.0 * clutter_window_s(flight_s));
+double least_clutter_intensity(double flight_s) {
+  return kTracking.unseen * amplitude_kernel(0.0) / (2.0 * clutter_window_s(flight_s));
 }
 
 double log_odds_against_first(const Neighbours& neighbours) {

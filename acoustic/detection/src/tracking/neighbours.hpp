@@ -24,14 +24,13 @@ struct Neighbours {
 
 /// @param log_amplitude  of each candidate
 std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& candidates,
-                                         std::span<const double> log_amplitude, const SameSource& same_source,
-                                         const TrackingModel& model);
+                                         std::span<const double> log_amplitude, const SameSource& same_source);
 
 /// Those of one candidate, itself included, but for some.
 /// @param not_counted  indices, rising
 Neighbours count_neighbours_of(std::size_t candidate, const std::vector<Candidate>& candidates,
                                std::span<const double> log_amplitude, const SameSource& same_source,
-                               const std::vector<std::size_t>& not_counted, const TrackingModel& model);
+                               const std::vector<std::size_t>& not_counted);
 
 /// The window in which sounds compete for being the impact after this flight: about two flights either way [s].
 double clutter_window_s(double flight_s);
@@ -39,15 +38,13 @@ double clutter_window_s(double flight_s);
 /// Intensity of the clutter at a candidate [1/s, per unit of log amplitude]: a kernel estimate over the candidates
 /// within clutter_window_s, itself included.
 /// @param own  density that the track's own sounds contribute: they are no clutter
-double clutter_intensity(const Neighbours& neighbours, double flight_s, double own, const TrackingModel& model);
+double clutter_intensity(const Neighbours& neighbours, double flight_s, double own);
 
 /// The least that it may be, where all others are the track's own.
-double least_clutter_intensity(double flight_s, const TrackingModel& model);
+double least_clutter_intensity(double flight_s);
 
 /// What one sound contributes to the density of log amplitudes at another's.
-inline double amplitude_kernel(double log_ratio, const TrackingModel& model) {
-  return student3(log_ratio, model.kernel_width);
-}
+inline double amplitude_kernel(double log_ratio) { return student3(log_ratio, kTracking.kernel_width); }
 
 /// log of the odds against a candidate as the one with which a track begins. The candidate of rank r among the n within
 /// 4 s gets the share 1/(r H_n), H_n = 1 + 1/2 + ... + 1/n: strong ones are the likelier impacts, and the shares sum up

@@ -5,13 +5,12 @@
 #include <cstddef>
 
 #include "bouncelab/core/elementary.hpp"
+#include "candidates/candidate_model.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kAround = 24;  // candidates on either side
-constexpr double kAround_s = 1.0;
-constexpr double kPriorWeight = 4.0;  // candidates that the prior share of events is worth
 constexpr int kRounds = 3;
 
 struct Densities {
@@ -24,57 +23,57 @@ struct Densities {
 double share_of_events(const std::vector<Densities>& densities, std::size_t first, std::size_t last, std::size_t k) {
   double share = 0.5;
   for (int round = 0; round < kRounds; ++round) {
-    double sum = 0.5 * kPriorWeight;
+    double sum = 0.5 * kTracking.events_weight;
     for (std::size_t j = first; j <= last; ++j)
       if (j != k) sum += share * densities[j].event / densities[j].mixture(share);
-    share = sum / (kPriorWeight + static_cast<double>(last - first));
+    share = sum / (kTracking.events_weight + static_cast<double>(last - first));
   }
   return share;
 }
 
-constexpr double kSharp_s = 1.8e-3;       // reach of the shortest window at 4 kHz and more; at 1 kHz all are longer
-constexpr double kTimingOfReach = 0.15;   // what a longer window has noticed is timed by a part of it
-constexpr double kSamplesOfTiming = 2.0;  // error of the times in samples
 constexpr double kShortestWindow_s = 0.4e-3;
 
 }  // namespace
 
-std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_window, const TrackingModel& model) {
-  const double z0 = model.event_per_sample * n_in_window;
-  const double excess = model.excess + model.excess_per_sample * n_in_window;
+std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_window) {
+  const double z0 = kTracking.event_per_sample * n_in_window;
+  const double excess = kTracking.excess + kTracking.excess_per_sample * n_in_window;
   std::vector<Densities> densities;
   for (const Candidate& candidate : c) {
-    const double z = std::max(0.0, candidate.log_likelihood_ratio - kCandidateThreshold);
+    const double z = std::max(0.0, candidate.log_likelihood_ratio - kCandidates.threshold);
     densities.push_back({z0 / square(z0 + z), exp(-z / excess) / excess});
   }
   std::vector<double> odds(c.size());
   for (std::size_t k = 0; k < c.size(); ++k) {
     std::size_t first = k, last = k;
-    while (first > 0 && k - first < kAround && c[k].t_s - c[first - 1].t_s < kAround_s) --first;
-    while (last + 1 < c.size() && last - k < kAround && c[last + 1].t_s - c[k].t_s < kAround_s) ++last;
+    while (first > 0 && k - first < kTracking.rise_neighbours && c[k].t_s - c[first - 1].t_s < kTracking.rise_around_s)
+      --first;
+    while (last + 1 < c.size() && last - k < kTracking.rise_neighbours &&
+           c[last + 1].t_s - c[k].t_s < kTracking.rise_around_s)
+      ++last;
     odds[k] = log(densities[k].event / densities[k].mixture(share_of_events(densities, first, last, k)));
   }
   return odds;
 }
 
-Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-                           const TrackingModel& model)
-    : candidates_(candidates), same_source_(same_source), model_(model) {
-  const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kSamplesOfTiming / timing_s, model);
+Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source)
+    : candidates_(candidates), same_source_(same_source) {
+  const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kTracking.timing_samples / timing_s);
   log_amplitudes_.reserve(candidates.size());
   for (const Candidate& c : candidates) log_amplitudes_.push_back(log(c.amplitude));
-  const std::vector<Neighbours> neighbours = count_neighbours(candidates, log_amplitudes_, same_source_, model);
+  const std::vector<Neighbours> neighbours = count_neighbours(candidates, log_amplitudes_, same_source_);
   observations_.reserve(candidates.size());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const Candidate& c = candidates[k];
-    const double sigma_s = c.reach_s < kSharp_s ? timing_s : std::max(timing_s, kTimingOfReach * c.reach_s);
+    const double sigma_s =
+        c.reach_s < kTracking.sharp_s ? timing_s : std::max(timing_s, kTracking.timing_of_reach * c.reach_s);
     observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], neighbours[k]});
   }
 }
 
 Observation Observations::without(std::size_t k, const std::vector<std::size_t>& explained) const {
   Observation observation = observations_[k];
-  observation.neighbours = count_neighbours_of(k, candidates_, log_amplitudes_, same_source_, explained, model_);
+  observation.neighbours = count_neighbours_of(k, candidates_, log_amplitudes_, same_source_, explained);
   return observation;
 }
 

@@ -20,8 +20,7 @@ namespace bouncelab::detection {
 /// an event adds has no scale: z has the density z0 / (z0 + z)^2. The share of events among the nearest candidates in
 /// time is estimated by expectation and maximisation, with a prior of one half.
 /// @param n_in_window  samples in the shortest window of a candidate; LLR is in proportion to it
-std::vector<double> log_rise_odds(const std::vector<Candidate>& candidates, double n_in_window,
-                                  const TrackingModel& model);
+std::vector<double> log_rise_odds(const std::vector<Candidate>& candidates, double n_in_window);
 
 /// A candidate as the model of tracks sees it.
 struct Observation {
@@ -37,8 +36,7 @@ class Observations {
  public:
   /// @param timing_s       error of the times that the shortest window gives [s]
   /// @param same_source    which of the candidates may have one source
-  Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-               const TrackingModel& model);
+  Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source);
 
   std::size_t size() const { return observations_.size(); }
   const Observation& operator[](std::size_t k) const { return observations_[k]; }
@@ -53,12 +51,10 @@ class Observations {
   std::optional<double> same_source_probability_of(std::size_t j, std::size_t k) const;
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
-  const TrackingModel& model() const { return model_; }
 
  private:
   const std::vector<Candidate>& candidates_;
   const SameSource& same_source_;
-  const TrackingModel& model_;
   std::vector<double> log_amplitudes_;
   std::vector<Observation> observations_;
 };

@@ -10,11 +10,10 @@
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/densities.hpp"
 #include "tracking/hypothesis.hpp"
+#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 namespace {
-
-constexpr double kEchoOfFlight = 0.15;  // where it is short, what follows may be anything
 
 /// The coefficient of restitution that goes before the first of a track.
 struct Expected {
@@ -24,10 +23,8 @@ struct Expected {
 
 /// By the line through its first ones, which follows eps(v); a mean where they are few.
 std::optional<Expected> expected_before(const std::vector<Candidate>& c, const Track& track) {
-  constexpr std::size_t kFirst = 10;
-  constexpr std::size_t kFewestForLine = 5;
   std::vector<double> log_eps;
-  for (std::size_t k = 1; k + 1 < kFirst; ++k)
+  for (std::size_t k = 1; k + 1 < kTracking.first_of_line; ++k)
     if (const std::optional<double> eps = eps_at(c, track, k)) log_eps.push_back(log(*eps));
   if (log_eps.size() < 2) return {};
   const auto n = static_cast<double>(log_eps.size());
@@ -35,7 +32,7 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   const double mean = std::accumulate(log_eps.begin(), log_eps.end(), 0.0) / n;
   const double sum_x2 = n * (n * n - 1.0) / 12.0;
   double slope = 0.0;
-  if (log_eps.size() >= kFewestForLine)
+  if (log_eps.size() >= kTracking.fewest_of_line)
     for (std::size_t k = 0; k < log_eps.size(); ++k) slope += (static_cast<double>(k) - middle) * log_eps[k] / sum_x2;
   double squares = 0.0;
   for (std::size_t k = 0; k < log_eps.size(); ++k) {
@@ -43,7 +40,8 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
     squares += off * off;
   }
   const double reach = middle + 1.0;
-  if (log_eps.size() < kFewestForLine) return Expected{mean, std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n))};
+  if (log_eps.size() < kTracking.fewest_of_line)
+    return Expected{mean, std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n))};
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
@@ -51,10 +49,9 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
 void re_estimate_start(const Observations& o, std::size_t first_free, Track& track) {
-  constexpr std::size_t kKnown = 6;  // impacts, without the first, from which a ball is known
   const std::vector<Candidate>& c = o.candidates();
   std::optional<std::size_t> given;
-  if (track.impacts.size() > kKnown && track.impacts[1].impact == track.impacts[0].impact + 1) {
+  if (track.impacts.size() > kTracking.known_after && track.impacts[1].impact == track.impacts[0].impact + 1) {
     given = track.impacts[0].candidate;
     track.impacts.erase(track.impacts.begin());
   }
@@ -67,7 +64,7 @@ void re_estimate_start(const Observations& o, std::size_t first_free, Track& tra
     const double flight_s = c[track.impacts[1].candidate].t_s - c[first].t_s;
     const auto odds_of = [&](std::size_t k) {
       return log_odds_before(o.without(k, explained), o[first], o.same_source(k, first), flight_s, expected->log_eps,
-                             expected->scatter, o.model());
+                             expected->scatter);
     };
     double best = given ? odds_of(*given) : 0.0;
     std::size_t before = given.value_or(first);
@@ -88,11 +85,9 @@ void re_estimate_start(const Observations& o, std::size_t first_free, Track& tra
 /// Sounds among a track's that are like its own and about as loud, but not of it: a ball leaves none, a row of knocks
 /// or steps in which intervals happen to shrink, many. Echoes of its own do not count.
 double n_unexplained(const Observations& o, const std::vector<std::size_t>& own) {
-  constexpr double kAsLoud = 0.5;
   const std::vector<Candidate>& c = o.candidates();
-  constexpr double kFlights = 1.25;  // before the first and after the last, where a row would go on
-  const double begin_s = c[own[0]].t_s - kFlights * (c[own[1]].t_s - c[own[0]].t_s);
-  const double end_s = c[own.back()].t_s + kFlights * (c[own.back()].t_s - c[own[own.size() - 2]].t_s);
+  const double begin_s = c[own[0]].t_s - kTracking.row_flights * (c[own[1]].t_s - c[own[0]].t_s);
+  const double end_s = c[own.back()].t_s + kTracking.row_flights * (c[own.back()].t_s - c[own[own.size() - 2]].t_s);
   double n = 0.0;
   std::size_t next = 0;  // own sound that comes after
   const auto first = std::partition_point(c.begin(), c.end(), [&](const Candidate& s) { return s.t_s < begin_s; });
@@ -100,8 +95,8 @@ double n_unexplained(const Observations& o, const std::vector<std::size_t>& own)
     while (next < own.size() && own[next] < k) ++next;
     if (next < own.size() && own[next] == k) continue;
     const std::size_t near = own[next > 0 ? next - 1 : 0];
-    const bool is_echo = next > 0 && c[k].t_s - c[near].t_s < kEcho_s;
-    if (!is_echo && c[k].amplitude > kAsLoud * c[near].amplitude)
+    const bool is_echo = next > 0 && c[k].t_s - c[near].t_s < kTracking.echo_s;
+    if (!is_echo && c[k].amplitude > kTracking.as_loud * c[near].amplitude)
       n += std::max(0.0, 2.0 * o.same_source_probability_of(near, k).value_or(0.5) - 1.0);
   }
   return n;
@@ -115,15 +110,14 @@ struct ScoredTrack {
 
 /// Log odds of a track where what it explains does not compete with its sounds.
 double log_odds_of(const Observations& o, const OwnSounds& own, const Track& track) {
-  const TrackingModel& model = o.model();
-  Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false, model);
+  Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false);
   for (std::size_t n = 2; n < own.seen.size(); ++n) {
     const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false, -INFINITY, model);
+    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false, -INFINITY);
     if (!step) return -INFINITY;
-    h.take(*step, own.seen[n], model);
+    h.take(*step, own.seen[n]);
   }
-  return h.log_odds_of_ball(model) - model.unexplained * n_unexplained(o, own.candidates);
+  return h.log_odds_of_ball() - kTracking.unexplained * n_unexplained(o, own.candidates);
 }
 
 ScoredTrack scored(const Observations& o, Track track) {
@@ -148,7 +142,7 @@ std::vector<std::size_t> explained_by(const Observations& o, const std::vector<s
   for (std::size_t n = 0; n < own.size(); ++n) {
     const bool is_last = n + 1 == own.size();
     const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
-    const double echo_s = std::min(kEcho_s, kEchoOfFlight * flight_s);
+    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
     explained.push_back(own[n]);
     for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
       if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);

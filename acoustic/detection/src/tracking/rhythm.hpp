@@ -26,12 +26,11 @@ class Rhythm {
 
   /// Densities of the next sound [1/s, per unit of log amplitude], by kind; then takes it into the rhythm.
   /// @param sigma_s  of the two times [s]
-  std::array<double, kRhythmKinds> follow(double interval_s, double log_amplitude, double sigma_s,
-                                          const TrackingModel& model);
+  std::array<double, kRhythmKinds> follow(double interval_s, double log_amplitude, double sigma_s);
 
  private:
-  double follow_by_hand(double interval_s, double sigma_s, const TrackingModel& model);
-  double follow_by_machine(double interval_s, double sigma_s, const TrackingModel& model);
+  double follow_by_hand(double interval_s, double sigma_s);
+  double follow_by_machine(double interval_s, double sigma_s);
 
   double level_ = 0.0;  ///< of the log interval, by hand
   double trend_ = 0.0;

@@ -126,10 +126,10 @@ class Search {
         best_(o_.size() + 1) {
     for (std::size_t k = 0; k < o_.size(); ++k) {
       t_s_.push_back(o_[k].t_s);
-      log_odds_of_first_.push_back(log_odds_of_first(o_[k], o_.model()));
+      log_odds_of_first_.push_back(log_odds_of_first(o_[k]));
     }
     for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing)
-      gain_of_missing_[n_missing] = BallHypothesis::log_factor_of_missing(n_missing, o_.model());
+      gain_of_missing_[n_missing] = BallHypothesis::log_factor_of_missing(n_missing);
   }
 
   std::vector<Track> run() {
@@ -175,7 +175,7 @@ class Search {
       const State& s = states_.back();
       if (s.track.n_impacts < kFewestImpacts) continue;
       const double ball = s.track.log_odds_of_losing_ball();
-      const double most = std::max(ball, s.track.log_odds_of_rhythm(o_.model()));
+      const double most = std::max(ball, s.track.log_odds_of_rhythm());
       // of the track, or none: what is improbable yet may be a track when its own sounds are no longer its clutter
       if (most + kOwnClutter <= 0.0) continue;
       constexpr double kMostOfSum = 0.7;  // of a sum over the larger one, log 2
@@ -199,9 +199,9 @@ class Search {
       state.track = Hypothesis(o_[p.first_candidate], o_[k], p.step);
     } else {
       state.track = states_[static_cast<std::size_t>(p.previous)].track;
-      state.track.take(p.step, o_[k], o_.model());
+      state.track.take(p.step, o_[k]);
     }
-    state.largest_gain = state.track.largest_gain(o_.model());
+    state.largest_gain = state.track.largest_gain();
     return state;
   }
 
@@ -242,7 +242,7 @@ class Search {
     if (most < least_log_odds || most <= kHopeless) return;
     const auto begun = [&](double weight) {
       return BallHypothesis::first_step(least_log_odds, {log_odds_of_first_[j], log_usual_eps_}, o_[j], o_[k], weight,
-                                        true, o_.model());
+                                        true);
     };
     if (!begun(1.0)) return;  // most are improbable whatever their source
     if (const std::optional<BallHypothesis::Step> step = begun(weights_.of(j)))
@@ -259,7 +259,7 @@ class Search {
       const double most = from.track.log_odds + o_[k].log_rise_odds + from.largest_gain + gain_of_missing_[n_missing];
       if (most < least_log_odds) continue;
       if (const std::optional<BallHypothesis::Step> step =
-              from.track.step_to(o_[k], n_missing, weights_.of(from.candidate), true, least_log_odds, o_.model()))
+              from.track.step_to(o_[k], n_missing, weights_.of(from.candidate), true, least_log_odds))
         beam_.keep({*step, from.start_score, from_index, from.first_candidate});
     }
   }
@@ -285,7 +285,7 @@ class Search {
   const Observations& o_;
   Weights weights_;
   Beam beam_;
-  double log_usual_eps_ = log(o_.model().usual_eps);
+  double log_usual_eps_ = log(kTracking.usual_eps);
   std::array<double, kMostMissing + 1> gain_of_missing_{};  // at most
   std::size_t first_near_ = 0;                              // candidate within the longest flight
   std::vector<double> t_s_;                                 // of the candidates
@@ -307,11 +307,11 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
   return (c[impacts[k + 1].candidate].t_s - t_s) / (t_s - c[impacts[k - 1].candidate].t_s);
 }
 
-std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
-                               const TrackingModel& model) {
-  const Observations observations(candidates, timing_s, same_source, model);
+std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
+                               const SameSource& same_source) {
+  const Observations observations(candidates, timing_s, same_source);
   auto [tracks, own] = rescored(observations, Search(observations).run());
-  weigh_by_drop_rate(candidates, tracks, model);
+  weigh_by_drop_rate(candidates, tracks);
   std::vector<Track> accepted;
   for (std::size_t k = 0; k < tracks.size(); ++k) {
     if (tracks[k].log_odds < kAcceptance) continue;

@@ -39,6 +39,6 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 ///                        one, 0.15 of that window
 /// @param same_source  which of the candidates may have one source
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const SameSource& same_source = {}, const TrackingModel& model = {});
+                               const SameSource& same_source = {});
 
 }  // namespace bouncelab::detection

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+
+#include "model_number.hpp"
+
 namespace bouncelab::detection {
 
 // physical limits of what is followed
@@ -9,7 +13,6 @@ constexpr double kLongestFlight_s = 2.5;          // a fall from 7.6 m
 constexpr double kShortestFlight_s = 1e-3;
 constexpr double kLeastEps = 0.2;    // a cold squash ball has 0.3
 constexpr double kLargestEps = 1.2;  // single gains of a spinning ball
-constexpr double kEcho_s = 40e-3;    // after an impact: what is fainter then is taken for its echo
 constexpr int kMostMissing = 2;      // impacts in a row that were not detected
 constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEps));  // of the last flight
 
@@ -18,7 +21,8 @@ constexpr double kMostGap = kLargestEps * (1.0 + kLargestEps * (1.0 + kLargestEp
 /// balls depends on each.
 struct TrackingModel {
   // birth and end
-  double start_log_odds = -1.5;         ///< of a ball that begins within some seconds, against none
+  double start_log_odds = -1.5;  ///< of a ball that begins within birth_window_s, against none
+  double birth_window_s = 4.0;
   double usual_first_flight_s = 0.4;    ///< median; a ball dropped from some 30 cm
   double first_flight_scatter = 0.8;    ///< of its logarithm
   double detection_probability = 0.93;  ///< of an impact
@@ -33,12 +37,28 @@ struct TrackingModel {
   double outliers = 0.07;       ///< share of single losses, gains and irregular beats
   double least_loss = 0.008;    ///< of log eps on the mean: steel on glass has 0.011 at 2 cm/s, a clock none
   int memory = 8;               ///< impacts over which eps and loudness are taken as constant
+  double most_of_one = 3.0;     ///< widths by which one observation moves a running mean at most
 
   // what surrounds a track
-  double unexplained = 2.0;  ///< log odds against a ball of each sound like its own but not of it
+  double unexplained = 2.0;   ///< log odds against a ball of each sound like its own but not of it
+  double as_loud = 0.5;       ///< of its sounds' amplitudes, from which a sound is like them
+  double row_flights = 1.25;  ///< before the first and after the last impact, where a row of other sounds would go on
+  double echo_s = 40e-3;      ///< after an impact: what is fainter then is taken for its echo
+  double echo_of_flight = 0.15;  ///< at most: where a flight is short, what follows may be anything
 
   /// Log odds by which a lower band must win: one ball in twelve is heard in it only, and the best of three is chosen.
   double lower_band = 2.5;
+
+  // a track whose ball is known: its first impact is chosen anew
+  std::size_t known_after = 6;     ///< impacts without the first
+  std::size_t first_of_line = 10;  ///< coefficients that say what is expected before: by a line, which follows eps(v),
+  std::size_t fewest_of_line = 5;  ///< or a mean of fewer than these
+
+  // the probability of an impact
+  double other_sound = 0.1;          ///< odds of a sound that no candidate stands for; counted among knocks
+  double refused = 0.5;              ///< of an inferred impact where the search left a candidate out
+  double same_sound_s = 3e-3;        ///< what is so near is noticed twice, or rises in steps
+  double rise_of_template_s = 3e-3;  ///< between a template's time and that of the rise
 
   // loudness: log amplitude
   double usual_first_change = -0.25;  ///< from the first impact to the second
@@ -49,19 +69,30 @@ struct TrackingModel {
   double loudness_weight = 4.0;   ///< impacts that this is worth
 
   // rhythms: log interval
-  double rhythm_log_odds = -0.5;  ///< of a rhythm against a ball
-  double beat_scatter = 0.05;     ///< by hand: drummers 2 %, hands and feet 3 to 8 %
-  double beat_weight = 2.0;       ///< intervals that this is worth
-  double machine_scatter = 0.01;  ///< of a machine's beats about an even row, in intervals, before it shows its own
-  double tempo_gain = 0.5;        ///< of the level that follows the interval
-  double trend_gain = 0.15;       ///< of its trend
+  double rhythm_log_odds = -0.5;    ///< of a rhythm against a ball
+  double beat_scatter = 0.05;       ///< by hand: drummers 2 %, hands and feet 3 to 8 %
+  double beat_weight = 2.0;         ///< intervals that this is worth
+  double machine_scatter = 0.01;    ///< of a machine's beats about an even row, in intervals, before it shows its own
+  double tempo_gain = 0.5;          ///< of the level that follows the interval
+  double trend_gain = 0.15;         ///< of its trend
+  double any_interval = 1.0 / 3.0;  ///< density of an irregular log interval, within a factor of 4.5 either way
 
   // clutter
   double kernel_width = 0.5;  ///< of log amplitude
   double unseen = 0.5;        ///< sounds that an interval without any counts as (Jeffreys's prior)
   double excess = 1.5;        ///< mean of LLR - threshold of fluctuations of a ringing sound, whatever the window,
-  double excess_per_sample = 0.14;  ///< and for each sample of it
-  double event_per_sample = 1.7;    ///< median of LLR - threshold of events, for each sample of the window
+  double excess_per_sample = 0.14;   ///< and for each sample of it
+  double event_per_sample = 1.7;     ///< median of LLR - threshold of events, for each sample of the window
+  std::size_t rise_neighbours = 24;  ///< candidates on either side, among which the share of events is estimated
+  double rise_around_s = 1.0;        ///< and no farther
+  double events_weight = 4.0;        ///< candidates that its prior of one half is worth
+
+  // times of candidates
+  double sharp_s = 1.8e-3;        ///< reach of the shortest window at 4 kHz and more; at 1 kHz all are longer
+  double timing_samples = 2.0;    ///< their error in samples
+  double timing_of_reach = 0.15;  ///< where a longer window has noticed them
 };
+
+BOUNCELAB_MODEL TrackingModel kTracking;
 
 }  // namespace bouncelab::detection

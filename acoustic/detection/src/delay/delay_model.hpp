@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+
+#include "model_number.hpp"
+
+namespace bouncelab::detection {
+
+/// The numbers of the impacts along a track: those that are missing, and the places where each may have been
+/// (docs/detector.md, "Times").
+struct DelayModel {
+  double unambiguous = 15.0;         ///< log odds from which the sound alone decides between two times
+  double least_interval_s = 1.2e-3;  ///< impacts that follow nearer are not told apart
+
+  // where the next impact is expected
+  double default_eps = 0.97;          ///< where no ratio of flights is known
+  double least_eps_reach = 0.015;     ///< of eps about the expected one
+  double most_eps_reach = 0.06;       ///< four times TrackingModel::scatter
+  std::size_t most_ratios = 9;        ///< the last ones, of which eps is the median
+  std::size_t fewest_ratios = 7;      ///< that show their scatter
+  std::size_t anchors = 3;            ///< last impacts that predict one beyond the end: one may be in a wrong place
+  double most_amplitude_ratio = 3.5;  ///< between neighbours; eps and the place struck explain up to two
+  // where nothing is found there, a single loss or gain may be the reason: 0.73 to 1.07 of the interval
+  double outlier_centre = 0.9;
+  double outlier_reach = 0.17;
+
+  // what is found there: log likelihood ratio over the residual variance. In the ringing of another impact the residual
+  // is not white; one between two impacts needs less than one beyond the end
+  double least_in_gap = 2.0;
+  double least_beyond_end = 3.0;
+  double least_of_outlier = 6.0;
+  /// Over the largest in the sound before, where there is no impact: echoes, a rolling ball and voices are like the
+  /// template here and there.
+  double least_prominence = 2.0;
+  double ringing_part = 0.4;     ///< of the interval before, in which the last impact rings
+  double fewest_cycles = 3.0;    ///< of the template; nearer impacts cannot be separated from its ringing
+  int most_failures = 3;         ///< impacts in a row that are not found, then the track has ended
+  double side_lobes_s = 1.5e-3;  ///< of a peak, among which another may be the impact
+  double higher = 2.0;           ///< times the peak that was found
+
+  // the places of an impact
+  double late_s = 6e-3;            ///< of a candidate behind its impact: the longest window of the candidates
+  double pre_echo_s = 21.4e-3;     ///< of a candidate before its impact: a block of 1024 samples at 48 kHz
+  double far_s = 27.4e-3;          ///< over which an impact may lie that is not where the sound rises: both
+  double much_left = 1.25;         ///< of the expected residual: then the impact may be at another place
+  double of_template = 0.75;       ///< that is judged where a window has no end: the rest is hardly above noise
+  double search_share = 0.25;      ///< of the intervals on either side, over which an impact may be searched for
+  double unexpected = 4.0;         ///< standard deviations from where its neighbours expect it: searched for there too
+  double most_of_interval = 0.25;  ///< of either interval: what is further off is the neighbour's
+  double least_doubt = 1e-2;       ///< probability of other times from which an impact is flagged doubtful
+
+  // the posterior of the places: how even a track is, and where impacts are against the rises of their sound
+  std::size_t fewest_impacts = 7;  ///< that show either
+  std::size_t neighbours = 7;      ///< on either side, whose median is expected of ln eps
+  std::size_t scatter_reach = 15;  ///< on either side, for its width
+  double least_scatter = 2e-4;     ///< of ln eps; smoother than any ball
+  double rise_weight = 10.0;       ///< of the prior share of far impacts and of the width of the others, in impacts
+  double least_width = 0.1;        ///< of the reach; rises are known to a hop, a third of the shortest window
+};
+
+BOUNCELAB_MODEL DelayModel kDelay;
+
+}  // namespace bouncelab::detection

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+/// The numbers of a stage's model stand in one struct, of which there is one constant. tests/bench/model_numbers, which
+/// measures what each is worth, is built with numbers that it may change.
+#ifdef BOUNCELAB_CHANGEABLE_MODEL
+#define BOUNCELAB_MODEL inline  // NOLINT(cppcoreguidelines-macro-usage)
+#else
+#define BOUNCELAB_MODEL inline constexpr  // NOLINT(cppcoreguidelines-macro-usage)
+#endif
