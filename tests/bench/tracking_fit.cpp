@@ -27,6 +27,7 @@
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "channel_tracks.hpp"
+#include "model_numbers.hpp"
 
 namespace {
 
@@ -38,47 +39,6 @@ constexpr double kFurthestOffset_s = 6e-3;  // of a recording's annotations as a
 constexpr double kLeastScore = -25.0;       // of one recording: none outweighs the others
 constexpr double kLeastGain = 2.0;          // of the score, nats: what a number must gain to be changed
 constexpr double kLeastProbability = 1e-2;  // that the score counts for what was not found, or wrongly
-
-struct Number {
-  const char* name;
-  double TrackingModel::*value;
-};
-
-constexpr Number kNumbers[] = {
-#define BOUNCELAB_NUMBER(name) \
-  { #name, &TrackingModel::name }
-    BOUNCELAB_NUMBER(start_log_odds),
-    BOUNCELAB_NUMBER(usual_first_flight_s),
-    BOUNCELAB_NUMBER(first_flight_scatter),
-    BOUNCELAB_NUMBER(detection_probability),
-    BOUNCELAB_NUMBER(usual_eps),
-    BOUNCELAB_NUMBER(gains),
-    BOUNCELAB_NUMBER(scatter),
-    BOUNCELAB_NUMBER(scatter_weight),
-    BOUNCELAB_NUMBER(most_scatter),
-    BOUNCELAB_NUMBER(first_scatter),
-    BOUNCELAB_NUMBER(outliers),
-    BOUNCELAB_NUMBER(least_loss),
-    BOUNCELAB_NUMBER(unexplained),
-    BOUNCELAB_NUMBER(usual_first_change),
-    BOUNCELAB_NUMBER(first_change_scatter),
-    BOUNCELAB_NUMBER(loudness_exponent),
-    BOUNCELAB_NUMBER(exponent_scatter),
-    BOUNCELAB_NUMBER(loudness_scatter),
-    BOUNCELAB_NUMBER(loudness_weight),
-    BOUNCELAB_NUMBER(rhythm_log_odds),
-    BOUNCELAB_NUMBER(beat_scatter),
-    BOUNCELAB_NUMBER(beat_weight),
-    BOUNCELAB_NUMBER(machine_scatter),
-    BOUNCELAB_NUMBER(tempo_gain),
-    BOUNCELAB_NUMBER(trend_gain),
-    BOUNCELAB_NUMBER(kernel_width),
-    BOUNCELAB_NUMBER(unseen),
-    BOUNCELAB_NUMBER(excess),
-    BOUNCELAB_NUMBER(excess_per_sample),
-    BOUNCELAB_NUMBER(event_per_sample),
-#undef BOUNCELAB_NUMBER
-};
 
 struct Recording {
   std::string name;
@@ -159,11 +119,11 @@ struct Found {
   const std::vector<Candidate>* candidates = nullptr;
 };
 
-Found find(const Recording& r, const TrackingModel& model) {
+Found find(const Recording& r) {
   std::optional<ChannelTracks> best;
   std::size_t channel = 0;
   for (std::size_t c = 0; c < r.channels.size(); ++c) {
-    ChannelTracks here = find_tracks_in(r.channels[c], model);
+    ChannelTracks here = find_tracks_in(r.channels[c]);
     if (!best || here.log_odds() > best->log_odds()) best = std::move(here), channel = c;
   }
   Found found;
@@ -228,10 +188,9 @@ Score score(const Recording& r, const Found& found) {
 }
 
 /// Of the half to build on, and of that held out.
-std::array<Score, 2> score_all(const std::vector<Recording>& recordings, const TrackingModel& model) {
+std::array<Score, 2> score_all(const std::vector<Recording>& recordings) {
   std::vector<Score> each(recordings.size());
-  parallel_for(recordings.size(), 0,
-               [&](std::size_t k) { each[k] = score(recordings[k], find(recordings[k], model)); });
+  parallel_for(recordings.size(), 0, [&](std::size_t k) { each[k] = score(recordings[k], find(recordings[k])); });
   std::array<Score, 2> sum;
   for (std::size_t k = 0; k < recordings.size(); ++k) sum[recordings[k].is_held_out ? 1 : 0] += each[k];
   return sum;
@@ -246,8 +205,8 @@ void print(std::string_view what, const std::array<Score, 2>& parts) {
   std::fflush(stdout);
 }
 
-void print_recording(const Recording& r, const TrackingModel& model) {
-  const Found found = find(r, model);
+void print_recording(const Recording& r) {
+  const Found found = find(r);
   const Score s = score(r, found);
   if (r.truth_s ? s.n_found == s.n_true && s.n_marks == s.n_found && found.tracks.size() == 1 : found.tracks.empty())
     return;
@@ -258,52 +217,47 @@ void print_recording(const Recording& r, const TrackingModel& model) {
   fmt::print("\n");
 }
 
-double& number(TrackingModel& model, std::string_view name) {
-  for (const Number& n : kNumbers)
-    if (name == n.name) return model.*n.value;
-  throw InvalidArgument(fmt::format("{}: no number of the model", name));
-}
-
 /// Values around one: log odds by steps of a half, others by factors.
 std::vector<double> values_around(std::string_view name, double value) {
   std::vector<double> values;
-  if (name.ends_with("log_odds") || name == "usual_first_change")
+  if (name.ends_with("log_odds") || name == "kTracking.usual_first_change")
     for (const double step : {-2.0, -1.0, -0.5, 0.5, 1.0, 2.0}) values.push_back(value + step);
-  else if (name == "detection_probability")
+  else if (name == "kTracking.detection_probability")
     for (const double miss : {0.02, 0.035, 0.1, 0.15}) values.push_back(1.0 - miss);
   else
     for (const double factor : {0.5, 0.7, 1.4, 2.0}) values.push_back(value * factor);
   return values;
 }
 
+bool is_of_tracks(const Number& n) { return n.name.starts_with("kTracking."); }
+
 /// The numbers one after the other, each by the value around it with the best score of the part to build on, until none
 /// gains anything.
-TrackingModel fitted(const std::vector<Recording>& recordings, TrackingModel model) {
-  double best = score_all(recordings, model)[0].log_score;
+void fit(const std::vector<Recording>& recordings) {
+  double best = score_all(recordings)[0].log_score;
   for (bool is_better = true; is_better;) {
     is_better = false;
-    for (const Number& n : kNumbers) {
-      const double before = model.*n.value;
+    for (const Number& n : numbers()) {
+      if (!is_of_tracks(n)) continue;
+      const double before = n.get();
       double chosen = before;
       std::array<Score, 2> of_chosen;
       for (const double value : values_around(n.name, before)) {
-        model.*n.value = value;
-        const std::array<Score, 2> scores = score_all(recordings, model);
+        n.set(value);
+        const std::array<Score, 2> scores = score_all(recordings);
         if (scores[0].log_score > best + kLeastGain) {
           best = scores[0].log_score, of_chosen = scores, chosen = value;
         }
       }
-      model.*n.value = chosen;
+      n.set(chosen);
       if (chosen == before) continue;
       is_better = true;
       print(fmt::format("{} {:.4g} -> {:.4g}", n.name, before, chosen), of_chosen);
     }
   }
-  return model;
 }
 
 int run(const std::vector<std::string_view>& arguments) {
-  TrackingModel model;
   std::vector<std::filesystem::path> folders;
   std::vector<std::string> varied;
   bool is_listed = false;
@@ -316,29 +270,31 @@ int run(const std::vector<std::string_view>& arguments) {
     } else if (arguments[k] == "--vary" && k + 1 < arguments.size()) {
       varied.emplace_back(arguments[++k]);
     } else if (arguments[k] == "--set" && k + 1 < arguments.size()) {
-      const std::string_view text = arguments[++k];
-      const std::size_t equals = text.find('=');
-      number(model, text.substr(0, equals)) = std::stod(std::string(text.substr(equals + 1)));
+      set_number(arguments[++k]);
     } else {
       folders.emplace_back(arguments[k]);
     }
   }
   const std::vector<Recording> recordings = read_folders(folders);
   fmt::print("{:<36}  {:<58}  held out\n", "log score", "to build on");
-  print("as it is", score_all(recordings, model));
-  if (is_fitted) model = fitted(recordings, model);
+  print("as it is", score_all(recordings));
+  if (is_fitted) fit(recordings);
   if (is_listed)
-    for (const Recording& r : recordings) print_recording(r, model);
+    for (const Recording& r : recordings) print_recording(r);
   if (varied == std::vector<std::string>{"all"}) {
     varied.clear();
-    for (const Number& n : kNumbers) varied.emplace_back(n.name);
+    for (const Number& n : numbers())
+      if (is_of_tracks(n)) varied.push_back(n.name);
   }
-  for (const std::string& name : varied)
-    for (const double value : values_around(name, number(model, name))) {
-      TrackingModel other = model;
-      number(other, name) = value;
-      print(fmt::format("{} {:.4g} -> {:.4g}", name, number(model, name), value), score_all(recordings, other));
+  for (const std::string& name : varied) {
+    const Number& n = number_named(name);
+    const double before = n.get();
+    for (const double value : values_around(name, before)) {
+      n.set(value);
+      print(fmt::format("{} {:.4g} -> {:.4g}", name, before, value), score_all(recordings));
     }
+    n.set(before);
+  }
   return 0;
 }
 

@@ -29,6 +29,8 @@ bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
   return rise_of_impacts(band, found) > kChannels.explained * rise_of_all(band);
 }
 
+double duration_s(const BandOfChannel& band) { return static_cast<double>(band.sound.n_samples) / band.sound.rate_hz; }
+
 double begin_s(const BandOfChannel& band, const Track& track) {
   return band.candidates[track.impacts.front().candidate].t_s;
 }
@@ -126,7 +128,7 @@ BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
   BandOfChannel& band = bands_[b].emplace();
   band.decimation = decimations_[b];
   band.sound = sound_of(b);
-  if (b == 0 && progress_) progress_(0.0, static_cast<double>(band.sound.n_samples) / band.sound.rate_hz);
+  if (b == 0 && progress_) progress_(0.0, duration_s(band));
   band.models = learn_ar_models(band.sound, kArOrder);
   CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
   leave_out_edges(band.sound.silences, found);
@@ -154,7 +156,8 @@ ChannelTracks find_tracks_in(BandsOfChannel& bands) {
   std::vector<ChannelTracks::OfBand> others;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const BandOfChannel& band = bands[b];
-    ChannelTracks of_band{b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source), {}};
+    ChannelTracks of_band{
+        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band)), {}};
     of_band.is_clear = b == 0 && are_clear(band, of_band);
     if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
     if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
@@ -194,7 +197,8 @@ std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vect
   for (const std::size_t k : left) candidates.push_back(band.candidates[k]);
   std::optional<SecondBall> second;
   double most = log(10.0);
-  for (const Track& track : find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left))) {
+  for (const Track& track :
+       find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left), duration_s(band))) {
     const double begin_s = candidates[track.impacts.front().candidate].t_s;
     const double end_s = candidates[track.impacts.back().candidate].t_s;
     const bool overlaps = std::any_of(tracks.begin(), tracks.end(), [&](const Track& other) {

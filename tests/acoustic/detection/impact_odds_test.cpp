@@ -116,7 +116,7 @@ TEST(ImpactOdds, StatedProbabilitiesAreTheSharesThatAreRight) {
 /// A drop of ten impacts, of which one is off its time by so much of the flight before it.
 std::vector<Candidate> drop_with_one_off(double off) {
   std::vector<Candidate> candidates;
-  double t_s = 1.0, flight_s = 0.4;
+  double t_s = 5.0, flight_s = 0.4;
   for (int k = 0; k < 10; ++k) {
     candidates.push_back({k == 6 ? t_s + off * flight_s : t_s, 500.0 * flight_s, 0.4e-3, 50.0});
     t_s += flight_s;
@@ -145,8 +145,8 @@ TEST(ImpactOdds, AnImpactOffItsTimeIsLessProbableThanItsNeighbours) {
   for (const double off : {0.0, 0.05, 0.1}) {
     const std::vector<Candidate> candidates = drop_with_one_off(off);
     const std::vector<double> p = probabilities_of(candidates, whole(candidates));
-    EXPECT_LT(p[6], last) << off;
     if (off > 0.0) {
+      EXPECT_LT(p[6], last) << off;
       EXPECT_LT(p[6], p[3]) << off;
     }
     for (const double each : p) EXPECT_TRUE(each > 0.0 && each <= 1.0) << each;

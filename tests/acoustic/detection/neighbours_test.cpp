@@ -84,6 +84,24 @@ TEST(Neighbours, IntensityOverAllLoudnessesIsTheRateOfThePoissonProcess) {
   EXPECT_NEAR(sum / kSeeds, kRate_hz, 0.25 * kRate_hz);
 }
 
+TEST(Neighbours, WhereNoneIsNearThoseAroundSayHowManyToExpect) {
+  Neighbours n;
+  const double itself = amplitude_kernel(0.0), window_s = 2.0 * clutter_window_s(kFlight_s);
+  n.density.fill(static_cast<float>(itself));
+  n.around_s = 8.0F;
+  // none at all: as many as in the window and around it together
+  EXPECT_NEAR(clutter_intensity(n, kFlight_s) / (kTracking.unseen * itself / (window_s + 8.0)), 1.0, 1e-6);
+  // a recording that is no longer says no more than itself
+  n.around_s = 0.5F;
+  EXPECT_NEAR(clutter_intensity(n, kFlight_s) / (kTracking.unseen * itself / (0.5 + 0.5)), 1.0, 1e-6);
+  // very many, evenly: the intensity is theirs
+  const double rate_hz = 1e3;
+  for (int octave = 0; octave < kWindowOctaves; ++octave)
+    n.density[octave] = static_cast<float>(itself * (1.0 + rate_hz * 2.0 * kSmallestReach_s * (1 << octave)));
+  n.around_s = static_cast<float>(2.0 * kLargestReach_s);
+  EXPECT_NEAR(clutter_intensity(n, kFlight_s) / (rate_hz * itself), 1.0, 1e-3);
+}
+
 TEST(Neighbours, OwnSoundsAreNoClutter) {
   const std::vector<Candidate> row = even_row(9, 0.2);
   const Neighbours n = counted(row)[4];

@@ -216,7 +216,8 @@ TEST(Tracker, SearchFindsWhatAnExhaustiveSearchOverAllSequencesFinds) {
 
 TEST(Tracker, NeitherTheTimeNorTheGainOfARecordingMatters) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const std::vector<Candidate> candidates = small_scene(seed);
+    // not at the begin of the recording, where less of it is around
+    const std::vector<Candidate> candidates = test::shifted(small_scene(seed), kLargestReach_s, 1.0);
     const std::vector<Track> here = find_tracks(candidates, test::kTiming_s);
     const std::vector<Track> there = find_tracks(test::shifted(candidates, 3600.0, 1e-3), test::kTiming_s);
     ASSERT_EQ(places_of(here), places_of(there)) << seed;

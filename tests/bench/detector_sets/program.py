@@ -50,7 +50,7 @@ def detect(program, recording, channel=None, timeout_s=600):
     """Exit code 1 (nothing usable) is an answer like 0; any other, and no end within the time, is a failure."""
     with tempfile.TemporaryDirectory() as folder:
         table = os.path.join(folder, "onsets.csv")
-        command = [program, "detect", recording, "--out", table, "--json", "--threads", "1"]
+        command = [*([program] if isinstance(program, str) else program), "detect", recording, "--out", table, "--json", "--threads", "1"]
         command += [] if channel is None else ["--channel", str(channel)]
         before = children_cpu_s()
         try:

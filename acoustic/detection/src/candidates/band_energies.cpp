@@ -44,8 +44,8 @@ float power(const audio::Spectrum& spectrum, std::size_t k) {
 template <class PowerOf, class ShareOf>
 [[gnu::always_inline]] inline float log_odds_of_same_source(const BandEnergies& a, const PowerOf& power_of,
                                                             const ShareOf& share_of, float log_ratio) {
-  constexpr float kCurvature = 0.5F / (kCandidates.same_scatter * kCandidates.same_scatter) -
-                               0.5F / (kCandidates.other_scatter * kCandidates.other_scatter);
+  const float curvature = 0.5F / (kCandidates.same_scatter * kCandidates.same_scatter) -
+                          0.5F / (kCandidates.other_scatter * kCandidates.other_scatter);
   float weight = 1e-6F;
   float loudness = 0.0F;  // of b over a
   for (int k = 0; k < kEnergyBands; ++k) {
@@ -63,7 +63,7 @@ template <class PowerOf, class ShareOf>
     float share = both;
     share = difference > 0.0F ? share_b : share;
     share = difference < 0.0F ? share_a : share;
-    const float of_octave = log_ratio - kCurvature * difference * difference;
+    const float of_octave = log_ratio - curvature * difference * difference;
     sum += larger(both, share) * larger(of_octave, kCandidates.least_log_odds_of_band);
   }
   return smaller(larger(kCandidates.independence * sum, -kCandidates.most_log_odds), kCandidates.most_log_odds);

@@ -169,7 +169,7 @@ void set_probabilities_of_inferred(const std::vector<Candidate>& candidates, std
 /// of a codec and in a rolling ball's sound the template finds something wherever it is searched for. A last one at a
 /// candidate that the tracker refused is about as often an impact as not, and is kept with its probability.
 void end_where_improbable(std::vector<TimedImpact>& track) {
-  constexpr double kLeast = 0.9 * kTracking.refused;
+  const double kLeast = 0.9 * kTracking.refused;
   while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 

@@ -27,7 +27,7 @@ audio::Spectrum template_at_speed(const MatchedFilter& filter, double rate_hz, d
   std::vector<float> own(w.size()), reference(w.size()), slope(w.size());
   PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * scaling, own, slope);
   PulseSpectrum::hertz().tabulate(bin_hz * tau_1_s * template_scaling, reference, slope);
-  constexpr auto least = static_cast<float>(kDrops.least_pulse);
+  const auto least = static_cast<float>(kDrops.least_pulse);
   float ratio = 1.0F;
   for (std::size_t b = 0; b < w.size(); ++b) {
     if (own[b] > least && reference[b] > least) ratio = own[b] / reference[b];  // beyond, the last one known

@@ -41,7 +41,8 @@ std::optional<BallHypothesis::Step> BallHypothesis::first_step(double least_log_
   const Flight flight{kTracking.usual_eps, flight_s, 0.0};
   const double own =
       is_counted ? (amplitude_kernel(change) + density_to_come(flight, birth.log_usual_eps)) * same_source : 0.0;
-  const double of_clutter = clutter_intensity(second.neighbours, flight_s, own);
+  const double of_clutter =
+      is_counted ? clutter_intensity(second.neighbours, flight_s, own) : clutter_intensity(second.neighbours, flight_s);
   const double of_amplitude = student3(change - kTracking.usual_first_change, kTracking.first_change_scatter);
   const double before = birth.log_odds_of_first + second.log_rise_odds;
   const double most =
@@ -94,8 +95,10 @@ std::optional<BallHypothesis::Step> BallHypothesis::step_to(const Observation& n
   step.log_flight = log_flight_ + (n_missing + 1) * step.log_eps;
   const double density =
       bounces_.density(*flight, step.log_eps, step.log_flight, next.log_amplitude, n_missing, step.jitter2);
-  const double own = is_counted ? own_density(next, *flight, step.log_eps, same_source) : 0.0;
-  step.of_clutter = clutter_intensity(next.neighbours, flight->flight_s, own) / same_source;
+  step.of_clutter = is_counted ? clutter_intensity(next.neighbours, flight->flight_s,
+                                                   own_density(next, *flight, step.log_eps, same_source))
+                               : clutter_intensity(next.neighbours, flight->flight_s);
+  step.of_clutter /= same_source;
   if (before + largest_log(density / step.of_clutter) < least_log_odds) return {};
   step.log_odds = before + log(density / step.of_clutter);
   if (step.log_odds < least_log_odds) return {};

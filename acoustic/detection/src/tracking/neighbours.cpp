@@ -11,15 +11,12 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr double kSmallestReach_s = 2e-3;
-
 /// The nearest octave: that below sqrt(2) times as much.
 int window_octave(double flight_s) {
   return std::clamp(binary_exponent(2.0 * std::numbers::sqrt2 / kSmallestReach_s * flight_s), 0, kWindowOctaves - 1);
 }
 
 constexpr double reach_s(int octave) { return kSmallestReach_s * static_cast<double>(1 << octave); }
-constexpr double kLargestReach_s = reach_s(kWindowOctaves - 1);
 
 /// 1 + 1/2 + ... + 1/n, between whole n as its asymptotic series; n >= 1.
 double harmonic(double n) { return log(n) + 0.5772 + 0.5 / n; }
@@ -123,6 +120,15 @@ double clutter_intensity(const Neighbours& neighbours, double flight_s, double o
   // where all others are the track's own, none is left
   const double density = std::max(0.0, neighbours.density[octave] - itself - own) + kTracking.unseen * itself;
   return density / (2.0 * reach_s(octave));
+}
+
+double clutter_intensity(const Neighbours& neighbours, double flight_s) {
+  const int octave = window_octave(flight_s);
+  const double itself = amplitude_kernel(0.0), prior = kTracking.unseen * itself;
+  const auto others = [&](int o) { return std::max(0.0, neighbours.density[o] - itself); };
+  const double around_s = neighbours.around_s;
+  const double around = (others(kWindowOctaves - 1) + prior) / around_s;
+  return (others(octave) + prior) / (std::min(2.0 * reach_s(octave), around_s) + prior / around);
 }
 
 double least_clutter_intensity(double flight_s) {

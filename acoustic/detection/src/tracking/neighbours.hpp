@@ -14,12 +14,15 @@
 namespace bouncelab::detection {
 
 constexpr int kWindowOctaves = 12;
+constexpr double kSmallestReach_s = 2e-3;
+constexpr double kLargestReach_s = kSmallestReach_s * (1 << (kWindowOctaves - 1));  // 4 s
 
 /// Candidates around one, itself included, each counted by how much it is of the same kind (band_energies.hpp).
 struct Neighbours {
   std::array<float, kWindowOctaves> density{};  ///< of their log amplitudes at this one's, within 2 ms, 4 ms ... 4 s
   float all = 0.0F;                             ///< number within 4 s
   float stronger = 0.0F;                        ///< of these, at least as strong
+  float around_s = 0.0F;                        ///< of the recording that is within 4 s
 };
 
 /// @param log_amplitude  of each candidate
@@ -39,6 +42,10 @@ double clutter_window_s(double flight_s);
 /// within clutter_window_s, itself included.
 /// @param own  density that the track's own sounds contribute: they are no clutter
 double clutter_intensity(const Neighbours& neighbours, double flight_s, double own);
+
+/// The same of one around which none of the track's own are counted. A gamma prior, worth kTracking.unseen sounds,
+/// whose mean is the intensity within 4 s: in a quiet recording the first loud sound is no sign of others beside it.
+double clutter_intensity(const Neighbours& neighbours, double flight_s);
 
 /// The least that it may be, where all others are the track's own.
 double least_clutter_intensity(double flight_s);

@@ -56,8 +56,9 @@ std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_w
   return odds;
 }
 
-Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source)
-    : candidates_(candidates), same_source_(same_source) {
+Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
+                           double duration_s)
+    : candidates_(candidates), same_source_(same_source), duration_s_(duration_s) {
   const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kTracking.timing_samples / timing_s);
   log_amplitudes_.reserve(candidates.size());
   for (const Candidate& c : candidates) log_amplitudes_.push_back(log(c.amplitude));
@@ -68,12 +69,15 @@ Observations::Observations(const std::vector<Candidate>& candidates, double timi
     const double sigma_s =
         c.reach_s < kTracking.sharp_s ? timing_s : std::max(timing_s, kTracking.timing_of_reach * c.reach_s);
     observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], neighbours[k]});
+    observations_.back().neighbours.around_s =
+        static_cast<float>(std::min(c.t_s + kLargestReach_s, duration_s) - std::max(0.0, c.t_s - kLargestReach_s));
   }
 }
 
 Observation Observations::without(std::size_t k, const std::vector<std::size_t>& explained) const {
   Observation observation = observations_[k];
   observation.neighbours = count_neighbours_of(k, candidates_, log_amplitudes_, same_source_, explained);
+  observation.neighbours.around_s = observations_[k].neighbours.around_s;
   return observation;
 }
 

@@ -36,7 +36,9 @@ class Observations {
  public:
   /// @param timing_s       error of the times that the shortest window gives [s]
   /// @param same_source    which of the candidates may have one source
-  Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source);
+  /// @param duration_s     of the recording, from 0 on
+  Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
+               double duration_s = HUGE_VAL);
 
   std::size_t size() const { return observations_.size(); }
   const Observation& operator[](std::size_t k) const { return observations_[k]; }
@@ -55,6 +57,7 @@ class Observations {
  private:
   const std::vector<Candidate>& candidates_;
   const SameSource& same_source_;
+  double duration_s_;
   std::vector<double> log_amplitudes_;
   std::vector<Observation> observations_;
 };

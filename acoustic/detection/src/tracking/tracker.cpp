@@ -307,9 +307,9 @@ std::optional<double> eps_at(const std::vector<Candidate>& c, const Track& track
   return (c[impacts[k + 1].candidate].t_s - t_s) / (t_s - c[impacts[k - 1].candidate].t_s);
 }
 
-std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const SameSource& same_source) {
-  const Observations observations(candidates, timing_s, same_source);
+std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
+                               double duration_s) {
+  const Observations observations(candidates, timing_s, same_source, duration_s);
   auto [tracks, own] = rescored(observations, Search(observations).run());
   weigh_by_drop_rate(candidates, tracks);
   std::vector<Track> accepted;

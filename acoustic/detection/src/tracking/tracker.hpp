@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -38,7 +39,8 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// @param timing_s     error of the candidates' times, standard deviation [s]; where only a longer window noticed
 ///                        one, 0.15 of that window
 /// @param same_source  which of the candidates may have one source
+/// @param duration_s   of the recording, from 0 on
 std::vector<Track> find_tracks(const std::vector<Candidate>& candidates, double timing_s,
-                               const SameSource& same_source = {});
+                               const SameSource& same_source = {}, double duration_s = HUGE_VAL);
 
 }  // namespace bouncelab::detection

@@ -24,7 +24,7 @@ struct TrackingModel {
   double start_log_odds = -1.5;  ///< of a ball that begins within birth_window_s, against none
   double birth_window_s = 4.0;
   double usual_first_flight_s = 0.4;    ///< median; a ball dropped from some 30 cm
-  double first_flight_scatter = 0.8;    ///< of its logarithm
+  double first_flight_scatter = 0.6;    ///< of its logarithm
   double detection_probability = 0.93;  ///< of an impact
 
   // the ball: log eps
@@ -61,12 +61,14 @@ struct TrackingModel {
   double rise_of_template_s = 3e-3;  ///< between a template's time and that of the rise
 
   // loudness: log amplitude
-  double usual_first_change = -0.25;  ///< from the first impact to the second
-  double first_change_scatter = 0.6;
+  /// From the first impact to the second, of which eps is not known: the mean of loudness_exponent log eps over eps
+  /// from 0.2 to 1, and its scatter with those of the exponent and of loudness.
+  double usual_first_change = -0.75;
+  double first_change_scatter = 0.85;
   double loudness_exponent = 1.3;  ///< of the speed of a ball, on the mean
   double exponent_scatter = 0.8;
-  double loudness_scatter = 0.4;  ///< of amplitude over speed from impact to impact, before the track itself shows it
-  double loudness_weight = 4.0;   ///< impacts that this is worth
+  double loudness_scatter = 0.56;  ///< of amplitude over speed from impact to impact, before the track itself shows it
+  double loudness_weight = 4.0;    ///< impacts that this is worth
 
   // rhythms: log interval
   double rhythm_log_odds = -0.5;    ///< of a rhythm against a ball
@@ -78,9 +80,9 @@ struct TrackingModel {
   double any_interval = 1.0 / 3.0;  ///< density of an irregular log interval, within a factor of 4.5 either way
 
   // clutter
-  double kernel_width = 0.5;  ///< of log amplitude
-  double unseen = 0.5;        ///< sounds that an interval without any counts as (Jeffreys's prior)
-  double excess = 1.5;        ///< mean of LLR - threshold of fluctuations of a ringing sound, whatever the window,
+  double kernel_width = 0.35;  ///< of log amplitude
+  double unseen = 0.5;         ///< sounds that an interval without any counts as (Jeffreys's prior)
+  double excess = 1.5;         ///< mean of LLR - threshold of fluctuations of a ringing sound, whatever the window,
   double excess_per_sample = 0.14;   ///< and for each sample of it
   double event_per_sample = 1.7;     ///< median of LLR - threshold of events, for each sample of the window
   std::size_t rise_neighbours = 24;  ///< candidates on either side, among which the share of events is estimated
