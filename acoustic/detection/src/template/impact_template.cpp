@@ -148,7 +148,7 @@ TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candida
 
 /// The template by a whitener of its own.
 void find_template_and_whitener(TemplateEstimation& e, const ArModel& noise) {
-  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window);
+  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window, kTemplate.unrepeated);
   find_template(e);
   whiten_by_noise(e, noise);
   whiten_residuals(e);

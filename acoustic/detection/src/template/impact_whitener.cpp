@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
@@ -80,20 +81,14 @@ std::vector<float> whitener_for(const std::vector<double>& power, std::size_t n_
 
 }  // namespace
 
-std::vector<float> noise_whitener(const ArModel& noise) {
-  std::vector<float> filter = noise.filter;
-  const auto scale = static_cast<float>(1.0 / std::sqrt(noise.quiet_variance));
-  for (float& c : filter) c *= scale;
-  return filter;
-}
-
 std::vector<float> impact_whitener(const audio::AudioSource& sound, const ArModel& noise,
-                                   const std::vector<std::int64_t>& begins, std::size_t n_window) {
+                                   const std::vector<std::int64_t>& begins, std::size_t n_window, double unrepeated) {
   // long enough for the noise's filter also at low rates
   audio::RealFft fourier(std::max(n_window, std::bit_ceil(noise.filter.size())));
   std::vector<double> power = noise_power(noise, fourier);
   const std::vector<double> impacts = impact_power(sound, begins, n_window, fourier);
-  for (std::size_t k = 0; k < power.size(); ++k) power[k] += kTemplate.unrepeated * impacts[k];
+  const double mean = std::accumulate(impacts.begin(), impacts.end(), 0.0) / static_cast<double>(impacts.size());
+  for (std::size_t k = 0; k < power.size(); ++k) power[k] += unrepeated * impacts[k] + kTemplate.floor * mean;
   return whitener_for(power, noise.filter.size() - 2);
 }
 

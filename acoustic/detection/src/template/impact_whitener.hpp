@@ -10,18 +10,15 @@
 
 namespace bouncelab::detection {
 
-/// Filter that makes the noise white with variance 1.
-/// @param noise  its quiet variance is positive
-std::vector<float> noise_whitener(const ArModel& noise);
-
-/// Filter that whitens what disturbs an impact whose template is not known yet: the background noise and, everywhere
-/// in its spectrum, a hundredth of its own power, which is different each time. Where a codec left nothing in the
+/// Filter that whitens what disturbs an impact: the background noise, a share of the impact's own power at each
+/// frequency, which is different each time, and kTemplate.floor of its mean at all. Where a codec left nothing in the
 /// background, the noise alone would make the codec's own errors, which it lets sound with the impacts only, the best
 /// known part of them. With variance 1.
-/// @param noise     its quiet variance may be 0 (digital silence)
-/// @param begins    of windows with one impact each, samples of the recording; not empty
-/// @param n_window  samples of such a window, a power of two
+/// @param noise       its quiet variance may be 0 (digital silence)
+/// @param begins      of windows with one impact each, samples of the recording; not empty
+/// @param n_window    samples of such a window, a power of two
+/// @param unrepeated  that share; 0 where the residuals show it
 std::vector<float> impact_whitener(const audio::AudioSource& sound, const ArModel& noise,
-                                   const std::vector<std::int64_t>& begins, std::size_t n_window);
+                                   const std::vector<std::int64_t>& begins, std::size_t n_window, double unrepeated);
 
 }  // namespace bouncelab::detection

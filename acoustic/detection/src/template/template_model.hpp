@@ -31,6 +31,9 @@ struct TemplateModel {
   /// Share of an impact's power that is different each time, before the residuals show how much it is: that of modes
   /// whose amplitudes scatter by a tenth, and of a codec's errors where they are just masked.
   double unrepeated = 1e-2;
+  /// Of the impacts' mean spectral density, which counts as noise at all frequencies: what is 70 dB below it is the
+  /// work of codecs and converters, and no sound.
+  double floor = 1e-7;
   std::size_t residual_order = 32;       ///< of the prediction that whitens the residuals
   std::size_t fewest_for_coherence = 4;  ///< impacts; with fewer, halves are too noisy to be compared
   std::size_t coherence_bins = 8;        ///< on either side, over which it is smoothed

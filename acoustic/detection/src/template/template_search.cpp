@@ -174,7 +174,7 @@ void find_template(TemplateEstimation& e) {
 void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
   Found before = take_state_of(e);
-  e.learned.whitener = noise_whitener(noise);
+  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window, 0.0);
   for (const TrainingImpact& known : before.training) {
     TrainingImpact& impact = e.training.emplace_back();
     cut_training_window(e, known.window.first, impact);
