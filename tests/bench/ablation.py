@@ -206,8 +206,8 @@ class Sets:
         for folder in self.options.channels:
             for path in filter(self.is_used, sound.below(folder)):
                 if channels.two_sounds(path):
-                    pulls, differences, _ = channels.compared(run(path, 0), run(path, 1))
-                    counts.add_errors("two channels", differences, differences / pulls)
+                    differences, sigma, _ = channels.compared(run(path, 0), run(path, 1))
+                    counts.add_errors("two channels", differences, sigma)
         counts.invented = sum(run(piece).n_drops for path, piece in self.no_ball if self.is_used(path))
         return counts
 

@@ -26,7 +26,7 @@ def two_sounds(path):
 
 
 def compared(left, right):
-    """Pulls of intervals, differences in s, and which are between impacts that neither channel doubts."""
+    """Differences of intervals and their stated errors in s, and which are between impacts that neither channel doubts."""
     i, j, _ = match.matched(left.t_s, right.t_s, TOLERANCE_S)
     if len(i) < 2:
         return np.zeros(0), np.zeros(0), np.zeros(0, bool)
@@ -35,7 +35,7 @@ def compared(left, right):
     variance = left.sigma_t_s[i]**2 + right.sigma_t_s[j]**2
     clear = ~(left.doubtful[i] | right.doubtful[j])
     use &= np.isfinite(variance[1:] + variance[:-1])
-    return (difference / np.sqrt(variance[1:] + variance[:-1]))[use], difference[use], (clear[1:] & clear[:-1])[use]
+    return difference[use], np.sqrt(variance[1:] + variance[:-1])[use], (clear[1:] & clear[:-1])[use]
 
 
 def measure(program, options):
@@ -44,7 +44,8 @@ def measure(program, options):
             if not two_sounds(path):
                 continue
             left, right = (detect(program, path, channel, options.timeout_s) for channel in (0, 1))
-            pulls, differences, clear = compared(left, right)
+            differences, sigma, clear = compared(left, right)
+            pulls = differences / sigma
             yield {"file": os.path.basename(path), "n_left": len(left.t_s), "n_right": len(right.t_s), "pulls": [float(p) for p in pulls],
                    "clear_pulls": [float(p) for p in pulls[clear]], "difference_us": 1e6 * float(np.median(np.abs(differences))) if len(pulls) else None}
 

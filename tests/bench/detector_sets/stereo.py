@@ -37,7 +37,8 @@ def measure(program, options):
             sound.write(path, RATE_HZ, samples / max(1.0, 1.1 * np.max(np.abs(samples))))
             found = [detect(program, path, channel, options.timeout_s) for channel in (0, 1)]
             true = [match.interval_pulls(t_s, f.t_s, f.sigma_t_s, np.ones(len(f.t_s), bool), *match.matched(t_s, f.t_s, 3e-3)[:2], 1.0) for f in found]
-            pulls = channels.compared(*found)[0]
+            differences, sigma, _ = channels.compared(*found)
+            pulls = differences / sigma
             yield {"file": name, "cell": cell, "pulls": [float(p) for p in pulls], "true_pulls": [float(p) for p in np.concatenate(true)]}
             if not options.keep:
                 os.remove(path)

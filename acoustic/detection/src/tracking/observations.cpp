@@ -58,7 +58,7 @@ std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_w
 
 Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
                            double duration_s)
-    : candidates_(candidates), same_source_(same_source), duration_s_(duration_s) {
+    : candidates_(candidates), same_source_(same_source) {
   const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kTracking.timing_samples / timing_s);
   log_amplitudes_.reserve(candidates.size());
   for (const Candidate& c : candidates) log_amplitudes_.push_back(log(c.amplitude));

@@ -57,7 +57,6 @@ class Observations {
  private:
   const std::vector<Candidate>& candidates_;
   const SameSource& same_source_;
-  double duration_s_;
   std::vector<double> log_amplitudes_;
   std::vector<Observation> observations_;
 };
