@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRate_hz = 44100.0;
 constexpr double kDuration_s = 30.0;
-constexpr std::uint64_t kSeeds = 2;
+constexpr std::uint64_t kSeeds = 10;
 
 std::vector<float> silence() { return std::vector<float>(static_cast<std::size_t>(kDuration_s * kRate_hz), 0.0F); }
 
@@ -95,12 +95,17 @@ Detection detected(const std::string& what, std::uint64_t seed, const Make& make
   return d;
 }
 
+/// Some of it may be shown, with its doubt: chance reaches odds of q in no more than one recording in q.
 template <class Make>
 void expect_no_train(const std::string& what, const Make& make) {
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const Detection d = detected(what, seed, make);
-    EXPECT_TRUE(d.onsets.empty()) << what << ", seed " << seed << ": " << d.message;
-  }
+  double n_beyond_doubt = 0.0;
+  std::string drops;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
+    for (const DropSummary& drop : detected(what, seed, make).drops) {
+      n_beyond_doubt += drop.is_doubtful() ? 0.0 : 1.0;
+      drops += " seed " + std::to_string(seed) + " odds " + std::to_string(drop.odds);
+    }
+  EXPECT_LE(n_beyond_doubt, kSeeds / DropSummary::kDoubtfulOdds) << what << ":" << drops;
 }
 
 TEST(DetectNoBall, TakesNoSpeechForABall) {
