@@ -194,8 +194,8 @@ ContactLaw assumed_contact(double rms_hz) {
   return {tau_s, kContact.duration_sigma / rms_hz, tau_s};
 }
 
-std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed) {
-  if (drops.empty()) return std::nullopt;
+ContactLaw pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed) {
+  if (drops.empty()) return assumed;
   const ContactFit pooled[] = {pool(drops, &ContactEvidence::hertz), pool(drops, &ContactEvidence::half_sine)};
   const ContactLaw a = law_of(with_prior(pooled[0], assumed));
   const ContactLaw b = law_of(with_prior(pooled[1], assumed));

@@ -41,7 +41,7 @@ double contact_delay(double v_mps, double reference_scaling);
 ///
 ///   level_km = c_k h_m P(f_m tau_1 u_k) (1 + scatter) + noise,   u_k = v_k^(-1/5)
 ///
-/// with an amplitude c_k for each impact and a response h_m for each band (level_model.hpp), by Gauss-Newton steps from
+/// with an amplitude c_k for each impact and a response h_m for each band, by Gauss-Newton steps from
 /// tau_1 = 30 us (steel on glass), with Hertz's pulse and with a half-sine. tau_1 is estimated per band and pooled; the
 /// between-band scatter sets weights and error, so that a mode whose level drifts with the place struck counts once and
 /// not once an impact. Absent with fewer than eight impacts or six usable bands.
@@ -53,8 +53,8 @@ std::optional<ContactEvidence> fit_contact(const BandLevels& levels);
 ContactLaw assumed_contact(double rms_hz);
 
 /// One ball, one law: the weighted mean over drops under each pulse, combined with the assumed one, unless the two
-/// differ by more than three standard errors; then the mean of the two pulses, weighted by their probabilities. Absent
-/// where there is no evidence.
-std::optional<ContactLaw> pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed);
+/// differ by more than three standard errors; then the mean of the two pulses, weighted by their probabilities. The
+/// assumed one where there is no evidence.
+ContactLaw pool_contacts(const std::vector<ContactEvidence>& drops, const ContactLaw& assumed);
 
 }  // namespace bouncelab::detection

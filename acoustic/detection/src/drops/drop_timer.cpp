@@ -20,10 +20,6 @@
 namespace bouncelab::detection {
 namespace {
 
-bool is_unflagged(const TimedImpact& impact) {
-  return !impact.overlap && !impact.inferred && !impact.doubtful && !impact.clipped;
-}
-
 /// Whether a recording is at its limit within 5 ms after t_s: three successive samples of the same value, the largest
 /// in magnitude there.
 bool is_clipped(const audio::AudioSource& sound, double t_s) {
@@ -35,11 +31,6 @@ bool is_clipped(const audio::AudioSource& sound, double t_s) {
   for (std::size_t k = 2; k < x.size(); ++k)
     if (std::abs(x[k]) == largest && largest > 0.0F && x[k - 1] == x[k] && x[k - 2] == x[k]) return true;
   return false;
-}
-
-/// The sound as recorded, in which a converter's limit shows.
-const audio::AudioSource& recorded_sound(const BandOfDrops& band, const WhiteSound& white) {
-  return band.whole ? *band.whole : white.source();
 }
 
 /// Times of the candidates, where there is no template.
@@ -88,10 +79,6 @@ void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts) {
     }
 }
 
-double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned) {
-  return band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(learned) * band.sound.rate_hz;
-}
-
 std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::vector<Track>& tracks,
                                           WhiteSound& white) {
   std::vector<Candidate> impacts;
@@ -99,7 +86,7 @@ std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::ve
   for (const Track& track : tracks)
     for (const TrackImpact& impact : track.impacts) {
       impacts.push_back(band.candidates[impact.candidate]);
-      clipped.push_back(is_clipped(recorded_sound(band, white), impacts.back().t_s));
+      clipped.push_back(is_clipped(band.recorded(), impacts.back().t_s));
     }
   return estimate_template(white, band.noise, impacts, clipped);
 }
@@ -110,23 +97,29 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   drop.impacts = learned != nullptr ? time_track(white, *learned, track, band.candidates, end_s)
                                     : times_of_candidates(band, track);
   set_speeds(gravity_mps2, drop.impacts);
-  mark_clipped(recorded_sound(band, white), drop.impacts);
+  mark_clipped(band.recorded(), drop.impacts);
   if (learned == nullptr) return drop;
   drop.peak = learned->peak;
   drop.correlation = learned->correlation;
+  const double rate_hz = band.sound.rate_hz;
+  drop.wave = LearnedWave{-learned->contact_index / rate_hz, 1.0 / rate_hz, learned->waveform, learned->spread,
+                          learned->n_impacts};
+  // a band says nothing of the frequencies beyond it
+  drop.rms_hz = band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(*learned) * rate_hz;
   std::vector<TimedImpact> all;
   std::vector<TimedImpact> clear;
   for (const TimedImpact& impact : drop.impacts) {
     if (!(impact.v_mps > 0.0)) continue;
     all.push_back(impact);
-    if (is_unflagged(impact)) clear.push_back(impact);
+    if (!impact.overlap && !impact.inferred && !impact.doubtful && !impact.clipped) clear.push_back(impact);
   }
   drop.contact = fit_contact(measure_levels(white, *learned, clear));
   drop.reference_scaling = scaling_of_strongest(clear.empty() ? all : clear);
-  const ContactLaw assumed = assumed_contact(rms_hz_of(band, *learned));
-  const ContactLaw law = drop.contact ? *pool_contacts({*drop.contact}, assumed) : assumed;
+  std::vector<ContactEvidence> evidence;
+  if (drop.contact) evidence.push_back(*drop.contact);
+  const ContactLaw law = pool_contacts(evidence, assumed_contact(*drop.rms_hz));
   if (separate_overlaps(white, *learned, law, drop.reference_scaling, drop.impacts))
-    mark_clipped(recorded_sound(band, white), drop.impacts);  // at their new times
+    mark_clipped(band.recorded(), drop.impacts);  // at their new times
   return drop;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
+#include "bouncelab/detection/detect.hpp"
 #include "candidates/candidates.hpp"
 #include "contact/contact_time.hpp"
 #include "delay/timed_impact.hpp"
@@ -25,7 +26,8 @@ struct BandOfDrops {
   /// root mean square frequency of the impacts in the whole sound [Hz]; absent where it is the template's own
   std::optional<double> recorded_rms_hz;
 
-  bool is_full_band() const { return !whole; }
+  /// The sound as recorded, in which a converter's limit shows.
+  const audio::AudioSource& recorded() const { return whole ? *whole : sound; }
 };
 
 /// One track, timed.
@@ -33,8 +35,10 @@ struct TimedDrop {
   std::vector<TimedImpact> impacts;
   std::optional<double> peak;  ///< of the template as recorded; absent where the drop was timed without template
   std::optional<ContactEvidence> contact;
-  double reference_scaling = 0.0;  ///< v^(-1/5) of its strongest impacts
-  double correlation = 0.0;        ///< of its template with the impacts
+  double reference_scaling = 0.0;   ///< v^(-1/5) of its strongest impacts
+  double correlation = 0.0;         ///< of its template with the impacts
+  std::optional<LearnedWave> wave;  ///< its template as recorded
+  std::optional<double> rms_hz;     ///< of the impacts as recorded
 };
 
 /// Template of the impacts of some tracks of a recording.
@@ -48,10 +52,6 @@ std::optional<ImpactTemplate> template_of(const BandOfDrops& band, const std::ve
 /// @param white    of the band's sound
 TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTemplate* learned, double end_s,
                     double gravity_mps2, WhiteSound& white);
-
-/// Root mean square frequency of the impacts as recorded [Hz], which suggests the contact time: one of the whole sound,
-/// since a band says nothing of what is beyond it.
-double rms_hz_of(const BandOfDrops& band, const ImpactTemplate& learned);
 
 /// Speeds g T / 2 from the flight before each impact; where that is not known, from the one after it over eps.
 void set_speeds(double gravity_mps2, std::vector<TimedImpact>& impacts);
