@@ -4,12 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
 #include "contact/contact_model.hpp"
-#include "contact/level_model.hpp"
+#include "contact/pulse_spectrum.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -64,6 +70,188 @@ ContactLaw law_of(const ContactFit& fit) {
   return {std::sqrt(square), std::sqrt(square + fit.sigma2_s2) - std::sqrt(square)};
 }
 
+/// Values by band (row) and impact (column).
+using BandTable = Eigen::ArrayXXd;
+using Values = Eigen::ArrayXd;
+
+/// Sum of products, in the same order on all processors.
+template <class A, class B>
+double dot(const A& a, const B& b) {
+  return audio::dot(a.data(), b.data(), static_cast<std::size_t>(a.size()));
+}
+
+/// Sum over the bands, of each impact.
+Values sums_over_bands(const BandTable& x) {
+  const Values ones = Values::Ones(x.rows());
+  Values sums(x.cols());
+  for (Eigen::Index k = 0; k < x.cols(); ++k) sums[k] = dot(x.col(k), ones);
+  return sums;
+}
+
+Values sums_over_impacts(const BandTable& x) {
+  Values sums = Values::Zero(x.rows());
+  for (Eigen::Index k = 0; k < x.cols(); ++k) sums += x.col(k);
+  return sums;
+}
+
+/// Weighted two-way demeaning: subtracts weighted means of impacts and of bands in turns, until those of the bands have
+/// fallen to 1e-4 of the first, at most twelve times. What is left is orthogonal to the effects of both (the within
+/// transformation of a two-way fixed-effects regression).
+/// @param weight  of the size of x, not negative
+void demean_two_way(BandTable& x, const BandTable& weight) {
+  constexpr int kMaxRounds = 12;
+  constexpr double kConverged = 1e-8;  // of the sum of squares of the first round
+  const Values per_impact = 1.0 / (sums_over_bands(weight) + 1e-300);
+  const Values per_band = 1.0 / (sums_over_impacts(weight) + 1e-300);
+  double first = 0.0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    Values means = Values::Zero(x.rows());
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      x.col(k) -= per_impact[k] * dot(weight.col(k), x.col(k));
+      means += weight.col(k) * x.col(k);
+    }
+    means *= per_band;
+    x.colwise() -= means;
+    const double squares = dot(means, means);
+    if (round == 0) first = squares;
+    if (squares <= kConverged * first) break;
+  }
+}
+
+/// Model of the levels of a drop's impacts k in bands m,
+///
+///   level_km = c_k h_m P(f_m tau_1 u_k) (1 + scatter_m) + noise_m,   u_k = v_k^(-1/5)
+///
+/// with an amplitude c_k for each impact and a response h_m for each band; and the weight of each level in its fit.
+struct LevelModel {
+  explicit LevelModel(const BandLevels& of)
+      : levels(of),
+        n_bands(static_cast<Eigen::Index>(of.f_hz.size())),
+        n_impacts(static_cast<Eigen::Index>(of.contact_scaling.size())) {
+    for (Eigen::Index k = 0; k < n_impacts; ++k) {
+      const std::vector<double>& row = of.level[static_cast<std::size_t>(k)];
+      amplitude[k] = std::max(std::accumulate(row.begin(), row.end(), 0.0) / static_cast<double>(n_bands), 1e-9);
+    }
+  }
+  /// Expected square of a relative residual, by band.
+  Values variance(Eigen::Index k) const { return (scatter2 + relative_noise2.col(k)) * row_inflation[k]; }
+
+  const BandLevels& levels;
+  Eigen::Index n_bands, n_impacts;
+  BandTable level_over_pulse{n_bands, n_impacts};          // level / P
+  BandTable one_over_pulse{n_bands, n_impacts};            // 1 / P, at most 50
+  BandTable dlogp_dtau2{n_bands, n_impacts};               // d ln P / d tau_1^2
+  BandTable weight = BandTable::Ones(n_bands, n_impacts);  // of each level
+  BandTable residual{n_bands, n_impacts};                  // relative: level / (c h P) - 1
+  BandTable relative_noise2{n_bands, n_impacts};           // variance of the noise in it
+  Values amplitude = Values::Ones(n_impacts);              // c_k
+  Values response = Values::Ones(n_bands);                 // h_m
+  Values scatter2 = Values::Constant(n_bands, 0.1);        // variance of the levels' scatter, by band
+  Values row_inflation =
+      Values::Ones(n_impacts);  // factor >= 1 on the variance of impacts at which there was another sound too
+  Values active =
+      Values::Zero(n_bands);  // 1 in bands in which P is large enough for the model of the pulse to hold, else 0
+  bool is_fixed = false;      // whether active bands, weights and variances stay as they are
+};
+
+/// Sets P and its derivative at a contact time, and the active bands unless the model is fixed.
+void set_pulse(const PulseSpectrum& pulse, double tau_1_s, LevelModel& model) {
+  const BandLevels& l = model.levels;
+  const double largest_scaling = *std::max_element(l.contact_scaling.begin(), l.contact_scaling.end());
+  for (std::size_t m = 0; m < l.f_hz.size() && !model.is_fixed; ++m) {
+    const double largest = l.f_hz[m] * tau_1_s * largest_scaling;
+    const bool holds = pulse.at(largest).value > kContact.least_pulse && largest < kContact.most_argument;
+    model.active[static_cast<Eigen::Index>(m)] = holds ? 1.0 : 0.0;
+  }
+  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+    const double u = l.contact_scaling[static_cast<std::size_t>(k)];
+    const double half_u_over_tau = 0.5 * u / tau_1_s;
+    for (Eigen::Index m = 0; m < model.n_bands; ++m) {
+      const double f_hz = l.f_hz[static_cast<std::size_t>(m)];
+      const auto [value, slope] = pulse.at(f_hz * u * tau_1_s);
+      const double one_over = 1.0 / std::max(value, 0.02);
+      model.one_over_pulse(m, k) = one_over;
+      model.dlogp_dtau2(m, k) = slope * (half_u_over_tau * f_hz * one_over);
+      model.level_over_pulse(m, k) = l.level[static_cast<std::size_t>(k)][static_cast<std::size_t>(m)] * one_over;
+    }
+    model.weight.col(k) = model.active * model.weight.col(k).max(1e-12);
+  }
+}
+
+/// Amplitudes and responses that fit the levels best with the present weights: alternately sum w level / (h P) / sum w
+/// over bands and sum w level / (c P) / sum w over impacts.
+void fit_amplitudes(LevelModel& model) {
+  const BandTable weighted = model.weight * model.level_over_pulse;
+  const Values weight_of_impact = sums_over_bands(model.weight) + 1e-300;
+  const Values weight_of_band = sums_over_impacts(model.weight) + 1e-300;
+  for (int round = 0; round < 3; ++round) {
+    const Values one_over_response = 1.0 / model.response;
+    Values sums = Values::Zero(model.n_bands);
+    for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+      double& c = model.amplitude[k];
+      c = std::max(dot(weighted.col(k), one_over_response) / weight_of_impact[k], 0.1 * c);
+      sums += 1.0 / c * weighted.col(k);
+    }
+    const Values response = (sums / weight_of_band).max(0.1 * model.response);
+    model.response = (model.active > 0.0).select(response, model.response);
+  }
+}
+
+void set_residuals(LevelModel& model) {
+  const Values one_over_response = 1.0 / model.response;
+  const auto noise2 = Eigen::Map<const Values>(model.levels.noise2.data(), model.n_bands);
+  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+    const Values scale = 1.0 / model.amplitude[k] * one_over_response;
+    const Values unit = scale * model.one_over_pulse.col(k);
+    model.residual.col(k) = scale * model.level_over_pulse.col(k) - 1.0;
+    model.relative_noise2.col(k) = noise2 * unit * unit;
+  }
+}
+
+/// Scatter of each band, half its own and half the median one: the own estimate of a band that happened to scatter
+/// little would give it too much weight. By what the squares of the residuals have beyond the noise, weighted by their
+/// variances.
+void estimate_scatter(LevelModel& model) {
+  Values sum = Values::Zero(model.n_bands), weights = Values::Constant(model.n_bands, 1e-300);
+  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+    const Values size2 = model.scatter2 + model.relative_noise2.col(k);
+    const Values weight = 1.0 / size2.square();
+    const Values squares = model.residual.col(k).square() / model.row_inflation[k];
+    sum += (squares.min(2.0 * kContact.huber * kContact.huber * size2) - model.relative_noise2.col(k)) * weight;
+    weights += weight;
+  }
+  const Values own = model.active * (sum / weights).max(square(kContact.least_scatter));
+  std::vector<double> active;
+  for (Eigen::Index m = 0; m < model.n_bands; ++m)
+    if (model.active[m] > 0.0) active.push_back(own[m]);
+  if (!active.empty()) model.scatter2 = 0.5 * (own + upper_median(std::move(active)));
+}
+
+void estimate_row_inflation(LevelModel& model) {
+  const double n = model.active.sum();
+  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+    const Values squares = model.residual.col(k).square() / (model.scatter2 + model.relative_noise2.col(k));
+    const double sum = dot(squares.min(kContact.most_of_square).eval(), model.active);
+    model.row_inflation[k] =
+        std::max(1.0, (sum + kContact.inflation_prior) / (n + kContact.inflation_prior) / kContact.typical);
+  }
+}
+
+/// Residuals, the variance components in them (scatter by band, inflation by impact) and the weights that follow, with
+/// Huber's factor for residuals beyond 2.5 standard deviations; of a fixed model the residuals alone.
+/// Source: Huber, Ann. Math. Stat. 35, 73 (1964), doi:10.1214/aoms/1177703732
+void update_weights(LevelModel& model) {
+  set_residuals(model);
+  if (model.is_fixed) return;
+  estimate_scatter(model);
+  estimate_row_inflation(model);
+  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+    const Values variance = model.variance(k);
+    const Values near = kContact.huber * variance.sqrt() / (model.residual.col(k).abs() + 1e-300);
+    model.weight.col(k) = model.active * near.min(1.0) / variance;
+  }
+}
+
 constexpr double kStart_s = 30e-6;  // steel on glass; the result does not depend on it
 constexpr double kMinTau_s = 5e-6;  // about which the law is linearised in tau^2
 constexpr int kMaxSteps = 25;
@@ -83,37 +271,17 @@ struct BandEstimates {
   std::vector<double> variance;
 };
 
-/// xy += w x y, xx += w x x.
-void add_products(const double* w, const double* x, const double* y, double* __restrict xy, double* __restrict xx,
-                  std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) {
-    xy[m] += w[m] * x[m] * y[m];
-    xx[m] += w[m] * x[m] * x[m];
-  }
-}
-
-/// Subtracts half of the logarithm of the variance and of the square of the residual, which is limited.
-void subtract_half_of(const double* log_variance, const double* residual, const double* variance,
-                      double* __restrict sum, std::size_t n) {
-  for (std::size_t m = 0; m < n; ++m) {
-    const double square = residual[m] * residual[m] / variance[m];
-    sum[m] -= 0.5 * (log_variance[m] + (kContact.most_of_residual < square ? kContact.most_of_residual : square));
-  }
-}
-
 /// Regression of each band's residuals on d ln P / d tau_1^2, amplitudes and responses taken out of both.
 BandEstimates estimates_by_band(const LevelModel& model) {
   BandTable regressor = model.dlogp_dtau2;
   BandTable rest = model.residual;
   demean_two_way(regressor, model.weight);
   demean_two_way(rest, model.weight);
-  const std::size_t n = model.n_bands();
-  std::vector<double> xy(n, 0.0), xx(n, 0.0);
-  for (std::size_t k = 0; k < model.n_impacts(); ++k)
-    add_products(model.weight[k], regressor[k], rest[k], xy.data(), xx.data(), n);
+  const Values xy = sums_over_impacts(model.weight * regressor * rest);
+  const Values xx = sums_over_impacts(model.weight * regressor * regressor);
   BandEstimates estimates;
-  for (std::size_t m = 0; m < n; ++m) {
-    if (!model.is_active[m] || !(xx[m] > 0.0)) continue;
+  for (Eigen::Index m = 0; m < model.n_bands; ++m) {
+    if (!(model.active[m] > 0.0 && xx[m] > 0.0)) continue;
     estimates.step.push_back(xy[m] / xx[m]);
     estimates.variance.push_back(1.0 / xx[m]);
   }
@@ -146,19 +314,19 @@ PooledEstimate pool_bands(const BandEstimates& bands) {
   return mean;
 }
 
-/// Of normal levels, by band.
+/// Of normal levels, by band, with limited residuals.
 std::vector<double> log_likelihood(const LevelModel& model) {
-  const std::size_t n = model.n_bands();
-  std::vector<double> sums(n, 0.0), variance(n), log_variance(n);
-  for (std::size_t k = 0; k < model.n_impacts(); ++k) {
-    for (std::size_t m = 0; m < n; ++m) variance[m] = model.variance(k, m);
-    log_variance = variance;
-    log_each(log_variance);
-    subtract_half_of(log_variance.data(), model.residual[k], variance.data(), sums.data(), n);
+  Values sums = Values::Zero(model.n_bands);
+  for (Eigen::Index k = 0; k < model.n_impacts; ++k) {
+    const Values variance = model.variance(k);
+    Values log_variance = variance;
+    log_each({log_variance.data(), static_cast<std::size_t>(log_variance.size())});
+    const Values squares = model.residual.col(k).square() / variance;
+    sums -= 0.5 * (log_variance + squares.min(kContact.most_of_residual));
   }
   std::vector<double> by_band;
-  for (std::size_t m = 0; m < n; ++m)
-    if (model.is_active[m]) by_band.push_back(sums[m]);
+  for (Eigen::Index m = 0; m < model.n_bands; ++m)
+    if (model.active[m] > 0.0) by_band.push_back(sums[m]);
   return by_band;
 }
 
