@@ -60,12 +60,4 @@ const PulseSpectrum& PulseSpectrum::half_sine() {
   return spectrum;
 }
 
-void PulseSpectrum::tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const {
-  for (std::size_t k = 0; k < value.size(); ++k) {
-    const Value p = at(static_cast<double>(k) * step);
-    value[k] = static_cast<float>(p.value);
-    slope[k] = static_cast<float>(p.slope);
-  }
-}
-
 }  // namespace bouncelab::detection

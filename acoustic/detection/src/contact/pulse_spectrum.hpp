@@ -33,9 +33,6 @@ class PulseSpectrum {
     return {a.value + part * (b.value - a.value), a.slope + part * (b.slope - a.slope)};
   }
 
-  /// out[k] = P(k step), slope[k] = P'(k step).
-  void tabulate(double step, std::vector<float>& value, std::vector<float>& slope) const;
-
  private:
   explicit PulseSpectrum(double (*force)(double));
   static constexpr double kPerUnit = 512.0;
