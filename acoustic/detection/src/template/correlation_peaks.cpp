@@ -8,11 +8,6 @@
 #include "bouncelab/audio/dsp/real_fft.hpp"
 
 namespace bouncelab::detection {
-namespace {
-
-constexpr std::size_t kMaxPeaks = 8;
-
-}  // namespace
 
 Correlation::Correlation(const MatchedFilter& filter, const audio::Spectrum& sound, double from, double to)
     // the inverse holds sums of products over sqrt(n_window)
@@ -42,21 +37,17 @@ CorrelationPeak Correlation::peak_at(std::size_t k) const {
 }
 
 std::vector<CorrelationPeak> Correlation::peaks(double least_log_likelihood_ratio) const {
+  constexpr std::size_t kMostOthers = 7;
   constexpr double kRounding = 1e-5;  // relative: heights are single precision
-  std::vector<std::size_t> others;    // the highest, by falling height
-  // that is of interest
-  auto least = static_cast<float>((1.0 - kRounding) * std::sqrt(std::max(0.0, least_log_likelihood_ratio) / scale_));
-  const auto take = [&](std::size_t k) {
-    if ((k > top_ ? k - top_ : top_ - k) <= 2) return;
-    others.insert(std::upper_bound(others.begin(), others.end(), k,
-                                   [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; }),
-                  k);
-    if (others.size() < kMaxPeaks) return;
-    others.pop_back();
-    least = values_[others.back()];
-  };
+  const auto least =
+      static_cast<float>((1.0 - kRounding) * std::sqrt(std::max(0.0, least_log_likelihood_ratio) / scale_));
+  std::vector<std::size_t> others;
   for (std::size_t k = 1; k + 1 < values_.size(); ++k)
-    if (values_[k] > least && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1]) take(k);
+    if (values_[k] > least && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1] &&
+        (k > top_ ? k - top_ : top_ - k) > 2)
+      others.push_back(k);
+  std::stable_sort(others.begin(), others.end(), [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; });
+  if (others.size() > kMostOthers) others.resize(kMostOthers);
   std::vector<CorrelationPeak> found{highest()};
   for (const std::size_t k : others) found.push_back(peak_at(k));
   return found;
