@@ -104,25 +104,25 @@ MatchedFilter::MatchedFilter(audio::Spectrum spectrum, std::size_t n_window)
       running_information_(spectrum_.size() + 1, 0.0) {
   for (std::size_t k = 0; k < spectrum_.size(); ++k) {
     const double w = omega_ * static_cast<double>(k);
-    const double power =
-        static_cast<double>(spectrum_.re[k]) * spectrum_.re[k] + static_cast<double>(spectrum_.im[k]) * spectrum_.im[k];
+    const double power = audio::bin_power(spectrum_, k);
     running_[k + 1] = running_[k] + power;
     running_information_[k + 1] = running_information_[k] + w * w * power;
     if (power > 0.0) n_filled_ = k + 1;
   }
-  energy_ = running_.back();
 }
 
 double MatchedFilter::rms_frequency() const {
-  return std::max(1e-6, std::sqrt(running_information_.back() / (energy_ + 1e-30)) / (2.0 * kPi));
+  return std::max(1e-6, std::sqrt(running_information_.back() / (energy() + 1e-30)) / (2.0 * kPi));
 }
 
 double MatchedFilter::energy_times_power_of(const audio::Spectrum& x) const {
   return weighted_power(running_.data(), x.re.data(), x.im.data(), std::min(n_filled_, x.size()));
 }
 
-double MatchedFilter::information_times_power_of(const audio::Spectrum& x, std::size_t from, std::size_t to) const {
-  return weighted_power(running_information_.data() + from, x.re.data() + from, x.im.data() + from, to - from);
+double MatchedFilter::information_times_power_of(const audio::Spectrum& x, const Subbands& of, std::size_t j) const {
+  const std::size_t from = of.edge[j];
+  return weighted_power(running_information_.data() + from, x.re.data() + from, x.im.data() + from,
+                        of.edge[j + 1] - from);
 }
 
 Subbands split_into_subbands(const MatchedFilter& filter) {
@@ -181,8 +181,8 @@ DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subban
     double weights = 0.0;
     double mean = 0.0;
     for (std::size_t j = 0; j < n; ++j) {
-      const double energy = filter.energy(subbands.edge[j], subbands.edge[j + 1]);
-      const double information = filter.information(subbands.edge[j], subbands.edge[j + 1]);
+      const double energy = filter.energy(subbands, j);
+      const double information = filter.information(subbands, j);
       const double a = subband_amplitude(sums.in_phase[j] / (energy + 1e-30), r.amplitude, energy, subbands.noise[j]);
       r.noise_variance[j] = subbands.noise[j] / (a * a * information + 1e-30);
       r.deviation[j] = sums.quadrature[j] / (a * information + 1e-30);

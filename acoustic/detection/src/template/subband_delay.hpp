@@ -37,7 +37,7 @@ class MatchedFilter {
   std::size_t n_window() const { return n_window_; }
   /// Bins up to the last one that is not 0: the others add nothing to any product.
   std::size_t n_filled() const { return n_filled_; }
-  double energy() const { return energy_; }
+  double energy() const { return running_.back(); }
   /// 2 pi / n_window
   double omega() const { return omega_; }
   /// Root mean square frequency [cycles per sample]; at least 1e-6.
@@ -47,18 +47,20 @@ class MatchedFilter {
   double information(std::size_t from, std::size_t to) const {
     return running_information_[to] - running_information_[from];
   }
-  /// sum |W|^2 |X|^2 over the bins that are not 0, and sum omega^2 |W|^2 |X|^2 over bins from ... to - 1
+  /// The same of sub-band j.
+  double energy(const Subbands& of, std::size_t j) const { return energy(of.edge[j], of.edge[j + 1]); }
+  double information(const Subbands& of, std::size_t j) const { return information(of.edge[j], of.edge[j + 1]); }
+  /// sum |W|^2 |X|^2 over the bins that are not 0, and sum omega^2 |W|^2 |X|^2 over sub-band j
   double energy_times_power_of(const audio::Spectrum& x) const;
-  double information_times_power_of(const audio::Spectrum& x, std::size_t from, std::size_t to) const;
+  double information_times_power_of(const audio::Spectrum& x, const Subbands& of, std::size_t j) const;
 
  private:
   audio::Spectrum spectrum_;
   std::size_t n_window_ = 0;
   std::size_t n_filled_ = 0;
   double omega_ = 0.0;
-  double energy_ = 0.0;
-  std::vector<double> running_;
-  std::vector<double> running_information_;
+  std::vector<double> running_{0.0};
+  std::vector<double> running_information_{0.0};
 };
 
 /// Up to ten sub-bands of about equal information on the delay, with edges at minima of the spectrum, so that no mode

@@ -59,51 +59,21 @@ double jitter_of(const std::vector<double>& squares, const std::vector<double>& 
   return jitter2;
 }
 
-/// Deviations of each sub-band from the mean of all, by sub-band and impact.
-struct Deviations {
-  std::vector<std::vector<double>> deviation, noise;
-  std::vector<SubbandMean> mean;
-};
-
-/// @param d  receives them; of as many sub-bands and impacts
-void set_deviations(const std::vector<DelayEstimate>& estimates, const Subbands& subbands, Deviations& d) {
-  const std::size_t n = subbands.n();
-  for (std::size_t k = 0; k < estimates.size(); ++k) {
-    const DelayEstimate& r = estimates[k];
-    d.mean[k] = subband_mean(subbands, r.noise_variance);
-    double mean = 0.0;
-    for (std::size_t j = 0; j < n; ++j) mean += d.mean[k].weight[j] * r.deviation[j];
-    for (std::size_t j = 0; j < n; ++j) {
-      d.deviation[j][k] = r.deviation[j] - mean;
-      d.noise[j][k] = r.noise_variance[j];
-    }
-  }
-}
-
-/// Squared deviations over Var(d_j - mean) / Var(d_j): the mean follows each sub-band.
-std::vector<double> squares_over_share(const Deviations& d, std::size_t subband) {
-  std::vector<double> squares(d.mean.size());
-  for (std::size_t k = 0; k < squares.size(); ++k) {
-    const SubbandMean& m = d.mean[k];
-    squares[k] = square(d.deviation[subband][k]) / std::max(kTemplate.least_residual_share, 1.0 - m.weight[subband]);
-  }
-  return squares;
+/// Variance of a sub-band's delay [samples^2] where that of its phase is 1.
+double delay_of_phase2(const MatchedFilter& filter, const Subbands& subbands, std::size_t j) {
+  return filter.energy(subbands, j) / (filter.information(subbands, j) + 1e-30);
 }
 
 /// Phases vary about alike at all frequencies: each sub-band's jitter is shrunk towards the median phase variance.
 void shrink_to_median(const MatchedFilter& filter, double n_impacts, Subbands& subbands) {
   const std::size_t n = subbands.n();
-  const auto energy_over_information = [&](std::size_t j) {
-    return filter.energy(subbands.edge[j], subbands.edge[j + 1]) /
-           (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30);
-  };
   std::vector<double> phase2(n);
-  for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (energy_over_information(j) + 1e-30);
+  for (std::size_t j = 0; j < n; ++j) phase2[j] = subbands.jitter2[j] / (delay_of_phase2(filter, subbands, j) + 1e-30);
   const double median = upper_median(phase2);
   for (std::size_t j = 0; j < n; ++j)
     subbands.jitter2[j] =
         (n_impacts * std::max(phase2[j], kTemplate.least_of_median * median) + kTemplate.prior_impacts * median) /
-        (n_impacts + kTemplate.prior_impacts) * energy_over_information(j);
+        (n_impacts + kTemplate.prior_impacts) * delay_of_phase2(filter, subbands, j);
 }
 
 bool have_settled(const std::vector<double>& before, const std::vector<double>& after) {
@@ -123,8 +93,8 @@ struct QuietWindow {
 QuietWindow measure_power(const audio::Spectrum& sound, const MatchedFilter& filter, const Subbands& subbands) {
   QuietWindow quiet;
   for (std::size_t j = 0; j < subbands.n(); ++j) {
-    const double sum = filter.information_times_power_of(sound, subbands.edge[j], subbands.edge[j + 1]);
-    quiet.power.push_back(0.5 * sum / (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
+    const double sum = filter.information_times_power_of(sound, subbands, j);
+    quiet.power.push_back(0.5 * sum / (filter.information(subbands, j) + 1e-30));
     quiet.weighted_power += sum;
   }
   return quiet;
@@ -145,12 +115,21 @@ std::vector<std::vector<float>> residuals_of(TemplateEstimation& e) {
 void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedFilter& filter, Subbands& subbands) {
   const std::size_t n = subbands.n();
   if (estimates.size() < 3 || n < 2) return;
-  const std::vector<std::vector<double>> zeros(n, std::vector<double>(estimates.size()));
-  Deviations d{zeros, zeros, std::vector<SubbandMean>(estimates.size())};
   for (int round = 0; round < kJitterRounds; ++round) {
-    set_deviations(estimates, subbands, d);
+    std::vector<std::vector<double>> squares(n), noise(n);  // by sub-band and impact
+    for (const DelayEstimate& r : estimates) {
+      const SubbandMean m = subband_mean(subbands, r.noise_variance);
+      double mean = 0.0;
+      for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
+      for (std::size_t j = 0; j < n; ++j) {
+        // over Var(d_j - mean) / Var(d_j): the mean follows each sub-band
+        const double share = std::max(kTemplate.least_residual_share, 1.0 - m.weight[j]);
+        squares[j].push_back(square(r.deviation[j] - mean) / share);
+        noise[j].push_back(r.noise_variance[j]);
+      }
+    }
     const std::vector<double> before = subbands.jitter2;
-    for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares_over_share(d, j), d.noise[j]);
+    for (std::size_t j = 0; j < n; ++j) subbands.jitter2[j] = jitter_of(squares[j], noise[j]);
     shrink_to_median(filter, static_cast<double>(estimates.size()), subbands);
     if (have_settled(before, subbands.jitter2)) break;
   }
@@ -212,8 +191,7 @@ void add_unexplained_jitter(TemplateEstimation& e, double quiet) {
   Subbands& subbands = e.learned.subbands;
   for (std::size_t j = 0; j < subbands.n(); ++j)
     subbands.jitter2[j] =
-        std::max(subbands.jitter2[j], phase2 * filter.energy(subbands.edge[j], subbands.edge[j + 1]) /
-                                          (filter.information(subbands.edge[j], subbands.edge[j + 1]) + 1e-30));
+        std::max(subbands.jitter2[j], phase2 * filter.energy(subbands, j) / (filter.information(subbands, j) + 1e-30));
 }
 
 }  // namespace bouncelab::detection
