@@ -36,7 +36,7 @@ TEST(ImpactTemplate, IsThatOfMostImpactsThoughTheLoudestIsOfAnotherSource) {
   WhiteSound white(sound);
   const auto learned = estimate_template(white, learn_ar_models(sound, 48).noise, impacts, clipped);
   ASSERT_TRUE(learned);
-  EXPECT_EQ(learned->n_impacts, kImpacts);
+  EXPECT_EQ(learned->training_t_s.size(), kImpacts);
   EXPECT_GT(learned->correlation, 0.9);
 }
 

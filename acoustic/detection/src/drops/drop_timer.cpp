@@ -103,7 +103,7 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   drop.correlation = learned->correlation;
   const double rate_hz = band.sound.rate_hz;
   drop.wave = LearnedWave{-learned->contact_index / rate_hz, 1.0 / rate_hz, learned->waveform, learned->spread,
-                          learned->n_impacts};
+                          std::ssize(learned->training_t_s)};
   // a band says nothing of the frequencies beyond it
   drop.rms_hz = band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(*learned) * rate_hz;
   std::vector<TimedImpact> all;

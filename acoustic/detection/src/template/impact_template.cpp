@@ -23,7 +23,8 @@ namespace {
 constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
 
 /// Extends the whitener by a filter that also whitens what the template does not explain: noise where that is all, the
-/// ringing of modes that are excited differently each time where the noise is less than their variation.
+/// ringing of modes that are excited differently each time where the noise is less than their variation. The template
+/// anew, from the windows as they lie.
 void whiten_residuals(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
   std::vector<double> r(kTemplate.residual_order + 1, 0.0);
@@ -39,13 +40,10 @@ void whiten_residuals(TemplateEstimation& e) {
     for (std::size_t k = 0; k <= kTemplate.residual_order; ++k)
       both[j + k] += learned.whitener[j] * static_cast<float>(a[k]);
   learned.whitener = std::move(both);
-}
-
-/// The template anew after a new whitener, from the windows as they lie.
-void refine_template(TemplateEstimation& e) {
   for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
   average(e);
-  align_and_average(e, 1, 1);  // the new whitener may have resolved what was ambiguous
+  align(e, true);  // the new whitener may have resolved what was ambiguous
+  average(e);
 }
 
 void estimate_subbands(TemplateEstimation& e) {
@@ -93,19 +91,9 @@ void describe_training(TemplateEstimation& e) {
   learned.n_effective = effective_samples(e.mean);
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
-    ++learned.n_impacts;
     const double begin = static_cast<double>(impact.window.first) + impact.position + learned.contact_index;
     learned.training_t_s.push_back(begin / e.white.source().rate_hz);
     learned.training_weight += impact.estimate.amplitude * impact.estimate.amplitude;
-  }
-}
-
-void add_with_squares(const float* x, double factor, double* __restrict sum, double* __restrict squares,
-                      std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) {
-    const double value = factor * static_cast<double>(x[k]);
-    sum[k] += value;
-    squares[k] += value * value;
   }
 }
 
@@ -116,21 +104,25 @@ void describe_waveform(TemplateEstimation& e) {
   std::vector<double> squares(learned.n_template, 0.0);
   std::vector<float> x(e.window.n_window);
   audio::Spectrum spectrum, moved = learned.filter.spectrum();  // for its size
-  double n = 0.0;
+  std::size_t n_shown = 0;
   for (const TrainingImpact& impact : e.training) {
-    if (!impact.is_averaged() || n >= kMaxShown) continue;
+    if (!impact.is_averaged() || n_shown == kMaxShown) continue;
     audio::read_padded(e.white.source(), impact.window.first, x);
     e.fourier.forward(x, spectrum);
     audio::phase_shift(spectrum, learned.filter.omega() * impact.position, moved);
     const std::vector<float> y = e.fourier.inverse(moved);
-    add_with_squares(y.data(), 1.0 / impact.estimate.amplitude, sum.data(), squares.data(), sum.size());
-    n += 1.0;
+    const double factor = 1.0 / impact.estimate.amplitude;
+    for (std::size_t k = 0; k < learned.n_template; ++k) {
+      const double value = factor * static_cast<double>(y[k]);
+      sum[k] += value;
+      squares[k] += value * value;
+    }
+    ++n_shown;
   }
-  learned.waveform.resize(learned.n_template);
-  learned.spread.resize(learned.n_template);
+  const auto n = static_cast<double>(n_shown);
   for (std::size_t k = 0; k < learned.n_template; ++k) {
-    learned.waveform[k] = sum[k] / n;
-    learned.spread[k] = std::sqrt(std::max(0.0, squares[k] / n - learned.waveform[k] * learned.waveform[k]));
+    learned.waveform.push_back(sum[k] / n);
+    learned.spread.push_back(std::sqrt(std::max(0.0, squares[k] / n - square(learned.waveform[k]))));
     learned.peak = std::max(learned.peak, std::abs(learned.waveform[k]));
   }
 }
@@ -146,30 +138,6 @@ TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candida
   return e;
 }
 
-/// The template by a whitener of its own.
-void find_template_and_whitener(TemplateEstimation& e, const ArModel& noise) {
-  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window, kTemplate.unrepeated);
-  find_template(e);
-  whiten_by_noise(e, noise);
-  whiten_residuals(e);
-  refine_template(e);
-}
-
-/// Squared gain of the whitener at the template's bins, in some unit.
-std::vector<double> gain2(const ImpactTemplate& learned) {
-  const std::size_t n_window = learned.filter.n_window();
-  // long enough for the whitener also at low rates
-  const std::size_t n = std::max(n_window, std::bit_ceil(learned.whitener.size()));
-  audio::RealFft fourier(n);
-  const audio::Spectrum response = fourier.forward(learned.whitener);
-  std::vector<double> gain(learned.filter.spectrum().size());
-  for (std::size_t k = 0; k < gain.size(); ++k) {
-    const std::size_t at = k * (n / n_window);
-    gain[k] = square(static_cast<double>(response.re[at])) + square(static_cast<double>(response.im[at]));
-  }
-  return gain;
-}
-
 }  // namespace
 
 std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
@@ -177,10 +145,13 @@ std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel
                                                 const std::vector<bool>& clipped) {
   if (impacts.size() < 3) return std::nullopt;
   TemplateEstimation e = begin_estimation(white, impacts, clipped);
-  find_template_and_whitener(e, noise);
+  e.learned.whitener = impact_whitener(white.source(), noise, e.begins, e.window.n_window, kTemplate.unrepeated);
+  find_template(e);
+  whiten_by_noise(e, noise);
+  whiten_residuals(e);
   estimate_subbands(e);
   describe_training(e);
-  if (e.learned.n_impacts < 3) return std::nullopt;
+  if (e.learned.training_t_s.size() < 3) return std::nullopt;
   describe_waveform(e);
   return std::move(e.learned);
 }
@@ -190,14 +161,18 @@ double correlation(const DelayEstimate& estimate, double total) {
 }
 
 double recorded_rms_frequency(const ImpactTemplate& learned) {
-  const std::vector<double> gain = gain2(learned);
+  const std::size_t n_window = learned.filter.n_window();
+  // long enough for the whitener also at low rates
+  const std::size_t n = std::max(n_window, std::bit_ceil(learned.whitener.size()));
+  const audio::Spectrum response = audio::RealFft(n).forward(learned.whitener);
   double power = 0.0, squares = 0.0;
-  for (std::size_t k = 1; k < gain.size(); ++k) {
-    const double recorded = learned.filter.energy(k, k + 1) / (gain[k] + 1e-30);
+  for (std::size_t k = 1; k < learned.filter.spectrum().size(); ++k) {
+    const double gain2 = audio::bin_power(response, k * (n / n_window));
+    const double recorded = learned.filter.energy(k, k + 1) / (gain2 + 1e-30);
     power += recorded;
     squares += recorded * square(static_cast<double>(k));
   }
-  return std::max(1e-6, std::sqrt(squares / (power + 1e-300)) / static_cast<double>(learned.filter.n_window()));
+  return std::max(1e-6, std::sqrt(squares / (power + 1e-300)) / static_cast<double>(n_window));
 }
 
 }  // namespace bouncelab::detection

@@ -24,8 +24,7 @@ struct ImpactTemplate {
   double contact_index = 0.0;        ///< start of contact, in samples from the window's first
   double n_effective = 0.0;          ///< samples that hold its energy, 3 (sum w^2)^2 / sum w^4: all of them in noise
   double correlation = 0.0;          ///< median of the training impacts with the template
-  std::int64_t n_impacts = 0;        ///< that it is the mean of
-  std::vector<double> training_t_s;  ///< their times
+  std::vector<double> training_t_s;  ///< times of the impacts that it is the mean of
   double training_weight = 0.0;      ///< sum of their squared amplitudes, in units of the template
   std::vector<double> waveform;      ///< the mean as recorded, not whitened
   std::vector<double> spread;        ///< its standard deviation from impact to impact

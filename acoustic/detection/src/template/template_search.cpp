@@ -58,8 +58,9 @@ std::vector<TrainingImpact> cut_training(TemplateEstimation& e, bool at_attacks)
 void start_from(TemplateEstimation& e, std::size_t start) {
   e.learned.subbands = {};
   e.only_lower_half = true;
-  set_template(e, first_template(e.training[start], e.window, e.fourier));
-  align_and_average(e, 1, 1);
+  set_template(e, tapered(e.training[start].spectrum, 1.0, e.window, e.fourier));
+  align(e, true);
+  average(e);
   align(e, true);
   e.only_lower_half = false;
   e.learned.subbands = {};
@@ -82,13 +83,7 @@ struct Found {
   bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
 };
 
-/// What was found so far; leaves the template in `e`, but not the windows, of which a copy takes as long as cutting
-/// them.
-Found take_state_of(TemplateEstimation& e) {
-  Found found{e.learned, std::move(e.training), std::move(e.mean)};
-  e.training.clear();
-  return found;
-}
+Found state_of(const TemplateEstimation& e) { return {e.learned, e.training, e.mean}; }
 
 void restore(TemplateEstimation& e, Found found) {
   e.learned = std::move(found.learned);
@@ -104,7 +99,7 @@ Found find_template(TemplateEstimation& e, bool at_attacks) {
   for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
     e.training = cut_training(e, at_attacks);
     start_from(e, start);
-    Found found = take_state_of(e);
+    Found found = state_of(e);
     if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
     if (best.is_enough()) break;
   }
@@ -114,8 +109,11 @@ Found find_template(TemplateEstimation& e, bool at_attacks) {
 }  // namespace
 
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
-  cut_window(e.white, e.learned.whitener, first, e.fourier, e.window.n_window, impact);
-  impact.power = power_of(impact.spectrum, impact.spectrum.size());
+  impact.window.first = first;
+  impact.window.sound.resize(e.window.n_window);
+  e.white.read(e.learned.whitener, first, impact.window.sound);
+  e.fourier.forward(impact.window.sound, impact.spectrum);
+  impact.total = audio::dot(impact.window.sound, impact.window.sound);
 }
 
 void set_template(TemplateEstimation& e, TemplateAverage average) {
@@ -143,15 +141,7 @@ void align(TemplateEstimation& e, bool search) {
     impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
     impact.position = impact.estimate.shift;
     impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
-    const bool is_whole = e.n_bins == impact.spectrum.size();
-    impact.correlation = correlation(impact.estimate, is_whole ? impact.power : power_of(impact.spectrum, e.n_bins));
-  }
-}
-
-void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds) {
-  for (int round = 0; round < n_rounds; ++round) {
-    align(e, round < n_searched);
-    average(e);
+    impact.correlation = correlation(impact.estimate, power_of(impact.spectrum, e.n_bins));
   }
 }
 
@@ -173,15 +163,9 @@ void find_template(TemplateEstimation& e) {
 
 void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
-  Found before = take_state_of(e);
+  Found before = state_of(e);
   e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window, 0.0);
-  for (const TrainingImpact& known : before.training) {
-    TrainingImpact& impact = e.training.emplace_back();
-    cut_training_window(e, known.window.first, impact);
-    impact.position = known.position;
-    impact.estimate = known.estimate;
-    impact.correlation = known.correlation;
-  }
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
   e.learned.subbands = {};
   average(e);
   align(e, false);

@@ -38,9 +38,6 @@ void average(TemplateEstimation& e);
 /// @param search  anew within a millisecond, not only about the last position
 void align(TemplateEstimation& e, bool search);
 
-/// @param n_searched  rounds in which positions are searched for; in the others they are refined
-void align_and_average(TemplateEstimation& e, int n_searched, int n_rounds);
-
 /// What the template leaves of a training impact.
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
-#include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "template/template_model.hpp"
@@ -35,19 +35,6 @@ std::vector<double> taper_of(const TemplateWindow& window) {
     taper[taper.size() - left] *= part_of_sine(left, fall);
   return taper;
 }
-
-/// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
-/// @param mean  receives it as a function of time
-audio::Spectrum tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
-                        audio::RealFft& fourier, std::vector<float>& mean) {
-  mean = fourier.inverse(sum);
-  const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
-  for (std::size_t n = 0; n < window.n_template; ++n) mean[n] *= static_cast<float>(scale * window.taper[n]);
-  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(window.n_template), mean.end(), 0.0F);
-  return fourier.forward(mean);
-}
-
-double omega_of(const TemplateWindow& window) { return 2.0 * kPi / static_cast<double>(window.n_window); }
 
 }  // namespace
 
@@ -88,13 +75,14 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
   return chosen;
 }
 
-void cut_window(WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first, audio::RealFft& fourier,
-                std::size_t n_window, TrainingImpact& impact) {
-  impact.window.first = first;
-  impact.window.sound.resize(n_window);
-  sound.read(whitener, first, impact.window.sound);
-  fourier.forward(impact.window.sound, impact.spectrum);
-  impact.total = audio::dot(impact.window.sound, impact.window.sound);
+TemplateAverage tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
+                        audio::RealFft& fourier) {
+  std::vector<float> mean = fourier.inverse(sum);
+  const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
+  for (std::size_t n = 0; n < window.n_template; ++n) mean[n] *= static_cast<float>(scale * window.taper[n]);
+  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(window.n_template), mean.end(), 0.0F);
+  audio::Spectrum spectrum = fourier.forward(mean);
+  return {std::move(spectrum), std::move(mean)};
 }
 
 TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
@@ -104,18 +92,18 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
   double weights[2] = {0.0, 0.0};
   std::size_t n_averaged = 0;
   audio::Spectrum moved{none, none};
+  const double omega = 2.0 * kPi / static_cast<double>(window.n_window);
   for (const TrainingImpact& impact : training) {
     if (!impact.is_averaged()) continue;
     const double a = impact.estimate.amplitude;
     const std::size_t half = n_averaged++ % 2;
-    audio::phase_shift(impact.spectrum, omega_of(window) * impact.position, moved);
+    audio::phase_shift(impact.spectrum, omega * impact.position, moved);
     audio::add_scaled(sums[half], moved, a);
     weights[half] += a * a;
   }
   audio::Spectrum sum = sums[0];
   audio::add_scaled(sum, sums[1], 1.0);
-  TemplateAverage average;
-  average.spectrum = tapered(sum, weights[0] + weights[1], window, fourier, average.mean);
+  TemplateAverage average = tapered(sum, weights[0] + weights[1], window, fourier);
   if (n_averaged >= kTemplate.fewest_for_coherence) {
     const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
     for (std::size_t k = 0; k < average.spectrum.size(); ++k) {
@@ -123,13 +111,6 @@ TemplateAverage average_of(const std::vector<TrainingImpact>& training, const Te
       average.spectrum.im[k] *= weight[k];
     }
   }
-  return average;
-}
-
-TemplateAverage first_template(const TrainingImpact& impact, const TemplateWindow& window, audio::RealFft& fourier) {
-  TemplateAverage average;
-  average.spectrum = tapered(audio::phase_shifted(impact.spectrum, omega_of(window) * impact.position), 1.0, window,
-                             fourier, average.mean);
   return average;
 }
 

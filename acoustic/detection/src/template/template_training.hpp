@@ -27,7 +27,6 @@ struct TrainingImpact {
   WhiteWindow window;
   audio::Spectrum spectrum;
   double total = 0.0;     ///< sum of squares
-  double power = 0.0;     ///< of the spectrum, which leaves out bin 0 and the last
   double position = 0.0;  ///< of the template within the window [samples]
   DelayEstimate estimate;
   double correlation = 1.0;
@@ -43,10 +42,6 @@ TemplateWindow template_window(const audio::AudioSource& sound, const std::vecto
 std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
                                                  const std::vector<bool>& clipped);
 
-/// Reads the whitened window that begins at a sample.
-void cut_window(WhiteSound& sound, const std::vector<float>& whitener, std::int64_t first, audio::RealFft& fourier,
-                std::size_t n_window, TrainingImpact& impact);
-
 /// Mean of the training impacts.
 struct TemplateAverage {
   audio::Spectrum spectrum;
@@ -54,12 +49,13 @@ struct TemplateAverage {
 };
 
 /// Mean of the impacts that correlate with the template, each weighted by its amplitude, less what its two halves do
-/// not share (coherence_weight.hpp), with both ends tapered.
+/// not share (coherence_weight), with both ends tapered.
 TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
                            audio::RealFft& fourier);
 
-/// One impact as a first template.
-TemplateAverage first_template(const TrainingImpact& impact, const TemplateWindow& window, audio::RealFft& fourier);
+/// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
+TemplateAverage tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
+                        audio::RealFft& fourier);
 
 /// Coherence (Wiener) weight of a mean, by bin: the share c of its power that two halves of the data have in common,
 /// over the 17 bins around. 1 where the halves agree, 0 where the mean is noise. Shares below 0.5, which noise reaches
