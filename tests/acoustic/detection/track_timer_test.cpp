@@ -11,7 +11,7 @@
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
-#include "delay/track_search.hpp"
+#include "delay/missing_impacts.hpp"
 #include "support/modal_sound.hpp"
 #include "whitening/linear_prediction.hpp"
 

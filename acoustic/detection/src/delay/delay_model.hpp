@@ -40,12 +40,12 @@ struct DelayModel {
   double higher = 2.0;           ///< times the peak that was found
 
   // the places of an impact
-  double late_s = 6e-3;            ///< of a candidate behind its impact: the longest window of the candidates
-  double pre_echo_s = 21.4e-3;     ///< of a candidate before its impact: a block of 1024 samples at 48 kHz
-  double far_s = 27.4e-3;          ///< over which an impact may lie that is not where the sound rises: both
-  double much_left = 1.25;         ///< of the expected residual: then the impact may be at another place
-  double of_template = 0.75;       ///< that is judged where a window has no end: the rest is hardly above noise
-  double search_share = 0.25;      ///< of the intervals on either side, over which an impact may be searched for
+  double late_s = 6e-3;                ///< of a candidate behind its impact: the longest window of the candidates
+  double pre_echo_s = 21.4e-3;         ///< of a candidate before its impact: a block of 1024 samples at 48 kHz
+  double far_s = late_s + pre_echo_s;  ///< over which an impact may lie that is not where the sound rises
+  double much_left = 1.25;             ///< of the expected residual: then the impact may be at another place
+  double of_template = 0.75;           ///< that is judged where a window has no end: the rest is hardly above noise
+  double search_share = 0.25;          ///< of the intervals on either side, over which an impact may be searched for
   double unexpected = 4.0;         ///< standard deviations from where its neighbours expect it: searched for there too
   double most_of_interval = 0.25;  ///< of either interval: what is further off is the neighbour's
   double least_doubt = 1e-2;       ///< probability of other times from which an impact is flagged doubtful

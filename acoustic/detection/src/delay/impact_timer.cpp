@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <span>
+#include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
 #include "bouncelab/core/ball.hpp"
@@ -27,26 +27,13 @@ std::int64_t samples(double duration_s, const audio::AudioSource& sound) {
 double noise_in_product(const ImpactTemplate& learned) {
   const Subbands& subbands = learned.subbands;
   double sum = 0.0;
-  for (std::size_t j = 0; j < subbands.n(); ++j)
-    sum += subbands.noise[j] * learned.filter.energy(subbands.edge[j], subbands.edge[j + 1]);
+  for (std::size_t j = 0; j < subbands.n(); ++j) sum += subbands.noise[j] * learned.filter.energy(subbands, j);
   return sum / (learned.filter.energy() + 1e-30);
 }
 
-/// The end of a mask.
-std::vector<float> taper_of(std::size_t n) {
-  std::vector<float> taper(n);
-  for (std::size_t k = 0; k < n; ++k)
-    taper[k] = static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n))));
-  return taper;
-}
-
-/// x = sound - amplitude x
-void leave_rest(const float* sound, float amplitude, float* x, std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) x[k] = sound[k] - amplitude * x[k];
-}
-
-void leave_rest(const std::vector<float>& sound, float amplitude, std::vector<float>& x) {
-  leave_rest(sound.data(), amplitude, x.data(), x.size());
+/// Leaves what is not the impact's.
+void subtract_from(const std::vector<float>& sound, float amplitude, std::vector<float>& x) {
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] = sound[k] - amplitude * x[k];
 }
 
 void multiply(std::vector<float>& x, const std::vector<float>& mask) {
@@ -62,74 +49,65 @@ ImpactTimer::ImpactTimer(WhiteSound& white, const ImpactTemplate& learned)
       noise_(noise_in_product(learned)),
       known_(white, learned) {}
 
-ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) {
+ImpactTimer::Mask ImpactTimer::mask_of(std::size_t n_fit) const {
   if (n_fit >= learned_.n_template) return {};
   Mask mask(learned_.filter.n_window(), 1.0F);
   const std::size_t n_taper = std::min(n_fit, std::max<std::size_t>(4, n_fit / 16));
-  if (taper_.size() != n_taper) taper_ = taper_of(n_taper);
-  std::copy(taper_.begin(), taper_.end(), mask.begin() + static_cast<std::ptrdiff_t>(n_fit - n_taper));
+  for (std::size_t k = 0; k < n_taper; ++k)
+    mask[n_fit - n_taper + k] =
+        static_cast<float>(square(cos(0.5 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(n_taper))));
   std::fill(mask.begin() + static_cast<std::ptrdiff_t>(n_fit), mask.end(), 0.0F);
   return mask;
 }
 
-MatchedFilter ImpactTimer::masked_template(double shift, const Mask& mask) {
-  const auto placed_at = [&](double at) {
-    return fourier_.inverse(audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * at));
-  };
-  if (shift == 0.0 && unshifted_.empty()) unshifted_ = placed_at(0.0);
-  std::vector<float> placed = shift == 0.0 ? unshifted_ : placed_at(shift);
-  multiply(placed, mask);
-  return {fourier_.forward(placed), learned_.filter.n_window()};
+audio::Spectrum ImpactTimer::placed(double shift, const Mask& mask) const {
+  audio::Spectrum w = audio::phase_shifted(learned_.filter.spectrum(), -learned_.filter.omega() * shift);
+  if (mask.empty()) return w;
+  std::vector<float> wave = fourier_.inverse(w);
+  multiply(wave, mask);
+  return fourier_.forward(wave);
 }
 
-void ImpactTimer::cut(std::int64_t first, std::int64_t end, FitWindow& window) {
+ImpactTimer::FitWindow ImpactTimer::cut(std::int64_t first, std::int64_t end) {
   constexpr std::int64_t kMinFit = 8;  // samples after the start of contact
   const auto contact = static_cast<std::int64_t>(learned_.contact_index);
+  FitWindow window;
   window.first = first;
   window.n_fit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(end - first, contact + kMinFit, static_cast<std::int64_t>(learned_.n_template)));
   window.mask = mask_of(window.n_fit);
-  known_.window_without(first, {}, window.sound);
+  window.sound = known_.window_without(first);
   multiply(window.sound, window.mask);
   window.total = audio::dot(window.sound, window.sound);
-  fourier_.forward(window.sound, window.spectrum);
+  window.spectrum = fourier_.forward(window.sound);
+  return window;
 }
 
-Correlation ImpactTimer::correlation_in(const FitWindow& window, double from, double to) {
+Correlation ImpactTimer::correlation_in(const FitWindow& window, double from, double to) const {
   if (window.mask.empty()) return {learned_.filter, window.spectrum, from, to};
-  return {masked_template(0.0, window.mask), window.spectrum, from, to};
+  return {MatchedFilter(placed(0.0, window.mask), learned_.filter.n_window()), window.spectrum, from, to};
 }
 
 double ImpactTimer::n_of(const FitWindow& window) const {
   return static_cast<double>(window.mask.empty() ? window.sound.size() : window.n_fit);
 }
 
-double ImpactTimer::residual_variance(const FitWindow& window, double log_likelihood_ratio) const {
-  return std::max(0.0, window.total - 2.0 * log_likelihood_ratio) / n_of(window);
-}
-
-double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) {
+double ImpactTimer::residual_in_product(const FitWindow& window, const DelayEstimate& r) const {
   const MatchedFilter& filter = learned_.filter;
-  audio::Spectrum& placed = placed_;
-  if (placed.size() != filter.spectrum().size()) placed = filter.spectrum();  // for its size
-  audio::phase_shift(filter.spectrum(), -filter.omega() * r.shift, placed);
-  if (!window.mask.empty()) {
-    std::vector<float> wave = fourier_.inverse(placed);
-    multiply(wave, window.mask);
-    fourier_.forward(wave, placed);
-  }
+  audio::Spectrum rest = placed(r.shift, window.mask);
   const auto amplitude = static_cast<float>(std::max(0.0, r.amplitude));
-  leave_rest(window.spectrum.re, amplitude, placed.re);
-  leave_rest(window.spectrum.im, amplitude, placed.im);
-  const double sum = filter.energy_times_power_of(placed);
+  subtract_from(window.spectrum.re, amplitude, rest.re);
+  subtract_from(window.spectrum.im, amplitude, rest.im);
+  const double sum = filter.energy_times_power_of(rest);
   return 0.5 * sum / (filter.energy() + 1e-30) * static_cast<double>(window.sound.size()) / n_of(window);
 }
 
-DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) {
+DelayEstimate ImpactTimer::estimate_in(const FitWindow& window, double shift) const {
   if (window.mask.empty()) return estimate_delay(learned_.filter, learned_.subbands, window.spectrum, shift);
   DelayEstimate r;
   for (int step = 0; step < 2; ++step) {  // the masked template depends on the shift
-    r = estimate_delay(masked_template(shift, window.mask), learned_.subbands, window.spectrum, 0.0);
+    const MatchedFilter masked(placed(shift, window.mask), learned_.filter.n_window());
+    r = estimate_delay(masked, learned_.subbands, window.spectrum, 0.0);
     r.shift = shift += r.shift;
   }
   return r;
@@ -139,19 +117,29 @@ ImpactFit ImpactTimer::time(double t_s, double reach_s, double until_s) {
   const std::int64_t start = samples(t_s, sound_) - static_cast<std::int64_t>(learned_.contact_index);
   const std::int64_t end = samples(until_s, sound_) - samples(reach_s, sound_);
   const double reach = reach_s * sound_.rate_hz + 2.0;
-  FitWindow& window = window_;
-  cut(start, end, window);
+  FitWindow window = cut(start, end);
   Correlation products = correlation_in(window, -reach, reach);
   for (int again = 0; again < kMaxCuts && std::abs(products.highest().shift) > kTemplate.recut_samples; ++again) {
     // the window's edge has cut what is far off: the peaks have to be found anew
-    cut(window.first + std::llround(products.highest().shift), end, window);
+    window = cut(window.first + std::llround(products.highest().shift), end);
     const auto moved = static_cast<double>(window.first - start);
     products = correlation_in(window, -reach - moved, reach - moved);
   }
   return fit_of(window, products);
 }
 
-ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) {
+ImpactFit ImpactTimer::search(double t_s, double reach_s, double until_s) {
+  ImpactFit best = time(t_s, reach_s, until_s);
+  if (reach_s < step_s()) return best;
+  for (double from_s = t_s - reach_s; from_s < t_s + reach_s; from_s += step_s()) {
+    ImpactFit fit = time(from_s, step_s(), until_s);
+    if (fit.log_likelihood_ratio > best.log_likelihood_ratio && std::abs(fit.t_s - t_s) <= reach_s)
+      best = std::move(fit);
+  }
+  return best;
+}
+
+ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& products) const {
   const auto time_of = [&](double shift) {
     return (static_cast<double>(window.first) + shift + learned_.contact_index) / sound_.rate_hz;
   };
@@ -161,7 +149,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   fit.sigma_s = std::sqrt(r.variance) / sound_.rate_hz;
   fit.amplitude = r.amplitude;
   fit.log_likelihood_ratio = r.log_likelihood_ratio;
-  fit.residual_variance = residual_variance(window, r.log_likelihood_ratio);
+  fit.residual_variance = std::max(0.0, window.total - 2.0 * r.log_likelihood_ratio) / n_of(window);
   // what an impact has of its own rings when the template does: it is all in the few samples that hold the energy
   const double quiet = std::min(1.0, noise_);
   const double rest = residual_in_product(window, r);
@@ -178,7 +166,5 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   }
   return fit;
 }
-
-void ImpactTimer::subtract_from_later(const ImpactFit& impact) { known_.add(impact.t_s, impact.amplitude); }
 
 }  // namespace bouncelab::detection

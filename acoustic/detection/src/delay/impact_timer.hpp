@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -27,10 +26,19 @@ class ImpactTimer {
   /// The most likely impact within reach_s of t_s, whether or not there is one (log_likelihood_ratio).
   /// @param until_s  sound from here on belongs to the next impact
   ImpactFit time(double t_s, double reach_s, double until_s);
+  /// The same by several windows where the reach is wider than step_s(): one that begins after an impact misses its
+  /// strongest part.
+  ImpactFit search(double t_s, double reach_s, double until_s);
   /// Makes an impact known: later calls of time() subtract its ringing. In any order; one of amplitude 0 adds nothing.
-  void subtract_from_later(const ImpactFit& impact);
+  void subtract_from_later(const ImpactFit& impact) { known_.add(impact.t_s, impact.amplitude); }
   /// Variance of the noise in quiet windows, that of a perfect whitener being 1; in lossy sound it may be far below.
   double noise() const { return noise_; }
+  const ImpactTemplate& learned() const { return learned_; }
+  double rate_hz() const { return sound_.rate_hz; }
+  /// Duration of the template.
+  double template_s() const { return static_cast<double>(learned_.n_template) / rate_hz(); }
+  /// Step of a search that is wider than the template.
+  double step_s() const { return 0.25 * template_s(); }
 
  private:
   /// Factors of a window's samples; empty = all are 1.
@@ -45,31 +53,26 @@ class ImpactTimer {
     audio::Spectrum spectrum;
   };
   /// @param end  sample from which on the sound belongs to the next impact
-  void cut(std::int64_t first, std::int64_t end, FitWindow& window);
-  Correlation correlation_in(const FitWindow& window, double from, double to);
+  FitWindow cut(std::int64_t first, std::int64_t end);
+  Correlation correlation_in(const FitWindow& window, double from, double to) const;
   /// Samples that hold sound.
   double n_of(const FitWindow& window) const;
-  /// Mean square of what an impact leaves of a window.
-  double residual_variance(const FitWindow& window, double log_likelihood_ratio) const;
-  /// The same at the frequencies of the template, weighted by its energy: what disturbs the product with it. A codec
-  /// leaves its errors just there.
-  double residual_in_product(const FitWindow& window, const DelayEstimate& r);
+  /// Mean square of what an impact leaves of a window at the frequencies of the template, weighted by its energy: what
+  /// disturbs the product with it. A codec leaves its errors just there.
+  double residual_in_product(const FitWindow& window, const DelayEstimate& r) const;
   /// @param shift  of the highest peak of its correlation
-  DelayEstimate estimate_in(const FitWindow& window, double shift);
-  ImpactFit fit_of(const FitWindow& window, const Correlation& products);
+  DelayEstimate estimate_in(const FitWindow& window, double shift) const;
+  ImpactFit fit_of(const FitWindow& window, const Correlation& products) const;
   /// 1 for the first n_fit samples, with a tapered end.
-  Mask mask_of(std::size_t n_fit);
-  MatchedFilter masked_template(double shift, const Mask& mask);
+  Mask mask_of(std::size_t n_fit) const;
+  /// The template at a shift, as much as the mask leaves of it.
+  audio::Spectrum placed(double shift, const Mask& mask) const;
 
   const audio::AudioSource& sound_;
   const ImpactTemplate& learned_;
   audio::RealFft fourier_;
   double noise_;
   Ringing known_;
-  FitWindow window_;              // that is searched; kept for its memory
-  audio::Spectrum placed_;        // the template where an impact is; kept for its memory
-  std::vector<float> unshifted_;  // the template; computed when first needed
-  std::vector<float> taper_;      // of the last mask
 };
 
 }  // namespace bouncelab::detection

@@ -2,11 +2,12 @@
 #include "delay/missing_impacts.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
 #include "delay/delay_model.hpp"
-#include "delay/track_search.hpp"
 #include "tracking/impact_odds.hpp"
 
 namespace bouncelab::detection {
@@ -17,6 +18,42 @@ constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre
 /// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
 /// normals. A hundredth is enough, since a track goes on more often than not.
 double noise_threshold(double n_lags) { return log(n_lags) + 4.6; }
+
+using TimedImpacts = std::vector<TimedImpact>;
+
+/// Ratios of the last intervals, sorted.
+std::vector<double> last_ratios(const TimedImpacts& track) {
+  std::vector<double> ratios;
+  for (std::size_t k = track.size(); k-- > 2 && ratios.size() < kDelay.most_ratios;)
+    if (track[k].impact - track[k - 2].impact == 2)
+      ratios.push_back((track[k].fit.t_s - track[k - 1].fit.t_s) / (track[k - 1].fit.t_s - track[k - 2].fit.t_s));
+  std::sort(ratios.begin(), ratios.end());
+  return ratios;
+}
+
+/// The flight that ends at impact k; where impacts are missing in it, its last part.
+double flight_before(const TimedImpacts& track, std::size_t k, double eps) {
+  const auto n = static_cast<double>(track[k].impact - track[k - 1].impact);
+  return (track[k].fit.t_s - track[k - 1].fit.t_s) * pow(eps, n - 1.0) * (1.0 - eps) / (1.0 - pow(eps, n));
+}
+
+/// Coefficient of restitution of the next impact: the median of the last nine ratios of intervals, 0.3 ... 0.999;
+/// 0.97 where there is none.
+double predicted_eps(const TimedImpacts& track) {
+  const std::vector<double> ratios = last_ratios(track);
+  // at most 0.999, so that a geometric series of it has a finite sum
+  return ratios.empty() ? kDelay.default_eps : std::clamp(ratios[ratios.size() / 2], 0.3, 0.999);
+}
+
+/// How far the next interval may be from the predicted one, as a share of it: four standard deviations of the last
+/// ratios (from their quartiles), within 0.015 ... 0.06.
+double predicted_eps_reach(const TimedImpacts& track) {
+  constexpr double kQuartilesToSigma = 0.74;  // the quartiles of a normal distribution are 1.35 sigma apart
+  const std::vector<double> ratios = last_ratios(track);
+  if (ratios.size() < kDelay.fewest_ratios) return kDelay.most_eps_reach;
+  const double quartiles = ratios[3 * ratios.size() / 4] - ratios[ratios.size() / 4];
+  return std::clamp(4.0 * kQuartilesToSigma * quartiles, kDelay.least_eps_reach, kDelay.most_eps_reach);
+}
 
 /// Where an impact without candidate is searched for, and what it must have to be accepted.
 struct Prediction {
@@ -30,10 +67,10 @@ struct Prediction {
 /// Whether the template supports an impact.
 /// @param n_lags         of the search that found it
 /// @param min_llr_ratio  least log likelihood ratio over residual variance
-bool is_supported(const Search& search, const TimedImpact& impact, const TimedImpact& neighbour, double n_lags,
+bool is_supported(const ImpactTimer& timer, const TimedImpact& impact, const TimedImpact& neighbour, double n_lags,
                   double min_llr_ratio) {
   // within the neighbour's ringing the noise was estimated from just that, for which min_llr_ratio stands
-  const bool is_isolated = impact.fit.t_s - neighbour.fit.t_s > search.template_s;
+  const bool is_isolated = impact.fit.t_s - neighbour.fit.t_s > timer.template_s();
   const double noise = is_isolated ? impact.fit.noise : 1.0;
   return impact.fit.log_likelihood_ratio > noise_threshold(n_lags) * noise &&
          impact.fit.log_likelihood_ratio > min_llr_ratio * impact.fit.residual_variance;
@@ -49,40 +86,40 @@ bool has_amplitude_of(const TimedImpact& impact, const TimedImpact& neighbour) {
 double llr_before(TimedTrack& track, double t_s, double min_half_s) {
   const double last_s = track.impacts.back().fit.t_s;
   const double half_s = 0.5 * (1.0 - kDelay.ringing_part) * (t_s - last_s);
-  return half_s > min_half_s ? find_impact(track.search, t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
+  return half_s > min_half_s ? track.timer.search(t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
 }
 
 /// A peak beside the one found that is so much higher that the latter is its side lobe: a single gain or loss that the
 /// search did not reach.
-std::optional<ImpactFit> sidelobe_check(Search& search, const ImpactFit& found, double after_s, double until_s) {
+std::optional<ImpactFit> sidelobe_check(ImpactTimer& timer, const ImpactFit& found, double after_s, double until_s) {
   if (after_s < 4.0 * kDelay.side_lobes_s) return std::nullopt;  // so near it is a neighbour's
-  const ImpactFit best = find_impact(search, found.t_s, kDelay.side_lobes_s, until_s);
+  const ImpactFit best = timer.search(found.t_s, kDelay.side_lobes_s, until_s);
   if (best.log_likelihood_ratio < kDelay.higher * found.log_likelihood_ratio) return std::nullopt;
   return best;
 }
 
 /// Searches for an impact without candidate, and appends it where it is supported.
 bool search_missing(TimedTrack& track, const Prediction& p) {
-  const double rate_hz = track.search.white.source().rate_hz;
+  const double rate_hz = track.timer.rate_hz();
   const TimedImpact& last = track.impacts.back();
   const double t_s = last.fit.t_s + p.after_s;
   const double reach_s = p.reach_s + 2.0 / rate_hz;
   TimedImpact impact;
   impact.impact = p.impact;
-  impact.fit = find_impact(track.search, t_s, reach_s, p.until_s);
+  impact.fit = track.timer.search(t_s, reach_s, p.until_s);
   impact.until_s = p.until_s;
   impact.inferred = true;
-  impact.overlap = p.until_s - t_s < track.search.template_s;
+  impact.overlap = p.until_s - t_s < track.timer.template_s();
   double min_llr_ratio = p.min_llr_ratio;
-  if (const auto higher = sidelobe_check(track.search, impact.fit, p.after_s, p.until_s)) {
+  if (const auto higher = sidelobe_check(track.timer, impact.fit, p.after_s, p.until_s)) {
     impact.fit = *higher;
     min_llr_ratio = std::max(min_llr_ratio, kDelay.least_of_outlier);
   }
   if (!has_amplitude_of(impact, last) ||
-      !is_supported(track.search, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
+      !is_supported(track.timer, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
     return false;
   // within the last impact's ringing everything correlates with the template
-  const bool is_isolated = p.after_s > track.search.template_s;
+  const bool is_isolated = p.after_s > track.timer.template_s();
   if (is_isolated && min_llr_ratio >= kDelay.least_beyond_end &&
       impact.fit.log_likelihood_ratio < kDelay.least_prominence * llr_before(track, t_s - reach_s, reach_s))
     return false;
@@ -95,6 +132,28 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
 
 }  // namespace
 
+void append(TimedTrack& track, const TimedImpact& impact) {
+  track.timer.subtract_from_later(impact.fit);
+  track.impacts.push_back(impact);
+}
+
+PredictedImpact predict_beyond_end(const TimedImpacts& track, int n_left_out) {
+  const double eps = predicted_eps(track);
+  const std::int64_t next = track.back().impact + 1 + n_left_out;
+  std::vector<PredictedImpact> predicted;
+  for (std::size_t back = 1; back <= kDelay.anchors && back < track.size(); ++back) {
+    const std::size_t k = track.size() - back;
+    PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps), 0.0};
+    for (std::int64_t impact = track[k].impact; impact < next; ++impact) p.t_s += p.flight_s *= eps;
+    predicted.push_back(p);
+  }
+  std::sort(predicted.begin(), predicted.end(),
+            [](const PredictedImpact& a, const PredictedImpact& b) { return a.t_s < b.t_s; });
+  PredictedImpact median = predicted[predicted.size() / 2];
+  median.spread_s = std::max(predicted.back().t_s - median.t_s, median.t_s - predicted.front().t_s);
+  return median;
+}
+
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
   while (track.impacts.back().impact + 1 < next_impact) {
     const std::int64_t impact = track.impacts.back().impact + 1;
@@ -103,19 +162,20 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
     const auto search_after = [&](double after_s) {
       return search_missing(track, {impact, after_s, eps_reach * after_s, next_s, kDelay.least_in_gap});
     };
-    const bool found =
-        search_after(first_of_missing(track.impacts, static_cast<double>(next_impact - impact), next_s - last_s)) ||
-        // the next candidate may be late: a knock, an echo
-        (track.impacts.size() >= 3 && search_after(predict_beyond_end(track.impacts, 0).t_s - last_s));
+    // a geometric series of intervals of the predicted eps, that together take the time to the next candidate
+    const double eps = predicted_eps(track.impacts), n = static_cast<double>(next_impact - impact);
+    const double first_s = (next_s - last_s) * (1.0 - eps) / (1.0 - pow(eps, n + 1.0));
+    const bool found = search_after(first_s) ||
+                       // the next candidate may be late: a knock, an echo
+                       (track.impacts.size() >= 3 && search_after(predict_beyond_end(track.impacts, 0).t_s - last_s));
     if (!found) return;
   }
 }
 
 void extend(TimedTrack& track, double end_s) {
-  const Search& search = track.search;
   const double shortest_s =
       std::max(kDelay.least_interval_s,
-               kDelay.fewest_cycles / (search.learned.filter.rms_frequency() * search.white.source().rate_hz));
+               kDelay.fewest_cycles / (track.timer.learned().filter.rms_frequency() * track.timer.rate_hz()));
   for (int failures = 0; failures < kDelay.most_failures && track.impacts.size() >= 3;) {
     const double last_s = track.impacts.back().fit.t_s;
     const PredictedImpact predicted = predict_beyond_end(track.impacts, failures);

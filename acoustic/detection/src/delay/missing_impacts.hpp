@@ -4,11 +4,31 @@
 #include <cstdint>
 #include <vector>
 
-#include "candidates/candidates.hpp"
-#include "delay/track_search.hpp"
-#include "tracking/tracker.hpp"
+#include "delay/impact_timer.hpp"
+#include "delay/timed_impact.hpp"
 
 namespace bouncelab::detection {
+
+/// A track while it is being timed.
+struct TimedTrack {
+  ImpactTimer timer;  ///< with the impacts known so far
+  std::vector<TimedImpact> impacts;
+};
+
+/// Adds an impact to the track; its ringing is subtracted from then on.
+void append(TimedTrack& track, const TimedImpact& impact);
+
+/// An impact to come.
+struct PredictedImpact {
+  double t_s = 0.0;
+  double flight_s = 0.0;  ///< before it
+  double spread_s = 0.0;  ///< of the predictions about their median, at most
+};
+
+/// The impact after the next `n_left_out`, by the eps of the last ones: the median of what the last impact, the one
+/// before it and the one before that predict, each with the flight that ends there: one of them may be in a wrong
+/// place. Needs two impacts, in time order.
+PredictedImpact predict_beyond_end(const std::vector<TimedImpact>& track, int n_left_out);
 
 /// Searches for the impacts between the last one and the next candidate.
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s);

@@ -23,7 +23,8 @@ struct SharedSamples {
   std::size_t begin_in_first = 0;
 };
 
-SharedSamples shared_samples(std::int64_t offset, std::int64_t n) {
+SharedSamples shared_samples(std::int64_t offset, std::size_t n_window) {
+  const auto n = static_cast<std::int64_t>(n_window);
   if (std::abs(offset) >= n) return {};
   const std::int64_t begin = std::max<std::int64_t>(0, -offset);
   return {static_cast<std::size_t>(begin), static_cast<std::size_t>(n - std::abs(offset)),
@@ -33,11 +34,7 @@ SharedSamples shared_samples(std::int64_t offset, std::int64_t n) {
 }  // namespace
 
 Ringing::Ringing(WhiteSound& white, const ImpactTemplate& learned)
-    : learned_(learned),
-      n_window_(static_cast<std::int64_t>(learned.filter.n_window())),
-      rate_hz_(white.source().rate_hz),
-      white_(white),
-      fourier_(learned.filter.n_window()) {}
+    : white_(white), learned_(learned), fourier_(learned.filter.n_window()) {}
 
 void Ringing::add(double t_s, double amplitude, std::optional<audio::Spectrum> wave) {
   impacts_.push_back({0.0, 0.0, std::move(wave), 0, {}});
@@ -49,13 +46,14 @@ void Ringing::set(std::size_t k, double t_s, double amplitude) {
   impact.amplitude = std::max(0.0, amplitude);
   if (impact.t_s == t_s) return;
   impact.t_s = t_s;
-  impact.first = static_cast<std::int64_t>(std::floor(t_s * rate_hz_ - learned_.contact_index));
+  impact.first = static_cast<std::int64_t>(std::floor(t_s * white_.source().rate_hz - learned_.contact_index));
   impact.placed.clear();
 }
 
 const std::vector<float>& Ringing::placed(Known& impact) {
   if (impact.placed.empty()) {
-    const double shift = impact.t_s * rate_hz_ - learned_.contact_index - static_cast<double>(impact.first);
+    const double shift =
+        impact.t_s * white_.source().rate_hz - learned_.contact_index - static_cast<double>(impact.first);
     impact.placed = fourier_.inverse(audio::phase_shifted(impact.wave ? *impact.wave : learned_.filter.spectrum(),  //
                                                           -learned_.filter.omega() * shift));
   }
@@ -63,21 +61,16 @@ const std::vector<float>& Ringing::placed(Known& impact) {
 }
 
 std::vector<float> Ringing::window_without(std::int64_t first, std::optional<std::size_t> except) {
-  std::vector<float> window;
-  window_without(first, except, window);
-  return window;
-}
-
-void Ringing::window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& x) {
-  x.resize(static_cast<std::size_t>(n_window_));
+  std::vector<float> x(fourier_.size());
   white_.read(learned_.whitener, first, x);
   for (std::size_t k = 0; k < impacts_.size(); ++k) {
-    const SharedSamples shared = shared_samples(first - impacts_[k].first, n_window_);
+    const SharedSamples shared = shared_samples(first - impacts_[k].first, fourier_.size());
     if (k == except || shared.size == 0) continue;
     const float* wave = placed(impacts_[k]).data() + shared.begin_in_first;
     const auto a = static_cast<float>(impacts_[k].amplitude);
     audio::add_scaled(x.data() + shared.begin, -a, wave, shared.size);
   }
+  return x;
 }
 
 void Ringing::fit_amplitudes(const std::vector<bool>& free) {
@@ -93,7 +86,7 @@ void Ringing::fit_amplitudes(const std::vector<bool>& free) {
     change(i) = audio::dot(wave, window_without(impact.first));
     for (Eigen::Index j = i; j < n; ++j) {
       Known& later = impacts_[unknown[static_cast<std::size_t>(j)]];
-      const SharedSamples shared = shared_samples(later.first - impact.first, n_window_);
+      const SharedSamples shared = shared_samples(later.first - impact.first, fourier_.size());
       if (shared.size == 0) break;
       const double product = audio::dot(std::span(wave).subspan(shared.begin_in_first, shared.size),
                                         std::span(placed(later)).subspan(shared.begin, shared.size));

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "template/impact_template.hpp"
@@ -22,13 +21,10 @@ class Ringing {
   /// @param wave  spectrum of the impact's sound; none = that of the template
   void add(double t_s, double amplitude, std::optional<audio::Spectrum> wave = std::nullopt);
   void set(std::size_t k, double t_s, double amplitude);
-  std::size_t size() const { return impacts_.size(); }
   double amplitude(std::size_t k) const { return impacts_[k].amplitude; }
 
   /// The whitened window that begins at a sample, less the sound of all known impacts but one.
   std::vector<float> window_without(std::int64_t first, std::optional<std::size_t> except = std::nullopt);
-  /// The same into a window that has memory already.
-  void window_without(std::int64_t first, std::optional<std::size_t> except, std::vector<float>& window);
 
   /// Sets the amplitudes of impacts whose windows overlap, jointly, to those of least squares: normal equations
   /// sum_j <w_i, w_j> A_j = <w_i, x>, banded since only neighbours overlap. Those of no others change.
@@ -45,10 +41,8 @@ class Ringing {
   };
   const std::vector<float>& placed(Known& impact);
 
-  const ImpactTemplate& learned_;
-  std::int64_t n_window_;
-  double rate_hz_;
   WhiteSound& white_;
+  const ImpactTemplate& learned_;
   audio::RealFft fourier_;
   std::vector<Known> impacts_;
 };

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "delay/delay_model.hpp"
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,6 @@
 #include "delay/delay_model.hpp"
 #include "delay/delay_posterior.hpp"
 #include "delay/missing_impacts.hpp"
-#include "delay/track_search.hpp"
 #include "tracking/impact_odds.hpp"
 #include "tracking/tracking_model.hpp"
 
@@ -21,15 +20,15 @@ namespace {
 /// All places where the impact of a candidate may be: as far before it as the longest window in which a rise is found,
 /// and as far behind as a codec's noise goes before an attack.
 /// @param near  the best fit within its reach, with all places there
-ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& near, double most_before_s,
+ImpactFit find_everywhere(ImpactTimer& timer, const Candidate& c, const ImpactFit& near, double most_before_s,
                           double most_after_s, double until_s) {
   const double from_s = c.t_s - std::min(kDelay.late_s, most_before_s),
                to_s = c.t_s + std::min(kDelay.pre_echo_s, most_after_s);
-  const double same_s = 1.0 / search.white.source().rate_hz;
+  const double same_s = 1.0 / timer.rate_hz();
   ImpactFit far = near;
-  const double step_s = search_step_s(search);
+  const double step_s = timer.step_s();
   for (double t_s = from_s; t_s < to_s; t_s += step_s) {  // each place lies behind the beginning of one window
-    ImpactFit fit = search.timer.time(t_s, std::min(step_s, to_s - t_s), until_s);
+    ImpactFit fit = timer.time(t_s, std::min(step_s, to_s - t_s), until_s);
     std::erase_if(fit.alternatives, [&](const DelayHypothesis& h) { return h.t_s < from_s; });
     if (fit.t_s >= from_s) far = merged(far, fit, same_s);
   }
@@ -37,38 +36,29 @@ ImpactFit find_everywhere(Search& search, const Candidate& c, const ImpactFit& n
   return merged(with_fewer_places(near), with_fewer_places(far), same_s);
 }
 
-double least_residual(const Search& search) { return std::min(1.0, search.timer.noise()); }
-
-/// Variance of what a fit explains.
-double explained_variance(const Search& search, const ImpactFit& fit) {
-  return 2.0 * fit.log_likelihood_ratio / static_cast<double>(search.learned.n_template);
-}
-
-/// What an impact has of its own, over what the template explains of it: that of the training impacts.
-double expected_own_share(const Search& search) {
-  const double explained = square(search.learned.correlation);
-  return (1.0 - explained) / explained;
-}
-
-bool is_explained(const Search& search, const ImpactFit& fit) {
-  const double expected = least_residual(search) + expected_own_share(search) * explained_variance(search, fit);
+/// Whether the residual is that of noise and what an impact has of its own, over what the template explains of it: that
+/// of the training impacts.
+bool is_explained(const ImpactTimer& timer, const ImpactFit& fit) {
+  const double explained = square(timer.learned().correlation);
+  const double explained_variance = 2.0 * fit.log_likelihood_ratio / static_cast<double>(timer.learned().n_template);
+  const double expected = std::min(1.0, timer.noise()) + (1.0 - explained) / explained * explained_variance;
   return fit.residual_variance <= kDelay.much_left * expected;
 }
 
 /// The fit with the sound up to the next candidate alone, where that is an impact by the template: what follows is
 /// another sound then, a knock of the same plate perhaps, however loud.
-std::optional<ImpactFit> before_another_sound(Search& search, const std::vector<Candidate>& candidates, std::size_t k,
-                                              double reach_s) {
+std::optional<ImpactFit> before_another_sound(ImpactTimer& timer, const std::vector<Candidate>& candidates,
+                                              std::size_t k, double reach_s) {
   const Candidate& c = candidates[k];
   const double from_s =
       c.t_s + std::max(c.reach_s, kDelay.least_interval_s);  // before that it is the same sound, noticed twice
   const auto other = std::find_if(candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end(),
                                   [&](const Candidate& later) { return later.t_s >= from_s; });
   // so late that no window of find_everywhere() reaches it: there is no other sound
-  if (other == candidates.end() || other->t_s >= c.t_s + kDelay.pre_echo_s + search.template_s) return {};
-  const double until_s = std::min(other->t_s, c.t_s + kDelay.of_template * search.template_s);
-  const ImpactFit fit = find_impact(search, c.t_s, reach_s, until_s);
-  if (fit.log_likelihood_ratio < kDelay.unambiguous || !is_explained(search, fit)) return {};
+  if (other == candidates.end() || other->t_s >= c.t_s + kDelay.pre_echo_s + timer.template_s()) return {};
+  const double until_s = std::min(other->t_s, c.t_s + kDelay.of_template * timer.template_s());
+  const ImpactFit fit = timer.search(c.t_s, reach_s, until_s);
+  if (fit.log_likelihood_ratio < kDelay.unambiguous || !is_explained(timer, fit)) return {};
   return fit;
 }
 
@@ -84,43 +74,37 @@ void add_candidate(TimedTrack& track, const std::vector<Candidate>& candidates, 
   timed.rise_reach_s = c.reach_s;
   timed.until_s = next_s;
   const double reach_s = std::min({c.reach_s, before_s, after_s});
-  timed.fit = find_impact(track.search, c.t_s, reach_s, next_s);
+  timed.fit = track.timer.search(c.t_s, reach_s, next_s);
   // another impact's sound in the window is reason enough for a low correlation
-  const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.search.template_s;
-  if (is_alone && !is_explained(track.search, timed.fit)) {
-    const auto alone = before_another_sound(track.search, candidates, of_track.candidate, reach_s);
-    timed.fit = alone ? *alone : find_everywhere(track.search, c, timed.fit, before_s, after_s, next_s);
+  const bool is_alone = std::min(c.t_s - last_s, next_s - c.t_s) > track.timer.template_s();
+  if (is_alone && !is_explained(track.timer, timed.fit)) {
+    const auto alone = before_another_sound(track.timer, candidates, of_track.candidate, reach_s);
+    timed.fit = alone ? *alone : find_everywhere(track.timer, c, timed.fit, before_s, after_s, next_s);
   }
-  timed.overlap = next_s - c.t_s < track.search.template_s;
+  timed.overlap = next_s - c.t_s < track.timer.template_s();
   append(track, timed);
-}
-
-void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
-               TimedImpact& impact) {
-  const Doubt doubt = doubt_about(hypotheses, p, chosen, impact.fit.t_s);
-  impact.doubtful = doubt.others > kDelay.least_doubt;
-  impact.doubt_s = doubt.sigma_s;
-  impact.probability *= 1.0 - doubt.elsewhere;
 }
 
 /// Puts each impact on its most probable time, and times anew those that moved or whose window reached an impact found
 /// later.
-std::vector<TimedImpact> resolve_delays(const Search& search, const std::vector<TimedImpact>& track) {
+std::vector<TimedImpact> resolve_delays(ImpactTimer timer, const std::vector<TimedImpact>& track) {
   const std::vector<HypothesisProbabilities> posterior = delay_posterior(track);
-  ImpactTimer timer(search.white, search.learned);
   std::vector<TimedImpact> resolved = track;
   for (std::size_t k = 0; k < track.size(); ++k) {
     TimedImpact& impact = resolved[k];
     const std::size_t chosen = most_probable(posterior[k]);
     const double next_s = k + 1 < track.size() ? track[k + 1].fit.t_s : INFINITY;
     const bool next_was_unknown =
-        next_s - impact.fit.t_s < search.template_s && impact.until_s > next_s + kDelay.least_interval_s;
+        next_s - impact.fit.t_s < timer.template_s() && impact.until_s > next_s + kDelay.least_interval_s;
     if (chosen > 0 || next_was_unknown) {
       impact.until_s = std::min(impact.until_s, next_s);
       impact.fit = timer.time(hypothesis_time(track[k], chosen), 0.0, impact.until_s);
       impact.overlap = impact.overlap || next_was_unknown;
     }
-    set_doubt(track[k], posterior[k], chosen, impact);
+    const Doubt doubt = doubt_about(track[k], posterior[k], chosen, impact.fit.t_s);
+    impact.doubtful = doubt.others > kDelay.least_doubt;
+    impact.doubt_s = doubt.sigma_s;
+    impact.probability *= 1.0 - doubt.elsewhere;
     timer.subtract_from_later(impact.fit);
   }
   return resolved;
@@ -173,74 +157,49 @@ void end_where_improbable(std::vector<TimedImpact>& track) {
   while (track.size() > 3 && track.back().inferred && track.back().probability < kLeast) track.pop_back();
 }
 
-constexpr int kMaxTurns = 3;  // a wrong place moves what is expected of both neighbours
-
-using TimedImpacts = std::vector<TimedImpact>;
-
-std::vector<double> times_of(const TimedImpacts& track) {
-  std::vector<double> t_s;
-  for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
-  return t_s;
-}
-
-struct ExpectedTime {
-  double t_s = 0.0;
-  double sigma_s = 0.0;
-};
-
-/// Of impact k between its neighbours, D apart: t = t_{k-1} + D / (1 + eps).
-ExpectedTime expected_time(const ExpectedLogEps& log_eps, double before_s, double after_s) {
-  const double eps = exp(log_eps.centre);
-  const double both_s = after_s - before_s;
-  return {before_s + both_s / (1.0 + eps), both_s * eps / square(1.0 + eps) * log_eps.width};
-}
-
 /// The places that the sound has where an impact is expected; absent where it is there.
-std::optional<ImpactFit> find_where_expected(Search& search, const TimedImpacts& track, std::size_t k,
+std::optional<ImpactFit> find_where_expected(ImpactTimer& timer, const std::vector<TimedImpact>& track, std::size_t k,
                                              const ExpectedLogEps& log_eps) {
   const double before_s = track[k - 1].fit.t_s, here_s = track[k].fit.t_s, after_s = track[k + 1].fit.t_s;
   if (log_eps.width == 0.0 || !(before_s < here_s && here_s < after_s)) return {};
-  const ExpectedTime expected = expected_time(log_eps, before_s, after_s);
-  const double reach_s = kDelay.unexpected * expected.sigma_s;
-  if (std::abs(here_s - expected.t_s) < reach_s) return {};
-  const double most_s = kDelay.most_of_interval * std::min(expected.t_s - before_s, after_s - expected.t_s);
-  return find_impact(search, expected.t_s, std::min(reach_s, most_s), after_s);
-}
-
-/// @return whether an impact is at another place now
-bool add_places_once(const Search& search, TimedImpacts& track) {
-  const std::vector<ExpectedLogEps> expected = expected_log_eps(track, times_of(track));
-  const double same_s = 1.0 / search.white.source().rate_hz;
-  Search again{search.white, search.learned, ImpactTimer(search.white, search.learned), search.template_s};
-  bool has_moved = false;
-  for (std::size_t k = 0; k < track.size(); ++k) {
-    if (k > 0 && k + 1 < track.size())
-      if (const auto found = find_where_expected(again, track, k, expected[k])) {
-        const double before_s = track[k].fit.t_s;
-        track[k].fit = merged(with_fewer_places(track[k].fit), with_fewer_places(*found), same_s);
-        has_moved = has_moved || track[k].fit.t_s != before_s;
-      }
-    again.timer.subtract_from_later(track[k].fit);
-  }
-  return has_moved;
+  // t = t_{k-1} + D / (1 + eps) between neighbours D apart
+  const double eps = exp(log_eps.centre), both_s = after_s - before_s;
+  const double expected_s = before_s + both_s / (1.0 + eps);
+  const double sigma_s = both_s * eps / square(1.0 + eps) * log_eps.width;
+  const double reach_s = kDelay.unexpected * sigma_s;
+  if (std::abs(here_s - expected_s) < reach_s) return {};
+  const double most_s = kDelay.most_of_interval * std::min(expected_s - before_s, after_s - expected_s);
+  return timer.search(expected_s, std::min(reach_s, most_s), after_s);
 }
 
 /// Adds, to each impact that is not where the intervals around it expect it, the places that the sound has where it is
 /// expected: its candidate may be another sound, or it was searched for beside a neighbour that was in the wrong place.
-/// The sound then decides between all of them. In turns, since what is expected follows from the neighbours.
+/// The sound then decides between all of them.
+/// @param timer  that knows no impact
 /// @param track  in time order
-void add_predicted_places(const Search& search, std::vector<TimedImpact>& track) {
-  for (int turn = 0; turn < kMaxTurns && add_places_once(search, track); ++turn) {
+/// @return whether an impact is at another place now
+bool add_predicted_places(ImpactTimer timer, std::vector<TimedImpact>& track) {
+  std::vector<double> t_s;
+  for (const TimedImpact& impact : track) t_s.push_back(impact.fit.t_s);
+  const std::vector<ExpectedLogEps> expected = expected_log_eps(track, t_s);
+  bool has_moved = false;
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    if (k > 0 && k + 1 < track.size())
+      if (const auto found = find_where_expected(timer, track, k, expected[k])) {
+        const double before_s = track[k].fit.t_s;
+        track[k].fit = merged(with_fewer_places(track[k].fit), with_fewer_places(*found), 1.0 / timer.rate_hz());
+        has_moved = has_moved || track[k].fit.t_s != before_s;
+      }
+    timer.subtract_from_later(track[k].fit);
   }
+  return has_moved;
 }
 
 }  // namespace
 
 std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& learned, const Track& tracked,
                                     const std::vector<Candidate>& candidates, double end_s) {
-  TimedTrack track{
-      {white, learned, ImpactTimer(white, learned), static_cast<double>(learned.n_template) / white.source().rate_hz},
-      {}};
+  TimedTrack track{ImpactTimer(white, learned), {}};
   for (std::size_t k = 0; k < tracked.impacts.size(); ++k) {
     const TrackImpact& impact = tracked.impacts[k];
     const Candidate& c = candidates[impact.candidate];
@@ -248,8 +207,9 @@ std::vector<TimedImpact> time_track(WhiteSound& white, const ImpactTemplate& lea
     add_candidate(track, candidates, impact, next_time(tracked, candidates, k));
   }
   extend(track, end_s);
-  add_predicted_places(track.search, track.impacts);
-  std::vector<TimedImpact> timed = resolve_delays(track.search, track.impacts);
+  constexpr int kMaxTurns = 3;  // a wrong place moves what is expected of both neighbours
+  for (int turn = 0; turn < kMaxTurns && add_predicted_places(ImpactTimer(white, learned), track.impacts);) ++turn;
+  std::vector<TimedImpact> timed = resolve_delays(ImpactTimer(white, learned), track.impacts);
   set_probabilities_of_inferred(candidates, timed);
   end_where_improbable(timed);
   return timed;
