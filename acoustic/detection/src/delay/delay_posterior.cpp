@@ -47,39 +47,32 @@ double place_density(const TimedImpact& impact, std::size_t h, const RisePrior& 
   return (1.0 - prior.far_share) * near_density(impact, h, prior) + prior.far_share / kDelay.far_s;
 }
 
-/// The densities of which the posterior is the product.
-class ChainDensity {
- public:
-  ChainDensity(const TimedImpacts& track, const std::vector<ExpectedLogEps>& expected, const RisePrior& prior)
-      : expected_(expected) {
-    t_s_.reserve(track.size());
-    by_sound_.reserve(track.size());
-    for (const TimedImpact& impact : track) {
-      t_s_.emplace_back().reserve(n_hypotheses(impact));
-      by_sound_.emplace_back().reserve(n_hypotheses(impact));
-      for (std::size_t h = 0; h < n_hypotheses(impact); ++h) {
-        t_s_.back().push_back(hypothesis_time(impact, h));
-        const double likelihood = h == 0 ? 1.0 : exp(-impact.fit.alternatives[h - 1].log_odds_margin);
-        by_sound_.back().push_back(likelihood * place_density(impact, h, prior));
-      }
+/// What the sound and its rise say of each hypothesis.
+std::vector<HypothesisProbabilities> densities_by_sound(const TimedImpacts& track, const RisePrior& prior) {
+  std::vector<HypothesisProbabilities> by_sound(track.size());
+  for (std::size_t k = 0; k < track.size(); ++k)
+    for (std::size_t h = 0; h < n_hypotheses(track[k]); ++h) {
+      const double likelihood = h == 0 ? 1.0 : exp(-track[k].fit.alternatives[h - 1].log_odds_margin);
+      by_sound[k].push_back(likelihood * place_density(track[k], h, prior));
     }
-  }
+  return by_sound;
+}
 
-  std::size_t size() const { return t_s_.size(); }
-  std::size_t n(std::size_t k) const { return t_s_[k].size(); }
-  double by_sound(std::size_t k, std::size_t h) const { return by_sound_[k][h]; }
+/// The densities of which the posterior is the product.
+struct ChainDensity {
+  const TimedImpacts& track;
+  const std::vector<ExpectedLogEps>& expected;
+  std::vector<HypothesisProbabilities> by_sound;
 
+  std::size_t size() const { return track.size(); }
+  std::size_t n(std::size_t k) const { return by_sound[k].size(); }
   /// Of the two intervals that meet at impact k.
   double smoothness(std::size_t k, std::size_t before, std::size_t own, std::size_t after) const {
-    if (expected_[k].width == 0.0) return 1.0;
-    const std::optional<double> eps = log_eps(t_s_[k - 1][before], t_s_[k][own], t_s_[k + 1][after]);
-    if (!eps) return kDisordered;
-    return student4((*eps - expected_[k].centre) / expected_[k].width);
+    if (expected[k].width == 0.0) return 1.0;
+    const std::optional<double> eps = log_eps(hypothesis_time(track[k - 1], before), hypothesis_time(track[k], own),
+                                              hypothesis_time(track[k + 1], after));
+    return eps ? student4((*eps - expected[k].centre) / expected[k].width) : kDisordered;
   }
-
- private:
-  const std::vector<ExpectedLogEps>& expected_;
-  std::vector<std::vector<double>> t_s_, by_sound_;
 };
 
 /// Makes the largest of the values 1.
@@ -97,10 +90,10 @@ PairTable forward(const ChainDensity& p) {
     table[k].reserve(p.n(k) * p.n(k + 1));
     for (std::size_t h = 0; h < p.n(k); ++h)
       for (std::size_t a = 0; a < p.n(k + 1); ++a) {
-        double before = k == 0 ? p.by_sound(0, h) : 0.0;
+        double before = k == 0 ? p.by_sound[0][h] : 0.0;
         for (std::size_t b = 0; k > 0 && b < p.n(k - 1); ++b)
           before += table[k - 1][b * p.n(k) + h] * p.smoothness(k, b, h, a);
-        table[k].push_back(before * p.by_sound(k + 1, a));
+        table[k].push_back(before * p.by_sound[k + 1][a]);
       }
     scale(table[k]);
   }
@@ -116,7 +109,7 @@ PairTable backward(const ChainDensity& p) {
       for (std::size_t a = 0; a < p.n(k + 1); ++a) {
         double after = 0.0;
         for (std::size_t c = 0; c < p.n(k + 2); ++c)
-          after += table[k + 1][a * p.n(k + 2) + c] * p.smoothness(k + 1, h, a, c) * p.by_sound(k + 2, c);
+          after += table[k + 1][a * p.n(k + 2) + c] * p.smoothness(k + 1, h, a, c) * p.by_sound[k + 2][c];
         table[k].push_back(after);
       }
     scale(table[k]);
@@ -130,12 +123,8 @@ void normalize(HypothesisProbabilities& p) {
 }
 
 std::vector<HypothesisProbabilities> posterior_by_sound(const TimedImpacts& track, const RisePrior& prior) {
-  const ChainDensity density(track, {}, prior);
-  std::vector<HypothesisProbabilities> posterior(track.size());
-  for (std::size_t k = 0; k < track.size(); ++k) {
-    for (std::size_t h = 0; h < density.n(k); ++h) posterior[k].push_back(density.by_sound(k, h));
-    normalize(posterior[k]);
-  }
+  std::vector<HypothesisProbabilities> posterior = densities_by_sound(track, prior);
+  for (HypothesisProbabilities& p : posterior) normalize(p);
   return posterior;
 }
 
@@ -204,7 +193,7 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
 std::vector<HypothesisProbabilities> chain_posterior(const TimedImpacts& track,
                                                      const std::vector<ExpectedLogEps>& expected,
                                                      const RisePrior& prior) {
-  const ChainDensity density(track, expected, prior);
+  const ChainDensity density{track, expected, densities_by_sound(track, prior)};
   const PairTable before = forward(density), after = backward(density);
   std::vector<HypothesisProbabilities> posterior(track.size());
   for (std::size_t k = 0; k < track.size(); ++k) posterior[k].assign(density.n(k), 0.0);
