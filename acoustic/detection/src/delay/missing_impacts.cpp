@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kLagsPerSample = 4.0;  // of a search, both sides of the centre in steps of half a sample
 
-/// Log likelihood ratio that noise alone exceeds in one of a hundred searches over n lags, as the maximum of n squared
-/// normals. A hundredth is enough, since a track goes on more often than not.
-double noise_threshold(double n_lags) { return log(n_lags) + 4.6; }
-
 using TimedImpacts = std::vector<TimedImpact>;
 
 /// Ratios of the last intervals, sorted.
@@ -64,21 +60,20 @@ struct Prediction {
   double min_llr_ratio = 0.0;  // log likelihood ratio over residual variance
 };
 
-/// Whether the template supports an impact.
+/// Whether the template supports an impact about as loud as its neighbour.
 /// @param n_lags         of the search that found it
 /// @param min_llr_ratio  least log likelihood ratio over residual variance
 bool is_supported(const ImpactTimer& timer, const TimedImpact& impact, const TimedImpact& neighbour, double n_lags,
                   double min_llr_ratio) {
+  const double ratio = impact.fit.amplitude / neighbour.fit.amplitude;
+  if (!(ratio > 1.0 / kDelay.most_amplitude_ratio && ratio < kDelay.most_amplitude_ratio)) return false;
+  // that noise alone exceeds in one of a hundred searches, as the maximum of n squared normals; a hundredth is enough,
+  // since a track goes on more often than not
+  const double least_llr = log(n_lags) + 4.6;
   // within the neighbour's ringing the noise was estimated from just that, for which min_llr_ratio stands
   const bool is_isolated = impact.fit.t_s - neighbour.fit.t_s > timer.template_s();
-  const double noise = is_isolated ? impact.fit.noise : 1.0;
-  return impact.fit.log_likelihood_ratio > noise_threshold(n_lags) * noise &&
+  return impact.fit.log_likelihood_ratio > least_llr * (is_isolated ? impact.fit.noise : 1.0) &&
          impact.fit.log_likelihood_ratio > min_llr_ratio * impact.fit.residual_variance;
-}
-
-bool has_amplitude_of(const TimedImpact& impact, const TimedImpact& neighbour) {
-  const double ratio = impact.fit.amplitude / neighbour.fit.amplitude;
-  return ratio > 1.0 / kDelay.most_amplitude_ratio && ratio < kDelay.most_amplitude_ratio;
 }
 
 /// Largest log likelihood ratio in the second part of the interval before t_s, where there is no impact; 0 where that
@@ -104,6 +99,7 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   const TimedImpact& last = track.impacts.back();
   const double t_s = last.fit.t_s + p.after_s;
   const double reach_s = p.reach_s + 2.0 / rate_hz;
+  const double n_lags = kLagsPerSample * reach_s * rate_hz;
   TimedImpact impact;
   impact.impact = p.impact;
   impact.fit = track.timer.search(t_s, reach_s, p.until_s);
@@ -115,17 +111,14 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
     impact.fit = *higher;
     min_llr_ratio = std::max(min_llr_ratio, kDelay.least_of_outlier);
   }
-  if (!has_amplitude_of(impact, last) ||
-      !is_supported(track.timer, impact, last, kLagsPerSample * reach_s * rate_hz, min_llr_ratio))
-    return false;
+  if (!is_supported(track.timer, impact, last, n_lags, min_llr_ratio)) return false;
   // within the last impact's ringing everything correlates with the template
   const bool is_isolated = p.after_s > track.timer.template_s();
   if (is_isolated && min_llr_ratio >= kDelay.least_beyond_end &&
       impact.fit.log_likelihood_ratio < kDelay.least_prominence * llr_before(track, t_s - reach_s, reach_s))
     return false;
   impact.probability = probability_of_inferred(
-      impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance),
-      kLagsPerSample * reach_s * rate_hz);
+      impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance), n_lags);
   append(track, impact);
   return true;
 }
