@@ -162,7 +162,8 @@ TEST(ImpactWhitener, LeavesVarianceOneOfNoiseWithoutImpacts) {
   const ArModel model = learn_ar_models(sound, 48).noise;
   for (const double unrepeated : {0.0, kTemplate.unrepeated}) {
     const std::vector<float> whitener = impact_whitener(sound, model, {5000, 30000, 70000}, 1024, unrepeated);
-    const std::vector<float> white = read_white(sound, whitener, 20000, 1 << 15).sound;
+    std::vector<float> white(1 << 15);
+    read_innovations(sound, {whitener, 0.0}, 20000, white);
     double sum = 0.0;
     for (const float v : white) sum += static_cast<double>(v) * v;
     EXPECT_NEAR(sum / static_cast<double>(white.size()), 1.0, 0.2);  // the quietest tenth is quieter
@@ -183,7 +184,8 @@ TEST(ImpactWhitener, LeavesNothingOfWhatACodecLetsThroughBeyondItsLimit) {
   const audio::AudioSource sound = audio::source_in_memory(x, kRate_hz);
   const ArModel model = learn_ar_models(sound, 48).noise;
   const std::vector<float> whitener = impact_whitener(sound, model, begins, 1024, 0.0);
-  const std::vector<float> white = read_white(sound, whitener, begins[0], 1024).sound;
+  std::vector<float> white(1024);
+  read_innovations(sound, {whitener, 0.0}, begins[0], white);
   audio::RealFft fourier(1024);
   const audio::Spectrum spectrum = fourier.forward(white);
   double above = 0.0;  // 14 kHz

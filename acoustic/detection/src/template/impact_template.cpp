@@ -40,7 +40,7 @@ void whiten_residuals(TemplateEstimation& e) {
     for (std::size_t k = 0; k <= kTemplate.residual_order; ++k)
       both[j + k] += learned.whitener[j] * static_cast<float>(a[k]);
   learned.whitener = std::move(both);
-  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.first, impact);
   average(e);
   align(e, true);  // the new whitener may have resolved what was ambiguous
   average(e);
@@ -50,7 +50,7 @@ void estimate_subbands(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
   learned.subbands = split_into_subbands(learned.filter);
   std::vector<std::int64_t> begins;
-  for (const TrainingImpact& impact : e.training) begins.push_back(impact.window.first);
+  for (const TrainingImpact& impact : e.training) begins.push_back(impact.first);
   const double quiet = estimate_noise(e.white, learned.whitener, begins, learned.filter, learned.subbands);
   for (int round = 0; round < 2; ++round) {
     align(e, false);
@@ -91,7 +91,7 @@ void describe_training(TemplateEstimation& e) {
   learned.n_effective = effective_samples(e.mean);
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
-    const double begin = static_cast<double>(impact.window.first) + impact.position + learned.contact_index;
+    const double begin = static_cast<double>(impact.first) + impact.position + learned.contact_index;
     learned.training_t_s.push_back(begin / e.white.source().rate_hz);
     learned.training_weight += impact.estimate.amplitude * impact.estimate.amplitude;
   }
@@ -107,7 +107,7 @@ void describe_waveform(TemplateEstimation& e) {
   std::size_t n_shown = 0;
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged() || n_shown == kMaxShown) continue;
-    audio::read_padded(e.white.source(), impact.window.first, x);
+    audio::read_padded(e.white.source(), impact.first, x);
     e.fourier.forward(x, spectrum);
     audio::phase_shift(spectrum, learned.filter.omega() * impact.position, moved);
     const std::vector<float> y = e.fourier.inverse(moved);

@@ -83,15 +83,13 @@ void merge_weak_subbands(const MatchedFilter& filter, std::vector<std::size_t>& 
 
 /// Variance of the shift, scaled by how far the sub-bands disagree.
 double delay_variance(const DelayEstimate& r, const Subbands& subbands) {
-  const SubbandMean m = subband_mean(subbands, r.noise_variance);
+  const SubbandMean mean = subband_mean(subbands, r);
   const std::size_t n = subbands.n();
-  double mean = 0.0;
-  for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
   double chi2 = 0.0;
   for (std::size_t j = 0; j < n; ++j)
-    chi2 += (r.deviation[j] - mean) * (r.deviation[j] - mean) / (r.noise_variance[j] + subbands.jitter2[j]);
+    chi2 += square(r.deviation[j] - mean.deviation) / (r.noise_variance[j] + subbands.jitter2[j]);
   const double scale = (kTemplate.prior_subbands + chi2) / (kTemplate.prior_subbands + static_cast<double>(n) - 1.0);
-  return scale * m.variance;
+  return scale * mean.variance;
 }
 
 }  // namespace
@@ -155,12 +153,15 @@ Subbands split_into_subbands(const MatchedFilter& filter) {
   return subbands;
 }
 
-SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance) {
+SubbandMean subband_mean(const Subbands& subbands, const DelayEstimate& estimate) {
   SubbandMean m;
   double weights = 0.0;
   for (std::size_t j = 0; j < subbands.n(); ++j)
-    weights += m.weight[j] = 1.0 / (noise_variance[j] + subbands.jitter2[j]);
-  for (std::size_t j = 0; j < subbands.n(); ++j) m.weight[j] /= weights;
+    weights += m.weight[j] = 1.0 / (estimate.noise_variance[j] + subbands.jitter2[j]);
+  for (std::size_t j = 0; j < subbands.n(); ++j) {
+    m.weight[j] /= weights;
+    m.deviation += m.weight[j] * estimate.deviation[j];
+  }
   m.variance = 1.0 / weights;
   return m;
 }

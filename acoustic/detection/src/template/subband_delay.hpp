@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
@@ -67,16 +66,6 @@ class MatchedFilter {
 /// is shared by two; noise 1 and jitter 0.
 Subbands split_into_subbands(const MatchedFilter& filter);
 
-/// Weights of the mean of an impact's sub-band delays, by their inverse variances.
-struct SubbandMean {
-  double variance = 0.0;                      ///< of the mean
-  std::array<double, kMaxSubbands> weight{};  ///< the sum is 1
-};
-
-/// Noise and jitter are independent from sub-band to sub-band.
-/// @param noise_variance  of each sub-band's delay [samples^2], positive
-SubbandMean subband_mean(const Subbands& subbands, std::span<const double> noise_variance);
-
 /// Delay and amplitude of one impact.
 struct DelayEstimate {
   double shift = 0.0;                                 ///< of the template within the window [samples]
@@ -86,6 +75,15 @@ struct DelayEstimate {
   std::array<double, kMaxSubbands> deviation{};       ///< each sub-band's delay minus `shift` [samples]
   std::array<double, kMaxSubbands> noise_variance{};  ///< of each sub-band's delay, without jitter [samples^2]
 };
+
+/// Mean of an impact's sub-band delays, weighted by their inverse variances: noise and jitter are independent from
+/// sub-band to sub-band.
+struct SubbandMean {
+  double deviation = 0.0;                     ///< mean of the sub-bands' deviations [samples]
+  double variance = 0.0;                      ///< of the mean
+  std::array<double, kMaxSubbands> weight{};  ///< the sum is 1
+};
+SubbandMean subband_mean(const Subbands& subbands, const DelayEstimate& estimate);
 
 /// Weighted mean of the sub-bands' delays, by Gauss-Newton steps from a start within half a cycle:
 ///

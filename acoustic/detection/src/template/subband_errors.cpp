@@ -118,13 +118,11 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   for (int round = 0; round < kJitterRounds; ++round) {
     std::vector<std::vector<double>> squares(n), noise(n);  // by sub-band and impact
     for (const DelayEstimate& r : estimates) {
-      const SubbandMean m = subband_mean(subbands, r.noise_variance);
-      double mean = 0.0;
-      for (std::size_t j = 0; j < n; ++j) mean += m.weight[j] * r.deviation[j];
+      const SubbandMean mean = subband_mean(subbands, r);
       for (std::size_t j = 0; j < n; ++j) {
         // over Var(d_j - mean) / Var(d_j): the mean follows each sub-band
-        const double share = std::max(kTemplate.least_residual_share, 1.0 - m.weight[j]);
-        squares[j].push_back(square(r.deviation[j] - mean) / share);
+        const double share = std::max(kTemplate.least_residual_share, 1.0 - mean.weight[j]);
+        squares[j].push_back(square(r.deviation[j] - mean.deviation) / share);
         noise[j].push_back(r.noise_variance[j]);
       }
     }

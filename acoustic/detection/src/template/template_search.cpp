@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
+#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "template/correlation_peaks.hpp"
 #include "template/impact_whitener.hpp"
@@ -46,19 +47,32 @@ std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) 
   return late > e.window.samples(kTemplate.rough_time_error_s) ? late : 0;
 }
 
-std::vector<TrainingImpact> cut_training(TemplateEstimation& e, bool at_attacks) {
-  std::vector<TrainingImpact> training(e.begins.size());
-  for (std::size_t k = 0; k < training.size(); ++k)
-    cut_training_window(e, e.begins[k] + (at_attacks ? samples_to_attack(e, e.begins[k]) : 0), training[k]);
-  return training;
+/// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
+/// @param mean  receives it as a function of time
+audio::Spectrum tapered(const TemplateEstimation& e, const audio::Spectrum& sum, double weight,
+                        std::vector<float>& mean) {
+  mean = e.fourier.inverse(sum);
+  const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
+  for (std::size_t n = 0; n < e.window.n_template; ++n) mean[n] *= static_cast<float>(scale * e.window.taper[n]);
+  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(e.window.n_template), mean.end(), 0.0F);
+  return e.fourier.forward(mean);
+}
+
+void set_template(TemplateEstimation& e, audio::Spectrum spectrum) {
+  e.n_bins = e.only_lower_half ? keep_lower_half(spectrum) : spectrum.size();
+  e.learned.filter = MatchedFilter(std::move(spectrum), e.window.n_window);
+  if (e.learned.subbands.n() == 0) e.learned.subbands = split_into_subbands(e.learned.filter);
 }
 
 /// The template that starts from one impact. Low frequencies are aligned by first: they have one maximum where high
 /// ones have many, and a codec keeps their phases, but gives high ones phases of its own.
-void start_from(TemplateEstimation& e, std::size_t start) {
+void start_from(TemplateEstimation& e, std::size_t start, bool at_attacks) {
+  e.training.assign(e.begins.size(), {});
+  for (std::size_t k = 0; k < e.begins.size(); ++k)
+    cut_training_window(e, e.begins[k] + (at_attacks ? samples_to_attack(e, e.begins[k]) : 0), e.training[k]);
   e.learned.subbands = {};
   e.only_lower_half = true;
-  set_template(e, tapered(e.training[start].spectrum, 1.0, e.window, e.fourier));
+  set_template(e, tapered(e, e.training[start].spectrum, 1.0, e.mean));
   align(e, true);
   average(e);
   align(e, true);
@@ -78,9 +92,6 @@ struct Found {
   ImpactTemplate learned;
   std::vector<TrainingImpact> training;
   std::vector<float> mean;
-
-  std::ptrdiff_t n_alike() const { return detection::n_alike(training); }
-  bool is_enough() const { return 4 * n_alike() >= 3 * std::ssize(training); }
 };
 
 Found state_of(const TemplateEstimation& e) { return {e.learned, e.training, e.mean}; }
@@ -91,39 +102,43 @@ void restore(TemplateEstimation& e, Found found) {
   e.mean = std::move(found.mean);
 }
 
-/// The template of the strongest impact that three quarters of the others correlate with. The very strongest may hold a
-/// knock, or be of another source altogether.
-/// @return where there is none, that which most correlate with
-Found find_template(TemplateEstimation& e, bool at_attacks) {
-  Found best;
-  for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
-    e.training = cut_training(e, at_attacks);
-    start_from(e, start);
-    Found found = state_of(e);
-    if (start == 0 || found.n_alike() > best.n_alike()) best = std::move(found);
-    if (best.is_enough()) break;
-  }
-  return best;
-}
-
 }  // namespace
 
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
-  impact.window.first = first;
-  impact.window.sound.resize(e.window.n_window);
-  e.white.read(e.learned.whitener, first, impact.window.sound);
-  e.fourier.forward(impact.window.sound, impact.spectrum);
-  impact.total = audio::dot(impact.window.sound, impact.window.sound);
+  impact.first = first;
+  impact.sound.resize(e.window.n_window);
+  e.white.read(e.learned.whitener, first, impact.sound);
+  e.fourier.forward(impact.sound, impact.spectrum);
+  impact.total = audio::dot(impact.sound, impact.sound);
 }
 
-void set_template(TemplateEstimation& e, TemplateAverage average) {
-  e.mean = std::move(average.mean);
-  e.n_bins = e.only_lower_half ? keep_lower_half(average.spectrum) : average.spectrum.size();
-  e.learned.filter = MatchedFilter(std::move(average.spectrum), e.window.n_window);
-  if (e.learned.subbands.n() == 0) e.learned.subbands = split_into_subbands(e.learned.filter);
+void average(TemplateEstimation& e) {
+  const std::vector<float> none(e.window.n_window / 2 + 1, 0.0F);
+  audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
+  double weights[2] = {0.0, 0.0};
+  std::size_t n_averaged = 0;
+  audio::Spectrum moved{none, none};
+  const double omega = 2.0 * kPi / static_cast<double>(e.window.n_window);
+  for (const TrainingImpact& impact : e.training) {
+    if (!impact.is_averaged()) continue;
+    const double a = impact.estimate.amplitude;
+    const std::size_t half = n_averaged++ % 2;
+    audio::phase_shift(impact.spectrum, omega * impact.position, moved);
+    audio::add_scaled(sums[half], moved, a);
+    weights[half] += a * a;
+  }
+  audio::Spectrum sum = sums[0];
+  audio::add_scaled(sum, sums[1], 1.0);
+  audio::Spectrum spectrum = tapered(e, sum, weights[0] + weights[1], e.mean);
+  if (n_averaged >= kTemplate.fewest_for_coherence) {
+    const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
+    for (std::size_t k = 0; k < spectrum.size(); ++k) {
+      spectrum.re[k] *= weight[k];
+      spectrum.im[k] *= weight[k];
+    }
+  }
+  set_template(e, std::move(spectrum));
 }
-
-void average(TemplateEstimation& e) { set_template(e, average_of(e.training, e.window, e.fourier)); }
 
 void align(TemplateEstimation& e, bool search) {
   const double reach = kTemplate.rough_time_error_s * e.white.source().rate_hz;
@@ -135,7 +150,7 @@ void align(TemplateEstimation& e, bool search) {
     if (search) impact.position = Correlation(e.learned.filter, impact.spectrum, -reach, reach).highest().shift;
     if (std::abs(impact.position) > kTemplate.recut_samples) {
       const std::int64_t moved = std::llround(impact.position);
-      cut_training_window(e, impact.window.first + moved, impact);
+      cut_training_window(e, impact.first + moved, impact);
       impact.position -= static_cast<double>(moved);
     }
     impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
@@ -149,15 +164,19 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
   const MatchedFilter& filter = e.learned.filter;
   const std::vector<float> placed =
       e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.position));
-  std::vector<float> x = impact.window.sound;
+  std::vector<float> x = impact.sound;
   for (std::size_t n = 0; n < e.window.n_window; ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
   return x;
 }
 
 void find_template(TemplateEstimation& e) {
-  Found best = find_template(e, false);
-  if (!best.is_enough())
-    if (Found found = find_template(e, true); found.n_alike() > best.n_alike()) best = std::move(found);
+  Found best;
+  for (const bool at_attacks : {false, true})
+    for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
+      start_from(e, start, at_attacks);
+      if (best.training.empty() || n_alike(e.training) > n_alike(best.training)) best = state_of(e);
+      if (4 * n_alike(best.training) >= 3 * std::ssize(best.training)) return restore(e, std::move(best));
+    }
   restore(e, std::move(best));
 }
 
@@ -165,11 +184,11 @@ void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
   Found before = state_of(e);
   e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window, 0.0);
-  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.window.first, impact);
+  for (TrainingImpact& impact : e.training) cut_training_window(e, impact.first, impact);
   e.learned.subbands = {};
   average(e);
   align(e, false);
-  if (n_alike(e.training) < before.n_alike()) restore(e, std::move(before));
+  if (n_alike(e.training) < n_alike(before.training)) restore(e, std::move(before));
 }
 
 }  // namespace bouncelab::detection

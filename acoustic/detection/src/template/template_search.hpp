@@ -29,9 +29,8 @@ struct TemplateEstimation {
 /// Reads a training impact's window anew, from a sample on.
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact);
 
-void set_template(TemplateEstimation& e, TemplateAverage average);
-
-/// The template as the mean of the training impacts at their positions.
+/// The template as the mean of the impacts that correlate with it, at their positions and each weighted by its
+/// amplitude, less what its two halves do not share (coherence_weight), with both ends tapered.
 void average(TemplateEstimation& e);
 
 /// Position and amplitude of each training impact by the present template.
@@ -41,8 +40,9 @@ void align(TemplateEstimation& e, bool search);
 /// What the template leaves of a training impact.
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact);
 
-/// The first template: from one impact after the other, one way after the other, until three quarters of the impacts
-/// are alike.
+/// The first template: that of the strongest impact that three quarters of the others correlate with; where none is,
+/// with windows that begin at the attacks; where none is either, that which most correlate with. The very strongest may
+/// hold a knock, or be of another source altogether.
 void find_template(TemplateEstimation& e);
 
 /// The template anew by the noise's own whitener, from the positions known: what a share of the impacts' power stood

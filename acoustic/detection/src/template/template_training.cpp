@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <utility>
 
 #include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
@@ -73,45 +72,6 @@ std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& i
   }
   std::sort(chosen.begin(), chosen.end(), stronger);
   return chosen;
-}
-
-TemplateAverage tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
-                        audio::RealFft& fourier) {
-  std::vector<float> mean = fourier.inverse(sum);
-  const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
-  for (std::size_t n = 0; n < window.n_template; ++n) mean[n] *= static_cast<float>(scale * window.taper[n]);
-  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(window.n_template), mean.end(), 0.0F);
-  audio::Spectrum spectrum = fourier.forward(mean);
-  return {std::move(spectrum), std::move(mean)};
-}
-
-TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
-                           audio::RealFft& fourier) {
-  const std::vector<float> none(window.n_window / 2 + 1, 0.0F);
-  audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
-  double weights[2] = {0.0, 0.0};
-  std::size_t n_averaged = 0;
-  audio::Spectrum moved{none, none};
-  const double omega = 2.0 * kPi / static_cast<double>(window.n_window);
-  for (const TrainingImpact& impact : training) {
-    if (!impact.is_averaged()) continue;
-    const double a = impact.estimate.amplitude;
-    const std::size_t half = n_averaged++ % 2;
-    audio::phase_shift(impact.spectrum, omega * impact.position, moved);
-    audio::add_scaled(sums[half], moved, a);
-    weights[half] += a * a;
-  }
-  audio::Spectrum sum = sums[0];
-  audio::add_scaled(sum, sums[1], 1.0);
-  TemplateAverage average = tapered(sum, weights[0] + weights[1], window, fourier);
-  if (n_averaged >= kTemplate.fewest_for_coherence) {
-    const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
-    for (std::size_t k = 0; k < average.spectrum.size(); ++k) {
-      average.spectrum.re[k] *= weight[k];
-      average.spectrum.im[k] *= weight[k];
-    }
-  }
-  return average;
 }
 
 std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,

@@ -24,7 +24,8 @@ struct TemplateWindow {
 
 /// One impact that the template is estimated from.
 struct TrainingImpact {
-  WhiteWindow window;
+  std::int64_t first = 0;    ///< sample of the recording at which its window begins
+  std::vector<float> sound;  ///< in it, whitened
   audio::Spectrum spectrum;
   double total = 0.0;     ///< sum of squares
   double position = 0.0;  ///< of the template within the window [samples]
@@ -41,21 +42,6 @@ TemplateWindow template_window(const audio::AudioSource& sound, const std::vecto
 /// ones where there are five.
 std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
                                                  const std::vector<bool>& clipped);
-
-/// Mean of the training impacts.
-struct TemplateAverage {
-  audio::Spectrum spectrum;
-  std::vector<float> mean;  ///< in time, before the coherence weight
-};
-
-/// Mean of the impacts that correlate with the template, each weighted by its amplitude, less what its two halves do
-/// not share (coherence_weight), with both ends tapered.
-TemplateAverage average_of(const std::vector<TrainingImpact>& training, const TemplateWindow& window,
-                           audio::RealFft& fourier);
-
-/// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
-TemplateAverage tapered(const audio::Spectrum& sum, double weight, const TemplateWindow& window,
-                        audio::RealFft& fourier);
 
 /// Coherence (Wiener) weight of a mean, by bin: the share c of its power that two halves of the data have in common,
 /// over the 17 bins around. 1 where the halves agree, 0 where the mean is noise. Shares below 0.5, which noise reaches

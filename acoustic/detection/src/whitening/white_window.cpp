@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::int64_t kWhiteBlock =
     256;  // samples; shorter ones would cost more calls, longer ones more at windows' ends
-constexpr std::size_t kOwn = (1 << 17) + 2 * kWhiteBlock;  // a window's ends lie in blocks
-constexpr std::size_t kPlacesOfKept = 4;  // places for each block kept, of which few are wanted by two blocks then
+constexpr std::int64_t kMostBlocks = (1 << 17) / kWhiteBlock + 2;  // a window's ends lie in blocks
+constexpr std::int64_t kPlacesOfKept = 4;  // places for each block kept, of which few are wanted by two blocks then
 constexpr std::int32_t kNoPlace = -1;
 
 /// Rounded down, also below 0.
@@ -18,29 +18,17 @@ std::int64_t block_of(std::int64_t sample) { return (sample >= 0 ? sample : samp
 
 }  // namespace
 
-WhiteWindow read_white(const audio::AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
-                       std::size_t n) {
-  WhiteWindow window{first, std::vector<float>(n)};
-  read_innovations(source, {whitener, 0.0}, first, window.sound);
-  return window;
-}
-
 WhiteSound::WhiteSound(const audio::AudioSource& source)
     : source_(source),
-      own_(std::unique_ptr<float[]>(new float[kOwn])),
-      memory_(own_.get(), kOwn),
-      places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
-
-WhiteSound::WhiteSound(const audio::AudioSource& source, std::span<float> memory)
-    : source_(source), memory_(memory), places_(kPlacesOfKept * memory_.size() / kWhiteBlock, kNoPlace) {}
+      memory_(new float[kMostBlocks * kWhiteBlock]),  // holds anything yet
+      places_(kPlacesOfKept * kMostBlocks, kNoPlace) {}
 
 void WhiteSound::read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out) {
   if (out.empty()) return;
   const std::int64_t end = first + std::ssize(out);
   const std::int64_t first_block = block_of(first), last_block = block_of(end - 1) + 1;
-  const std::int64_t n_most = std::ssize(memory_) / kWhiteBlock;
-  assert(last_block - first_block <= n_most);
-  if (whitener != model_.filter || last_block - first_block > n_most - std::ssize(numbers_)) {
+  assert(last_block - first_block <= kMostBlocks);
+  if (whitener != model_.filter || last_block - first_block > kMostBlocks - std::ssize(numbers_)) {
     model_.filter = whitener;
     std::fill(places_.begin(), places_.end(), kNoPlace);
     numbers_.clear();
@@ -49,7 +37,7 @@ void WhiteSound::read(const std::vector<float>& whitener, std::int64_t first, st
   for (std::int64_t at = first; at < end;) {
     const std::int64_t block = block_of(at);
     const std::int64_t to = std::min(end, (block + 1) * kWhiteBlock);
-    std::copy_n(memory_.begin() + place(block) * kWhiteBlock + (at - block * kWhiteBlock), to - at,
+    std::copy_n(memory_.get() + place(block) * kWhiteBlock + (at - block * kWhiteBlock), to - at,
                 out.begin() + (at - first));
     at = to;
   }
@@ -75,7 +63,7 @@ void WhiteSound::make_blocks(std::int64_t first, std::int64_t last) {
     }
     if (n > 0)  // most are there
       read_innovations(source_, model_, block * kWhiteBlock,
-                       memory_.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(n * kWhiteBlock)));
+                       {memory_.get() + at, static_cast<std::size_t>(n * kWhiteBlock)});
     block += std::max<std::int64_t>(n, 1);
   }
 }

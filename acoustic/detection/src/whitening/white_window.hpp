@@ -12,24 +12,13 @@
 
 namespace bouncelab::detection {
 
-/// A stretch of a recording, whitened.
-struct WhiteWindow {
-  std::int64_t first = 0;  ///< sample of the recording at which it begins
-  std::vector<float> sound;
-};
-WhiteWindow read_white(const audio::AudioSource& source, const std::vector<float>& whitener, std::int64_t first,
-                       std::size_t n);
-
-/// A recording whitened as by read_white(), the same bytes, of which what was read last is kept: windows that overlap,
-/// or are read again, cost little more than one.
+/// A recording whitened as by read_innovations(), the same bytes, of which what was read last is kept: windows that
+/// overlap, or are read again, cost little more than one.
 class WhiteSound {
  public:
   /// Keeps 2^17 samples, the longest window that can be read.
   /// @param source  kept by reference
   explicit WhiteSound(const audio::AudioSource& source);
-  /// @param source  kept by reference
-  /// @param memory  for what is kept, 512 samples more than the longest window at least; it may hold anything
-  WhiteSound(const audio::AudioSource& source, std::span<float> memory);
   const audio::AudioSource& source() const { return source_; }
   /// Another whitener than the last one leaves nothing of what was kept.
   void read(const std::vector<float>& whitener, std::int64_t first, std::span<float> out);
@@ -42,8 +31,7 @@ class WhiteSound {
 
   const audio::AudioSource& source_;
   ArModel model_;
-  std::unique_ptr<float[]> own_;
-  std::span<float> memory_;            ///< blocks, as they were first read; all are dropped where it is full
+  std::unique_ptr<float[]> memory_;    ///< blocks, as they were first read; all are dropped where it is full
   std::vector<std::int64_t> numbers_;  ///< of the blocks there
   std::vector<std::int32_t> places_;   ///< of a block at its number modulo how many there are
 };
