@@ -18,7 +18,7 @@
 #include "template/correlation_peaks.hpp"
 #include "template/subband_delay.hpp"
 #include "template/subband_errors.hpp"
-#include "template/template_training.hpp"
+#include "template/template_search.hpp"
 #include "whitening/decimate.hpp"
 #include "whitening/linear_prediction.hpp"
 #include "whitening/white_window.hpp"

@@ -15,7 +15,6 @@
 #include "template/subband_errors.hpp"
 #include "template/template_model.hpp"
 #include "template/template_search.hpp"
-#include "template/template_training.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -102,7 +101,7 @@ void describe_waveform(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
   std::vector<double> sum(learned.n_template, 0.0);
   std::vector<double> squares(learned.n_template, 0.0);
-  std::vector<float> x(e.window.n_window);
+  std::vector<float> x(e.fourier.size());
   audio::Spectrum spectrum, moved = learned.filter.spectrum();  // for its size
   std::size_t n_shown = 0;
   for (const TrainingImpact& impact : e.training) {
@@ -127,17 +126,6 @@ void describe_waveform(TemplateEstimation& e) {
   }
 }
 
-TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candidate>& impacts,
-                                    const std::vector<bool>& clipped) {
-  const audio::AudioSource& sound = white.source();
-  const TemplateWindow window = template_window(sound, impacts);
-  TemplateEstimation e{white, window, audio::RealFft(window.n_window), {}, {}, {}, {}};
-  e.learned.n_template = window.n_template;
-  for (const std::size_t k : choose_training_impacts(impacts, clipped))
-    e.begins.push_back(window.samples(impacts[k].t_s - kTemplate.lead_s));
-  return e;
-}
-
 }  // namespace
 
 std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel& noise,
@@ -145,7 +133,7 @@ std::optional<ImpactTemplate> estimate_template(WhiteSound& white, const ArModel
                                                 const std::vector<bool>& clipped) {
   if (impacts.size() < 3) return std::nullopt;
   TemplateEstimation e = begin_estimation(white, impacts, clipped);
-  e.learned.whitener = impact_whitener(white.source(), noise, e.begins, e.window.n_window, kTemplate.unrepeated);
+  e.learned.whitener = impact_whitener(white.source(), noise, e.begins, e.fourier.size(), kTemplate.unrepeated);
   find_template(e);
   whiten_by_noise(e, noise);
   whiten_residuals(e);

@@ -2,6 +2,7 @@
 #include "template/template_search.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -15,6 +16,58 @@
 
 namespace bouncelab::detection {
 namespace {
+
+/// Template of 15 ms, which hold more than nine tenths of the information of a plate's sound on its time; of 40 ms
+/// where impacts follow so closely that what rings after 15 ms masks the next ones.
+double template_length_s(const std::vector<Candidate>& impacts) {
+  std::size_t n_close = 0;
+  std::size_t n_far = 0;
+  for (std::size_t k = 0; k + 1 < impacts.size(); ++k) {
+    n_close += impacts[k + 1].t_s - impacts[k].t_s < kTemplate.close_s ? 1 : 0;
+    n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kTemplate.long_s ? 1 : 0;
+  }
+  return n_close >= kTemplate.many_close && n_far >= kTemplate.many_isolated ? kTemplate.long_s : kTemplate.short_s;
+}
+
+/// Factors of the template's samples: both ends fall to 0.
+std::vector<double> taper_of(const TemplateEstimation& e) {
+  const auto fall = static_cast<std::size_t>(e.samples(kTemplate.taper_s));
+  const auto rise = static_cast<std::size_t>(e.samples(0.25 * kTemplate.lead_s)) + 1;
+  const auto part_of_sine = [](std::size_t n, std::size_t of) {
+    return square(sin(0.5 * kPi * static_cast<double>(n) / static_cast<double>(of)));
+  };
+  std::vector<double> taper(e.learned.n_template, 1.0);
+  for (std::size_t n = 0; n < std::min(rise, taper.size()); ++n) taper[n] *= part_of_sine(n, rise);
+  for (std::size_t left = 1; left < fall && left <= taper.size(); ++left)
+    taper[taper.size() - left] *= part_of_sine(left, fall);
+  return taper;
+}
+
+/// At most 32 of the impacts, the strongest first: those that ring alone or, where fewer than five do, any; unclipped
+/// ones where there are five.
+std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
+                                                 const std::vector<bool>& clipped, double length_s) {
+  std::vector<std::size_t> isolated;
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    all.push_back(k);
+    const bool next_far =
+        k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > length_s + 2.0 * kTemplate.rough_time_error_s;
+    const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > length_s;
+    if (next_far && last_far) isolated.push_back(k);
+  }
+  std::vector<std::size_t> unclipped = isolated;
+  std::erase_if(unclipped, [&](std::size_t k) { return clipped[k]; });
+  if (std::ssize(unclipped) >= kTemplate.fewest_unclipped) isolated = unclipped;
+  std::vector<std::size_t>& chosen = isolated.size() >= kTemplate.few_isolated ? isolated : all;
+  const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
+  if (chosen.size() > kTemplate.most_training) {
+    std::nth_element(chosen.begin(), chosen.begin() + kTemplate.most_training, chosen.end(), stronger);
+    chosen.resize(kTemplate.most_training);
+  }
+  std::sort(chosen.begin(), chosen.end(), stronger);
+  return chosen;
+}
 
 /// Leaves the lower frequencies, which hold half of the energy.
 /// @return the first bin left out
@@ -37,14 +90,14 @@ double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
 /// From the first sample of a window to where it should begin: what a codec lets sound before an attack, and the soft
 /// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
 std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
-  std::vector<float> x(e.window.n_window);
+  std::vector<float> x(e.fourier.size());
   e.white.read(e.learned.whitener, first, x);
   const double enough = kTemplate.attack_share * audio::dot(x, x);
   double sum = 0.0;
   std::size_t n = 0;
   while (n + 1 < x.size() && sum < enough) sum += square(static_cast<double>(x[n++]));
-  const std::int64_t late = static_cast<std::int64_t>(n) - e.window.samples(kTemplate.lead_s);
-  return late > e.window.samples(kTemplate.rough_time_error_s) ? late : 0;
+  const std::int64_t late = static_cast<std::int64_t>(n) - e.samples(kTemplate.lead_s);
+  return late > e.samples(kTemplate.rough_time_error_s) ? late : 0;
 }
 
 /// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
@@ -53,14 +106,14 @@ audio::Spectrum tapered(const TemplateEstimation& e, const audio::Spectrum& sum,
                         std::vector<float>& mean) {
   mean = e.fourier.inverse(sum);
   const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
-  for (std::size_t n = 0; n < e.window.n_template; ++n) mean[n] *= static_cast<float>(scale * e.window.taper[n]);
-  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(e.window.n_template), mean.end(), 0.0F);
+  for (std::size_t n = 0; n < e.learned.n_template; ++n) mean[n] *= static_cast<float>(scale * e.taper[n]);
+  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(e.learned.n_template), mean.end(), 0.0F);
   return e.fourier.forward(mean);
 }
 
 void set_template(TemplateEstimation& e, audio::Spectrum spectrum) {
   e.n_bins = e.only_lower_half ? keep_lower_half(spectrum) : spectrum.size();
-  e.learned.filter = MatchedFilter(std::move(spectrum), e.window.n_window);
+  e.learned.filter = MatchedFilter(std::move(spectrum), e.fourier.size());
   if (e.learned.subbands.n() == 0) e.learned.subbands = split_into_subbands(e.learned.filter);
 }
 
@@ -104,21 +157,36 @@ void restore(TemplateEstimation& e, Found found) {
 
 }  // namespace
 
+TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candidate>& impacts,
+                                    const std::vector<bool>& clipped) {
+  const double length_s = template_length_s(impacts);
+  const auto samples = [&](double duration_s) {
+    return static_cast<std::size_t>(std::llround(duration_s * white.source().rate_hz));
+  };
+  const std::size_t n_window = std::bit_ceil(samples(kTemplate.lead_s + length_s + 2.0 * kTemplate.rough_time_error_s));
+  TemplateEstimation e{white, audio::RealFft(n_window)};
+  e.learned.n_template = std::min(n_window, samples(kTemplate.lead_s + length_s));
+  e.taper = taper_of(e);
+  for (const std::size_t k : choose_training_impacts(impacts, clipped, length_s))
+    e.begins.push_back(e.samples(impacts[k].t_s - kTemplate.lead_s));
+  return e;
+}
+
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
   impact.first = first;
-  impact.sound.resize(e.window.n_window);
+  impact.sound.resize(e.fourier.size());
   e.white.read(e.learned.whitener, first, impact.sound);
   e.fourier.forward(impact.sound, impact.spectrum);
   impact.total = audio::dot(impact.sound, impact.sound);
 }
 
 void average(TemplateEstimation& e) {
-  const std::vector<float> none(e.window.n_window / 2 + 1, 0.0F);
+  const std::vector<float> none(e.fourier.size() / 2 + 1, 0.0F);
   audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
   double weights[2] = {0.0, 0.0};
   std::size_t n_averaged = 0;
   audio::Spectrum moved{none, none};
-  const double omega = 2.0 * kPi / static_cast<double>(e.window.n_window);
+  const double omega = 2.0 * kPi / static_cast<double>(e.fourier.size());
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
     const double a = impact.estimate.amplitude;
@@ -165,7 +233,7 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
   const std::vector<float> placed =
       e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.position));
   std::vector<float> x = impact.sound;
-  for (std::size_t n = 0; n < e.window.n_window; ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
+  for (std::size_t n = 0; n < e.fourier.size(); ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
   return x;
 }
 
@@ -183,12 +251,35 @@ void find_template(TemplateEstimation& e) {
 void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
   Found before = state_of(e);
-  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.window.n_window, 0.0);
+  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.fourier.size(), 0.0);
   for (TrainingImpact& impact : e.training) cut_training_window(e, impact.first, impact);
   e.learned.subbands = {};
   average(e);
   align(e, false);
   if (n_alike(e.training) < n_alike(before.training)) restore(e, std::move(before));
+}
+
+std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,
+                                    double weight_b) {
+  const std::size_t n = a.size();
+  std::vector<double> common(n + 1, 0.0), all(n + 1, 0.0);  // running sums
+  const double weight = weight_a + weight_b;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double re = static_cast<double>(a.re[k]) + b.re[k];
+    const double im = static_cast<double>(a.im[k]) + b.im[k];
+    const double product = static_cast<double>(a.re[k]) * b.re[k] + static_cast<double>(a.im[k]) * b.im[k];
+    common[k + 1] = common[k] + product / (weight_a * weight_b);
+    all[k + 1] = all[k] + (re * re + im * im) / (weight * weight);
+  }
+  std::vector<float> weights(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t from = k > kTemplate.coherence_bins ? k - kTemplate.coherence_bins : 0;
+    const std::size_t to = std::min(n, k + kTemplate.coherence_bins + 1);
+    const double ratio = (common[to] - common[from]) / (all[to] - all[from] + 1e-30);
+    weights[k] = static_cast<float>(
+        std::clamp((ratio - kTemplate.coherence_of_noise) / (1.0 - kTemplate.coherence_of_noise), 0.0, 1.0));
+  }
+  return weights;
 }
 
 }  // namespace bouncelab::detection
