@@ -10,6 +10,7 @@
 
 #include "bouncelab/audio/audio_reader.hpp"
 #include "bouncelab/core/random.hpp"
+#include "delay/delay_model.hpp"
 #include "support/modal_sound.hpp"
 #include "whitening/linear_prediction.hpp"
 
