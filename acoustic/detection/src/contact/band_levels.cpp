@@ -83,22 +83,19 @@ BandLevels measure_levels(WhiteSound& white, const ImpactTemplate& learned, cons
     levels.f_hz.push_back(rate_hz / static_cast<double>(n_window) * centre_bin(learned.filter, band));
     levels.noise2.push_back(band.noise / band.energy);
   }
-  audio::RealFft fourier(n_window);
-  const audio::Spectrum& w = learned.filter.spectrum();
-  audio::Spectrum sound, products = w, in_phase = w;  // for their size
+  const audio::RealFft fourier(n_window);
   std::vector<float> window(learned.n_template);
   for (const TimedImpact& impact : thin_out(impacts)) {
     const double position = impact.fit.t_s * rate_hz - learned.contact_index;
     const auto first = static_cast<std::int64_t>(std::floor(position));
     white.read(learned.whitener, first, window);  // zeros follow
-    fourier.forward(window, sound);
-    audio::product_conj(w, sound, w.size(), products.re.data(), products.im.data());
-    audio::phase_shift(products, learned.filter.omega() * (position - static_cast<double>(first)), in_phase);
+    const audio::Spectrum in_phase =
+        audio::phase_shifted(audio::product_conj(learned.filter.spectrum(), fourier.forward(window)),
+                             learned.filter.omega() * (position - static_cast<double>(first)));
     const bool is_training = std::any_of(learned.training_t_s.begin(), learned.training_t_s.end(), [&](double t_s) {
       return std::abs(t_s - impact.fit.t_s) < kContact.same_impact_s;
     });
     std::vector<double> row;
-    row.reserve(bands.size());
     for (const Band& band : bands) {
       const double sum = std::accumulate(in_phase.re.begin() + static_cast<std::ptrdiff_t>(band.from),
                                          in_phase.re.begin() + static_cast<std::ptrdiff_t>(band.to), 0.0);

@@ -101,11 +101,9 @@ TimedDrop time_drop(const BandOfDrops& band, const Track& track, const ImpactTem
   if (learned == nullptr) return drop;
   drop.peak = learned->peak;
   drop.correlation = learned->correlation;
-  const double rate_hz = band.sound.rate_hz;
-  drop.wave = LearnedWave{-learned->contact_index / rate_hz, 1.0 / rate_hz, learned->waveform, learned->spread,
-                          std::ssize(learned->training_t_s)};
+  drop.wave = learned->wave;
   // a band says nothing of the frequencies beyond it
-  drop.rms_hz = band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(*learned) * rate_hz;
+  drop.rms_hz = band.recorded_rms_hz ? *band.recorded_rms_hz : recorded_rms_frequency(*learned) * band.sound.rate_hz;
   std::vector<TimedImpact> all;
   std::vector<TimedImpact> clear;
   for (const TimedImpact& impact : drop.impacts) {

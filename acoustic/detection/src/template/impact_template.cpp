@@ -19,7 +19,7 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::size_t kMaxShown = 12;  // impacts that `waveform` is the mean of
+constexpr std::size_t kMaxShown = 12;  // impacts that the wave is the mean of
 
 /// Extends the whitener by a filter that also whitens what the template does not explain: noise where that is all, the
 /// ringing of modes that are excited differently each time where the noise is less than their variation. The template
@@ -102,14 +102,12 @@ void describe_waveform(TemplateEstimation& e) {
   std::vector<double> sum(learned.n_template, 0.0);
   std::vector<double> squares(learned.n_template, 0.0);
   std::vector<float> x(e.fourier.size());
-  audio::Spectrum spectrum, moved = learned.filter.spectrum();  // for its size
   std::size_t n_shown = 0;
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged() || n_shown == kMaxShown) continue;
     audio::read_padded(e.white.source(), impact.first, x);
-    e.fourier.forward(x, spectrum);
-    audio::phase_shift(spectrum, learned.filter.omega() * impact.position, moved);
-    const std::vector<float> y = e.fourier.inverse(moved);
+    const std::vector<float> y =
+        e.fourier.inverse(audio::phase_shifted(e.fourier.forward(x), learned.filter.omega() * impact.position));
     const double factor = 1.0 / impact.estimate.amplitude;
     for (std::size_t k = 0; k < learned.n_template; ++k) {
       const double value = factor * static_cast<double>(y[k]);
@@ -118,11 +116,16 @@ void describe_waveform(TemplateEstimation& e) {
     }
     ++n_shown;
   }
+  const double rate_hz = e.white.source().rate_hz;
+  LearnedWave& wave = learned.wave;
+  wave.t0_s = -learned.contact_index / rate_hz;
+  wave.dt_s = 1.0 / rate_hz;
+  wave.n_impacts = std::ssize(learned.training_t_s);
   const auto n = static_cast<double>(n_shown);
   for (std::size_t k = 0; k < learned.n_template; ++k) {
-    learned.waveform.push_back(sum[k] / n);
-    learned.spread.push_back(std::sqrt(std::max(0.0, squares[k] / n - square(learned.waveform[k]))));
-    learned.peak = std::max(learned.peak, std::abs(learned.waveform[k]));
+    wave.mean.push_back(sum[k] / n);
+    wave.spread.push_back(std::sqrt(std::max(0.0, squares[k] / n - square(wave.mean[k]))));
+    learned.peak = std::max(learned.peak, std::abs(wave.mean[k]));
   }
 }
 

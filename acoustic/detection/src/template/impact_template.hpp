@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "bouncelab/detection/detect.hpp"
 #include "candidates/candidates.hpp"
 #include "template/subband_delay.hpp"
 #include "whitening/linear_prediction.hpp"
@@ -26,9 +27,8 @@ struct ImpactTemplate {
   double correlation = 0.0;          ///< median of the training impacts with the template
   std::vector<double> training_t_s;  ///< times of the impacts that it is the mean of
   double training_weight = 0.0;      ///< sum of their squared amplitudes, in units of the template
-  std::vector<double> waveform;      ///< the mean as recorded, not whitened
-  std::vector<double> spread;        ///< its standard deviation from impact to impact
-  double peak = 0.0;                 ///< largest magnitude of `waveform`
+  LearnedWave wave;                  ///< the mean as recorded, not whitened
+  double peak = 0.0;                 ///< its largest magnitude
 };
 
 /// Estimates the template from the recording's own strong and isolated impacts: aligned below a sample and averaged,

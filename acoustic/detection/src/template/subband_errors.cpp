@@ -90,16 +90,6 @@ struct QuietWindow {
   std::vector<double> power;    // by sub-band
 };
 
-QuietWindow measure_power(const audio::Spectrum& sound, const MatchedFilter& filter, const Subbands& subbands) {
-  QuietWindow quiet;
-  for (std::size_t j = 0; j < subbands.n(); ++j) {
-    const double sum = filter.information_times_power_of(sound, subbands, j);
-    quiet.power.push_back(0.5 * sum / (filter.information(subbands, j) + 1e-30));
-    quiet.weighted_power += sum;
-  }
-  return quiet;
-}
-
 std::vector<std::vector<float>> residuals_of(TemplateEstimation& e) {
   std::vector<std::vector<float>> residuals;
   for (const TrainingImpact& impact : e.training) {
@@ -135,17 +125,19 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
 
 double estimate_noise(WhiteSound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
                       const MatchedFilter& filter, Subbands& subbands) {
-  audio::RealFft fourier(filter.n_window());
+  const audio::RealFft fourier(filter.n_window());
   std::vector<QuietWindow> windows;
-  windows.reserve(begins.size());
   std::vector<float> white(filter.n_window());
-  audio::Spectrum spectrum;
   for (const std::int64_t begin : begins) {
-    const std::int64_t first = begin - static_cast<std::int64_t>(filter.n_window());
-    sound.read(whitener, first, white);
-    fourier.forward(white, spectrum);
-    windows.push_back(measure_power(spectrum, filter, subbands));
-    windows.back().energy = audio::dot(white, white);
+    sound.read(whitener, begin - static_cast<std::int64_t>(filter.n_window()), white);
+    const audio::Spectrum spectrum = fourier.forward(white);
+    QuietWindow& quiet = windows.emplace_back();
+    quiet.energy = audio::dot(white, white);
+    for (std::size_t j = 0; j < subbands.n(); ++j) {
+      const double sum = filter.information_times_power_of(spectrum, subbands, j);
+      quiet.power.push_back(0.5 * sum / (filter.information(subbands, j) + 1e-30));
+      quiet.weighted_power += sum;
+    }
   }
   const std::size_t n_quiet = (windows.size() + 1) / 2;
   // sorted, not parted: the order of the sums below would be that of one standard library

@@ -176,7 +176,7 @@ void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpa
   impact.first = first;
   impact.sound.resize(e.fourier.size());
   e.white.read(e.learned.whitener, first, impact.sound);
-  e.fourier.forward(impact.sound, impact.spectrum);
+  impact.spectrum = e.fourier.forward(impact.sound);
   impact.total = audio::dot(impact.sound, impact.sound);
 }
 
@@ -185,14 +185,12 @@ void average(TemplateEstimation& e) {
   audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
   double weights[2] = {0.0, 0.0};
   std::size_t n_averaged = 0;
-  audio::Spectrum moved{none, none};
   const double omega = 2.0 * kPi / static_cast<double>(e.fourier.size());
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
     const double a = impact.estimate.amplitude;
     const std::size_t half = n_averaged++ % 2;
-    audio::phase_shift(impact.spectrum, omega * impact.position, moved);
-    audio::add_scaled(sums[half], moved, a);
+    audio::add_scaled(sums[half], audio::phase_shifted(impact.spectrum, omega * impact.position), a);
     weights[half] += a * a;
   }
   audio::Spectrum sum = sums[0];
