@@ -9,15 +9,6 @@
 namespace bouncelab::audio {
 namespace {
 
-void multiply(const float* ar, const float* ai, float sign, const float* br, const float* bi, float* re, float* im,
-              std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) {
-    const float a_im = sign * ai[k];
-    re[k] = ar[k] * br[k] - a_im * bi[k];
-    im[k] = ar[k] * bi[k] + a_im * br[k];
-  }
-}
-
 struct Phasor {
   double c = 1.0;
   double s = 0.0;
@@ -88,37 +79,30 @@ void multiply_conj(const float* ar, const float* ai, const float* br, const floa
       steps, re, im, n);
 }
 
-Spectrum multiplied(const Spectrum& a, float sign, const Spectrum& b) {
-  const std::size_t n = std::min(a.size(), b.size());
-  Spectrum out{std::vector<float>(n), std::vector<float>(n)};
-  multiply(a.re.data(), a.im.data(), sign, b.re.data(), b.im.data(), out.re.data(), out.im.data(), n);
-  return out;
-}
+Spectrum of_size(std::size_t n) { return {std::vector<float>(n), std::vector<float>(n)}; }
 
 }  // namespace
 
 Spectrum phase_shifted(const Spectrum& a, double angle) {
-  Spectrum out{std::vector<float>(a.size()), std::vector<float>(a.size())};
-  phase_shift(a, angle, out);
+  Spectrum out = of_size(a.size());
+  shift(a.re.data(), a.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
   return out;
 }
 
-void phase_shift(const Spectrum& a, double angle, Spectrum& out) {
-  shift(a.re.data(), a.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), a.size());
+Spectrum product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle) {
+  Spectrum out = of_size(n);
+  multiply_conj(a.re.data(), a.im.data(), b.re.data(), b.im.data(), PhaseSteps(angle), out.re.data(), out.im.data(), n);
+  return out;
 }
 
-Spectrum phase_ramp(std::size_t n, double angle) {
-  return phase_shifted({std::vector<float>(n, 1.0F), std::vector<float>(n, 0.0F)}, angle);
+Spectrum product_conj(const Spectrum& a, const Spectrum& b) {
+  Spectrum out = of_size(std::min(a.size(), b.size()));
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out.re[k] = a.re[k] * b.re[k] + a.im[k] * b.im[k];
+    out.im[k] = a.re[k] * b.im[k] - a.im[k] * b.re[k];
+  }
+  return out;
 }
-
-void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, float* re, float* im) {
-  multiply(a.re.data(), a.im.data(), -1.0F, b.re.data(), b.im.data(), re, im, n);
-}
-void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle, float* re, float* im) {
-  multiply_conj(a.re.data(), a.im.data(), b.re.data(), b.im.data(), PhaseSteps(angle), re, im, n);
-}
-Spectrum product_conj(const Spectrum& a, const Spectrum& b) { return multiplied(a, -1.0F, b); }
-Spectrum product(const Spectrum& a, const Spectrum& b) { return multiplied(a, 1.0F, b); }
 
 void add_scaled(Spectrum& a, const Spectrum& b, double factor) {
   const auto f = static_cast<float>(factor);

@@ -35,11 +35,9 @@ struct SubbandSums {
   std::array<double, kMaxSubbands> quadrature{};
 };
 
-/// @param products  of the filter's size; receives P_k e^(i omega k s)
-SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
-                    audio::Spectrum& products) {
+SubbandSums sums_at(double shift, const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound) {
   const std::size_t n = std::min(filter.n_filled(), sound.size());
-  audio::product_conj(filter.spectrum(), sound, n, filter.omega() * shift, products.re.data(), products.im.data());
+  const audio::Spectrum products = audio::product_conj(filter.spectrum(), sound, n, filter.omega() * shift);
   SubbandSums sums;
   for (std::size_t j = 0; j < subbands.n(); ++j) {
     constexpr std::size_t kSums = 4;  // side by side, or each addition waits for the one before
@@ -168,13 +166,12 @@ SubbandMean subband_mean(const Subbands& subbands, const DelayEstimate& estimate
 
 DelayEstimate estimate_delay(const MatchedFilter& filter, const Subbands& subbands, const audio::Spectrum& sound,
                              double start) {
-  audio::Spectrum products = filter.spectrum();  // for its size
   const std::size_t n = subbands.n();
   DelayEstimate r;
   r.shift = start;
   double last_move = 0.0;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const SubbandSums sums = sums_at(r.shift, filter, subbands, sound, products);
+    const SubbandSums sums = sums_at(r.shift, filter, subbands, sound);
     const double in_phase = std::accumulate(sums.in_phase.begin(), sums.in_phase.begin() + n, 0.0);
     r.amplitude = in_phase / filter.energy();
     r.log_likelihood_ratio = in_phase > 0.0 ? 0.5 * in_phase * in_phase / filter.energy() : 0.0;

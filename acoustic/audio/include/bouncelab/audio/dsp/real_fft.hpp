@@ -43,19 +43,11 @@ class RealFft {
 
 /// a[k] exp(i k angle), the phasor to 1e-6: the signal earlier by angle n / (2 pi) samples, n those of its transform.
 Spectrum phase_shifted(const Spectrum& a, double angle);
-/// The same into a spectrum of the same size.
-void phase_shift(const Spectrum& a, double angle, Spectrum& out);
 
-/// exp(i k angle) for k = 0 ... n-1, to 1e-6.
-Spectrum phase_ramp(std::size_t n, double angle);
-
-/// conj(a) b, of bins 0 ... n - 1, both of which have so many
-void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, float* re, float* im);
-/// conj(a[k]) b[k] exp(i k angle), the phasor to 1e-6
-void product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle, float* re, float* im);
+/// conj(a) b
 Spectrum product_conj(const Spectrum& a, const Spectrum& b);
-/// a b
-Spectrum product(const Spectrum& a, const Spectrum& b);
+/// conj(a[k]) b[k] exp(i k angle) of bins 0 ... n - 1, which both have; the phasor to 1e-6
+Spectrum product_conj(const Spectrum& a, const Spectrum& b, std::size_t n, double angle);
 /// a += factor b
 void add_scaled(Spectrum& a, const Spectrum& b, double factor);
 /// sum |a|^2
