@@ -263,21 +263,6 @@ TEST(CorrelationPeaks, HoldEveryCycleOfAPacketTheHighestFirst) {
               0.5 * (1.0 - std::exp(-2.0 * 400.0 / 3600.0)), 0.01);
 }
 
-TEST(CorrelationPeaks, AboveALeastLikelihoodAreThoseOfAll) {
-  audio::RealFft fourier(kWindow);
-  const MatchedFilter filter(fourier.forward(modes(100.0, kNoPhases)), kWindow);
-  const audio::Spectrum sound = fourier.forward(noise(kWindow, 3));
-  const Correlation products(filter, sound, -300.0, 300.0);
-  const std::vector<CorrelationPeak> all = products.peaks();
-  ASSERT_EQ(all.size(), 8U);
-  for (std::size_t n = 1; n < all.size(); ++n) {
-    const double least = 0.5 * (all[n - 1].log_likelihood_ratio + all[n].log_likelihood_ratio);
-    const std::vector<CorrelationPeak> some = products.peaks(least);
-    ASSERT_EQ(some.size(), n);
-    for (std::size_t k = 0; k < n; ++k) EXPECT_EQ(some[k].shift, all[k].shift) << k;
-  }
-}
-
 TEST(LowBand, PassesWhatIsLowWithoutDelayAndNothingElse) {
   constexpr double kRate_hz = 48e3;
   std::vector<float> x(48000);

@@ -158,8 +158,7 @@ ImpactFit ImpactTimer::fit_of(const FitWindow& window, const Correlation& produc
   // codec leaves next to nothing between impacts, and errors of its own within them, which only the residual shows.
   fit.noise = noise_ > 1.0 ? std::max(1.0, std::min(noise_, fit.residual_variance)) : std::min(1.0, fit.disturbance);
   fit.correlation = correlation(r, window.total);
-  const std::vector<CorrelationPeak> peaks =
-      products.peaks(products.highest().log_likelihood_ratio - kDelay.unambiguous * fit.disturbance);
+  const std::vector<CorrelationPeak> peaks = products.peaks();
   for (std::size_t k = 1; k < peaks.size(); ++k) {
     const double margin = (peaks[0].log_likelihood_ratio - peaks[k].log_likelihood_ratio) / fit.disturbance;
     if (margin < kDelay.unambiguous) fit.alternatives.push_back({time_of(peaks[k].shift), margin});

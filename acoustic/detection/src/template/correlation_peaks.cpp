@@ -36,14 +36,11 @@ CorrelationPeak Correlation::peak_at(std::size_t k) const {
   return {0.5 * static_cast<double>(static_cast<std::int64_t>(k) - 1 + lowest_), scale_ * height * height};
 }
 
-std::vector<CorrelationPeak> Correlation::peaks(double least_log_likelihood_ratio) const {
+std::vector<CorrelationPeak> Correlation::peaks() const {
   constexpr std::size_t kMostOthers = 7;
-  constexpr double kRounding = 1e-5;  // relative: heights are single precision
-  const auto least =
-      static_cast<float>((1.0 - kRounding) * std::sqrt(std::max(0.0, least_log_likelihood_ratio) / scale_));
   std::vector<std::size_t> others;
   for (std::size_t k = 1; k + 1 < values_.size(); ++k)
-    if (values_[k] > least && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1] &&
+    if (values_[k] > 0.0F && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1] &&
         (k > top_ ? k - top_ : top_ - k) > 2)
       others.push_back(k);
   std::stable_sort(others.begin(), others.end(), [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; });

@@ -21,9 +21,8 @@ class Correlation {
  public:
   Correlation(const MatchedFilter& filter, const audio::Spectrum& sound, double from, double to);
   CorrelationPeak highest() const { return peak_at(top_); }
-  /// Local maxima: the highest first, then at most seven others in falling order, of those whose log likelihood ratio
-  /// is above the least. Within single precision of it there may be others.
-  std::vector<CorrelationPeak> peaks(double least_log_likelihood_ratio = 0.0) const;
+  /// Local maxima: the highest first, then at most seven others in falling order.
+  std::vector<CorrelationPeak> peaks() const;
 
  private:
   CorrelationPeak peak_at(std::size_t k) const;
