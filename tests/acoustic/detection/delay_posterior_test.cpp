@@ -155,10 +155,11 @@ TEST(DelayPosterior, AnImpactThatMayBeElsewhereIsLessProbablyWhereItIsPut) {
   TimedImpact impact;
   impact.fit.t_s = 1.0;
   impact.fit.alternatives = {{1.0002, 0.0}, {1.004, 0.0}, {0.999, 0.0}};
-  const Doubt doubt = doubt_about(impact, {0.4, 0.3, 0.2, 0.1}, 0, 1.0);
-  EXPECT_DOUBLE_EQ(doubt.others, 0.6);
-  EXPECT_DOUBLE_EQ(doubt.elsewhere, 0.2) << "a cycle of the same sound is no other";
-  EXPECT_NEAR(doubt.sigma_s, std::sqrt(0.3 * 4e-8 + 0.2 * 16e-6 + 0.1 * 1e-6), 1e-12);
+  TimedImpact chosen = impact;
+  set_doubt(impact, {0.4, 0.3, 0.2, 0.1}, 0, chosen);
+  EXPECT_TRUE(chosen.doubtful);
+  EXPECT_DOUBLE_EQ(chosen.probability, 0.8) << "a cycle of the same sound is no other";
+  EXPECT_NEAR(chosen.doubt_s, std::sqrt(0.3 * 4e-8 + 0.2 * 16e-6 + 0.1 * 1e-6), 1e-12);
 }
 
 /// Stated and true squared errors of a track with a ball's single losses (Laplace distributed ln eps, no Student's t),

@@ -87,7 +87,6 @@ using PairTable = std::vector<std::vector<double>>;
 PairTable forward(const ChainDensity& p) {
   PairTable table(p.size() - 1);
   for (std::size_t k = 0; k + 1 < p.size(); ++k) {
-    table[k].reserve(p.n(k) * p.n(k + 1));
     for (std::size_t h = 0; h < p.n(k); ++h)
       for (std::size_t a = 0; a < p.n(k + 1); ++a) {
         double before = k == 0 ? p.by_sound[0][h] : 0.0;
@@ -104,7 +103,6 @@ PairTable backward(const ChainDensity& p) {
   PairTable table(p.size() - 1);
   table.back().assign(p.n(p.size() - 2) * p.n(p.size() - 1), 1.0);
   for (std::size_t k = p.size() - 2; k-- > 0;) {
-    table[k].reserve(p.n(k) * p.n(k + 1));
     for (std::size_t h = 0; h < p.n(k); ++h)
       for (std::size_t a = 0; a < p.n(k + 1); ++a) {
         double after = 0.0;
@@ -173,7 +171,6 @@ std::vector<ExpectedLogEps> expected_log_eps(const TimedImpacts& track, const st
     if (is_triple(track, k)) eps[k] = log_eps(t_s[k - 1], t_s[k], t_s[k + 1]);
   const auto around = [&](std::size_t k, std::size_t reach, double about) {
     std::vector<double> x;
-    x.reserve(2 * reach + 1);
     for (std::size_t j = k > reach ? k - reach : 0; j < std::min(track.size(), k + reach + 1); ++j)
       if (eps[j]) x.push_back(about == 0.0 ? *eps[j] : std::abs(*eps[j] - about));
     return x;
@@ -223,18 +220,20 @@ std::vector<HypothesisProbabilities> delay_posterior(const TimedImpacts& track) 
   return posterior;
 }
 
-Doubt doubt_about(const TimedImpact& impact, const HypothesisProbabilities& p, std::size_t chosen, double t_s) {
-  Doubt doubt;
-  double squares = 0.0;
+void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
+               TimedImpact& impact) {
+  double others = 0.0, squares = 0.0;
+  double elsewhere = 0.0;  // so far off that what is at the chosen time is another sound
   for (std::size_t h = 0; h < p.size(); ++h) {
     if (h == chosen) continue;
-    const double off_s = hypothesis_time(impact, h) - t_s;
-    doubt.others += p[h];
-    if (std::abs(off_s) > kDelay.least_interval_s) doubt.elsewhere += p[h];
+    const double off_s = hypothesis_time(hypotheses, h) - impact.fit.t_s;
+    others += p[h];
+    if (std::abs(off_s) > kDelay.least_interval_s) elsewhere += p[h];
     squares += p[h] * square(off_s);
   }
-  doubt.sigma_s = std::sqrt(squares);
-  return doubt;
+  impact.doubtful = others > kDelay.least_doubt;
+  impact.doubt_s = std::sqrt(squares);
+  impact.probability *= 1.0 - elsewhere;
 }
 
 ImpactFit merged(const ImpactFit& a, const ImpactFit& b, double same_s) {

@@ -52,15 +52,10 @@ std::vector<HypothesisProbabilities> delay_posterior(const std::vector<TimedImpa
 /// The most probable hypothesis.
 std::size_t most_probable(const HypothesisProbabilities& p);
 
-/// What the other hypotheses say of the chosen time.
-struct Doubt {
-  double others = 0.0;     ///< probability of all other hypotheses
-  double elsewhere = 0.0;  ///< of those that are so far off that what is at the chosen time is another sound
-  double sigma_s = 0.0;    ///< root mean square of their distances, each with its probability [s]
-};
-
-/// @param t_s  of the chosen hypothesis, timed anew
-Doubt doubt_about(const TimedImpact& impact, const HypothesisProbabilities& p, std::size_t chosen, double t_s);
+/// What the other hypotheses say of the chosen time: that it is doubtful, less probable, and less sure.
+/// @param impact  timed anew by the chosen hypothesis
+void set_doubt(const TimedImpact& hypotheses, const HypothesisProbabilities& p, std::size_t chosen,
+               TimedImpact& impact);
 
 /// The better of two fits of one impact, with the places of both as hypotheses: each place once, the most likely first.
 /// @param same_s  places nearer than this are one

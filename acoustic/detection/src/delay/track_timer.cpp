@@ -101,10 +101,7 @@ std::vector<TimedImpact> resolve_delays(ImpactTimer timer, const std::vector<Tim
       impact.fit = timer.time(hypothesis_time(track[k], chosen), 0.0, impact.until_s);
       impact.overlap = impact.overlap || next_was_unknown;
     }
-    const Doubt doubt = doubt_about(track[k], posterior[k], chosen, impact.fit.t_s);
-    impact.doubtful = doubt.others > kDelay.least_doubt;
-    impact.doubt_s = doubt.sigma_s;
-    impact.probability *= 1.0 - doubt.elsewhere;
+    set_doubt(track[k], posterior[k], chosen, impact);
     timer.subtract_from_later(impact.fit);
   }
   return resolved;
