@@ -48,9 +48,7 @@ void whiten_residuals(TemplateEstimation& e) {
 void estimate_subbands(TemplateEstimation& e) {
   ImpactTemplate& learned = e.learned;
   learned.subbands = split_into_subbands(learned.filter);
-  std::vector<std::int64_t> begins;
-  for (const TrainingImpact& impact : e.training) begins.push_back(impact.first);
-  const double quiet = estimate_noise(e.white, learned.whitener, begins, learned.filter, learned.subbands);
+  const double quiet = estimate_noise(e);
   for (int round = 0; round < 2; ++round) {
     align(e, false);
     std::vector<DelayEstimate> estimates;
@@ -91,7 +89,7 @@ void describe_training(TemplateEstimation& e) {
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
     const double begin = static_cast<double>(impact.first) + impact.position + learned.contact_index;
-    learned.training_t_s.push_back(begin / e.white.source().rate_hz);
+    learned.training_t_s.push_back(begin / e.white->source().rate_hz);
     learned.training_weight += impact.estimate.amplitude * impact.estimate.amplitude;
   }
 }
@@ -105,7 +103,7 @@ void describe_waveform(TemplateEstimation& e) {
   std::size_t n_shown = 0;
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged() || n_shown == kMaxShown) continue;
-    audio::read_padded(e.white.source(), impact.first, x);
+    audio::read_padded(e.white->source(), impact.first, x);
     const std::vector<float> y =
         e.fourier.inverse(audio::phase_shifted(e.fourier.forward(x), learned.filter.omega() * impact.position));
     const double factor = 1.0 / impact.estimate.amplitude;
@@ -116,7 +114,7 @@ void describe_waveform(TemplateEstimation& e) {
     }
     ++n_shown;
   }
-  const double rate_hz = e.white.source().rate_hz;
+  const double rate_hz = e.white->source().rate_hz;
   LearnedWave& wave = learned.wave;
   wave.t0_s = -learned.contact_index / rate_hz;
   wave.dt_s = 1.0 / rate_hz;

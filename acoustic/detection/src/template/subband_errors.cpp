@@ -11,7 +11,6 @@
 #include "bouncelab/core/elementary.hpp"
 #include "bouncelab/core/numerics.hpp"
 #include "template/template_model.hpp"
-#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 namespace {
@@ -123,14 +122,14 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
   }
 }
 
-double estimate_noise(WhiteSound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
-                      const MatchedFilter& filter, Subbands& subbands) {
-  const audio::RealFft fourier(filter.n_window());
+double estimate_noise(TemplateEstimation& e) {
+  const MatchedFilter& filter = e.learned.filter;
+  Subbands& subbands = e.learned.subbands;
   std::vector<QuietWindow> windows;
   std::vector<float> white(filter.n_window());
-  for (const std::int64_t begin : begins) {
-    sound.read(whitener, begin - static_cast<std::int64_t>(filter.n_window()), white);
-    const audio::Spectrum spectrum = fourier.forward(white);
+  for (const TrainingImpact& impact : e.training) {
+    e.white->read(e.learned.whitener, impact.first - std::ssize(white), white);
+    const audio::Spectrum spectrum = e.fourier.forward(white);
     QuietWindow& quiet = windows.emplace_back();
     quiet.energy = audio::dot(white, white);
     for (std::size_t j = 0; j < subbands.n(); ++j) {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "template/subband_delay.hpp"
 #include "template/template_search.hpp"
-#include "whitening/white_window.hpp"
 
 namespace bouncelab::detection {
 
@@ -21,12 +19,10 @@ void estimate_jitter(const std::vector<DelayEstimate>& estimates, const MatchedF
 /// Sets each sub-band's noise: the variance in each real and imaginary part, averaged over its bins with the weights
 /// omega^2 |W|^2 that the delay gives them. (A plain mean is wrong where the whitened noise is not flat within a
 /// sub-band; and it is not flat where the whitener has modelled the modes too: it is low just where the template is
-/// strong.) Estimated from the quieter half of the windows that end where impacts begin; in the others an earlier
-/// impact still rings.
+/// strong.) Estimated from the quieter half of the windows that end where those of the training impacts begin; in the
+/// others an earlier impact still rings.
 /// @return  sum of squares of such a window, averaged
-/// @param begins  samples at which the windows of impacts begin, not empty
-double estimate_noise(WhiteSound& sound, const std::vector<float>& whitener, const std::vector<std::int64_t>& begins,
-                      const MatchedFilter& filter, Subbands& subbands);
+double estimate_noise(TemplateEstimation& e);
 
 /// Degrees of freedom of what varies from impact to impact, (tr C)^2 / tr C^2 with the covariance C of the residuals:
 /// over such a number of directions their power is spread (Welch-Satterthwaite). The products of different residuals

@@ -91,7 +91,7 @@ double power_of(const audio::Spectrum& spectrum, std::size_t n_bins) {
 /// beginning of a soft ball's, may be taken for the impact. The attack is where a fifth of the energy has come.
 std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) {
   std::vector<float> x(e.fourier.size());
-  e.white.read(e.learned.whitener, first, x);
+  e.white->read(e.learned.whitener, first, x);
   const double enough = kTemplate.attack_share * audio::dot(x, x);
   double sum = 0.0;
   std::size_t n = 0;
@@ -140,21 +140,6 @@ std::ptrdiff_t n_alike(const std::vector<TrainingImpact>& training) {
                        [](const TrainingImpact& impact) { return impact.is_averaged(); });
 }
 
-/// A template and the impacts that it is the mean of.
-struct Found {
-  ImpactTemplate learned;
-  std::vector<TrainingImpact> training;
-  std::vector<float> mean;
-};
-
-Found state_of(const TemplateEstimation& e) { return {e.learned, e.training, e.mean}; }
-
-void restore(TemplateEstimation& e, Found found) {
-  e.learned = std::move(found.learned);
-  e.training = std::move(found.training);
-  e.mean = std::move(found.mean);
-}
-
 }  // namespace
 
 TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candidate>& impacts,
@@ -164,7 +149,7 @@ TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candida
     return static_cast<std::size_t>(std::llround(duration_s * white.source().rate_hz));
   };
   const std::size_t n_window = std::bit_ceil(samples(kTemplate.lead_s + length_s + 2.0 * kTemplate.rough_time_error_s));
-  TemplateEstimation e{white, audio::RealFft(n_window)};
+  TemplateEstimation e{&white, audio::RealFft(n_window)};
   e.learned.n_template = std::min(n_window, samples(kTemplate.lead_s + length_s));
   e.taper = taper_of(e);
   for (const std::size_t k : choose_training_impacts(impacts, clipped, length_s))
@@ -175,7 +160,7 @@ TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candida
 void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpact& impact) {
   impact.first = first;
   impact.sound.resize(e.fourier.size());
-  e.white.read(e.learned.whitener, first, impact.sound);
+  e.white->read(e.learned.whitener, first, impact.sound);
   impact.spectrum = e.fourier.forward(impact.sound);
   impact.total = audio::dot(impact.sound, impact.sound);
 }
@@ -207,7 +192,7 @@ void average(TemplateEstimation& e) {
 }
 
 void align(TemplateEstimation& e, bool search) {
-  const double reach = kTemplate.rough_time_error_s * e.white.source().rate_hz;
+  const double reach = kTemplate.rough_time_error_s * e.white->source().rate_hz;
   for (TrainingImpact& impact : e.training) {
     if (!(e.learned.filter.energy() > 0.0)) {
       impact.correlation = 0.0;
@@ -236,25 +221,28 @@ std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impa
 }
 
 void find_template(TemplateEstimation& e) {
-  Found best;
+  TemplateEstimation best = e;
   for (const bool at_attacks : {false, true})
     for (std::size_t start = 0; start < std::min(kTemplate.most_starts, e.begins.size()); ++start) {
       start_from(e, start, at_attacks);
-      if (best.training.empty() || n_alike(e.training) > n_alike(best.training)) best = state_of(e);
-      if (4 * n_alike(best.training) >= 3 * std::ssize(best.training)) return restore(e, std::move(best));
+      if (best.training.empty() || n_alike(e.training) > n_alike(best.training)) best = e;
+      if (4 * n_alike(best.training) >= 3 * std::ssize(best.training)) {
+        e = std::move(best);
+        return;
+      }
     }
-  restore(e, std::move(best));
+  e = std::move(best);
 }
 
 void whiten_by_noise(TemplateEstimation& e, const ArModel& noise) {
   if (!(noise.quiet_variance > 0.0)) return;
-  Found before = state_of(e);
-  e.learned.whitener = impact_whitener(e.white.source(), noise, e.begins, e.fourier.size(), 0.0);
+  const TemplateEstimation before = e;
+  e.learned.whitener = impact_whitener(e.white->source(), noise, e.begins, e.fourier.size(), 0.0);
   for (TrainingImpact& impact : e.training) cut_training_window(e, impact.first, impact);
   e.learned.subbands = {};
   average(e);
   align(e, false);
-  if (n_alike(e.training) < n_alike(before.training)) restore(e, std::move(before));
+  if (n_alike(e.training) < n_alike(before.training)) e = before;
 }
 
 std::vector<float> coherence_weight(const audio::Spectrum& a, double weight_a, const audio::Spectrum& b,

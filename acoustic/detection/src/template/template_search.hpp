@@ -30,7 +30,7 @@ struct TrainingImpact {
 
 /// What the steps of the estimation of a template pass on.
 struct TemplateEstimation {
-  WhiteSound& white;
+  WhiteSound* white;
   audio::RealFft fourier;              ///< of a window
   std::vector<double> taper{};         ///< factors of the template's samples: both ends fall to 0
   std::vector<std::int64_t> begins{};  ///< of the training impacts' windows, by their candidates; the strongest first
@@ -40,7 +40,7 @@ struct TemplateEstimation {
   bool only_lower_half = false;  ///< the template is left only the lower frequencies, which hold half of its energy
   std::size_t n_bins = 0;        ///< that the template may fill
 
-  std::int64_t samples(double duration_s) const { return std::llround(duration_s * white.source().rate_hz); }
+  std::int64_t samples(double duration_s) const { return std::llround(duration_s * white->source().rate_hz); }
 };
 
 /// With windows for templates of 15 or 40 ms, of at most 32 of the impacts.
