@@ -262,7 +262,7 @@ constexpr int kPoolingRounds = 10;
 /// A step of tau_1^2 and its standard error.
 struct PooledEstimate {
   double step = 0.0;
-  double sigma = INFINITY;
+  double sigma = 0.0;
 };
 
 /// A step of tau_1^2 by each band alone, and its variance up to a common factor.
@@ -342,7 +342,8 @@ std::optional<ContactFit> fit_pulse(const PulseSpectrum& pulse, double tau_1_s, 
       update_weights(model);
     }
     const BandEstimates bands = estimates_by_band(model);
-    const PooledEstimate pooled = bands.step.size() < kContact.fewest_bands ? PooledEstimate{} : pool_bands(bands);
+    if (bands.step.size() < kContact.fewest_bands) return std::nullopt;
+    const PooledEstimate pooled = pool_bands(bands);
     if (!std::isfinite(pooled.step) || !std::isfinite(pooled.sigma) || !(pooled.sigma > 0.0)) return std::nullopt;
     fit = {tau_1_s * tau_1_s + pooled.step, pooled.sigma, {}};
     const double next_s = std::sqrt(std::max(fit.tau2_s2, kMinTau_s * kMinTau_s));

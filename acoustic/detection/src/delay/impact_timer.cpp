@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "delay/delay_model.hpp"
 #include "template/template_model.hpp"

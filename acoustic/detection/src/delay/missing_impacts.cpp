@@ -2,7 +2,6 @@
 #include "delay/missing_impacts.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/numerics.hpp"
 #include "delay/delay_model.hpp"
 #include "delay/delay_posterior.hpp"
 #include "delay/missing_impacts.hpp"

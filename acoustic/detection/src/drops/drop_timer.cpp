@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <span>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/numerics.hpp"
 #include "contact/band_levels.hpp"
 #include "delay/impact_timer.hpp"
 #include "delay/track_timer.hpp"

@@ -88,7 +88,7 @@ void describe_training(TemplateEstimation& e) {
   learned.n_effective = effective_samples(e.mean);
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
-    const double begin = static_cast<double>(impact.first) + impact.position + learned.contact_index;
+    const double begin = static_cast<double>(impact.first) + impact.estimate.shift + learned.contact_index;
     learned.training_t_s.push_back(begin / e.white->source().rate_hz);
     learned.training_weight += impact.estimate.amplitude * impact.estimate.amplitude;
   }
@@ -105,7 +105,7 @@ void describe_waveform(TemplateEstimation& e) {
     if (!impact.is_averaged() || n_shown == kMaxShown) continue;
     audio::read_padded(e.white->source(), impact.first, x);
     const std::vector<float> y =
-        e.fourier.inverse(audio::phase_shifted(e.fourier.forward(x), learned.filter.omega() * impact.position));
+        e.fourier.inverse(audio::phase_shifted(e.fourier.forward(x), learned.filter.omega() * impact.estimate.shift));
     const double factor = 1.0 / impact.estimate.amplitude;
     for (std::size_t k = 0; k < learned.n_template; ++k) {
       const double value = factor * static_cast<double>(y[k]);

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "template/template_model.hpp"
 

@@ -171,7 +171,8 @@ void add_unexplained_jitter(TemplateEstimation& e, double quiet) {
   std::vector<double> unexplained;  // over what the template explains
   for (const TrainingImpact& impact : e.training) {
     const double explained = 2.0 * impact.estimate.log_likelihood_ratio;
-    if (impact.is_averaged()) unexplained.push_back(std::max(0.0, impact.total - explained - quiet) / explained);
+    if (impact.is_averaged())
+      unexplained.push_back(std::max(0.0, audio::dot(impact.sound, impact.sound) - explained - quiet) / explained);
   }
   if (unexplained.empty()) return;
   const double dof = degrees_of_freedom(residuals_of(e));

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
 #include "template/correlation_peaks.hpp"
 #include "template/impact_whitener.hpp"
@@ -101,14 +100,12 @@ std::int64_t samples_to_attack(const TemplateEstimation& e, std::int64_t first) 
 }
 
 /// A sum of impacts over its weight, with tapered ends, 0 before and after the template.
-/// @param mean  receives it as a function of time
-audio::Spectrum tapered(const TemplateEstimation& e, const audio::Spectrum& sum, double weight,
-                        std::vector<float>& mean) {
-  mean = e.fourier.inverse(sum);
+audio::Spectrum tapered(TemplateEstimation& e, const audio::Spectrum& sum, double weight) {
+  e.mean = e.fourier.inverse(sum);
   const double scale = weight > 0.0 ? 1.0 / weight : 0.0;
-  for (std::size_t n = 0; n < e.learned.n_template; ++n) mean[n] *= static_cast<float>(scale * e.taper[n]);
-  std::fill(mean.begin() + static_cast<std::ptrdiff_t>(e.learned.n_template), mean.end(), 0.0F);
-  return e.fourier.forward(mean);
+  for (std::size_t n = 0; n < e.learned.n_template; ++n) e.mean[n] *= static_cast<float>(scale * e.taper[n]);
+  std::fill(e.mean.begin() + static_cast<std::ptrdiff_t>(e.learned.n_template), e.mean.end(), 0.0F);
+  return e.fourier.forward(e.mean);
 }
 
 void set_template(TemplateEstimation& e, audio::Spectrum spectrum) {
@@ -125,7 +122,7 @@ void start_from(TemplateEstimation& e, std::size_t start, bool at_attacks) {
     cut_training_window(e, e.begins[k] + (at_attacks ? samples_to_attack(e, e.begins[k]) : 0), e.training[k]);
   e.learned.subbands = {};
   e.only_lower_half = true;
-  set_template(e, tapered(e, e.training[start].spectrum, 1.0, e.mean));
+  set_template(e, tapered(e, e.training[start].spectrum, 1.0));
   align(e, true);
   average(e);
   align(e, true);
@@ -162,7 +159,6 @@ void cut_training_window(TemplateEstimation& e, std::int64_t first, TrainingImpa
   impact.sound.resize(e.fourier.size());
   e.white->read(e.learned.whitener, first, impact.sound);
   impact.spectrum = e.fourier.forward(impact.sound);
-  impact.total = audio::dot(impact.sound, impact.sound);
 }
 
 void average(TemplateEstimation& e) {
@@ -170,17 +166,17 @@ void average(TemplateEstimation& e) {
   audio::Spectrum sums[2] = {{none, none}, {none, none}};  // of every other impact
   double weights[2] = {0.0, 0.0};
   std::size_t n_averaged = 0;
-  const double omega = 2.0 * kPi / static_cast<double>(e.fourier.size());
   for (const TrainingImpact& impact : e.training) {
     if (!impact.is_averaged()) continue;
     const double a = impact.estimate.amplitude;
     const std::size_t half = n_averaged++ % 2;
-    audio::add_scaled(sums[half], audio::phase_shifted(impact.spectrum, omega * impact.position), a);
+    audio::add_scaled(sums[half],
+                      audio::phase_shifted(impact.spectrum, e.learned.filter.omega() * impact.estimate.shift), a);
     weights[half] += a * a;
   }
   audio::Spectrum sum = sums[0];
   audio::add_scaled(sum, sums[1], 1.0);
-  audio::Spectrum spectrum = tapered(e, sum, weights[0] + weights[1], e.mean);
+  audio::Spectrum spectrum = tapered(e, sum, weights[0] + weights[1]);
   if (n_averaged >= kTemplate.fewest_for_coherence) {
     const std::vector<float> weight = coherence_weight(sums[0], weights[0], sums[1], weights[1]);
     for (std::size_t k = 0; k < spectrum.size(); ++k) {
@@ -198,14 +194,14 @@ void align(TemplateEstimation& e, bool search) {
       impact.correlation = 0.0;
       continue;
     }
-    if (search) impact.position = Correlation(e.learned.filter, impact.spectrum, -reach, reach).highest().shift;
-    if (std::abs(impact.position) > kTemplate.recut_samples) {
-      const std::int64_t moved = std::llround(impact.position);
+    double& shift = impact.estimate.shift;
+    if (search) shift = Correlation(e.learned.filter, impact.spectrum, -reach, reach).highest().shift;
+    if (std::abs(shift) > kTemplate.recut_samples) {
+      const std::int64_t moved = std::llround(shift);
       cut_training_window(e, impact.first + moved, impact);
-      impact.position -= static_cast<double>(moved);
+      shift -= static_cast<double>(moved);
     }
-    impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, impact.position);
-    impact.position = impact.estimate.shift;
+    impact.estimate = estimate_delay(e.learned.filter, e.learned.subbands, impact.spectrum, shift);
     impact.estimate.amplitude = std::max(impact.estimate.amplitude, 1e-6);
     impact.correlation = correlation(impact.estimate, power_of(impact.spectrum, e.n_bins));
   }
@@ -214,7 +210,7 @@ void align(TemplateEstimation& e, bool search) {
 std::vector<float> residual_of(TemplateEstimation& e, const TrainingImpact& impact) {
   const MatchedFilter& filter = e.learned.filter;
   const std::vector<float> placed =
-      e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.position));
+      e.fourier.inverse(audio::phase_shifted(filter.spectrum(), -filter.omega() * impact.estimate.shift));
   std::vector<float> x = impact.sound;
   for (std::size_t n = 0; n < e.fourier.size(); ++n) x[n] -= static_cast<float>(impact.estimate.amplitude) * placed[n];
   return x;

@@ -21,9 +21,7 @@ struct TrainingImpact {
   std::int64_t first = 0;    ///< sample of the recording at which its window begins
   std::vector<float> sound;  ///< in it, whitened
   audio::Spectrum spectrum;
-  double total = 0.0;     ///< sum of squares
-  double position = 0.0;  ///< of the template within the window [samples]
-  DelayEstimate estimate;
+  DelayEstimate estimate;  ///< by the last template
   double correlation = 1.0;
   bool is_averaged() const { return correlation >= kTemplate.least_correlation; }
 };
