@@ -132,12 +132,6 @@ BandEnergies BandEnergyMeter::measure(std::span<const float> sound) {
   return energies;
 }
 
-float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
-  const float log_odds = log_odds_of_same_source(
-      a, [&](int k) { return b.log_power[k]; }, [&](int k) { return b.added_share[k]; }, log_ratio_of_scatters());
-  return 1.0F / (1.0F + static_cast<float>(exp(-log_odds)));
-}
-
 SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sounds_(band_energies.size()) {
   const std::size_t n = n_sounds_;
   power_.resize(kEnergyBands * n);
@@ -177,9 +171,12 @@ SameSource SameSource::of(const std::vector<std::size_t>& sounds) const {
   return SameSource(energies);
 }
 
-std::optional<float> SameSource::probability(std::size_t j, std::size_t k) const {
-  if (n_sounds_ == 0) return {};
-  return same_source_probability((*this)[j], (*this)[k]);
+float SameSource::probability(std::size_t j, std::size_t k) const {
+  if (n_sounds_ == 0) return 0.5F;
+  const BandEnergies a = (*this)[j], b = (*this)[k];
+  const float log_odds = log_odds_of_same_source(
+      a, [&](int o) { return b.log_power[o]; }, [&](int o) { return b.added_share[o]; }, log_ratio_of_scatters());
+  return 1.0F / (1.0F + static_cast<float>(exp(-log_odds)));
 }
 
 }  // namespace bouncelab::detection

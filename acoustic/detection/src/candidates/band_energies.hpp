@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,11 +37,6 @@ class BandEnergyMeter {
   audio::Spectrum after_, before_;
 };
 
-/// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
-/// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source, of
-/// 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
-float same_source_probability(const BandEnergies& a, const BandEnergies& b);
-
 /// Weights of sounds as clutter for one another: twice the probability that they have one source, 1 at most. One sound
 /// is compared with a row of others at once, since dense music has a million pairs a minute.
 class SameSource {
@@ -55,8 +49,10 @@ class SameSource {
   float weight(std::size_t j, std::size_t k) const;
   /// The same of some of the sounds.
   SameSource of(const std::vector<std::size_t>& sounds) const;
-  /// same_source_probability(); absent where nothing is known.
-  std::optional<float> probability(std::size_t j, std::size_t k) const;
+  /// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
+  /// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source,
+  /// of 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
+  float probability(std::size_t j, std::size_t k) const;
 
  private:
   BandEnergies operator[](std::size_t k) const;

@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/text.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -25,12 +22,9 @@ inline double student3(double x, double width) {
 /// log(exp(a) + exp(b)), for any log odds: their exponentials may be beyond a double's range.
 inline double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
 
-/// The exponent of x > 0 as a power of two. The C library's ilogb is a call.
-inline int binary_exponent(double x) { return static_cast<int>(bouncelab::bit_cast<std::uint64_t>(x) >> 52) - 1023; }
-
 /// No less than log(x), without taking it; of what is not a number no more than of 0.
 inline double largest_log(double x) {
-  return x > 0.0 ? std::numbers::ln2 * (binary_exponent(x) + 1) : -std::numeric_limits<double>::infinity();
+  return x > 0.0 ? std::numbers::ln2 * (std::ilogb(x) + 1) : -std::numeric_limits<double>::infinity();
 }
 
 /// What is known of the loudness of one source: a running mean of its logarithm, which gain control may carry along,

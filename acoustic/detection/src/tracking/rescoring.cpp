@@ -97,42 +97,25 @@ double n_unexplained(const Observations& o, const std::vector<std::size_t>& own)
     const std::size_t near = own[next > 0 ? next - 1 : 0];
     const bool is_echo = next > 0 && c[k].t_s - c[near].t_s < kTracking.echo_s;
     if (!is_echo && c[k].amplitude > kTracking.as_loud * c[near].amplitude)
-      n += std::max(0.0, 2.0 * o.same_source_probability_of(near, k).value_or(0.5) - 1.0);
+      n += std::max(0.0, 2.0 * o.same_source_probability(near, k) - 1.0);
   }
   return n;
 }
 
-/// A track with its own sounds.
-struct ScoredTrack {
-  Track track;
-  OwnSounds own;
-};
-
 /// Log odds of a track where what it explains does not compete with its sounds.
-double log_odds_of(const Observations& o, const OwnSounds& own, const Track& track) {
+double log_odds_of(const Observations& o, const Track& track) {
+  const OwnSounds own = own_sounds(o, track);
   Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false);
   for (std::size_t n = 2; n < own.seen.size(); ++n) {
     const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false, -INFINITY);
+    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false);
     if (!step) return -INFINITY;
     h.take(*step, own.seen[n]);
   }
   return h.log_odds_of_ball() - kTracking.unexplained * n_unexplained(o, own.candidates);
 }
 
-ScoredTrack scored(const Observations& o, Track track) {
-  OwnSounds own = own_sounds(o, track);
-  track.log_odds = log_odds_of(o, own, track);
-  return {std::move(track), std::move(own)};
-}
-
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
-
-bool are_same(const std::vector<TrackImpact>& a, const std::vector<TrackImpact>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const TrackImpact& x, const TrackImpact& y) {
-    return x.candidate == y.candidate && x.impact == y.impact;
-  });
-}
 
 }  // namespace
 
@@ -161,36 +144,28 @@ OwnSounds own_sounds(const Observations& o, const Track& track) {
   return own;
 }
 
-Rescored rescored(const Observations& o, std::vector<Track> tracks) {
-  std::vector<ScoredTrack> all;
-  for (Track& track : tracks) all.push_back(scored(o, std::move(track)));
+std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
+  for (Track& track : tracks) track.log_odds = log_odds_of(o, track);
   // the surest first: what its earlier impacts are, no other track may claim
-  std::stable_sort(all.begin(), all.end(),
-                   [](const ScoredTrack& a, const ScoredTrack& b) { return a.track.log_odds > b.track.log_odds; });
-  std::vector<ScoredTrack> kept;
-  for (ScoredTrack& scored_track : all) {
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
+  std::vector<Track> kept;
+  for (Track& track : tracks) {
     std::size_t first_free = 0;
     bool is_free = true;
-    for (const ScoredTrack& surer : kept) {
-      if (ends_before(surer.track, scored_track.track))
-        first_free = std::max(first_free, surer.track.impacts.back().candidate + 1);
-      else if (!ends_before(scored_track.track, surer.track))
+    for (const Track& surer : kept) {
+      if (ends_before(surer, track))
+        first_free = std::max(first_free, surer.impacts.back().candidate + 1);
+      else if (!ends_before(track, surer))
         is_free = false;
     }
     if (!is_free) continue;
-    const std::vector<TrackImpact> before = scored_track.track.impacts;
-    re_estimate_start(o, first_free, scored_track.track);
-    if (!are_same(scored_track.track.impacts, before)) scored_track = scored(o, std::move(scored_track.track));
-    kept.push_back(std::move(scored_track));
+    re_estimate_start(o, first_free, track);
+    track.log_odds = log_odds_of(o, track);
+    kept.push_back(std::move(track));
   }
-  std::sort(kept.begin(), kept.end(),
-            [](const ScoredTrack& a, const ScoredTrack& b) { return ends_before(a.track, b.track); });
-  Rescored rescored;
-  for (ScoredTrack& one : kept) {
-    rescored.tracks.push_back(std::move(one.track));
-    rescored.own.push_back(std::move(one.own));
-  }
-  return rescored;
+  std::sort(kept.begin(), kept.end(), ends_before);
+  return kept;
 }
 
 }  // namespace bouncelab::detection

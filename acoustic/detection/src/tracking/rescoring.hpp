@@ -24,15 +24,9 @@ OwnSounds own_sounds(const Observations& observations, const Track& track);
 /// @return indices, rising
 std::vector<std::size_t> explained_by(const Observations& observations, const std::vector<std::size_t>& own);
 
-/// Tracks, one after the other in time, and the own sounds of each.
-struct Rescored {
-  std::vector<Track> tracks;
-  std::vector<OwnSounds> own;
-};
-
 /// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
 /// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
 /// @param tracks  one after the other in time
-Rescored rescored(const Observations& observations, std::vector<Track> tracks);
+std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
 
 }  // namespace bouncelab::detection

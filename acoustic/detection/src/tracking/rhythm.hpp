@@ -8,8 +8,7 @@
 
 namespace bouncelab::detection {
 
-enum class RhythmKind { by_hand, by_machine };
-constexpr std::size_t kRhythmKinds = 2;
+constexpr std::size_t kRhythmKinds = 2;  // by hand, by a machine
 
 /// What the same sounds are as a rhythm: steps, claps, syllables, strokes, a metronome.
 ///
