@@ -102,26 +102,26 @@ void weigh_row(const BandEnergies& first, const float* __restrict power, const f
 
 BandEnergyMeter::BandEnergyMeter(double rate_hz)
     : fourier_(window_length(rate_hz)),
-      begin_(octave_begins(fourier_.size() / 2, rate_hz / static_cast<double>(fourier_.size()))),
-      part_(fourier_.size()) {
+      begin_(octave_begins(fourier_.size() / 2, rate_hz / static_cast<double>(fourier_.size()))) {
   const std::size_t n = fourier_.size();
   for (std::size_t k = 0; k < n; ++k)
     window_.push_back(static_cast<float>(0.5 + 0.5 * cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
 }
 
-BandEnergies BandEnergyMeter::measure(std::span<const float> sound) {
+BandEnergies BandEnergyMeter::measure(std::span<const float> sound) const {
   const std::size_t n = window_.size();
   assert(sound.size() == 2 * n + 1);
   const float* x = sound.data();
-  for (std::size_t k = 0; k < n; ++k) part_[k] = window_[k] * (x[n + k + 1] - x[n + k]);
-  fourier_.forward(part_, after_);
-  for (std::size_t k = 0; k < n; ++k) part_[k] = window_[k] * (x[n - k] - x[n - k - 1]);
-  fourier_.forward(part_, before_);
+  std::vector<float> part(n);
+  for (std::size_t k = 0; k < n; ++k) part[k] = window_[k] * (x[n + k + 1] - x[n + k]);
+  const audio::Spectrum of_after = fourier_.forward(part);
+  for (std::size_t k = 0; k < n; ++k) part[k] = window_[k] * (x[n - k] - x[n - k - 1]);
+  const audio::Spectrum of_before = fourier_.forward(part);
   std::array<float, kEnergyBands> after{}, before{};
   for (int b = 0; b < kEnergyBands; ++b)
-    for (std::size_t k = begin_[b]; k < begin_[b + 1]; ++k) {  // both at once: each addition waits for the last one
-      after[b] += power(after_, k);
-      before[b] += power(before_, k);
+    for (std::size_t k = begin_[b]; k < begin_[b + 1]; ++k) {
+      after[b] += power(of_after, k);
+      before[b] += power(of_before, k);
     }
   BandEnergies energies;
   for (int b = 0; b < kEnergyBands; ++b) {

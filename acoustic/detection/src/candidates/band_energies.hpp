@@ -27,14 +27,12 @@ class BandEnergyMeter {
   /// The sound around a sample that is needed: from reach() + 1 samples before it to reach() - 1 after it.
   std::int64_t reach() const { return static_cast<std::int64_t>(window_.size()); }
   /// @param sound  those 2 reach() + 1 samples
-  BandEnergies measure(std::span<const float> sound);
+  BandEnergies measure(std::span<const float> sound) const;
 
  private:
   audio::RealFft fourier_;
   std::array<std::size_t, kEnergyBands + 1> begin_;  ///< first bin of each octave
   std::vector<float> window_;
-  std::vector<float> part_;  // memory of measure()
-  audio::Spectrum after_, before_;
 };
 
 /// Weights of sounds as clutter for one another: twice the probability that they have one source, 1 at most. One sound
