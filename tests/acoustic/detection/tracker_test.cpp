@@ -10,7 +10,6 @@
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
 #include "extended.hpp"
-#include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/rescoring.hpp"
 

@@ -45,6 +45,23 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
+/// A track's own sounds and their echoes: chance need not offer them.
+/// @param own  two candidates or more, rising
+/// @return indices, rising
+std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
+  const std::vector<Candidate>& c = o.candidates();
+  std::vector<std::size_t> explained;
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const bool is_last = n + 1 == own.size();
+    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
+    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
+    explained.push_back(own[n]);
+    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
+      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
+  }
+  return explained;
+}
+
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
@@ -115,23 +132,28 @@ double log_odds_of(const Observations& o, const Track& track) {
   return h.log_odds_of_ball() - kTracking.unexplained * n_unexplained(o, own.candidates);
 }
 
+constexpr double kRateStep = 2.0;  // of the rates of drops that are averaged over
+
+/// Windows with sounds enough for a track.
+double n_windows(const std::vector<Candidate>& c) {
+  double n = 0.0;
+  for (std::size_t k = 0; k < c.size();) {
+    const auto end = std::partition_point(c.begin() + static_cast<std::ptrdiff_t>(k), c.end(), [&](const Candidate& s) {
+      return s.t_s < c[k].t_s + kTracking.birth_window_s;
+    });
+    const auto next = static_cast<std::size_t>(end - c.begin());
+    if (next - k >= static_cast<std::size_t>(kFewestImpacts)) n += 1.0;
+    k = next;
+  }
+  return std::max(1.0, n);
+}
+
+/// log(1 - p + p odds)
+double log_evidence(double p, double log_odds) { return log_of_sum(log(p) + log_odds, log1p(-p)); }
+
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
 
 }  // namespace
-
-std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
-  const std::vector<Candidate>& c = o.candidates();
-  std::vector<std::size_t> explained;
-  for (std::size_t n = 0; n < own.size(); ++n) {
-    const bool is_last = n + 1 == own.size();
-    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
-    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
-    explained.push_back(own[n]);
-    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
-      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
-  }
-  return explained;
-}
 
 OwnSounds own_sounds(const Observations& o, const Track& track) {
   OwnSounds own;
@@ -166,6 +188,36 @@ std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
   }
   std::sort(kept.begin(), kept.end(), ends_before);
   return kept;
+}
+
+void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Track>& tracks) {
+  if (tracks.empty()) return;
+  const double n = std::max(n_windows(candidates), static_cast<double>(tracks.size()));
+  const double most = 1.0 / (1.0 + exp(-kTracking.start_log_odds));
+  struct Rate {
+    double log_odds;  // of a ball in a window
+    double log_weight;
+  };
+  std::vector<Rate> rates;
+  for (double p = most; p > most / n / kRateStep; p /= kRateStep) {
+    double log_weight = (n - static_cast<double>(tracks.size())) * log1p(-p);
+    for (const Track& track : tracks) log_weight += log_evidence(p, track.log_odds - kTracking.start_log_odds);
+    rates.push_back({log(p) - log1p(-p), log_weight});
+  }
+  const double largest = std::max_element(rates.begin(), rates.end(), [](const Rate& a, const Rate& b) {
+                           return a.log_weight < b.log_weight;
+                         })->log_weight;
+  for (Track& track : tracks) {
+    double ball = 0.0, none = 0.0;
+    for (const Rate& rate : rates) {
+      const double log_odds = track.log_odds - kTracking.start_log_odds + rate.log_odds;
+      const double weight = exp(rate.log_weight - largest);
+      ball += weight / (1.0 + exp(-log_odds));
+      none += weight / (1.0 + exp(log_odds));
+    }
+    // beyond what is not to be told from certainty, the largest rate has all the weight or the track needs none
+    if (none > 1e-12 * ball) track.log_odds = log(ball / none);
+  }
 }
 
 }  // namespace bouncelab::detection

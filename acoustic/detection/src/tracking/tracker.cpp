@@ -8,7 +8,6 @@
 
 #include "bouncelab/core/elementary.hpp"
 #include "tracking/densities.hpp"
-#include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/impact_odds.hpp"
 #include "tracking/observations.hpp"
