@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/detection/detect.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "tracking/tracker.hpp"

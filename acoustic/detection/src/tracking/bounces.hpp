@@ -29,7 +29,6 @@ class Bounces {
   /// @param log_flight     of the first flight [ln s]
   /// @param log_amplitude  of the first two impacts, their mean
   Bounces(double log_flight, double log_amplitude);
-  Bounces() = default;
 
   /// Density of the next impact [1/s, per unit of log amplitude].
   /// @param jitter2  variance that errors of the times add to log eps
@@ -59,7 +58,7 @@ class Bounces {
   std::optional<double> changed_log_eps_;   ///< the last one, where it was far from the mean: it may stay
   double loss_ = 0.0;                       ///< -sum of log eps, large deviations cut
   double log_probability_of_losses_ = 0.0;  ///< over each kTracking.memory impacts of constant eps
-  double first_log_flight_ = 0.0;
+  double first_log_flight_;
   Loudness loudness_;  ///< amplitude over the flight before
 };
 

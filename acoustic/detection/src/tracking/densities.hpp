@@ -36,7 +36,6 @@ class Loudness {
   /// @param mean        log loudness of the first two sounds
   /// @param log_flight  of a ball, before them [ln s]; 0 of a rhythm
   explicit Loudness(double mean, double log_flight = 0.0) : mean_(mean), mean_log_flight_(log_flight) {}
-  Loudness() = default;
 
   /// Density of the next log loudness.
   double density(double log_loudness, double log_flight) const {
@@ -69,8 +68,8 @@ class Loudness {
            (kTracking.loudness_weight + n_sounds_ - 2);
   }
 
-  double mean_ = 0.0;
-  double mean_log_flight_ = 0.0;
+  double mean_;
+  double mean_log_flight_;
   double sum_squares_ = 0.0;
   int n_sounds_ = 2;
 };
