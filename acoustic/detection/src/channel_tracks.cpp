@@ -14,7 +14,15 @@
 namespace bouncelab::detection {
 namespace {
 
-constexpr std::array<double, 3> kBandRates_hz{0.0, 4e3, 1e3};  // sampling rates; the first as recorded
+constexpr std::array<double, 2> kLowRates_hz{4e3, 1e3};
+
+/// How much all impacts of the tracks rise in a band.
+double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found) {
+  double sum = 0.0;
+  for (const Track& track : found.tracks)
+    for (const TrackImpact& impact : track.impacts) sum += rise(band.candidates[impact.candidate]);
+  return sum;
+}
 
 double rise_of_all(const BandOfChannel& band) {
   double sum = 0.0;
@@ -31,11 +39,15 @@ bool are_clear(const BandOfChannel& band, const ChannelTracks& found) {
 
 double duration_s(const BandOfChannel& band) { return static_cast<double>(band.sound.n_samples) / band.sound.rate_hz; }
 
-double begin_s(const BandOfChannel& band, const Track& track) {
-  return band.candidates[track.impacts.front().candidate].t_s;
-}
-double end_s(const BandOfChannel& band, const Track& track) {
-  return band.candidates[track.impacts.back().candidate].t_s;
+double begin_s(const std::vector<Candidate>& c, const Track& track) { return c[track.impacts.front().candidate].t_s; }
+double end_s(const std::vector<Candidate>& c, const Track& track) { return c[track.impacts.back().candidate].t_s; }
+
+/// Whether one of the tracks goes on while another does, of candidates that may be others.
+bool is_any_during(const std::vector<Candidate>& c, const std::vector<Track>& tracks,
+                   const std::vector<Candidate>& of_other, const Track& other) {
+  return std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
+    return begin_s(c, track) <= end_s(of_other, other) && end_s(c, track) >= begin_s(of_other, other);
+  });
 }
 
 /// The candidate nearest to another band's, where one is within their reach and none before `first`.
@@ -81,13 +93,10 @@ void add_drops_of_other_bands(BandsOfChannel& bands, ChannelTracks& best) {
   std::stable_sort(more.begin(), more.end(), [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
   for (Track& track : more) {
     if (std::ssize(track.impacts) < kFewestImpacts) continue;
-    const bool overlaps = std::any_of(best.tracks.begin(), best.tracks.end(), [&](const Track& other) {
-      return begin_s(band, other) <= end_s(band, track) && end_s(band, other) >= begin_s(band, track);
-    });
-    if (!overlaps) best.tracks.push_back(std::move(track));
+    if (!is_any_during(band.candidates, best.tracks, band.candidates, track)) best.tracks.push_back(std::move(track));
   }
   std::sort(best.tracks.begin(), best.tracks.end(),
-            [&](const Track& a, const Track& b) { return begin_s(band, a) < begin_s(band, b); });
+            [&](const Track& a, const Track& b) { return begin_s(band.candidates, a) < begin_s(band.candidates, b); });
 }
 
 /// Where sound breaks off or begins again for want of it nothing struck.
@@ -106,68 +115,8 @@ void leave_out_edges(const std::vector<audio::Silence>& silences, CandidatesOfSo
   found = std::move(kept);
 }
 
-}  // namespace
-
-BandsOfChannel::BandsOfChannel(audio::AudioSource sound, int n_threads, ProgressCallback progress)
-    : n_threads_(n_threads), progress_(std::move(progress)) {
-  for (const double rate_hz : kBandRates_hz) {
-    const int decimation = rate_hz > 0.0 ? static_cast<int>(sound.rate_hz / rate_hz) : 1;
-    if (rate_hz == 0.0 || decimation >= 2) decimations_.push_back(decimation);
-  }
-  bands_.resize(decimations_.size());
-  sounds_.resize(decimations_.size());
-  sounds_[0] = std::move(sound);
-}
-
-BandsOfChannel::BandsOfChannel(std::vector<BandOfChannel> searched) {
-  for (BandOfChannel& band : searched) bands_.emplace_back(std::move(band));
-}
-
-BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
-  if (bands_[b]) return *bands_[b];
-  BandOfChannel& band = bands_[b].emplace();
-  band.decimation = decimations_[b];
-  band.sound = sound_of(b);
-  if (b == 0 && progress_) progress_(0.0, duration_s(band));
-  band.models = learn_ar_models(band.sound, kArOrder);
-  CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
-  leave_out_edges(band.sound.silences, found);
-  band.candidates = std::move(found.candidates);
-  band.same_source = SameSource(found.band_energies);
-  return band;
-}
-
-const audio::AudioSource& BandsOfChannel::sound_of(std::size_t b) {
-  if (sounds_[b]) return *sounds_[b];
-  // from the band above where its rate allows: most of a filter's time goes at the highest rate
-  const bool is_of_above = b > 0 && decimations_[b] % decimations_[b - 1] == 0;
-  const audio::AudioSource& above = is_of_above ? sound_of(b - 1) : *sounds_[0];
-  return sounds_[b].emplace(decimate(above, decimations_[b] / (is_of_above ? decimations_[b - 1] : 1)));
-}
-
-double ChannelTracks::log_odds() const {
-  double sum = 0.0;
-  for (const Track& track : tracks) sum += track.log_odds;
-  return sum;
-}
-
-ChannelTracks find_tracks_in(BandsOfChannel& bands) {
-  ChannelTracks best;
-  std::vector<ChannelTracks::OfBand> others;
-  for (std::size_t b = 0; b < bands.size(); ++b) {
-    const BandOfChannel& band = bands[b];
-    ChannelTracks of_band{
-        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band)), {}};
-    of_band.is_clear = b == 0 && are_clear(band, of_band);
-    if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
-    if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
-    if (best.is_clear) break;
-  }
-  best.others = std::move(others);
-  add_drops_of_other_bands(bands, best);
-  return best;
-}
-
+/// Of what the tracks leave over, echoes of their impacts aside, the likeliest track that overlaps one of them in time,
+/// if a ball is ten times likelier than chance.
 std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks) {
   std::vector<double> impacts_s;
   for (const Track& track : tracks)
@@ -199,24 +148,100 @@ std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vect
   double most = log(10.0);
   for (const Track& track :
        find_tracks(candidates, 2.0 / band.sound.rate_hz, band.same_source.of(left), duration_s(band))) {
-    const double begin_s = candidates[track.impacts.front().candidate].t_s;
-    const double end_s = candidates[track.impacts.back().candidate].t_s;
-    const bool overlaps = std::any_of(tracks.begin(), tracks.end(), [&](const Track& other) {
-      return band.candidates[other.impacts.front().candidate].t_s < end_s &&
-             band.candidates[other.impacts.back().candidate].t_s > begin_s;
-    });
-    if (!overlaps || track.log_odds < most || is_echo(track, candidates)) continue;
+    if (!is_any_during(band.candidates, tracks, candidates, track) || track.log_odds < most ||
+        is_echo(track, candidates))
+      continue;
     most = track.log_odds;
-    second = SecondBall{begin_s, track.impacts.size()};
+    second = SecondBall{begin_s(candidates, track), track.impacts.size()};
   }
   return second;
 }
 
-double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found) {
+ChosenChannel searched(BandsOfChannel bands, std::size_t channel) {
+  ChannelTracks found = find_tracks_in(bands);
+  ChosenChannel chosen{channel, std::move(bands[found.band]), {}, {}};
+  if (!found.tracks.empty() && !found.is_clear) found.second_ball = second_ball(chosen.band, found.tracks);
+  chosen.band.same_source = {};  // an hour of dense music has twenty megabytes of it
+  for (const ChannelTracks::OfBand& other : found.others) {
+    chosen.other_bands.push_back(std::move(bands[other.band]));
+    chosen.other_bands.back().same_source = {};
+  }
+  chosen.found = std::move(found);
+  return chosen;
+}
+
+}  // namespace
+
+BandsOfChannel::BandsOfChannel(audio::AudioSource sound, int n_threads, ProgressCallback progress)
+    : n_threads_(n_threads), progress_(std::move(progress)) {
+  bands_.emplace_back().sound = std::move(sound);
+  for (const double rate_hz : kLowRates_hz)
+    if (const auto decimation = static_cast<int>(bands_[0].sound.rate_hz / rate_hz); decimation >= 2)
+      bands_.emplace_back().decimation = decimation;
+}
+
+BandsOfChannel::BandsOfChannel(std::vector<BandOfChannel> searched)
+    : bands_(std::move(searched)), n_searched_(bands_.size()) {}
+
+BandOfChannel& BandsOfChannel::operator[](std::size_t b) {
+  for (; n_searched_ <= b; ++n_searched_) search(n_searched_);
+  return bands_[b];
+}
+
+void BandsOfChannel::search(std::size_t b) {
+  BandOfChannel& band = bands_[b];
+  if (b > 0) {
+    // from the band above where its rate allows: most of a filter's time goes at the highest rate
+    const BandOfChannel& above = bands_[band.decimation % bands_[b - 1].decimation == 0 ? b - 1 : 0];
+    band.sound = decimate(above.sound, band.decimation / above.decimation);
+  }
+  if (b == 0 && progress_) progress_(0.0, duration_s(band));
+  band.models = learn_ar_models(band.sound, kArOrder);
+  CandidatesOfSound found = find_candidates(band.sound, band.models.signal, n_threads_, progress_);
+  leave_out_edges(band.sound.silences, found);
+  band.candidates = std::move(found.candidates);
+  band.same_source = SameSource(found.band_energies);
+}
+
+double ChannelTracks::log_odds() const {
   double sum = 0.0;
-  for (const Track& track : found.tracks)
-    for (const TrackImpact& impact : track.impacts) sum += rise(band.candidates[impact.candidate]);
+  for (const Track& track : tracks) sum += track.log_odds;
   return sum;
+}
+
+ChannelTracks find_tracks_in(BandsOfChannel& bands) {
+  ChannelTracks best;
+  std::vector<ChannelTracks::OfBand> others;
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    const BandOfChannel& band = bands[b];
+    ChannelTracks of_band{
+        b, find_tracks(band.candidates, 2.0 / band.sound.rate_hz, band.same_source, duration_s(band)), {}};
+    of_band.is_clear = b == 0 && are_clear(band, of_band);
+    if (b == 0 || of_band.log_odds() > best.log_odds() + kTracking.lower_band) std::swap(best, of_band);
+    if (!of_band.tracks.empty()) others.push_back({of_band.band, std::move(of_band.tracks)});
+    if (best.is_clear) break;
+  }
+  best.others = std::move(others);
+  add_drops_of_other_bands(bands, best);
+  return best;
+}
+
+ChosenChannel choose_channel(std::span<const audio::AudioSource> channels, int n_threads,
+                             const ProgressCallback& progress) {
+  ChosenChannel best = searched(BandsOfChannel(channels[0], n_threads, progress), 0);
+  for (std::size_t c = 1; c < channels.size(); ++c) {
+    ChosenChannel next = searched(BandsOfChannel(channels[c], n_threads, progress), c);
+    if (is_preferred(next.band, next.found, best.band, best.found)) best = std::move(next);
+  }
+  return best;
+}
+
+bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
+                  const ChannelTracks& other) {
+  const double most = std::max(found.log_odds(), other.log_odds());
+  if (std::abs(found.log_odds() - other.log_odds()) > kChannels.same_ball * most)
+    return found.log_odds() > other.log_odds();
+  return rise_of_impacts(band, found) > rise_of_impacts(other_band, other);
 }
 
 }  // namespace bouncelab::detection

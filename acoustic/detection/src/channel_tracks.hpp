@@ -3,10 +3,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
-#include "bouncelab/detection/detect.hpp"
+#include "bouncelab/core/parallel.hpp"
 #include "candidates/band_energies.hpp"
 #include "candidates/candidates.hpp"
 #include "tracking/tracker.hpp"
@@ -27,7 +28,7 @@ struct BandOfChannel {
 };
 
 /// All frequencies, those below 2 kHz and those below 500 Hz: rubber balls are faint above 1.5 kHz, a basketball above
-/// 300 Hz. Each is searched for candidates when it is first asked for.
+/// 300 Hz. Each is searched for candidates, after those above it, when it is first asked for.
 class BandsOfChannel {
  public:
   /// @param sound      may be read by several threads where n_threads is not 1
@@ -38,13 +39,12 @@ class BandsOfChannel {
   BandOfChannel& operator[](std::size_t band);
 
  private:
-  const audio::AudioSource& sound_of(std::size_t band);
+  void search(std::size_t b);
 
   int n_threads_ = 1;
   ProgressCallback progress_;
-  std::vector<int> decimations_;
-  std::vector<std::optional<audio::AudioSource>> sounds_;  ///< made when first asked for
-  std::vector<std::optional<BandOfChannel>> bands_;
+  std::vector<BandOfChannel> bands_;
+  std::size_t n_searched_ = 0;
 };
 
 /// Another ball that bounces while a drop is going on; it is said, and not timed.
@@ -71,11 +71,24 @@ struct ChannelTracks {
 /// Lower bands are not searched where the tracks of the whole band are clear.
 ChannelTracks find_tracks_in(BandsOfChannel& bands);
 
-/// Of what the tracks leave over, echoes of their impacts aside, the likeliest track that overlaps one of them in time,
-/// if a ball is ten times likelier than chance.
-std::optional<SecondBall> second_ball(const BandOfChannel& band, const std::vector<Track>& tracks);
+/// The channel that detection is from.
+struct ChosenChannel {
+  std::size_t channel = 0;  ///< of those to choose from
+  BandOfChannel band;
+  std::vector<BandOfChannel> other_bands;  ///< of found.others
+  ChannelTracks found;
+};
 
-/// How much all impacts of the tracks rise in a band.
-double rise_of_impacts(const BandOfChannel& band, const ChannelTracks& found);
+/// Chooses the channel whose tracks are the most probable; of those that have recorded the same ball, that in which its
+/// impacts rise the most (is_preferred); of equal ones the first.
+/// @param channels   at least one; sources that may be read by several threads where n_threads is not 1
+/// @param n_threads  that search
+ChosenChannel choose_channel(std::span<const audio::AudioSource> channels, int n_threads,
+                             const ProgressCallback& progress);
+
+/// Whether one channel is to be preferred to another: the one of the more probable tracks; where both have recorded the
+/// same ball, the one in which its impacts rise the more, since that makes their times accurate.
+bool is_preferred(const BandOfChannel& band, const ChannelTracks& found, const BandOfChannel& other_band,
+                  const ChannelTracks& other);
 
 }  // namespace bouncelab::detection

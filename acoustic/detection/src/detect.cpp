@@ -19,7 +19,7 @@
 #include "bouncelab/core/numerics.hpp"
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
-#include "channel_choice.hpp"
+#include "channel_tracks.hpp"
 #include "drops/recording_timer.hpp"
 #include "tracking/tracking_model.hpp"
 #include "whitening/linear_prediction.hpp"
@@ -147,38 +147,28 @@ std::vector<std::string> warnings_for(const Detection& d, const BandOfChannel& f
   return warnings;
 }
 
-/// The one that was asked for, or the best.
-template <class SourceOfChannel>
-ChosenChannel channel_of(const SourceOfChannel& source_of, int n_channels, const std::string& name,
-                         const std::optional<int>& asked_for, int n_threads, const ProgressCallback& progress) {
-  if (asked_for && (*asked_for < 0 || *asked_for >= n_channels))
-    throw InvalidArgument("channel " + std::to_string(*asked_for) + ": " + name + " has channels 0 to " +
-                          std::to_string(n_channels - 1));
-  const int first = asked_for.value_or(0), last = asked_for ? first + 1 : n_channels;
-  std::vector<audio::AudioSource> channels;
-  for (int c = first; c < last; ++c) channels.push_back(source_of(c));
-  ChosenChannel chosen = choose_channel(channels, n_threads, progress);
-  chosen.channel += static_cast<std::size_t>(first);
-  return chosen;
-}
-
-/// @param source_of  sources that may be read by several threads where n_threads is not 1
-template <class SourceOfChannel>
-Detection detect_in(const SourceOfChannel& source_of, int n_channels, const std::string& name,
+/// @param channels  sources that may be read by several threads where n_threads is not 1
+Detection detect_in(const std::vector<audio::AudioSource>& channels, const std::string& name,
                     const DetectionConfig& config, int n_threads, const ProgressCallback& progress) {
+  const auto n_channels = static_cast<int>(channels.size());
   if (!(config.gravity_mps2 > 0.0 && std::isfinite(config.gravity_mps2)))
     throw InvalidArgument("gravity_mps2 " + std::to_string(config.gravity_mps2) + ": must be above 0 and finite");
   if (config.min_impacts < 3)
     throw InvalidArgument("min_impacts " + std::to_string(config.min_impacts) +
                           ": at least 3 impacts give a coefficient of restitution");
-  ChosenChannel best = channel_of(source_of, n_channels, name, config.channel, n_threads, progress);
-  const int channel = static_cast<int>(best.channel);
-  const audio::AudioSource sound = source_of(channel);
+  if (config.channel && (*config.channel < 0 || *config.channel >= n_channels))
+    throw InvalidArgument("channel " + std::to_string(*config.channel) + ": " + name + " has channels 0 to " +
+                          std::to_string(n_channels - 1));
+  const auto first = static_cast<std::size_t>(config.channel.value_or(0));
+  ChosenChannel best =
+      choose_channel(std::span(channels).subspan(first, config.channel ? 1 : channels.size()), n_threads, progress);
+  const std::size_t channel = first + best.channel;
+  const audio::AudioSource& sound = channels[channel];
   const BandOfChannel& band = best.band;
   Detection d;
   d.summary.rate_hz = sound.rate_hz;
   d.summary.n_channels = n_channels;
-  d.summary.channel = channel;
+  d.summary.channel = static_cast<int>(channel);
   d.summary.channel_reason = config.channel    ? "asked for"
                              : n_channels == 1 ? "the only one"
                                                : "its impacts are the most probable and rise the most";
@@ -231,8 +221,9 @@ void describe_format(const audio::AudioFormat& format, const std::string& coding
 Detection detect_track(const audio::AudioReader& sound, const std::string& name, const DetectionConfig& config,
                        int n_threads, const ProgressCallback& progress) {
   const int n_here = kMayStartChildBesideThreads ? n_threads : 1;
-  Detection d = detect_in([&](int channel) { return sound.source(channel); }, sound.format().n_channels, name, config,
-                          n_here, progress);
+  std::vector<audio::AudioSource> channels;
+  for (int c = 0; c < sound.format().n_channels; ++c) channels.push_back(sound.source(c));
+  Detection d = detect_in(channels, name, config, n_here, progress);
   d.summary.n_tracks = sound.format().n_tracks;
   d.summary.track = sound.format().track;
   describe_format(sound.format(), config.lossy_coding, d);
@@ -315,8 +306,7 @@ Detection detect(std::span<const float> samples, double rate_hz, const std::stri
                  const ProgressCallback& progress) {
   if (!(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz))
     throw InvalidArgument("sampling rate " + std::to_string(rate_hz) + " Hz: must be 4 kHz to 4 MHz");
-  audio::AudioSource sound = audio::source_in_memory(samples, rate_hz);
-  Detection d = detect_in([&](int) { return sound; }, 1, name, config, 1, progress);
+  Detection d = detect_in({audio::source_in_memory(samples, rate_hz)}, name, config, 1, progress);
   describe_format({}, config.lossy_coding, d);
   return d;
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "channel_choice.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
 #include "channel_of_candidates.hpp"
+#include "channel_tracks.hpp"
 #include "support/bouncing_sound.hpp"
 
 namespace bouncelab::detection {

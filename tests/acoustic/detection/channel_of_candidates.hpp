@@ -43,7 +43,7 @@ struct Channel {
 inline Channel channel_of(detection::BandsOfChannel bands) {
   detection::ChannelTracks found = find_tracks_in(bands);
   Channel channel{{}, std::move(found)};
-  for (std::size_t b = 0; b < bands.size(); ++b) channel.bands.push_back(std::move(bands[b]));
+  for (std::size_t b = 0; b < bands.size(); ++b) channel.bands.push_back(bands[b]);
   return channel;
 }
 inline Channel channel_of(std::vector<detection::BandOfChannel> bands) {

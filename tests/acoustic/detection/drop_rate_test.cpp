@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tracking/drop_rate.hpp"
+#include "tracking/rescoring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
@@ -138,44 +137,6 @@ TEST(Hypothesis, BelowTheLeastLogOddsIsNoHypothesis) {
   const double odds = test::extended(h, o[2], 0, 1.0, true)->log_odds;
   EXPECT_TRUE(test::extended(h, o[2], 0, 1.0, true, odds - 1e-9));
   EXPECT_FALSE(test::extended(h, o[2], 0, 1.0, true, odds + 1e-9));
-}
-
-TEST(Hypothesis, NoImpactAddsMoreThanTheLargestGain) {
-  const std::vector<Candidate> ball = test::candidates_of({});
-  const Observations o(ball, test::kTiming_s, kNone);
-  Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true);
-  for (std::size_t k = 2; k < 6; ++k) {
-    for (int n_missing = 0; n_missing <= kMostMissing; ++n_missing) {
-      const double most = h.log_odds + h.largest_gain() + BallHypothesis::log_factor_of_missing(n_missing);
-      for (double gap = 0.4; gap < 4.4; gap *= 1.003) {
-        Observation next = o[k];
-        next.t_s = o[k - 1].t_s + gap * h.flight_s;
-        for (const bool is_counted : {false, true}) {
-          const auto step = h.step_to(next, n_missing, 1.0, is_counted, -INFINITY);
-          if (!step) continue;
-          EXPECT_LE(step->log_odds - next.log_rise_odds, most) << k << ' ' << n_missing << ' ' << gap;
-        }
-      }
-    }
-    h = test::extended(h, o[k], 0, 1.0, true).value();
-  }
-}
-
-TEST(Hypothesis, AStepHasTheLogOddsOfTheHypothesisThatTakesIt) {
-  const std::vector<Candidate> ball = test::candidates_of({});
-  const Observations o(ball, test::kTiming_s, kNone);
-  const Hypothesis h = Hypothesis::begin(o[0], o[1], 1.0, true);
-  const auto step = h.step_to(o[2], 0, 1.0, true, -INFINITY);
-  ASSERT_TRUE(step);
-  const Hypothesis longer = test::extended(h, o[2], 0, 1.0, true).value();
-  BallHypothesis as_ball = h;
-  as_ball.take(*step, o[2]);
-  for (const BallHypothesis* one : {static_cast<const BallHypothesis*>(&longer), &std::as_const(as_ball)}) {
-    EXPECT_EQ(one->log_odds, step->log_odds);
-    EXPECT_EQ(one->flight_s, step->flight_s);
-    EXPECT_EQ(one->impact, 2);
-    EXPECT_EQ(one->n_impacts, 3);
-  }
 }
 
 TEST(Hypothesis, ASoundOfAnotherSourceIsAWorseImpact) {

@@ -134,7 +134,7 @@ Track whole(const std::vector<Candidate>& candidates) {
 std::vector<double> probabilities_of(const std::vector<Candidate>& candidates, Track track) {
   const SameSource none;
   const Observations o(candidates, 5e-5, none);
-  set_impact_probabilities(o, own_sounds(o, track), track);
+  set_impact_probabilities(o, track);
   std::vector<double> p;
   for (const TrackImpact& impact : track.impacts) p.push_back(impact.probability);
   return p;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -28,8 +29,7 @@ TEST(InnovationEnergy, IsTheSumOfItsHopsInTheOrderOfTheirSamplesBitByBit) {
     for (const std::int64_t n_hops : {1, 7, 8, 9, 40}) {
       const std::vector<float> x = sound_of(hop * n_hops);
       const audio::AudioSource sound = audio::source_in_memory(x, 48000.0);
-      InnovationEnergy energy(sound, kNothingPredicted, hop, 0);
-      energy.load(0, n_hops);
+      const InnovationEnergy energy(sound, kNothingPredicted, hop, 0, n_hops);
       double running = 0.0;
       for (std::int64_t k = 0; k < n_hops; ++k) {
         float sum = 0.0F;
@@ -47,12 +47,10 @@ TEST(InnovationEnergy, HasTheSoundOfEachBlockWithItsMarginsAndNothingOutsideTheR
   const std::vector<float> x = sound_of(kSamples);
   const ArModel model{{1.0F, -0.5F, 0.25F}, 1e-4};
   const audio::AudioSource sound = audio::source_in_memory(x, 48000.0);
-  InnovationEnergy energy(sound, model, kHop, kMargin);
   for (std::int64_t first = 0; first < 3 * kBlock; first += kBlock) {
-    energy.load(first, kBlock);
-    std::vector<float> held(static_cast<std::size_t>(kHop * (kBlock + 2 * kMargin)));
+    const InnovationEnergy energy(sound, model, kHop, first - kMargin, kBlock + 2 * kMargin);
     const std::int64_t begin = kHop * (first - kMargin);
-    energy.copy_sound(begin, held);
+    const std::span<const float> held = energy.sound(begin, kHop * (kBlock + 2 * kMargin));
     for (std::int64_t k = 0; k < std::ssize(held); ++k) {
       const std::int64_t at = begin + k;
       const float expected = at < 0 || at >= kSamples ? 0.0F : x[static_cast<std::size_t>(at)];

@@ -21,7 +21,7 @@ Track track_of(const std::vector<std::size_t>& candidates) {
 }
 
 std::vector<Track> rescored_of(const std::vector<Candidate>& candidates, const std::vector<Track>& tracks) {
-  return rescored(Observations(candidates, test::kTiming_s, kNone), tracks).tracks;
+  return rescored(Observations(candidates, test::kTiming_s, kNone), tracks);
 }
 
 std::vector<std::size_t> candidates_of(const Track& track) {
@@ -90,7 +90,7 @@ TEST(Rescoring, UnexplainedSoundsLikeItsOwnMakeATrackLessProbable) {
   const Track track = track_of({0, 2, 3, 4, 5, 6});
   const SameSource same(energies(3.0F)), other(energies(-3.0F));
   const auto odds = [&](const SameSource& e) {
-    const std::vector<Track> tracks = rescored(Observations(both, test::kTiming_s, e), {track}).tracks;
+    const std::vector<Track> tracks = rescored(Observations(both, test::kTiming_s, e), {track});
     return tracks.empty() ? -INFINITY : tracks[0].log_odds;
   };
   // one, probably of the same source, which competes with the ball's own too

@@ -17,8 +17,7 @@ constexpr double kInterval_s = 0.4;
 constexpr double kLogAmplitude = 5.0;
 constexpr double kSigma_s = 7e-5;
 using Densities = std::array<double, kRhythmKinds>;
-constexpr auto kByHand = static_cast<std::size_t>(RhythmKind::by_hand);
-constexpr auto kByMachine = static_cast<std::size_t>(RhythmKind::by_machine);
+constexpr std::size_t kByHand = 0, kByMachine = 1;
 
 Rhythm after(const std::vector<double>& intervals_s) {
   Rhythm rhythm(std::log(intervals_s.front()), kLogAmplitude);

@@ -10,7 +10,6 @@
 #include "bouncelab/core/random.hpp"
 #include "candidate_rows.hpp"
 #include "extended.hpp"
-#include "tracking/drop_rate.hpp"
 #include "tracking/hypothesis.hpp"
 #include "tracking/rescoring.hpp"
 
@@ -112,7 +111,7 @@ class ExhaustiveSearch {
   void follow(const Hypothesis& h, const Track& track) {
     const std::size_t last = track.impacts.back().candidate;
     if (last == here_) return take(h, track);
-    const int most_missing = h.n_eps() == 0 ? 0 : kMostMissing;
+    const int most_missing = h.n_impacts == 2 ? 0 : kMostMissing;
     for (std::size_t k = last + 1; k <= here_; ++k)
       for (int n_missing = 0; n_missing <= most_missing; ++n_missing) {
         const auto longer = test::extended(h, o_[k], n_missing, o_.same_source(last, k), true);
@@ -205,7 +204,7 @@ TEST(Tracker, SearchFindsWhatAnExhaustiveSearchOverAllSequencesFinds) {
     if (best.size() > 1 && best[0].score < best[1].score + kClear) continue;
     n_clear += 1;
     n_with_ball += best[0].tracks.empty() ? 0 : 1;
-    std::vector<Track> expected = rescored(o, best[0].tracks).tracks;
+    std::vector<Track> expected = rescored(o, best[0].tracks);
     weigh_by_drop_rate(candidates, expected);
     std::erase_if(expected, [](const Track& track) { return track.log_odds < 0.0; });
     EXPECT_EQ(places_of(find_tracks(candidates, test::kTiming_s)), places_of(expected)) << seed;

@@ -102,26 +102,26 @@ void weigh_row(const BandEnergies& first, const float* __restrict power, const f
 
 BandEnergyMeter::BandEnergyMeter(double rate_hz)
     : fourier_(window_length(rate_hz)),
-      begin_(octave_begins(fourier_.size() / 2, rate_hz / static_cast<double>(fourier_.size()))),
-      part_(fourier_.size()) {
+      begin_(octave_begins(fourier_.size() / 2, rate_hz / static_cast<double>(fourier_.size()))) {
   const std::size_t n = fourier_.size();
   for (std::size_t k = 0; k < n; ++k)
     window_.push_back(static_cast<float>(0.5 + 0.5 * cos(kPi * static_cast<double>(k) / static_cast<double>(n))));
 }
 
-BandEnergies BandEnergyMeter::measure(std::span<const float> sound) {
+BandEnergies BandEnergyMeter::measure(std::span<const float> sound) const {
   const std::size_t n = window_.size();
   assert(sound.size() == 2 * n + 1);
   const float* x = sound.data();
-  for (std::size_t k = 0; k < n; ++k) part_[k] = window_[k] * (x[n + k + 1] - x[n + k]);
-  fourier_.forward(part_, after_);
-  for (std::size_t k = 0; k < n; ++k) part_[k] = window_[k] * (x[n - k] - x[n - k - 1]);
-  fourier_.forward(part_, before_);
+  std::vector<float> part(n);
+  for (std::size_t k = 0; k < n; ++k) part[k] = window_[k] * (x[n + k + 1] - x[n + k]);
+  const audio::Spectrum of_after = fourier_.forward(part);
+  for (std::size_t k = 0; k < n; ++k) part[k] = window_[k] * (x[n - k] - x[n - k - 1]);
+  const audio::Spectrum of_before = fourier_.forward(part);
   std::array<float, kEnergyBands> after{}, before{};
   for (int b = 0; b < kEnergyBands; ++b)
-    for (std::size_t k = begin_[b]; k < begin_[b + 1]; ++k) {  // both at once: each addition waits for the last one
-      after[b] += power(after_, k);
-      before[b] += power(before_, k);
+    for (std::size_t k = begin_[b]; k < begin_[b + 1]; ++k) {
+      after[b] += power(of_after, k);
+      before[b] += power(of_before, k);
     }
   BandEnergies energies;
   for (int b = 0; b < kEnergyBands; ++b) {
@@ -130,12 +130,6 @@ BandEnergies BandEnergyMeter::measure(std::span<const float> sound) {
     energies.added_share[b] = added / (after[b] + before[b] + 1e-20F);
   }
   return energies;
-}
-
-float same_source_probability(const BandEnergies& a, const BandEnergies& b) {
-  const float log_odds = log_odds_of_same_source(
-      a, [&](int k) { return b.log_power[k]; }, [&](int k) { return b.added_share[k]; }, log_ratio_of_scatters());
-  return 1.0F / (1.0F + static_cast<float>(exp(-log_odds)));
 }
 
 SameSource::SameSource(const std::vector<BandEnergies>& band_energies) : n_sounds_(band_energies.size()) {
@@ -177,9 +171,12 @@ SameSource SameSource::of(const std::vector<std::size_t>& sounds) const {
   return SameSource(energies);
 }
 
-std::optional<float> SameSource::probability(std::size_t j, std::size_t k) const {
-  if (n_sounds_ == 0) return {};
-  return same_source_probability((*this)[j], (*this)[k]);
+float SameSource::probability(std::size_t j, std::size_t k) const {
+  if (n_sounds_ == 0) return 0.5F;
+  const BandEnergies a = (*this)[j], b = (*this)[k];
+  const float log_odds = log_odds_of_same_source(
+      a, [&](int o) { return b.log_power[o]; }, [&](int o) { return b.added_share[o]; }, log_ratio_of_scatters());
+  return 1.0F / (1.0F + static_cast<float>(exp(-log_odds)));
 }
 
 }  // namespace bouncelab::detection

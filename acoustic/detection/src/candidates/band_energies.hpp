@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,20 +27,13 @@ class BandEnergyMeter {
   /// The sound around a sample that is needed: from reach() + 1 samples before it to reach() - 1 after it.
   std::int64_t reach() const { return static_cast<std::int64_t>(window_.size()); }
   /// @param sound  those 2 reach() + 1 samples
-  BandEnergies measure(std::span<const float> sound);
+  BandEnergies measure(std::span<const float> sound) const;
 
  private:
   audio::RealFft fourier_;
   std::array<std::size_t, kEnergyBands + 1> begin_;  ///< first bin of each octave
   std::vector<float> window_;
-  std::vector<float> part_;  // memory of measure()
-  audio::Spectrum after_, before_;
 };
-
-/// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
-/// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source, of
-/// 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
-float same_source_probability(const BandEnergies& a, const BandEnergies& b);
 
 /// Weights of sounds as clutter for one another: twice the probability that they have one source, 1 at most. One sound
 /// is compared with a row of others at once, since dense music has a million pairs a minute.
@@ -55,8 +47,10 @@ class SameSource {
   float weight(std::size_t j, std::size_t k) const;
   /// The same of some of the sounds.
   SameSource of(const std::vector<std::size_t>& sounds) const;
-  /// same_source_probability(); absent where nothing is known.
-  std::optional<float> probability(std::size_t j, std::size_t k) const;
+  /// Probability that two sounds are of one source (a ball's impacts, one voice, one pair of hands), prior 1/2, by how
+  /// far their spectra differ once their loudness is taken out: normal distributions of 4 dB an octave for one source,
+  /// of 11 dB for two. Octaves are weighted by the added shares of both. 0.02 ... 0.98.
+  float probability(std::size_t j, std::size_t k) const;
 
  private:
   BandEnergies operator[](std::size_t k) const;

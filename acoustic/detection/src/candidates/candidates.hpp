@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "bouncelab/audio/audio_reader.hpp"
@@ -45,7 +44,7 @@ struct CandidatesOfSound {
 /// strong one.
 /// @param sound      may be read by several threads where n_threads is not 1
 /// @param model      of the sound, from learn_ar_models; no candidates where its quiet variance is 0
-/// @param n_threads  they take segments of some seconds; the candidates do not depend on it
+/// @param n_threads  they take blocks of a second; the candidates do not depend on it
 /// Source: Sleeman & van Eck, Phys. Earth Planet. Inter. 113, 265 (1999), doi:10.1016/S0031-9201(99)00007-2
 CandidatesOfSound find_candidates(const audio::AudioSource& sound, const ArModel& model, int n_threads,
                                   const ProgressCallback& progress);

@@ -22,6 +22,10 @@ constexpr double kLongest_s = 30.0;       // 1.4 MB of 16 bit at 24 kHz: what a 
 constexpr double kHighestRate_hz = 24e3;  // clicks are told by ear up to some 10 kHz
 constexpr double kPeak = 0.9;
 
+std::int64_t sample_at(const audio::AudioSource& sound, double t_s) {
+  return std::clamp<std::int64_t>(std::llround(t_s * sound.rate_hz), 0, sound.n_samples);
+}
+
 /// Extremes of the samples begin ... end - 1 in columns.
 void fill_envelope(const audio::AudioSource& sound, std::int64_t begin, std::int64_t end, WavePreview& preview) {
   const std::int64_t n = end - begin, n_columns = std::min(kColumns, n);
@@ -99,11 +103,8 @@ ListeningCopy listening_copy(const audio::AudioSource& sound, const Onsets& mark
   const double end_s = std::min(last_mark->t_s + kMargin_s, begin_s + kLongest_s);
   const auto factor = static_cast<int>(std::ceil(sound.rate_hz / kHighestRate_hz));
   const audio::AudioSource heard = factor > 1 ? decimate(sound, factor) : sound;
-  const auto sample_at = [&](double t_s) {
-    return std::clamp<std::int64_t>(std::llround(t_s * heard.rate_hz), 0, heard.n_samples);
-  };
-  const std::int64_t begin = sample_at(begin_s);
-  std::vector<float> samples(static_cast<std::size_t>(std::max<std::int64_t>(0, sample_at(end_s) - begin)));
+  const std::int64_t begin = sample_at(heard, begin_s), end = sample_at(heard, end_s);
+  std::vector<float> samples(static_cast<std::size_t>(std::max<std::int64_t>(0, end - begin)));
   if (samples.empty()) return {};
   heard.read(begin, samples);
   float peak = 0.0F;
@@ -136,10 +137,7 @@ WavePreview drop_preview(const audio::AudioSource& sound, const std::string& rec
     throw InvalidArgument("drop " + std::to_string(drop) + ": " + recording + " has no such drop");
   const double first_s = preview.marks.front().t_s, last_s = preview.marks.back().t_s;
   const double margin_s = std::clamp(0.1 * (last_s - first_s), 0.01, 0.5);
-  const auto sample_at = [&](double t_s) {
-    return std::clamp<std::int64_t>(std::llround(t_s * sound.rate_hz), 0, sound.n_samples);
-  };
-  fill_envelope(sound, sample_at(first_s - margin_s), sample_at(last_s + margin_s), preview);
+  fill_envelope(sound, sample_at(sound, first_s - margin_s), sample_at(sound, last_s + margin_s), preview);
   add_excerpts(sound, preview.marks, preview.marks, preview);
   return preview;
 }

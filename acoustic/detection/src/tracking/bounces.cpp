@@ -12,6 +12,13 @@
 namespace bouncelab::detection {
 namespace {
 
+/// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
+double gap_of_eps(double eps, int n_missing) {
+  double gap = eps;
+  for (int k = 0; k < n_missing; ++k) gap = eps * (1.0 + gap);
+  return gap;
+}
+
 /// The eps of gap_of_eps().
 double eps_of_gap(double gap, int n_missing) {
   if (n_missing == 0) return gap;
@@ -35,7 +42,7 @@ double log_normal_probability(double z) {
 
 std::optional<Flight> flight_of(double interval_s, double flight_s, int n_missing) {
   const double gap = interval_s / flight_s;
-  if (!may_be_gap(gap, n_missing)) return {};
+  if (gap < gap_of_eps(kLeastEps, n_missing) || gap > gap_of_eps(kLargestEps, n_missing)) return {};
   Flight flight{eps_of_gap(gap, n_missing), flight_s, 0.0};
   for (int m = 0; m <= n_missing; ++m) {
     flight.slope_s += (m + 1) * flight.flight_s;
@@ -53,12 +60,6 @@ double prior_of_eps(double eps) {
 
 double probability_of_missing(int n_missing) {
   return kTracking.detection_probability * power(1.0 - kTracking.detection_probability, n_missing);
-}
-
-double largest_factor_of_missing(int n_missing) {
-  double slope = 0.0;  // of the gap in flights
-  for (int m = n_missing; m >= 0; --m) slope = (m + 1) + slope * kLargestEps;
-  return power(1.0 - kTracking.detection_probability, n_missing) * power(kLargestEps, n_missing) / slope;
 }
 
 Bounces::Bounces(double log_flight, double log_amplitude)
@@ -103,7 +104,8 @@ double Bounces::largest_density(const Flight& flight, int n_missing, double jitt
   if (n_eps_ > 0) {
     const double width = std::sqrt(variance_of_next(n_missing) + jitter2);
     // 1 - 1/x <= log x <= x - 1
-    const double least_deviation = std::abs(flight.eps - mean_eps_) / std::max(flight.eps, mean_eps_);
+    const double mean_eps = exp(mean_log_eps_);
+    const double least_deviation = std::abs(flight.eps - mean_eps) / std::max(flight.eps, mean_eps);
     double of_outlier = of_eps;
     if (changed_log_eps_) of_outlier += student3(0.0, kTracking.scatter) / flight.eps;
     of_eps = student3(least_deviation, width) / flight.eps + kTracking.outliers * of_outlier;
@@ -111,22 +113,8 @@ double Bounces::largest_density(const Flight& flight, int n_missing, double jitt
   return probability_of_missing(n_missing) * of_eps / flight.slope_s * loudness_.largest_density();
 }
 
-double Bounces::largest_share_of_flight() const {
-  double of_log_eps = kLargestEps * prior_of_eps(kLeastEps);
-  if (n_eps_ > 0) {
-    of_log_eps = student3(0.0, std::sqrt(variance_of_next(0))) + kTracking.outliers * of_log_eps;
-    if (changed_log_eps_) of_log_eps += kTracking.outliers * student3(0.0, kTracking.scatter);
-  }
-  return probability_of_missing(0) * of_log_eps * loudness_.largest_density();
-}
-
 void Bounces::learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2) {
-  learn_eps(log_eps, n_missing, jitter2);
-  mean_eps_ = exp(mean_log_eps_);
   loudness_.learn(log_amplitude, log_flight);
-}
-
-void Bounces::learn_eps(double log_eps, int n_missing, double jitter2) {
   n_eps_ += 1;
   const double deviation = log_eps - mean_log_eps_;
   const bool has_changed = changed_log_eps_ && std::abs(log_eps - *changed_log_eps_) < std::abs(deviation);

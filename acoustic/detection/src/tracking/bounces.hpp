@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "tracking/densities.hpp"
@@ -15,23 +14,6 @@ struct Flight {
   double flight_s = 0.0;  ///< the last flight in the interval
   double slope_s = 0.0;   ///< d interval / d eps [s]
 };
-
-/// Time that n_missing + 1 flights take, over the flight before them: eps + eps^2 + ...
-constexpr double gap_of_eps(double eps, int n_missing) {
-  double gap = eps;
-  for (int k = 0; k < n_missing; ++k) gap = eps * (1.0 + gap);
-  return gap;
-}
-
-/// Whether an eps from kLeastEps to kLargestEps makes a gap so long.
-inline bool may_be_gap(double gap, int n_missing) {
-  constexpr auto limits = [](double eps) {
-    return std::array{gap_of_eps(eps, 0), gap_of_eps(eps, 1), gap_of_eps(eps, 2)};
-  };
-  static_assert(kMostMissing == 2);
-  constexpr auto least = limits(kLeastEps), most = limits(kLargestEps);
-  return gap >= least[n_missing] && gap <= most[n_missing];
-}
 
 /// @param interval_s  > 0
 /// @param flight_s    of the flight before
@@ -47,7 +29,6 @@ class Bounces {
   /// @param log_flight     of the first flight [ln s]
   /// @param log_amplitude  of the first two impacts, their mean
   Bounces(double log_flight, double log_amplitude);
-  Bounces() = default;
 
   /// Density of the next impact [1/s, per unit of log amplitude].
   /// @param jitter2  variance that errors of the times add to log eps
@@ -55,17 +36,12 @@ class Bounces {
                  double jitter2) const;
   /// No less than that, whatever the loudness; without a logarithm.
   double largest_density(const Flight& flight, int n_missing, double jitter2) const;
-  /// No less than density() times the duration of the flight that ends with the next impact, whatever its time and
-  /// loudness, over largest_factor_of_missing().
-  double largest_share_of_flight() const;
   void learn(double log_eps, double log_flight, double log_amplitude, int n_missing, double jitter2);
 
   /// log of the probability that it loses energy, as no rhythm does: on the whole, since eps changed, and over each
   /// kTracking.memory impacts.
   /// @param log_flight  of the last flight [ln s]
   double log_probability_of_loss(double log_flight) const;
-
-  int n_eps() const { return n_eps_; }
 
  private:
   /// By how many standard errors of its mean a loss is above the least.
@@ -74,17 +50,15 @@ class Bounces {
   double variance(double most_of_loss) const;  ///< what of it a ball can have
   /// Of the next log eps about the mean, itself known from a few, but for errors of the times.
   double variance_of_next(int n_missing) const;
-  void learn_eps(double log_eps, int n_missing, double jitter2);
 
   int n_eps_ = 0;  ///< ratios of intervals
   int n_of_mean_ = 0;
   double mean_log_eps_ = 0.0;
-  double mean_eps_ = 1.0;                   ///< exp of it
   double sum_squares_ = 0.0;                ///< of the deviations of log eps from its running mean, large ones cut
   std::optional<double> changed_log_eps_;   ///< the last one, where it was far from the mean: it may stay
   double loss_ = 0.0;                       ///< -sum of log eps, large deviations cut
   double log_probability_of_losses_ = 0.0;  ///< over each kTracking.memory impacts of constant eps
-  double first_log_flight_ = 0.0;
+  double first_log_flight_;
   Loudness loudness_;  ///< amplitude over the flight before
 };
 
@@ -93,8 +67,5 @@ double prior_of_eps(double eps);
 
 /// Probability that n_missing impacts are not detected, and the next one is.
 double probability_of_missing(int n_missing);
-
-/// Factor of n_missing on the largest density of what comes after them; 1 of none.
-double largest_factor_of_missing(int n_missing);
 
 }  // namespace bouncelab::detection

@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
 
-#include "bouncelab/core/ball.hpp"
 #include "bouncelab/core/elementary.hpp"
-#include "bouncelab/core/text.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -25,12 +22,9 @@ inline double student3(double x, double width) {
 /// log(exp(a) + exp(b)), for any log odds: their exponentials may be beyond a double's range.
 inline double log_of_sum(double a, double b) { return std::max(a, b) + log1p(exp(-std::abs(a - b))); }
 
-/// The exponent of x > 0 as a power of two. The C library's ilogb is a call.
-inline int binary_exponent(double x) { return static_cast<int>(bouncelab::bit_cast<std::uint64_t>(x) >> 52) - 1023; }
-
 /// No less than log(x), without taking it; of what is not a number no more than of 0.
 inline double largest_log(double x) {
-  return x > 0.0 ? std::numbers::ln2 * (binary_exponent(x) + 1) : -std::numeric_limits<double>::infinity();
+  return x > 0.0 ? std::numbers::ln2 * (std::ilogb(x) + 1) : -std::numeric_limits<double>::infinity();
 }
 
 /// What is known of the loudness of one source: a running mean of its logarithm, which gain control may carry along,
@@ -42,7 +36,6 @@ class Loudness {
   /// @param mean        log loudness of the first two sounds
   /// @param log_flight  of a ball, before them [ln s]; 0 of a rhythm
   explicit Loudness(double mean, double log_flight = 0.0) : mean_(mean), mean_log_flight_(log_flight) {}
-  Loudness() = default;
 
   /// Density of the next log loudness.
   double density(double log_loudness, double log_flight) const {
@@ -75,8 +68,8 @@ class Loudness {
            (kTracking.loudness_weight + n_sounds_ - 2);
   }
 
-  double mean_ = 0.0;
-  double mean_log_flight_ = 0.0;
+  double mean_;
+  double mean_log_flight_;
   double sum_squares_ = 0.0;
   int n_sounds_ = 2;
 };

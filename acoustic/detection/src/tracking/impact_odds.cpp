@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "bouncelab/core/elementary.hpp"
-#include "tracking/ball_hypothesis.hpp"
+#include "tracking/hypothesis.hpp"
+#include "tracking/rescoring.hpp"
 #include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
@@ -22,12 +23,12 @@ constexpr double kMostLogWeight = 30.0;  // against the track itself; exp(more) 
 
 double weight(double log_weight) { return log_weight < kNegligible ? 0.0 : exp(std::min(log_weight, kMostLogWeight)); }
 
-using Step = BallHypothesis::Step;
+using Step = Hypothesis::Step;
 
 /// The hypotheses about one track. Log weights are those against the track.
 class Alternatives {
  public:
-  Alternatives(const Observations& o, const OwnSounds& own, const Track& track) : o_(o), own_(own) {
+  Alternatives(const Observations& o, const Track& track) : o_(o), own_(own_sounds(o, track)) {
     for (const TrackImpact& impact : track.impacts) number_.push_back(impact.impact);
     up_to_.reserve(number_.size());
     up_to_.push_back(begun(0, 1));
@@ -75,7 +76,7 @@ class Alternatives {
   std::size_t size() const { return number_.size(); }
   /// Not detected between two impacts.
   int n_missing(std::size_t from, std::size_t to) const { return static_cast<int>(number_[to] - number_[from] - 1); }
-  const BallHypothesis& hypothesis(std::size_t n) const { return up_to_[n - 1]; }
+  const Hypothesis& hypothesis(std::size_t n) const { return up_to_[n - 1]; }
   double log_odds(std::size_t n) const { return n > 0 ? hypothesis(n).log_odds : 0.0; }
   /// Log odds below which a hypothesis that has reached impact n is of no interest.
   double least(std::size_t n) const { return log_odds(n) + kNegligible; }
@@ -86,22 +87,18 @@ class Alternatives {
     return n == 0 ? std::min(kLongestFlight_s, flight_s / kLeastEps) - flight_s : flight_s;
   }
 
-  BallHypothesis begun(const Observation& first, const Observation& second, double same_source) const {
-    const BallHypothesis::Birth birth{log_odds_of_first(first), log_usual_eps_};
-    return {first, second, *BallHypothesis::first_step(-INFINITY, birth, first, second, same_source, false)};
-  }
-  BallHypothesis begun(std::size_t first, std::size_t second) const {
-    return begun(own_.seen[first], own_.seen[second], same_source(first, second));
+  Hypothesis begun(std::size_t first, std::size_t second) const {
+    return Hypothesis::begin(own_.seen[first], own_.seen[second], same_source(first, second), false);
   }
   double same_source(std::size_t j, std::size_t k) const {
     return k == j + 1 ? own_.same_source[j] : o_.same_source(own_.candidates[j], own_.candidates[k]);
   }
-  std::optional<Step> step_to(const BallHypothesis& h, std::size_t from, std::size_t to, double least) const {
+  std::optional<Step> step_to(const Hypothesis& h, std::size_t from, std::size_t to, double least) const {
     return h.step_to(own_.seen[to], n_missing(from, to), same_source(from, to), false, least);
   }
 
   /// Log weight of a hypothesis that has reached impact n, over as many more of the track's.
-  double followed(BallHypothesis h, std::size_t n, std::size_t n_more) const {
+  double followed(Hypothesis h, std::size_t n, std::size_t n_more) const {
     const std::size_t last = std::min(size() - 1, n + n_more);
     if (n == last) return h.log_odds - log_odds(n);
     for (;;) {
@@ -113,7 +110,7 @@ class Alternatives {
   }
 
   /// The same of what a step makes of a hypothesis, if it is possible.
-  double taken(BallHypothesis h, const std::optional<Step>& step, std::size_t n, std::size_t n_more) const {
+  double taken(Hypothesis h, const std::optional<Step>& step, std::size_t n, std::size_t n_more) const {
     if (!step) return -INFINITY;
     h.take(*step, own_.seen[n]);
     return followed(h, n, n_more);
@@ -122,36 +119,36 @@ class Alternatives {
   /// Log weight with candidate k in the place of n.
   double replaced(std::size_t n, std::size_t k) const {
     const auto source = [&](std::size_t own) { return o_.same_source(own_.candidates[own], k); };
-    if (n == 0) return followed(begun(o_.without(k, own_.explained), own_.seen[1], source(1)), 1, kFollowed);
-    BallHypothesis h;
+    if (n == 0)
+      return followed(Hypothesis::begin(o_.without(k, own_.explained), own_.seen[1], source(1), false), 1, kFollowed);
+    std::optional<Hypothesis> h;
     if (n == 1) {
-      h = begun(own_.seen[0], o_.without(k, own_.explained), source(0));
+      h = Hypothesis::begin(own_.seen[0], o_.without(k, own_.explained), source(0), false);
     } else {
       h = hypothesis(n - 1);
       const double of_source = source(n - 1);
       // whether it is worth the count of its neighbours without the track's own
-      if (!h.step_to(o_[k], n_missing(n - 1, n), of_source, false, least(n) - kOwnSounds)) return -INFINITY;
+      if (!h->step_to(o_[k], n_missing(n - 1, n), of_source, false, least(n) - kOwnSounds)) return -INFINITY;
       const Observation seen = o_.without(k, own_.explained);
-      const std::optional<Step> step = h.step_to(seen, n_missing(n - 1, n), of_source, false, least(n));
+      const std::optional<Step> step = h->step_to(seen, n_missing(n - 1, n), of_source, false, least(n));
       if (!step) return -INFINITY;
-      h.take(*step, seen);
+      h->take(*step, seen);
     }
-    if (n + 1 == size()) return h.log_odds - log_odds(n);
-    const std::optional<Step> step = h.step_to(own_.seen[n + 1], n_missing(n, n + 1), source(n + 1), false, -INFINITY);
-    return taken(h, step, n + 1, kFollowed - 1);
+    if (n + 1 == size()) return h->log_odds - log_odds(n);
+    const std::optional<Step> step = h->step_to(own_.seen[n + 1], n_missing(n, n + 1), source(n + 1), false, -INFINITY);
+    return taken(*h, step, n + 1, kFollowed - 1);
   }
 
   const Observations& o_;
-  const OwnSounds& own_;
-  double log_usual_eps_ = log(kTracking.usual_eps);
-  std::vector<std::int64_t> number_;   ///< of each impact in the track
-  std::vector<BallHypothesis> up_to_;  ///< from the second impact on
+  OwnSounds own_;
+  std::vector<std::int64_t> number_;  ///< of each impact in the track
+  std::vector<Hypothesis> up_to_;     ///< from the second impact on
 };
 
 }  // namespace
 
-void set_impact_probabilities(const Observations& o, const OwnSounds& own, Track& track) {
-  const Alternatives alternatives(o, own, track);
+void set_impact_probabilities(const Observations& o, Track& track) {
+  const Alternatives alternatives(o, track);
   const std::size_t size = track.impacts.size();
   if (!alternatives.is_whole()) return;
   std::vector<double> ended(size, 0.0), begun(size, 0.0);  // weights of the track that ends before, or begins at, each

@@ -4,9 +4,7 @@
 #include <vector>
 
 #include "tracking/observations.hpp"
-#include "tracking/rescoring.hpp"
 #include "tracking/tracker.hpp"
-#include "tracking/tracking_model.hpp"
 
 namespace bouncelab::detection {
 
@@ -20,9 +18,7 @@ namespace bouncelab::detection {
 /// - ended before it; begun after it.
 ///
 ///   p = sum of the weights of those with the impact / sum of all weights
-///
-/// @param own  of the track
-void set_impact_probabilities(const Observations& observations, const OwnSounds& own, Track& track);
+void set_impact_probabilities(const Observations& observations, Track& track);
 
 /// Probability of an impact found where its track predicts one, from its significance. There either is an impact, whose
 /// log likelihood ratio may be any, or the largest of n_places squared normals is taken for one, odds of exp(LLR) /

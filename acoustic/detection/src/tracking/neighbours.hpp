@@ -25,15 +25,12 @@ struct Neighbours {
   float around_s = 0.0F;                        ///< of the recording that is within 4 s
 };
 
-/// @param log_amplitude  of each candidate
-std::vector<Neighbours> count_neighbours(const std::vector<Candidate>& candidates,
-                                         std::span<const double> log_amplitude, const SameSource& same_source);
-
 /// Those of one candidate, itself included, but for some.
-/// @param not_counted  indices, rising
-Neighbours count_neighbours_of(std::size_t candidate, const std::vector<Candidate>& candidates,
-                               std::span<const double> log_amplitude, const SameSource& same_source,
-                               const std::vector<std::size_t>& not_counted);
+/// @param log_amplitude  of each candidate
+/// @param not_counted    indices, rising
+Neighbours count_neighbours(std::size_t candidate, const std::vector<Candidate>& candidates,
+                            std::span<const double> log_amplitude, const SameSource& same_source,
+                            const std::vector<std::size_t>& not_counted);
 
 /// The window in which sounds compete for being the impact after this flight: about two flights either way [s].
 double clutter_window_s(double flight_s);

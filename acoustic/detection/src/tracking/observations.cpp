@@ -58,37 +58,25 @@ std::vector<double> log_rise_odds(const std::vector<Candidate>& c, double n_in_w
 
 Observations::Observations(const std::vector<Candidate>& candidates, double timing_s, const SameSource& same_source,
                            double duration_s)
-    : candidates_(candidates), same_source_(same_source) {
+    : candidates_(candidates), same_source_(same_source), duration_s_(duration_s) {
   const std::vector<double> rise = log_rise_odds(candidates, kShortestWindow_s * kTracking.timing_samples / timing_s);
-  log_amplitudes_.reserve(candidates.size());
-  for (const Candidate& c : candidates) log_amplitudes_.push_back(log(c.amplitude));
-  const std::vector<Neighbours> neighbours = count_neighbours(candidates, log_amplitudes_, same_source_);
-  observations_.reserve(candidates.size());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const Candidate& c = candidates[k];
     const double sigma_s =
         c.reach_s < kTracking.sharp_s ? timing_s : std::max(timing_s, kTracking.timing_of_reach * c.reach_s);
-    observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], neighbours[k]});
-    observations_.back().neighbours.around_s =
-        static_cast<float>(std::min(c.t_s + kLargestReach_s, duration_s) - std::max(0.0, c.t_s - kLargestReach_s));
+    log_amplitudes_.push_back(log(c.amplitude));
+    observations_.push_back({c.t_s, sigma_s, log_amplitudes_[k], rise[k], 0.0, {}});
   }
+  for (std::size_t k = 0; k < candidates.size(); ++k) observations_[k] = without(k, {});
 }
 
 Observation Observations::without(std::size_t k, const std::vector<std::size_t>& explained) const {
-  Observation observation = observations_[k];
-  observation.neighbours = count_neighbours_of(k, candidates_, log_amplitudes_, same_source_, explained);
-  observation.neighbours.around_s = observations_[k].neighbours.around_s;
-  return observation;
-}
-
-double Observations::same_source(std::size_t j, std::size_t k) const { return same_source_.weight(j, k); }
-
-void Observations::same_source(std::size_t k, std::size_t first, std::span<float> weights) const {
-  same_source_.weigh(k, first, weights);
-}
-
-std::optional<double> Observations::same_source_probability_of(std::size_t j, std::size_t k) const {
-  return same_source_.probability(j, k);
+  Observation seen = observations_[k];
+  seen.neighbours = count_neighbours(k, candidates_, log_amplitudes_, same_source_, explained);
+  seen.neighbours.around_s =
+      static_cast<float>(std::min(seen.t_s + kLargestReach_s, duration_s_) - std::max(0.0, seen.t_s - kLargestReach_s));
+  seen.log_odds_of_first = kTracking.start_log_odds + seen.log_rise_odds - log_odds_against_first(seen.neighbours);
+  return seen;
 }
 
 }  // namespace bouncelab::detection

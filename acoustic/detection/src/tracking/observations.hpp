@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
-#include <span>
+#include <cmath>
 #include <vector>
 
 #include "candidates/band_energies.hpp"
@@ -27,7 +26,8 @@ struct Observation {
   double t_s = 0.0;
   double sigma_s = 0.0;  ///< error of the time
   double log_amplitude = 0.0;
-  double log_rise_odds = 0.0;  ///< that it is an event at all (log_rise_odds())
+  double log_rise_odds = 0.0;      ///< that it is an event at all (log_rise_odds())
+  double log_odds_of_first = 0.0;  ///< of a track that begins with it, before its second impact
   Neighbours neighbours;
 };
 
@@ -46,17 +46,14 @@ class Observations {
   /// @param explained  indices, rising
   Observation without(std::size_t k, const std::vector<std::size_t>& explained) const;
   /// Weight of one as clutter for the other, or as an impact of the same ball: 1 where they cannot be told apart.
-  double same_source(std::size_t j, std::size_t k) const;
-  /// Those of k for first, first + 1, ...
-  void same_source(std::size_t k, std::size_t first, std::span<float> weights) const;
-  /// Probability that they have the same source; absent where there are no band energies.
-  std::optional<double> same_source_probability_of(std::size_t j, std::size_t k) const;
-
+  double same_source(std::size_t j, std::size_t k) const { return same_source_.weight(j, k); }
+  double same_source_probability(std::size_t j, std::size_t k) const { return same_source_.probability(j, k); }
   const std::vector<Candidate>& candidates() const { return candidates_; }
 
  private:
   const std::vector<Candidate>& candidates_;
   const SameSource& same_source_;
+  double duration_s_;
   std::vector<double> log_amplitudes_;
   std::vector<Observation> observations_;
 };

@@ -45,6 +45,23 @@ std::optional<Expected> expected_before(const std::vector<Candidate>& c, const T
   return Expected{mean - slope * reach, std::sqrt(squares / (n - 2.0) * (1.0 + 1.0 / n + reach * reach / sum_x2))};
 }
 
+/// A track's own sounds and their echoes: chance need not offer them.
+/// @param own  two candidates or more, rising
+/// @return indices, rising
+std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
+  const std::vector<Candidate>& c = o.candidates();
+  std::vector<std::size_t> explained;
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const bool is_last = n + 1 == own.size();
+    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
+    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
+    explained.push_back(own[n]);
+    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
+      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
+  }
+  return explained;
+}
+
 /// The first impact was chosen before the ball was known, and those before it may have cost odds then: now it stands
 /// for choice again, and impacts before it are looked for.
 /// @param first_free  candidates before this one belong to the track before
@@ -97,58 +114,46 @@ double n_unexplained(const Observations& o, const std::vector<std::size_t>& own)
     const std::size_t near = own[next > 0 ? next - 1 : 0];
     const bool is_echo = next > 0 && c[k].t_s - c[near].t_s < kTracking.echo_s;
     if (!is_echo && c[k].amplitude > kTracking.as_loud * c[near].amplitude)
-      n += std::max(0.0, 2.0 * o.same_source_probability_of(near, k).value_or(0.5) - 1.0);
+      n += std::max(0.0, 2.0 * o.same_source_probability(near, k) - 1.0);
   }
   return n;
 }
 
-/// A track with its own sounds.
-struct ScoredTrack {
-  Track track;
-  OwnSounds own;
-};
-
 /// Log odds of a track where what it explains does not compete with its sounds.
-double log_odds_of(const Observations& o, const OwnSounds& own, const Track& track) {
+double log_odds_of(const Observations& o, const Track& track) {
+  const OwnSounds own = own_sounds(o, track);
   Hypothesis h = Hypothesis::begin(own.seen[0], own.seen[1], own.same_source[0], false);
   for (std::size_t n = 2; n < own.seen.size(); ++n) {
     const auto n_missing = static_cast<int>(track.impacts[n].impact - track.impacts[n - 1].impact - 1);
-    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false, -INFINITY);
+    const auto step = h.step_to(own.seen[n], n_missing, own.same_source[n - 1], false);
     if (!step) return -INFINITY;
     h.take(*step, own.seen[n]);
   }
   return h.log_odds_of_ball() - kTracking.unexplained * n_unexplained(o, own.candidates);
 }
 
-ScoredTrack scored(const Observations& o, Track track) {
-  OwnSounds own = own_sounds(o, track);
-  track.log_odds = log_odds_of(o, own, track);
-  return {std::move(track), std::move(own)};
+constexpr double kRateStep = 2.0;  // of the rates of drops that are averaged over
+
+/// Windows with sounds enough for a track.
+double n_windows(const std::vector<Candidate>& c) {
+  double n = 0.0;
+  for (std::size_t k = 0; k < c.size();) {
+    const auto end = std::partition_point(c.begin() + static_cast<std::ptrdiff_t>(k), c.end(), [&](const Candidate& s) {
+      return s.t_s < c[k].t_s + kTracking.birth_window_s;
+    });
+    const auto next = static_cast<std::size_t>(end - c.begin());
+    if (next - k >= static_cast<std::size_t>(kFewestImpacts)) n += 1.0;
+    k = next;
+  }
+  return std::max(1.0, n);
 }
+
+/// log(1 - p + p odds)
+double log_evidence(double p, double log_odds) { return log_of_sum(log(p) + log_odds, log1p(-p)); }
 
 bool ends_before(const Track& a, const Track& b) { return a.impacts.back().candidate < b.impacts.front().candidate; }
 
-bool are_same(const std::vector<TrackImpact>& a, const std::vector<TrackImpact>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const TrackImpact& x, const TrackImpact& y) {
-    return x.candidate == y.candidate && x.impact == y.impact;
-  });
-}
-
 }  // namespace
-
-std::vector<std::size_t> explained_by(const Observations& o, const std::vector<std::size_t>& own) {
-  const std::vector<Candidate>& c = o.candidates();
-  std::vector<std::size_t> explained;
-  for (std::size_t n = 0; n < own.size(); ++n) {
-    const bool is_last = n + 1 == own.size();
-    const double flight_s = is_last ? c[own[n]].t_s - c[own[n - 1]].t_s : c[own[n + 1]].t_s - c[own[n]].t_s;
-    const double echo_s = std::min(kTracking.echo_s, kTracking.echo_of_flight * flight_s);
-    explained.push_back(own[n]);
-    for (std::size_t k = own[n] + 1; k < c.size() && c[k].t_s - c[own[n]].t_s < echo_s; ++k)
-      if (c[k].amplitude < c[own[n]].amplitude) explained.push_back(k);
-  }
-  return explained;
-}
 
 OwnSounds own_sounds(const Observations& o, const Track& track) {
   OwnSounds own;
@@ -161,36 +166,58 @@ OwnSounds own_sounds(const Observations& o, const Track& track) {
   return own;
 }
 
-Rescored rescored(const Observations& o, std::vector<Track> tracks) {
-  std::vector<ScoredTrack> all;
-  for (Track& track : tracks) all.push_back(scored(o, std::move(track)));
+std::vector<Track> rescored(const Observations& o, std::vector<Track> tracks) {
+  for (Track& track : tracks) track.log_odds = log_odds_of(o, track);
   // the surest first: what its earlier impacts are, no other track may claim
-  std::stable_sort(all.begin(), all.end(),
-                   [](const ScoredTrack& a, const ScoredTrack& b) { return a.track.log_odds > b.track.log_odds; });
-  std::vector<ScoredTrack> kept;
-  for (ScoredTrack& scored_track : all) {
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const Track& a, const Track& b) { return a.log_odds > b.log_odds; });
+  std::vector<Track> kept;
+  for (Track& track : tracks) {
     std::size_t first_free = 0;
     bool is_free = true;
-    for (const ScoredTrack& surer : kept) {
-      if (ends_before(surer.track, scored_track.track))
-        first_free = std::max(first_free, surer.track.impacts.back().candidate + 1);
-      else if (!ends_before(scored_track.track, surer.track))
+    for (const Track& surer : kept) {
+      if (ends_before(surer, track))
+        first_free = std::max(first_free, surer.impacts.back().candidate + 1);
+      else if (!ends_before(track, surer))
         is_free = false;
     }
     if (!is_free) continue;
-    const std::vector<TrackImpact> before = scored_track.track.impacts;
-    re_estimate_start(o, first_free, scored_track.track);
-    if (!are_same(scored_track.track.impacts, before)) scored_track = scored(o, std::move(scored_track.track));
-    kept.push_back(std::move(scored_track));
+    re_estimate_start(o, first_free, track);
+    track.log_odds = log_odds_of(o, track);
+    kept.push_back(std::move(track));
   }
-  std::sort(kept.begin(), kept.end(),
-            [](const ScoredTrack& a, const ScoredTrack& b) { return ends_before(a.track, b.track); });
-  Rescored rescored;
-  for (ScoredTrack& one : kept) {
-    rescored.tracks.push_back(std::move(one.track));
-    rescored.own.push_back(std::move(one.own));
+  std::sort(kept.begin(), kept.end(), ends_before);
+  return kept;
+}
+
+void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Track>& tracks) {
+  if (tracks.empty()) return;
+  const double n = std::max(n_windows(candidates), static_cast<double>(tracks.size()));
+  const double most = 1.0 / (1.0 + exp(-kTracking.start_log_odds));
+  struct Rate {
+    double log_odds;  // of a ball in a window
+    double log_weight;
+  };
+  std::vector<Rate> rates;
+  for (double p = most; p > most / n / kRateStep; p /= kRateStep) {
+    double log_weight = (n - static_cast<double>(tracks.size())) * log1p(-p);
+    for (const Track& track : tracks) log_weight += log_evidence(p, track.log_odds - kTracking.start_log_odds);
+    rates.push_back({log(p) - log1p(-p), log_weight});
   }
-  return rescored;
+  const double largest = std::max_element(rates.begin(), rates.end(), [](const Rate& a, const Rate& b) {
+                           return a.log_weight < b.log_weight;
+                         })->log_weight;
+  for (Track& track : tracks) {
+    double ball = 0.0, none = 0.0;
+    for (const Rate& rate : rates) {
+      const double log_odds = track.log_odds - kTracking.start_log_odds + rate.log_odds;
+      const double weight = exp(rate.log_weight - largest);
+      ball += weight / (1.0 + exp(-log_odds));
+      none += weight / (1.0 + exp(log_odds));
+    }
+    // beyond what is not to be told from certainty, the largest rate has all the weight or the track needs none
+    if (none > 1e-12 * ball) track.log_odds = log(ball / none);
+  }
 }
 
 }  // namespace bouncelab::detection

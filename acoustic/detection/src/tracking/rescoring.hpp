@@ -19,20 +19,17 @@ struct OwnSounds {
 
 OwnSounds own_sounds(const Observations& observations, const Track& track);
 
-/// A track's own sounds and their echoes: chance need not offer them.
-/// @param own  two candidates or more, rising
-/// @return indices, rising
-std::vector<std::size_t> explained_by(const Observations& observations, const std::vector<std::size_t>& own);
-
-/// Tracks, one after the other in time, and the own sounds of each.
-struct Rescored {
-  std::vector<Track> tracks;
-  std::vector<OwnSounds> own;
-};
-
 /// The tracks once more, now that the balls are known: which observation each begins with, and its log odds with its
 /// own sounds and their echoes not counted as clutter. What a surer track has claimed since is no other's.
 /// @param tracks  one after the other in time
-Rescored rescored(const Observations& observations, std::vector<Track> tracks);
+std::vector<Track> rescored(const Observations& observations, std::vector<Track> tracks);
+
+/// Weighs tracks by how often balls are dropped in their recording, which is not known: the rate lies between about one
+/// drop in the whole recording and TrackingModel::start_log_odds, every order of magnitude as probable as another
+/// (Jeffreys 1946, doi:10.1098/rspa.1946.0056), and the other tracks tell. So a random row of sounds in an hour of
+/// music needs better reasons than three knocks in a clip of three seconds, and many drops speak for each other.
+/// @param candidates  of the recording; time without them offers no chance
+/// @param tracks      with log odds for the largest rate; they are lowered
+void weigh_by_drop_rate(const std::vector<Candidate>& candidates, std::vector<Track>& tracks);
 
 }  // namespace bouncelab::detection

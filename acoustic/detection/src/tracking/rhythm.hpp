@@ -8,8 +8,7 @@
 
 namespace bouncelab::detection {
 
-enum class RhythmKind { by_hand, by_machine };
-constexpr std::size_t kRhythmKinds = 2;
+constexpr std::size_t kRhythmKinds = 2;  // by hand, by a machine
 
 /// What the same sounds are as a rhythm: steps, claps, syllables, strokes, a metronome.
 ///
@@ -22,7 +21,6 @@ class Rhythm {
   /// @param log_interval   of the first two sounds [ln s]
   /// @param log_amplitude  their mean
   Rhythm(double log_interval, double log_amplitude);
-  Rhythm() = default;
 
   /// Densities of the next sound [1/s, per unit of log amplitude], by kind; then takes it into the rhythm.
   /// @param sigma_s  of the two times [s]
@@ -32,10 +30,10 @@ class Rhythm {
   double follow_by_hand(double interval_s, double sigma_s);
   double follow_by_machine(double interval_s, double sigma_s);
 
-  double level_ = 0.0;  ///< of the log interval, by hand
+  double level_;  ///< of the log interval, by hand
   double trend_ = 0.0;
   double sum_squares_ = 0.0;
-  double period_s_ = 0.0;                 ///< by machine
+  double period_s_;                       ///< by machine
   double late_s_ = 0.0;                   ///< by which the last sound came after its beat
   double sum_squares_of_lateness_ = 0.0;  ///< in intervals
   int n_sounds_ = 2;

@@ -34,8 +34,8 @@ std::optional<double> eps_at(const std::vector<Candidate>& candidates, const Tra
 /// The most probable tracks of a recording, one after the other in time: multiple hypothesis tracking (Reid 1979,
 /// doi:10.1109/TAC.1979.1102177; Blackman & Popoli 1999) of a bouncing ball in clutter, by a beam search over
 /// hypotheses (hypothesis.hpp), each impact of which may be followed by up to kMostMissing that were not detected. Each
-/// track is then scored anew without its own sounds among the clutter (rescoring.hpp) and weighed by how often balls
-/// are dropped in the recording (drop_rate.hpp); those of even odds at least are left.
+/// track is then scored anew without its own sounds among the clutter and weighed by how often balls are dropped in the
+/// recording (rescoring.hpp); those of even odds at least are left.
 /// @param timing_s     error of the candidates' times, standard deviation [s]; where only a longer window noticed
 ///                        one, 0.15 of that window
 /// @param same_source  which of the candidates may have one source

@@ -39,9 +39,7 @@ std::vector<float> low_pass(int factor) {
 
 audio::AudioSource decimate(const audio::AudioSource& source, int factor) {
   const auto read = [source, factor, taps = low_pass(factor)](std::int64_t first, std::span<float> out) {
-    const std::size_t n = out.size() * static_cast<std::size_t>(factor) + taps.size();
-    const auto memory = std::unique_ptr<float[]>(new float[n]);  // a vector would be set to zero first
-    const std::span<float> x(memory.get(), n);
+    std::vector<float> x(out.size() * static_cast<std::size_t>(factor) + taps.size());
     read_padded(source, (first - 8) * factor, x);
     audio::filter_and_decimate(x, static_cast<std::size_t>(factor), taps, out);
   };

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <complex>
 #include <cstdint>
-#include <memory>
 #include <numbers>
 
 #include "bouncelab/audio/dsp/kernels.hpp"
@@ -148,17 +147,9 @@ std::vector<double> prediction_error_filter(const std::vector<double>& r) {
 
 void read_innovations(const audio::AudioSource& source, const ArModel& model, std::int64_t first,
                       std::span<float> out) {
-  constexpr std::size_t kAtOnce = 1 << 13;  // stays in the cache
-  const std::size_t order = model.filter.size() - 1;
-  const std::vector<float> taps(model.filter.rbegin(), model.filter.rend());
-  // not a vector, which would set to zero what is overwritten at once
-  const auto sound = std::unique_ptr<float[]>(new float[std::min(kAtOnce, out.size()) + order]);
-  for (std::size_t at = 0; at < out.size(); at += kAtOnce) {
-    const std::size_t n = std::min(kAtOnce, out.size() - at);
-    const std::span<float> filled{sound.get(), n + order};
-    read_padded(source, first + static_cast<std::int64_t>(at) - static_cast<std::int64_t>(order), filled);
-    audio::correlate(filled, taps, out.subspan(at, n));
-  }
+  std::vector<float> sound(out.size() + model.filter.size() - 1);
+  read_padded(source, first + std::ssize(out) - std::ssize(sound), sound);
+  innovations_of(sound, model, out);
 }
 
 void innovations_of(std::span<const float> sound, const ArModel& model, std::span<float> out) {
