@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "bouncelab/audio/dsp/real_fft.hpp"
 
@@ -43,8 +44,10 @@ std::vector<CorrelationPeak> Correlation::peaks() const {
     if (values_[k] > 0.0F && values_[k] >= values_[k - 1] && values_[k] >= values_[k + 1] &&
         (k > top_ ? k - top_ : top_ - k) > 2)
       others.push_back(k);
-  std::stable_sort(others.begin(), others.end(), [&](std::size_t a, std::size_t b) { return values_[a] > values_[b]; });
-  if (others.size() > kMostOthers) others.resize(kMostOthers);
+  const std::size_t n = std::min(others.size(), kMostOthers);
+  std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(n), others.end(),
+                    [&](std::size_t a, std::size_t b) { return std::pair(-values_[a], a) < std::pair(-values_[b], b); });
+  others.resize(n);
   std::vector<CorrelationPeak> found{highest()};
   for (const std::size_t k : others) found.push_back(peak_at(k));
   return found;
