@@ -21,23 +21,15 @@ struct DelayModel {
   std::size_t fewest_ratios = 7;      ///< that show their scatter
   std::size_t anchors = 3;            ///< last impacts that predict one beyond the end: one may be in a wrong place
   double most_amplitude_ratio = 3.5;  ///< between neighbours; eps and the place struck explain up to two
-  // where nothing is found there, a single loss or gain may be the reason: 0.73 to 1.07 of the interval
+  // beyond the end a single loss or gain may be the reason why the tracker has none: 0.73 to 1.07 of the interval
   double outlier_centre = 0.9;
   double outlier_reach = 0.17;
 
   // what is found there: log likelihood ratio over the residual variance. In the ringing of another impact the residual
   // is not white; one between two impacts needs less than one beyond the end
   double least_in_gap = 2.0;
-  double least_beyond_end = 3.0;
   double least_of_outlier = 6.0;
-  /// Over the largest in the sound before, where there is no impact: echoes, a rolling ball and voices are like the
-  /// template here and there.
-  double least_prominence = 2.0;
-  double ringing_part = 0.4;     ///< of the interval before, in which the last impact rings
   double fewest_cycles = 3.0;    ///< of the template; nearer impacts cannot be separated from its ringing
-  int most_failures = 3;         ///< impacts in a row that are not found, then the track has ended
-  double side_lobes_s = 1.5e-3;  ///< of a peak, among which another may be the impact
-  double higher = 2.0;           ///< times the peak that was found
 
   // the places of an impact
   double late_s = 6e-3;                ///< of a candidate behind its impact: the longest window of the candidates

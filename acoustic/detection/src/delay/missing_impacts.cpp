@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
 
 #include "bouncelab/core/elementary.hpp"
 #include "delay/delay_model.hpp"
@@ -75,23 +74,6 @@ bool is_supported(const ImpactTimer& timer, const TimedImpact& impact, const Tim
          impact.fit.log_likelihood_ratio > min_llr_ratio * impact.fit.residual_variance;
 }
 
-/// Largest log likelihood ratio in the second part of the interval before t_s, where there is no impact; 0 where that
-/// part is too short.
-double llr_before(TimedTrack& track, double t_s, double min_half_s) {
-  const double last_s = track.impacts.back().fit.t_s;
-  const double half_s = 0.5 * (1.0 - kDelay.ringing_part) * (t_s - last_s);
-  return half_s > min_half_s ? track.timer.search(t_s - half_s, half_s, t_s).log_likelihood_ratio : 0.0;
-}
-
-/// A peak beside the one found that is so much higher that the latter is its side lobe: a single gain or loss that the
-/// search did not reach.
-std::optional<ImpactFit> sidelobe_check(ImpactTimer& timer, const ImpactFit& found, double after_s, double until_s) {
-  if (after_s < 4.0 * kDelay.side_lobes_s) return std::nullopt;  // so near it is a neighbour's
-  const ImpactFit best = timer.search(found.t_s, kDelay.side_lobes_s, until_s);
-  if (best.log_likelihood_ratio < kDelay.higher * found.log_likelihood_ratio) return std::nullopt;
-  return best;
-}
-
 /// Searches for an impact without candidate, and appends it where it is supported.
 bool search_missing(TimedTrack& track, const Prediction& p) {
   const double rate_hz = track.timer.rate_hz();
@@ -105,17 +87,7 @@ bool search_missing(TimedTrack& track, const Prediction& p) {
   impact.until_s = p.until_s;
   impact.inferred = true;
   impact.overlap = p.until_s - t_s < track.timer.template_s();
-  double min_llr_ratio = p.min_llr_ratio;
-  if (const auto higher = sidelobe_check(track.timer, impact.fit, p.after_s, p.until_s)) {
-    impact.fit = *higher;
-    min_llr_ratio = std::max(min_llr_ratio, kDelay.least_of_outlier);
-  }
-  if (!is_supported(track.timer, impact, last, n_lags, min_llr_ratio)) return false;
-  // within the last impact's ringing everything correlates with the template
-  const bool is_isolated = p.after_s > track.timer.template_s();
-  if (is_isolated && min_llr_ratio >= kDelay.least_beyond_end &&
-      impact.fit.log_likelihood_ratio < kDelay.least_prominence * llr_before(track, t_s - reach_s, reach_s))
-    return false;
+  if (!is_supported(track.timer, impact, last, n_lags, p.min_llr_ratio)) return false;
   impact.probability = probability_of_inferred(
       impact.fit.log_likelihood_ratio / std::max(impact.fit.noise, impact.fit.residual_variance), n_lags);
   append(track, impact);
@@ -129,21 +101,18 @@ void append(TimedTrack& track, const TimedImpact& impact) {
   track.impacts.push_back(impact);
 }
 
-PredictedImpact predict_beyond_end(const TimedImpacts& track, int n_left_out) {
+PredictedImpact predict_next(const TimedImpacts& track) {
   const double eps = predicted_eps(track);
-  const std::int64_t next = track.back().impact + 1 + n_left_out;
   std::vector<PredictedImpact> predicted;
   for (std::size_t back = 1; back <= kDelay.anchors && back < track.size(); ++back) {
     const std::size_t k = track.size() - back;
-    PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps), 0.0};
-    for (std::int64_t impact = track[k].impact; impact < next; ++impact) p.t_s += p.flight_s *= eps;
+    PredictedImpact p{track[k].fit.t_s, flight_before(track, k, eps)};
+    for (std::int64_t impact = track[k].impact; impact <= track.back().impact; ++impact) p.t_s += p.flight_s *= eps;
     predicted.push_back(p);
   }
   std::sort(predicted.begin(), predicted.end(),
             [](const PredictedImpact& a, const PredictedImpact& b) { return a.t_s < b.t_s; });
-  PredictedImpact median = predicted[predicted.size() / 2];
-  median.spread_s = std::max(predicted.back().t_s - median.t_s, median.t_s - predicted.front().t_s);
-  return median;
+  return predicted[predicted.size() / 2];
 }
 
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
@@ -159,7 +128,7 @@ void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s) {
     const double first_s = (next_s - last_s) * (1.0 - eps) / (1.0 - pow(eps, n + 1.0));
     const bool found = search_after(first_s) ||
                        // the next candidate may be late: a knock, an echo
-                       (track.impacts.size() >= 3 && search_after(predict_beyond_end(track.impacts, 0).t_s - last_s));
+                       (track.impacts.size() >= 3 && search_after(predict_next(track.impacts).t_s - last_s));
     if (!found) return;
   }
 }
@@ -168,20 +137,13 @@ void extend(TimedTrack& track, double end_s) {
   const double shortest_s =
       std::max(kDelay.least_interval_s,
                kDelay.fewest_cycles / (track.timer.learned().filter.rms_frequency() * track.timer.rate_hz()));
-  for (int failures = 0; failures < kDelay.most_failures && track.impacts.size() >= 3;) {
-    const double last_s = track.impacts.back().fit.t_s;
-    const PredictedImpact predicted = predict_beyond_end(track.impacts, failures);
-    const double after_s = predicted.t_s - last_s, flight_s = predicted.flight_s;
-    if (std::min(flight_s, after_s) < shortest_s || predicted.t_s + 0.5 * flight_s > end_s) break;
-    const std::int64_t next = track.impacts.back().impact + 1 + failures;
-    const double until_s = predicted.t_s + 0.9 * flight_s;
-    // what the last impacts predict may differ by more than eps scatters: one of them has gained or lost, or is wrong
-    const double reach_s = predicted_eps_reach(track.impacts) * after_s + predicted.spread_s;
-    const bool found =
-        search_missing(track, {next, after_s, reach_s, until_s, kDelay.least_beyond_end}) ||
-        (failures == 0 && search_missing(track, {next, kDelay.outlier_centre * after_s, kDelay.outlier_reach * after_s,
-                                                 until_s, kDelay.least_of_outlier}));
-    failures = found ? 0 : failures + 1;
+  while (track.impacts.size() >= 3) {
+    const PredictedImpact predicted = predict_next(track.impacts);
+    const double after_s = predicted.t_s - track.impacts.back().fit.t_s, flight_s = predicted.flight_s;
+    if (std::min(flight_s, after_s) < shortest_s || predicted.t_s + 0.5 * flight_s > end_s) return;
+    const Prediction next{track.impacts.back().impact + 1, kDelay.outlier_centre * after_s,
+                          kDelay.outlier_reach * after_s, predicted.t_s + 0.9 * flight_s, kDelay.least_of_outlier};
+    if (!search_missing(track, next)) return;
   }
 }
 

@@ -22,18 +22,17 @@ void append(TimedTrack& track, const TimedImpact& impact);
 struct PredictedImpact {
   double t_s = 0.0;
   double flight_s = 0.0;  ///< before it
-  double spread_s = 0.0;  ///< of the predictions about their median, at most
 };
 
-/// The impact after the next `n_left_out`, by the eps of the last ones: the median of what the last impact, the one
-/// before it and the one before that predict, each with the flight that ends there: one of them may be in a wrong
-/// place. Needs two impacts, in time order.
-PredictedImpact predict_beyond_end(const std::vector<TimedImpact>& track, int n_left_out);
+/// The next impact, by the eps of the last ones: the median of what the last impact, the one before it and the one
+/// before that predict, each with the flight that ends there: one of them may be in a wrong place. Needs two impacts,
+/// in time order.
+PredictedImpact predict_next(const std::vector<TimedImpact>& track);
 
 /// Searches for the impacts between the last one and the next candidate.
 void fill_gap(TimedTrack& track, std::int64_t next_impact, double next_s);
 
-/// Continues the track beyond its last impact.
+/// Continues the track beyond its last impact, which may be a single loss or gain.
 /// @param end_s  impacts are searched for up to it
 void extend(TimedTrack& track, double end_s);
 

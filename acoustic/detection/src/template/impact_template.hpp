@@ -29,7 +29,7 @@ struct ImpactTemplate {
   double peak = 0.0;                 ///< its largest magnitude
 };
 
-/// Estimates the template from the recording's own strong and isolated impacts: aligned below a sample and averaged,
+/// Estimates the template from the recording's own strong impacts: aligned below a sample and averaged,
 /// in turns; then the noise and the jitter of its sub-bands.
 /// @param white    what of it was whitened by the result's whitener is kept for what follows
 /// @param impacts  with times to a millisecond or better, in time order

@@ -14,8 +14,7 @@ struct TemplateModel {
   double long_s = 40e-3;   ///< where impacts follow closely, whose tails matter
   double close_s = 20e-3;  ///< intervals that are close
   std::size_t many_close = 20;
-  std::size_t many_isolated = 12;       ///< from which only isolated impacts are taken; so many are hardly improved on
-  std::size_t few_isolated = 5;         ///< with fewer, all are taken
+  std::size_t many_far = 12;            ///< impacts whose tails nothing disturbs, that a long template needs
   std::size_t most_training = 32;       ///< what more of them add to the template is less than their own variation
   std::ptrdiff_t fewest_unclipped = 5;  ///< with fewer, clipped ones are used too
   double lead_s = 0.5e-3;               ///< quiet part of a window before the rough time

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -25,7 +26,7 @@ double template_length_s(const std::vector<Candidate>& impacts) {
     n_close += impacts[k + 1].t_s - impacts[k].t_s < kTemplate.close_s ? 1 : 0;
     n_far += impacts[k + 1].t_s - impacts[k].t_s > 2.0 * kTemplate.long_s ? 1 : 0;
   }
-  return n_close >= kTemplate.many_close && n_far >= kTemplate.many_isolated ? kTemplate.long_s : kTemplate.short_s;
+  return n_close >= kTemplate.many_close && n_far >= kTemplate.many_far ? kTemplate.long_s : kTemplate.short_s;
 }
 
 /// Factors of the template's samples: both ends fall to 0.
@@ -42,23 +43,14 @@ std::vector<double> taper_of(const TemplateEstimation& e) {
   return taper;
 }
 
-/// At most 32 of the impacts, the strongest first: those that ring alone or, where fewer than five do, any; unclipped
-/// ones where there are five.
+/// At most 32 of the impacts, the strongest first; unclipped ones where there are five.
 std::vector<std::size_t> choose_training_impacts(const std::vector<Candidate>& impacts,
-                                                 const std::vector<bool>& clipped, double length_s) {
-  std::vector<std::size_t> isolated;
-  std::vector<std::size_t> all;
-  for (std::size_t k = 0; k < impacts.size(); ++k) {
-    all.push_back(k);
-    const bool next_far =
-        k + 1 == impacts.size() || impacts[k + 1].t_s - impacts[k].t_s > length_s + 2.0 * kTemplate.rough_time_error_s;
-    const bool last_far = k == 0 || impacts[k].t_s - impacts[k - 1].t_s > length_s;
-    if (next_far && last_far) isolated.push_back(k);
-  }
-  std::vector<std::size_t> unclipped = isolated;
+                                                 const std::vector<bool>& clipped) {
+  std::vector<std::size_t> chosen(impacts.size());
+  std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+  std::vector<std::size_t> unclipped = chosen;
   std::erase_if(unclipped, [&](std::size_t k) { return clipped[k]; });
-  if (std::ssize(unclipped) >= kTemplate.fewest_unclipped) isolated = unclipped;
-  std::vector<std::size_t>& chosen = isolated.size() >= kTemplate.few_isolated ? isolated : all;
+  if (std::ssize(unclipped) >= kTemplate.fewest_unclipped) chosen = unclipped;
   const auto stronger = [&](std::size_t a, std::size_t b) { return impacts[a].amplitude > impacts[b].amplitude; };
   if (chosen.size() > kTemplate.most_training) {
     std::nth_element(chosen.begin(), chosen.begin() + kTemplate.most_training, chosen.end(), stronger);
@@ -149,7 +141,7 @@ TemplateEstimation begin_estimation(WhiteSound& white, const std::vector<Candida
   TemplateEstimation e{&white, audio::RealFft(n_window)};
   e.learned.n_template = std::min(n_window, samples(kTemplate.lead_s + length_s));
   e.taper = taper_of(e);
-  for (const std::size_t k : choose_training_impacts(impacts, clipped, length_s))
+  for (const std::size_t k : choose_training_impacts(impacts, clipped))
     e.begins.push_back(e.samples(impacts[k].t_s - kTemplate.lead_s));
   return e;
 }
