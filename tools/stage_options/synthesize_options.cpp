@@ -76,6 +76,10 @@ const Description& members_of(const SynthesizeOptions*) {
       member<O>(
           "pause", [](auto& o) -> auto& { return o.config.pause_s; }, "After each drop's last impact [s]")
           .within(0.05, 3600.0),
+      member<O>(
+          "together", [](auto& o) -> auto& { return o.config.together; },
+          "Balls at once: so many drops in turn, each released 0.05 to 0.5 s after the one before")
+          .within(1, 8),
       member("positions", &O::positions,
              "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
           .one_of({"simulated", "drawn"}),

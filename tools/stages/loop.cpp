@@ -44,6 +44,8 @@ SimulateOptions simulate_options(const LoopOptions& options) {
 SynthesizeOptions synthesize_options(const LoopOptions& options) {
   SynthesizeOptions synthesize = options.synthesize;
   synthesize.world = options.world;
+  if (synthesize.config.together > 1)
+    throw InvalidArgument("--together: a loop closes over one ball at a time; synthesize makes sound of several");
   return synthesize;
 }
 

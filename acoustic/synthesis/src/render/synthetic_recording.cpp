@@ -34,9 +34,9 @@ struct SyntheticRecording::State {
     for (const Impact& impact : impacts.rows) weakest_ns = std::min(weakest_ns, impulse_ns(config, impact));
     Schedule schedule;
     Scheduler scheduler(config, weakest_ns);
-    const DropSource drops = drops_of(impacts);
-    Impacts drop;
-    for (std::int64_t k = 0; drops(k, drop); ++k) scheduler.add_drop(drop, schedule);
+    const DropSource groups = in_groups(drops_of(impacts), config.together);
+    Impacts group;
+    for (std::int64_t k = 0; groups(k, group); ++k) scheduler.add_group(group, schedule);
     for (const Strike& strike : schedule.strikes) check_contact(strike.duration_s, config);
     return schedule;
   }

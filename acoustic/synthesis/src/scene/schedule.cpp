@@ -52,36 +52,41 @@ Scheduler::Scheduler(const SynthesisConfig& config, double weakest_impulse_ns)
       next_knock_s_(waiting_s(knocks_, config.disturbances.knocks_per_s)),
       next_click_s_(waiting_s(clicks_, config.disturbances.clicks_per_s)) {}
 
-std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
-  const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
-  Random random(config_.seed, RandomStream::plate, static_cast<std::uint64_t>(drop.rows.front().drop));
-  double x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
-  double y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
-  const bool moves = config_.simulated_positions && !drop.states.empty();
+std::vector<Strike> Scheduler::place_balls(const Impacts& group) {
+  double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
+  const bool moves = config_.simulated_positions && !group.states.empty();
   const ContactDuration contact_s = contact_duration(config_.ball, contact_material(config_.ground)).value();
+  double x_m = 0.0, y_m = 0.0;
   std::vector<Strike> strikes;
-  for (std::size_t k = 0; k < drop.rows.size(); ++k) {
-    const Impact& impact = drop.rows[k];
+  for (std::size_t k = 0; k < group.rows.size(); ++k) {
+    const Impact& impact = group.rows[k];
+    if (k == 0 || impact.drop != group.rows[k - 1].drop) {
+      Random random(config_.seed, RandomStream::plate, static_cast<std::uint64_t>(impact.drop));
+      x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+      y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+      if (k > 0) release_s += random.uniform(0.05, 0.5);
+    }
     if (moves) {
-      x_m = drop.states[k].position_m[0];
-      y_m = drop.states[k].position_m[1];
+      x_m = group.states[k].position_m[0];
+      y_m = group.states[k].position_m[1];
     }
     strikes.push_back({release_s + impact.t_s, x_m, y_m, contact_s.at(impact.v_mps), impulse_ns(config_, impact),
                        n_impacts_++, impact.drop, impact.impact, impact.v_mps, !moves});
   }
+  sort_by_time(strikes, 0);
   window_end_s_ = strikes.back().t_s + config_.pause_s;
   return strikes;
 }
 
-void Scheduler::add_drop(const Impacts& drop, Schedule& schedule) {
+void Scheduler::add_group(const Impacts& group, Schedule& schedule) {
   const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size();
   const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
-  const std::vector<Strike> ball = place_ball(drop);
-  schedule.strikes.insert(schedule.strikes.end(), ball.begin(), ball.end());
+  const std::vector<Strike> balls = place_balls(group);
+  schedule.strikes.insert(schedule.strikes.end(), balls.begin(), balls.end());
   schedule.duration_s = window_end_s_;
   add_knocks(first_strike, schedule);
   add_clicks(schedule);
-  add_robot({release_s, ball.back().t_s, window_end_s_}, drop.rows.front().drop, schedule);
+  add_robot({release_s, balls.back().t_s, window_end_s_}, group.rows.front().drop, schedule);
   sort_by_time(schedule.strikes, first_strike);
   sort_by_time(schedule.others, first_other);
 }

@@ -50,17 +50,18 @@ struct Schedule {
 /// Removes strikes and clicks that begin before a time and bursts that end before it.
 void forget(Schedule& schedule, double before_s);
 
-/// Lays the drops one after the other: lead-in, release, impacts, pause, release ... Everything else that sounds is
-/// laid into the window of a drop, from the end of the one before to the end of its pause.
+/// Lays the groups of drops one after the other: lead-in, release, impacts, pause, release ... Within a group each ball
+/// is released 0.05 to 0.5 s after the one before. Everything else that sounds is laid into the window of a group, from
+/// the end of the one before to the end of its pause; the robot goes through its cycle once in it.
 class Scheduler {
  public:
   /// @param weakest_impulse_ns  of all impacts: knocks are about as strong
   Scheduler(const SynthesisConfig& config, double weakest_impulse_ns);
-  /// The ball's strikes of the next drop. @throws InvalidArgument where an impact has no forward impulse
-  std::vector<Strike> place_ball(const Impacts& drop);
-  /// Appends the next drop with everything else that sounds in its window.
-  void add_drop(const Impacts& drop, Schedule& schedule);
-  /// End of the last drop's pause.
+  /// The balls' strikes of the next group, by time. @throws InvalidArgument where an impact has no forward impulse
+  std::vector<Strike> place_balls(const Impacts& group);
+  /// Appends the next group with everything else that sounds in its window.
+  void add_group(const Impacts& group, Schedule& schedule);
+  /// End of the last group's pause.
   double duration_s() const { return window_end_s_; }
 
  private:

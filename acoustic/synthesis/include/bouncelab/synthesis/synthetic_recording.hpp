@@ -55,11 +55,12 @@ struct SynthesisConfig {
   Ball ball;
   int rate_hz = 96000;  ///< 8000 to 2,000,000
   audio::SampleEncoding encoding = audio::SampleEncoding::pcm24;
-  double snr_db = 30.0;             ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
-  double noise_corner_hz = 0.0;     ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
-  double peak = 0.5;                ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
-  double lead_in_s = 0.5;           ///< before the first release
-  double pause_s = 1.0;             ///< from the last impact of a drop to the next release, and to the end
+  double snr_db = 30.0;          ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
+  double noise_corner_hz = 0.0;  ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
+  double peak = 0.5;             ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
+  double lead_in_s = 0.5;        ///< before the first release
+  double pause_s = 1.0;          ///< from the last impact of a group to the next release, and to the end
+  int together = 1;              ///< 1 to 8 balls at once: so many drops in turn are one group, and pauses part groups
   bool simulated_positions = true;  ///< points of contact from the states, if there are any
   double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
   double max_mode_hz = 45.0e3;      ///< modes above are left out; plate theory ends about here
