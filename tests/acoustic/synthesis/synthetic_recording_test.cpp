@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
@@ -319,6 +321,50 @@ TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
   EXPECT_TRUE(plain.others().empty());
   EXPECT_EQ(rough.samples(), rough.samples());
   EXPECT_GT(rms(rough.samples()), rms(plain.samples()));
+}
+
+TEST(Synthesis, SpeechIsVoicedInItsFormantsAndAsLoudAsSaid) {
+  SynthesisConfig config = quiet();
+  config.lead_in_s = 4.0;
+  config.disturbances.speech_per_s = 0.5;
+  const SyntheticRecording recording(impacts({8.0}), config);
+  ASSERT_GE(recording.others().size(), 2u);
+  const std::vector<double> x = recording.samples();
+  double strongest = 0.0, likeness = 0.0;
+  int n_syllables = 0;
+  for (const OtherSound& syllable : recording.others()) {
+    EXPECT_EQ(syllable.kind, OtherSoundKind::speech);
+    const auto begin = static_cast<std::size_t>(syllable.t_s * config.rate_hz);
+    if (begin + 32768 > static_cast<std::size_t>(11.9 * config.rate_hz)) continue;  // the ball
+    std::vector<double> sound(x.begin() + static_cast<std::ptrdiff_t>(begin),
+                              x.begin() + static_cast<std::ptrdiff_t>(begin + 32768));
+    EXPECT_LT(rms(std::span(sound).first(300)), 0.02 * rms(sound)) << "it begins softly";
+    for (const double y : sound) strongest = std::max(strongest, std::abs(y));
+    const std::vector<Complex> spectrum = fourier(sound);
+    double within = 0.0, all = 0.0;
+    for (std::size_t f = 1; f < spectrum.size() / 2; ++f) {
+      const double f_hz = static_cast<double>(f) * config.rate_hz / static_cast<double>(spectrum.size());
+      all += std::norm(spectrum[f]);
+      if (f_hz > 150.0 && f_hz < 3600.0) within += std::norm(spectrum[f]);
+    }
+    EXPECT_GT(within, 0.8 * all) << "formants from 300 to 3200 Hz; below, the pitch";
+    // voiced: like itself one period later, 85 to 240 Hz less what it fell by
+    const auto window = static_cast<std::size_t>(0.015 * config.rate_hz);
+    const auto piece = [&](std::size_t at) { return std::span(sound).subspan(at, window); };
+    const std::size_t from = 2 * window;
+    double best = 0.0;
+    for (auto lag = static_cast<std::size_t>(config.rate_hz / 240.0);
+         lag < static_cast<std::size_t>(config.rate_hz / 46.0); ++lag) {
+      const std::span<double> a = piece(from), b = piece(from + lag);
+      best = std::max(best, std::inner_product(a.begin(), a.end(), b.begin(), 0.0) /
+                                (rms(a) * rms(b) * static_cast<double>(window)));
+    }
+    likeness += best;
+    ++n_syllables;
+  }
+  EXPECT_GT(likeness / n_syllables, 0.83) << "0.92 over many; noise through these formants: 0.77";
+  EXPECT_GT(strongest, 0.5 * recording.levels().weakest_peak);
+  EXPECT_LT(strongest, 2.0 * 5.0 * recording.levels().weakest_peak) << "two may overlap";
 }
 
 TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {

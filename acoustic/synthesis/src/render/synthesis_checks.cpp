@@ -34,6 +34,7 @@ void validate(const Disturbances& d, double pause_s) {
   require_range("double_hit_fraction", d.double_hit_fraction, 0.0, 1.0);
   require_range("timbre_wander", d.timbre_wander, 0.0, 3.0);
   require_range("phase_wander_rad", d.phase_wander_rad, 0.0, 10.0);
+  require_range("speech_per_s", d.speech_per_s, 0.0, 20.0);
   if (d.robot_cycle) require_range("pause_s with the robot's cycle", pause_s, 2.0, 3600.0);
 }
 

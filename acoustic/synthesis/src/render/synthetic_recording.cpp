@@ -121,6 +121,8 @@ const char* to_string(OtherSoundKind kind) {
       return "motor";
     case OtherSoundKind::pickup:
       return "pickup";
+    case OtherSoundKind::speech:
+      return "speech";
   }
   return "";
 }

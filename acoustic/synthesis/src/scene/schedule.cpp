@@ -15,7 +15,7 @@ namespace bouncelab::synthesis {
 namespace {
 
 /// Items of the disturbance stream: one kind of thing a row, so that switching one off leaves the others as they were.
-enum class Item : std::uint64_t { clicks, knocks, double_hits, robot };
+enum class Item : std::uint64_t { clicks, knocks, double_hits, robot, speech };
 
 Random random_of(const SynthesisConfig& config, Item item, std::uint64_t index = 0) {
   return {config.seed, RandomStream::disturbance, (index << 8) | static_cast<std::uint64_t>(item)};
@@ -49,8 +49,10 @@ Scheduler::Scheduler(const SynthesisConfig& config, double weakest_impulse_ns)
       weakest_impulse_ns_(weakest_impulse_ns),
       knocks_(random_of(config, Item::knocks)),
       clicks_(random_of(config, Item::clicks)),
+      speech_(random_of(config, Item::speech)),
       next_knock_s_(waiting_s(knocks_, config.disturbances.knocks_per_s)),
-      next_click_s_(waiting_s(clicks_, config.disturbances.clicks_per_s)) {}
+      next_click_s_(waiting_s(clicks_, config.disturbances.clicks_per_s)),
+      next_syllable_s_(waiting_s(speech_, config.disturbances.speech_per_s)) {}
 
 std::vector<Strike> Scheduler::place_balls(const Impacts& group) {
   double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
@@ -79,15 +81,18 @@ std::vector<Strike> Scheduler::place_balls(const Impacts& group) {
 }
 
 void Scheduler::add_group(const Impacts& group, Schedule& schedule) {
-  const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size();
+  const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size(),
+                    first_burst = schedule.bursts.size();
   const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
   const std::vector<Strike> balls = place_balls(group);
   schedule.strikes.insert(schedule.strikes.end(), balls.begin(), balls.end());
   schedule.duration_s = window_end_s_;
   add_knocks(first_strike, schedule);
   add_clicks(schedule);
+  add_speech(schedule);
   add_robot({release_s, balls.back().t_s, window_end_s_}, group.rows.front().drop, schedule);
   sort_by_time(schedule.strikes, first_strike);
+  sort_by_time(schedule.bursts, first_burst);
   sort_by_time(schedule.others, first_other);
 }
 
@@ -129,23 +134,31 @@ void Scheduler::add_clicks(Schedule& schedule) {
   }
 }
 
+void Scheduler::add_speech(Schedule& schedule) {
+  for (; next_syllable_s_ < window_end_s_; next_syllable_s_ += waiting_s(speech_, config_.disturbances.speech_per_s)) {
+    const double duration_s = speech_.uniform(0.08, 0.3), level = log_uniform(speech_, 0.5, 5.0);
+    schedule.bursts.push_back({next_syllable_s_, duration_s, level, 0.0, 0.0, OtherSoundKind::speech, n_syllables_++});
+    schedule.others.push_back({OtherSoundKind::speech, next_syllable_s_});
+  }
+}
+
 /// The cycle of the paper's set-up in shares of the pause: the ball rests, a fan blows it to its place (0.2 - 0.5), the
 /// tube touches it (0.6), the arm moves (0.65 - 0.9); the vacuum is switched off at the release.
 void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& schedule) {
   if (!config_.disturbances.robot_cycle) return;
   Random random = random_of(config_, Item::robot, static_cast<std::uint64_t>(drop));
-  const auto add_burst = [&](OtherSoundKind kind, double begin, double length, Burst burst) {
+  const auto add_burst = [&](double begin, double length, Burst burst) {
     burst.t_s = window.last_impact_s + begin * config_.pause_s;
     burst.duration_s = length * config_.pause_s;
     burst.number = n_bursts_++;
     schedule.bursts.push_back(burst);
-    schedule.others.push_back({kind, burst.t_s});
+    schedule.others.push_back({burst.kind, burst.t_s});
   };
   add_knock(window.release_s, 0.3 * weakest_impulse_ns_, OtherSoundKind::release, random, schedule);
-  add_burst(OtherSoundKind::fan, 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, false, 0});
+  add_burst(0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, OtherSoundKind::fan, 0});
   add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, OtherSoundKind::pickup, random,
             schedule);
-  add_burst(OtherSoundKind::motor, 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, true, 0});
+  add_burst(0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, OtherSoundKind::motor, 0});
 }
 
 void forget(Schedule& schedule, double before_s) {

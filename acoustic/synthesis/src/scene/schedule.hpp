@@ -28,14 +28,15 @@ struct Click {
   double level = 0.0;
 };
 
-/// Noise of a fan (filtered) or of a geared motor (tones): of limited duration, faded in and out.
+/// Noise of a fan (filtered) or of a geared motor (tones), or a syllable of speech: of limited duration, faded in and
+/// out.
 struct Burst {
   double t_s = 0.0;
   double duration_s = 0.0;
   double level = 0.0;
-  double lowest_hz = 0.0, highest_hz = 0.0;
-  bool tonal = false;
-  std::uint64_t number = 0;  ///< in the recording: chooses tones or noise
+  double lowest_hz = 0.0, highest_hz = 0.0;  ///< not of speech
+  OtherSoundKind kind = OtherSoundKind::fan;
+  std::uint64_t number = 0;  ///< in the recording, speech by itself: chooses tones, noise or voice
 };
 
 /// All events of a recording, or of a part of it.
@@ -71,15 +72,16 @@ class Scheduler {
   void add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind kind, Random& random, Schedule& schedule) const;
   void add_knocks(std::size_t first_strike, Schedule& schedule);
   void add_clicks(Schedule& schedule);
+  void add_speech(Schedule& schedule);
   void add_robot(const Window& window, std::int64_t drop, Schedule& schedule);
 
   const SynthesisConfig& config_;
   double weakest_impulse_ns_;
   double window_end_s_ = 0.0;
   std::int64_t n_impacts_ = 0;
-  std::uint64_t n_bursts_ = 0;
-  Random knocks_, clicks_;
-  double next_knock_s_, next_click_s_;  // infinite: none
+  std::uint64_t n_bursts_ = 0, n_syllables_ = 0;
+  Random knocks_, clicks_, speech_;
+  double next_knock_s_, next_click_s_, next_syllable_s_;  // infinite: none
 };
 
 /// m (v + v_after) of an impact. @throws InvalidArgument where it is not forward

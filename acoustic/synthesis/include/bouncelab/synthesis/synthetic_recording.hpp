@@ -32,6 +32,7 @@ struct Disturbances {
   bool robot_cycle = false;    ///< release click; in each pause fan, pick-up tick and motor bursts; needs pause_s >= 2
   double timbre_wander = 0.0;  ///< standard deviation of ln(mode amplitude) from impact to impact
   double phase_wander_rad = 0.0;  ///< standard deviation of the modes' phases from impact to impact
+  double speech_per_s = 0.0;      ///< voiced syllables, peaks at levels 0.5 to 5, Poisson in time
 };
 const Description& members_of(const Disturbances*);
 
@@ -88,7 +89,7 @@ struct TrueImpact {
 const RowColumns<TrueImpact>& columns_of(const TrueImpact*);
 
 /// What makes a sound that is not an impact of the ball.
-enum class OtherSoundKind { release, click, knock, fan, motor, pickup };
+enum class OtherSoundKind { release, click, knock, fan, motor, pickup, speech };
 /// The enumerator's name, as tables of other sounds have it.
 const char* to_string(OtherSoundKind kind);
 
