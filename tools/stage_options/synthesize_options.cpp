@@ -90,6 +90,10 @@ const Description& members_of(const SynthesizeOptions*) {
       member<O>(
           "max_mode", [](auto& o) -> auto& { return o.config.max_mode_hz; }, "Modes of the ground up to this [Hz]")
           .within(100.0, 200e3),
+      member<O>(
+          "gain_control", [](auto& o) -> auto& { return o.config.gain_control_db; },
+          "A phone's automatic gain: how far the strongest impact pushes it down, back within 0.3 s [dB]")
+          .within(0.0, 40.0),
       member("hard", &O::hard_case, hard_case_help())};
   return options;
 }

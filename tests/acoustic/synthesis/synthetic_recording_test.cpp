@@ -367,6 +367,31 @@ TEST(Synthesis, SpeechIsVoicedInItsFormantsAndAsLoudAsSaid) {
   EXPECT_LT(strongest, 2.0 * 5.0 * recording.levels().weakest_peak) << "two may overlap";
 }
 
+TEST(Synthesis, GainControlScalesSoundAndNoiseAlike) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  Impacts three = impacts({0.05, 0.35, 0.36});
+  three.rows[1].v_mps = three.rows[2].v_mps = 0.6;
+  three.rows[1].v_after_mps = three.rows[2].v_after_mps = 0.55;
+  const SyntheticRecording plain(three, config);
+  config.gain_control_db = 20.0;
+  const SyntheticRecording controlled(three, config);
+  const std::vector<double> x = plain.samples(), y = controlled.samples();
+  const auto gain_db_at = [&](double t_s) {  // over 20 samples, which differ by the rounding of floats
+    const auto at = static_cast<std::size_t>(t_s * config.rate_hz);
+    return 20.0 * std::log10(rms(std::span(y).subspan(at, 20)) / rms(std::span(x).subspan(at, 20)));
+  };
+  const auto arrival_s = [&](std::size_t k) { return plain.truth()[k].t_s + plain.truth()[k].travel_time_s; };
+  EXPECT_NEAR(gain_db_at(arrival_s(0) - 0.02), 0.0, 1e-9) << "noise before the first impact";
+  EXPECT_NEAR(gain_db_at(arrival_s(0) + 1e-3), -20.0, 0.05) << "sound; 20 samples are 0.2 ms";
+  EXPECT_NEAR(gain_db_at(arrival_s(0) + 0.251), -20.0 * std::exp(-0.25 / 0.3), 0.05) << "noise";
+  const double weaker = plain.truth()[1].amplitude / plain.truth()[0].amplitude;
+  EXPECT_GT(weaker, 1.1 * std::exp(-1.0)) << "else the first would hide the second";
+  EXPECT_NEAR(gain_db_at(arrival_s(1) + 1e-3), -20.0 * weaker, 0.05);
+  EXPECT_NEAR(gain_db_at(arrival_s(2) + 0.201), -20.0 * weaker * std::exp(-0.2 / 0.3), 0.05) << "a maximum, no sum";
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(controlled.truth()[k].sigma_t_s, plain.truth()[k].sigma_t_s);
+}
+
 TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {
   SynthesisConfig config = quiet();
   config.snr_db = 40.0;

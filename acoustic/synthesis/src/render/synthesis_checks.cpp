@@ -67,6 +67,7 @@ void validate(const SynthesisConfig& config) {
   require_range("pause_s", config.pause_s, 0.05, 3600.0);
   require_range("together", config.together, 1, 8);
   require_range("start_spread_m", config.start_spread_m, 0.0, 1.0);
+  require_range("gain_control_db", config.gain_control_db, 0.0, 40.0);
   require_range("max_mode_hz", config.max_mode_hz, 100.0, 200e3);
   require_range("ball radius_m", config.ball.radius_m, 1e-5, 1.0);
   const Material& plate = contact_material(config.ground);

@@ -110,6 +110,7 @@ class RecordingWriter {
                           std::exchange(schedule_.others, {})};
     std::move(waves.begin(), waves.end(), std::back_inserter(waves_));
     scale_to(survey_.levels, true_values.impacts);
+    add_pushes(config_, true_values.impacts, schedule_);
     result.n_impacts += static_cast<std::int64_t>(true_values.impacts.size());
     result.n_other_sounds += static_cast<std::int64_t>(true_values.others.size());
     result.n_clipped += std::count_if(true_values.impacts.begin(), true_values.impacts.end(),

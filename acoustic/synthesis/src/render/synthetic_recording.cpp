@@ -25,6 +25,7 @@ struct SyntheticRecording::State {
         renderer(config, sound, schedule, levels, waves),
         n_frames(static_cast<std::int64_t>(std::ceil(schedule.duration_s * config.rate_hz))) {
     scale_to(levels, truth);
+    add_pushes(config, truth, schedule);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;

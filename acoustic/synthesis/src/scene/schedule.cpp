@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "bouncelab/core/elementary.hpp"
@@ -161,6 +162,46 @@ void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& sch
   add_burst(0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, OtherSoundKind::motor, 0});
 }
 
+void add_pushes(const SynthesisConfig& config, const std::vector<TrueImpact>& scaled, Schedule& schedule) {
+  if (config.gain_control_db <= 0.0) return;
+  std::vector<GainPush> pushes;
+  for (const TrueImpact& impact : scaled)
+    pushes.push_back({impact.t_s + impact.travel_time_s,
+                      config.gain_control_db * std::min(1.0, impact.amplitude / config.peak)});  // of the strongest
+  sort_by_time(pushes, 0);
+  for (const GainPush& push : pushes) {
+    const GainPush before = schedule.pushes.empty() ? GainPush{} : schedule.pushes.back();
+    if (push.reduction_db > before.reduction_db * exp(-(push.t_s - before.t_s) / kGainDecay_s))
+      schedule.pushes.push_back(push);
+  }
+}
+
+template <class T>
+void apply_gain(const std::vector<GainPush>& pushes, std::int64_t first, double rate_hz, std::span<T> samples) {
+  const auto comes_later = [](double t_s, const GainPush& push) { return t_s < push.t_s; };
+  const double begin_s = static_cast<double>(first) / rate_hz;
+  const double end_s = static_cast<double>(first + static_cast<std::int64_t>(samples.size())) / rate_hz;
+  // of those that decay the last is the largest
+  auto from = std::upper_bound(pushes.begin(), pushes.end(), begin_s - kGainRise_s, comes_later);
+  if (from != pushes.begin()) --from;
+  const auto to = std::upper_bound(from, pushes.end(), end_s, comes_later);
+  if (from == to) return;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double t_s = static_cast<double>(first + static_cast<std::int64_t>(k)) / rate_hz;
+    double reduction_db = 0.0;
+    for (auto push = from; push != to; ++push) {
+      const double after_s = t_s - push->t_s;
+      if (after_s <= 0.0 || after_s > kGainMemory_s) continue;
+      const double rise = sin(0.5 * std::numbers::pi * std::min(1.0, after_s / kGainRise_s));
+      const double decay = exp(-std::max(0.0, after_s - kGainRise_s) / kGainDecay_s);
+      reduction_db = std::max(reduction_db, push->reduction_db * rise * rise * decay);
+    }
+    samples[k] *= static_cast<T>(pow(10.0, -reduction_db / 20.0));
+  }
+}
+template void apply_gain(const std::vector<GainPush>&, std::int64_t, double, std::span<float>);
+template void apply_gain(const std::vector<GainPush>&, std::int64_t, double, std::span<double>);
+
 void forget(Schedule& schedule, double before_s) {
   const auto drop_from = [](auto& items, const auto& keep) {
     items.erase(items.begin(), std::find_if(items.begin(), items.end(), keep));
@@ -168,6 +209,7 @@ void forget(Schedule& schedule, double before_s) {
   const auto begins_later = [before_s](const auto& item) { return item.t_s >= before_s; };
   drop_from(schedule.strikes, begins_later);
   drop_from(schedule.clicks, begins_later);
+  drop_from(schedule.pushes, [before_s](const GainPush& push) { return push.t_s + kGainMemory_s >= before_s; });
   drop_from(schedule.bursts, [before_s](const Burst& burst) { return burst.t_s + burst.duration_s >= before_s; });
 }
 

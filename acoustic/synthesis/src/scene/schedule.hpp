@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
@@ -39,6 +40,12 @@ struct Burst {
   std::uint64_t number = 0;  ///< in the recording, speech by itself: chooses tones, noise or voice
 };
 
+/// What an impact does to an automatic gain, from the arrival of its sound.
+struct GainPush {
+  double t_s = 0.0;
+  double reduction_db = 0.0;  ///< that it comes to by itself
+};
+
 /// All events of a recording, or of a part of it.
 struct Schedule {
   double duration_s = 0.0;
@@ -46,9 +53,24 @@ struct Schedule {
   std::vector<Click> clicks;       ///< by time
   std::vector<Burst> bursts;       ///< by time
   std::vector<OtherSound> others;  ///< by time
+  std::vector<GainPush> pushes;    ///< by time
 };
 
-/// Removes strikes and clicks that begin before a time and bursts that end before it.
+/// A phone's automatic gain, 10^(-G / 20), as a function of time:
+///
+///   G(t) = max_k D_k a(t - t_k),   a(u) = sin^2(pi u / 2 ms) up to 1 ms, then exp(-(u - 1 ms) / 0.3 s)
+///
+/// D_k is config.gain_control_db times the peak of impact k over that of the strongest. The maximum, not a sum, so that
+/// G is at most D of the strongest.
+constexpr double kGainRise_s = 1e-3, kGainDecay_s = 0.3, kGainMemory_s = 40.0 * kGainDecay_s;
+
+/// Appends the pushes of a group; one that an earlier one hides at all times is left out.
+void add_pushes(const SynthesisConfig& config, const std::vector<TrueImpact>& scaled, Schedule& schedule);
+/// Frames first ... first + samples.size() - 1 under the gain.
+template <class T>
+void apply_gain(const std::vector<GainPush>& pushes, std::int64_t first, double rate_hz, std::span<T> samples);
+
+/// Removes strikes and clicks that begin before a time and bursts and pushes that end before it.
 void forget(Schedule& schedule, double before_s);
 
 /// Lays the groups of drops one after the other: lead-in, release, impacts, pause, release ... Within a group each ball

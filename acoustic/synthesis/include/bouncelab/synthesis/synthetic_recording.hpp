@@ -64,7 +64,8 @@ struct SynthesisConfig {
   int together = 1;              ///< 1 to 8 balls at once: so many drops in turn are one group, and pauses part groups
   bool simulated_positions = true;  ///< points of contact from the states, if there are any
   double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
-  double max_mode_hz = 45.0e3;      ///< modes above are left out; plate theory ends about here
+  double gain_control_db = 0.0;  ///< how far a phone's automatic gain is pushed down by the strongest impact, 0 to 40
+  double max_mode_hz = 45.0e3;   ///< modes above are left out; plate theory ends about here
   Disturbances disturbances;
   std::optional<Levels> levels;  ///< fixed, so that recordings made one by one belong together
   std::uint64_t seed = 1;
@@ -76,8 +77,9 @@ struct TrueImpact {
   std::int64_t drop = 0;
   std::int64_t impact = 0;
   double t_s = 0.0;             ///< begin of contact at the plate, from the first sample; what eq. 2 of the paper needs
-  double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone
-  double amplitude = 0.0;       ///< clean peak, full scale = 1
+  double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone; gain control, which
+                                ///< scales sound and noise alike, leaves it as it is
+  double amplitude = 0.0;       ///< clean peak before gain control, full scale = 1
   double snr_db = 0.0;          ///< amplitude over noise rms
   double contact_time_s = 0.0;  ///< of the ball on the ground, core/ball.hpp
   double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s, which is what a detector finds
