@@ -45,12 +45,27 @@ synthesis::Channel channel_of(const std::string& text, double default_z_m) {
                         "' is not X,Y[,Z[,GAIN]], finite decimal numbers, in metres");
 }
 
+/// @throws InvalidArgument where the sensor is no microphone
+void set_room(const SynthesizeOptions& options, synthesis::Sensor& sensor) {
+  if (!options.reverberation_db && !options.reverberation_time_s) return;
+  if (sensor.kind != synthesis::SensorKind::microphone)
+    throw InvalidArgument(std::string(options.reverberation_db ? "--reverberation" : "--reverberation-time") +
+                          ": a piezo disc does not hear the room; add --sensor microphone");
+  sensor.reverberation.level_db = options.reverberation_db.value_or(sensor.reverberation.level_db);
+  sensor.reverberation.decay_60db_s = options.reverberation_time_s.value_or(sensor.reverberation.decay_60db_s);
+}
+
 }  // namespace
 
 const Description& members_of(const SynthesizeOptions*) {
   using O = SynthesizeOptions;
   static const Description options{
       member("sensor", &O::sensor, "Sensor").one_of({"piezo", "microphone"}),
+      member("reverberation", &O::reverberation_db,
+             "Of a microphone's room: energy of its tail over that of the direct sound [dB] (default -15)")
+          .within(-60.0, 20.0),
+      member("reverberation_time", &O::reverberation_time_s, "The tail falls by 60 dB in this [s] (default 0.25)")
+          .within(0.02, 5.0),
       member("channel", &O::channels,
              "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; GAIN "
              "0 is a dead channel"),
@@ -118,7 +133,9 @@ synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, st
   config.channels.front().z_m = default_z_m;
   if (!options.channels.empty()) config.channels.clear();
   for (const std::string& text : options.channels) config.channels.push_back(channel_of(text, default_z_m));
-  return options.hard_case.empty() ? config : synthesis::with_hard_case(config, options.hard_case);
+  if (!options.hard_case.empty()) config = synthesis::with_hard_case(config, options.hard_case);
+  set_room(options, config.sensor);
+  return config;
 }
 
 }  // namespace bouncelab::options

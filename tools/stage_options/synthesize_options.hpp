@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct SynthesizeOptions {
   std::string sensor = "piezo";
   std::string bits = "24";
   std::string positions = "simulated";
-  std::vector<std::string> channels;  ///< X,Y[,Z[,GAIN]]
+  std::vector<std::string> channels;                             ///< X,Y[,Z[,GAIN]]
+  std::optional<double> reverberation_db, reverberation_time_s;  ///< of a microphone's room, instead of the preset's
   std::string hard_case;
 
   std::string impacts;     ///< table to read

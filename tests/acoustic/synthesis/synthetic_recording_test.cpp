@@ -259,7 +259,7 @@ TEST(Synthesis, AfterTheContactThereIsNothingButTheModesOfTheTable) {
 }
 
 TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
-  for (const double decay_60db_s : {0.15, 0.6}) {
+  for (const double decay_60db_s : {0.02, 0.15, 0.6}) {
     constexpr double kRate_hz = 48000.0;
     const ReverberationTail tail({-15.0, decay_60db_s}, kRate_hz);
     std::vector<double> x(static_cast<std::size_t>(3.0 * kRate_hz), 0.0);
@@ -271,6 +271,7 @@ TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
       return 10.0 * std::log10(sum);
     };
     EXPECT_NEAR(energy_from(0.0), -15.0, 0.05);
+    if (decay_60db_s < 0.1) continue;  // shorter than the longest of its lines
     // 30 dB in half the time; the first echoes are few, so 1.5 dB
     EXPECT_NEAR(energy_from(0.05) - energy_from(0.05 + 0.5 * decay_60db_s), 30.0, 1.5);
   }
