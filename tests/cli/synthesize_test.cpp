@@ -76,6 +76,17 @@ TEST_F(Synthesize, ARateTooLowForTheModesSaysWhichAreLeftOut) {
   EXPECT_THAT(result.err, testing::HasSubstr("a rate of 16000 Hz cannot hold them"));
 }
 
+TEST_F(Synthesize, WithoutTheBallTheTruthIsAHeader) {
+  write_drops("i.csv", 2);
+  const std::string options = " --rate 16000 --knocks 1 --quiet";
+  ASSERT_EQ(run("synthesize i.csv --out w.wav" + options).exit_code, 0);
+  ASSERT_EQ(run("synthesize i.csv --out o.wav --without-ball" + options).exit_code, 0);
+  EXPECT_EQ(n_lines("w.truth.csv"), 7u);
+  EXPECT_EQ(n_lines("o.truth.csv"), 1u);
+  EXPECT_EQ(content_of(folder_ / "o.others.csv"), content_of(folder_ / "w.others.csv"));
+  EXPECT_EQ(fs::file_size(folder_ / "o.wav"), fs::file_size(folder_ / "w.wav"));
+}
+
 TEST_F(Synthesize, TheRoomOfAMicrophoneIsChosen) {
   write_drops("i.csv", 1);
   const auto bytes_with = [&](const std::string& options) {

@@ -109,6 +109,9 @@ const Description& members_of(const SynthesizeOptions*) {
           "gain_control", [](auto& o) -> auto& { return o.config.gain_control_db; },
           "A phone's automatic gain: how far the strongest impact pushes it down, back within 0.3 s [dB]")
           .within(0.0, 40.0),
+      member<O>(
+          "without_ball", [](auto& o) -> auto& { return o.config.without_ball; },
+          "The same recording but for the ball, which makes no sound: whatever is found in it is invented"),
       member("hard", &O::hard_case, hard_case_help())};
   return options;
 }

@@ -393,6 +393,30 @@ TEST(Synthesis, GainControlScalesSoundAndNoiseAlike) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(controlled.truth()[k].sigma_t_s, plain.truth()[k].sigma_t_s);
 }
 
+TEST(Synthesis, WithoutTheBallAllElseSoundsAsItDid) {
+  SynthesisConfig config = with_hard_case(quiet(), "rough");
+  config.disturbances.timbre_wander = 0.0;
+  const Impacts three = impacts({0.05, 0.35, 0.6});
+  const SyntheticRecording whole(three, config);
+  config.without_ball = true;
+  const SyntheticRecording others(three, config);
+  EXPECT_TRUE(others.truth().empty());
+  ASSERT_EQ(others.others().size(), whole.others().size());
+  EXPECT_EQ(others.levels().noise_rms, whole.levels().noise_rms);
+  // the ball alone, with noise 180 dB further down
+  SynthesisConfig alone = quiet();
+  alone.pause_s = config.pause_s;
+  alone.levels = whole.levels();
+  alone.levels->noise_rms = 1e-12;
+  const std::vector<double> x = whole.samples(), y = others.samples(),
+                            ball = SyntheticRecording(three, alone).samples();
+  ASSERT_EQ(y.size(), x.size());
+  ASSERT_EQ(ball.size(), x.size());
+  // resonators stop 80 dB below the noise
+  for (std::size_t k = 0; k < x.size(); ++k) ASSERT_NEAR(x[k] - ball[k], y[k], 1e-3 * whole.levels().noise_rms) << k;
+  EXPECT_GT(*std::max_element(ball.begin(), ball.end()), 5.0 * whole.levels().noise_rms);
+}
+
 TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {
   SynthesisConfig config = quiet();
   config.snr_db = 40.0;

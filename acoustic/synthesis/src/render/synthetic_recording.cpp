@@ -17,7 +17,7 @@ std::shared_ptr<const Instrument> make_instrument(const SynthesisConfig& config)
 
 struct SyntheticRecording::State {
   State(const Impacts& impacts, const SynthesisConfig& config_, std::shared_ptr<const Instrument> instrument)
-      : config(config_),
+      : config(with_levels(impacts, config_, instrument)),
         sound(config, std::move(instrument)),
         schedule(schedule_of(impacts, config)),
         truth(sound.truth(schedule.strikes, &waves)),
@@ -29,6 +29,16 @@ struct SyntheticRecording::State {
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
+
+  /// Where the ball makes no sound, the levels are still those of its impacts.
+  static SynthesisConfig with_levels(const Impacts& impacts, SynthesisConfig config,
+                                     const std::shared_ptr<const Instrument>& instrument) {
+    if (!config.without_ball || config.levels) return config;
+    config.without_ball = false;
+    config.levels = State(impacts, config, instrument).levels;
+    config.without_ball = true;
+    return config;
+  }
 
   static Schedule schedule_of(const Impacts& impacts, const SynthesisConfig& config) {
     double weakest_ns = impulse_ns(config, impacts.rows.front());

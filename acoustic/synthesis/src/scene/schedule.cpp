@@ -92,6 +92,11 @@ void Scheduler::add_group(const Impacts& group, Schedule& schedule) {
   add_clicks(schedule);
   add_speech(schedule);
   add_robot({release_s, balls.back().t_s, window_end_s_}, group.rows.front().drop, schedule);
+  if (config_.without_ball) {
+    const auto first = schedule.strikes.begin() + static_cast<std::ptrdiff_t>(first_strike);
+    const auto is_ball = [](const Strike& strike) { return strike.impact_index >= 0; };
+    schedule.strikes.erase(std::remove_if(first, schedule.strikes.end(), is_ball), schedule.strikes.end());
+  }
   sort_by_time(schedule.strikes, first_strike);
   sort_by_time(schedule.bursts, first_burst);
   sort_by_time(schedule.others, first_other);

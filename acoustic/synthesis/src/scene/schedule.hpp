@@ -82,7 +82,8 @@ class Scheduler {
   Scheduler(const SynthesisConfig& config, double weakest_impulse_ns);
   /// The balls' strikes of the next group, by time. @throws InvalidArgument where an impact has no forward impulse
   std::vector<Strike> place_balls(const Impacts& group);
-  /// Appends the next group with everything else that sounds in its window.
+  /// Appends the next group, unless the recording is one without the ball, with everything else that sounds in its
+  /// window.
   void add_group(const Impacts& group, Schedule& schedule);
   /// End of the last group's pause.
   double duration_s() const { return window_end_s_; }

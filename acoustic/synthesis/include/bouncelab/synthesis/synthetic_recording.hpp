@@ -67,6 +67,7 @@ struct SynthesisConfig {
   double gain_control_db = 0.0;  ///< how far a phone's automatic gain is pushed down by the strongest impact, 0 to 40
   double max_mode_hz = 45.0e3;   ///< modes above are left out; plate theory ends about here
   Disturbances disturbances;
+  bool without_ball = false;     ///< everything else sounds as it did, and there is no truth
   std::optional<Levels> levels;  ///< fixed, so that recordings made one by one belong together
   std::uint64_t seed = 1;
   int n_threads = 1;  ///< 0: all cores; the samples do not depend on it
