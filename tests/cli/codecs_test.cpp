@@ -2,6 +2,7 @@
 // One recording in the formats that phones, messengers and browsers make: the same impacts must come out.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -116,6 +117,62 @@ TEST_F(Codecs, LossyOnesGiveTheSameImpactsAndAreNamed) {
     EXPECT_THAT(summary_["warnings"].dump(), testing::HasSubstr("lossy coding (" + c.coding + ")"));
   }
   EXPECT_GE(n_tried, 4);  // AAC is ffmpeg's own
+}
+
+TEST_F(Codecs, WhatASynthesisKeepsOfACodecIsLossyAndOnItsTimeBase) {
+  const auto samples_of = [&](const std::string& name) {
+    const std::string bytes = content_of(folder_ / name);
+    std::vector<float> samples((bytes.size() - bytes.find("data") - 8) / sizeof(float));
+    std::memcpy(samples.data(), bytes.data() + bytes.find("data") + 8, samples.size() * sizeof(float));
+    return samples;
+  };
+  // at 44.1 kHz Opus goes by 48 kHz and back
+  const std::string options = " --rate 44100 --bits float --snr-db 40 --max-mode 20000 --quiet";
+  ASSERT_EQ(run("synthesize i.csv --out plain.wav" + options).exit_code, 0);
+  const std::vector<float> plain = samples_of("plain.wav");
+  for (const std::string codec : {"aac:64", "mp3:64", "opus:64", "vorbis:64"}) {
+    SCOPED_TRACE(codec);
+    const Result result = run("synthesize i.csv --out coded.wav --force --codec " + codec + options);
+    if (result.exit_code == 2 && result.err.find("Unknown encoder") != std::string::npos) continue;
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(content_of(folder_ / "coded.truth.csv").size(), content_of(folder_ / "plain.truth.csv").size());
+    const std::vector<float> coded = samples_of("coded.wav");
+    ASSERT_EQ(coded.size(), plain.size());
+    EXPECT_NE(coded, plain);
+    // cross-correlation within 5 ms
+    constexpr int kMost = 220;
+    double largest = 0.0, energy = 0.0;
+    int at = kMost;
+    for (int lag = -kMost; lag <= kMost; ++lag) {
+      double sum = 0.0;
+      for (std::size_t k = kMost; k + kMost < plain.size(); ++k)
+        sum += static_cast<double>(plain[k]) * coded[static_cast<std::size_t>(static_cast<int>(k) + lag)];
+      if (sum > largest) at = lag;
+      largest = std::max(largest, sum);
+    }
+    for (const float x : plain) energy += static_cast<double>(x) * x;
+    EXPECT_LE(std::abs(at), 1) << "frames; encoders add 1000";
+    EXPECT_GT(largest, 0.4 * energy) << "what is above 16 kHz is gone";
+  }
+}
+
+TEST_F(Codecs, WhatNoCodecCanDoIsRefusedInOneLine) {
+  const auto before = files();
+  for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"r.wav --codec flac:64", {"--codec", "flac:64", "aac"}},
+           {"r.wav --codec aac", {"--codec", "aac:64"}},
+           {"r.wav --codec aac:3", {"--codec", "6 to 512"}},
+           {"r.mp3 --codec mp3:64", {".mp3", ".wav"}},
+           {"r.wav --each-drop --codec aac:64", {"--codec", "--each-drop"}},
+           {"- --truth t.csv --codec aac:64", {"--codec", "stream"}},
+           {"r.wav --codec mp3:64 --channel 0.1,0 --channel 0,0.05 --channel 0,0",
+            {"--codec", "3 channels", "libmp3lame"}}}) {
+    SCOPED_TRACE(arguments);
+    expect_one_line_error(run("synthesize i.csv --quiet --out " + arguments), 2, words);
+    EXPECT_EQ(files(), before);
+  }
+  expect_one_line_error(shell("mkdir -p none && PATH=$PWD/none \"$B\" synthesize i.csv --out r.wav --codec aac:64"), 3,
+                        {"needs ffmpeg", "apt install ffmpeg"});
 }
 
 TEST_F(Codecs, SpeechCodecAt8KilohertzGivesTheSameImpactsWithinItsErrors) {

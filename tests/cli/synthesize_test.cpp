@@ -76,6 +76,33 @@ TEST_F(Synthesize, ARateTooLowForTheModesSaysWhichAreLeftOut) {
   EXPECT_THAT(result.err, testing::HasSubstr("a rate of 16000 Hz cannot hold them"));
 }
 
+TEST_F(Synthesize, WithoutTheBallTheTruthIsAHeader) {
+  write_drops("i.csv", 2);
+  const std::string options = " --rate 16000 --knocks 1 --quiet";
+  ASSERT_EQ(run("synthesize i.csv --out w.wav" + options).exit_code, 0);
+  ASSERT_EQ(run("synthesize i.csv --out o.wav --without-ball" + options).exit_code, 0);
+  EXPECT_EQ(n_lines("w.truth.csv"), 7u);
+  EXPECT_EQ(n_lines("o.truth.csv"), 1u);
+  EXPECT_EQ(content_of(folder_ / "o.others.csv"), content_of(folder_ / "w.others.csv"));
+  EXPECT_EQ(fs::file_size(folder_ / "o.wav"), fs::file_size(folder_ / "w.wav"));
+}
+
+TEST_F(Synthesize, TheRoomOfAMicrophoneIsChosen) {
+  write_drops("i.csv", 1);
+  const auto bytes_with = [&](const std::string& options) {
+    const Result result = run("synthesize i.csv --out r.wav --rate 16000 --force --quiet " + options);
+    EXPECT_EQ(result.exit_code, 0) << options << ": " << result.err;
+    return content_of(folder_ / "r.wav");
+  };
+  const std::string preset = bytes_with("--sensor microphone");
+  EXPECT_EQ(bytes_with("--sensor microphone --reverberation -15 --reverberation-time 0.25"), preset);
+  EXPECT_EQ(bytes_with("--hard microphone --reverberation -15"), preset);
+  EXPECT_NE(bytes_with("--sensor microphone --reverberation 0"), preset);
+  EXPECT_NE(bytes_with("--sensor microphone --reverberation-time 1"), preset);
+  expect_refused("i.csv --out p.wav --reverberation 0", 2, {"--reverberation:", "--sensor microphone"});
+  expect_refused("i.csv --out p.wav --reverberation-time 1", 2, {"--reverberation-time:", "--sensor microphone"});
+}
+
 TEST_F(Synthesize, BadInputIsRefusedByValue) {
   write_drops("i.csv", 1);
   expect_refused("i.csv --out r.wav --snr-db nan", 2, {"snr", "nan"});
@@ -84,6 +111,8 @@ TEST_F(Synthesize, BadInputIsRefusedByValue) {
   expect_refused("i.csv --out r.mp3", 2, {".mp3", ".wav"});
   expect_refused("i.csv --out r.wav --channel 0.2,0", 2, {"sensor x_m", "0.2"});
   expect_refused("i.csv --out r.wav --channel 0.1", 2, {"--channel", "'0.1'"});
+  expect_refused("i.csv --out r.wav --together 9", 2, {"--together", "1 to 8"});
+  expect_refused("i.csv --out r.wav --together 2 --each-drop", 2, {"together", "2"});
   expect_refused("i.csv --out r.wav --robot", 2, {"pause_s", "1"});
   write("none.csv", "drop,impact,t_s,v_mps,v_after_mps\n");
   expect_refused("none.csv --out r.wav", 2, {"no impacts"});

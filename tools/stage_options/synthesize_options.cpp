@@ -45,12 +45,27 @@ synthesis::Channel channel_of(const std::string& text, double default_z_m) {
                         "' is not X,Y[,Z[,GAIN]], finite decimal numbers, in metres");
 }
 
+/// @throws InvalidArgument where the sensor is no microphone
+void set_room(const SynthesizeOptions& options, synthesis::Sensor& sensor) {
+  if (!options.reverberation_db && !options.reverberation_time_s) return;
+  if (sensor.kind != synthesis::SensorKind::microphone)
+    throw InvalidArgument(std::string(options.reverberation_db ? "--reverberation" : "--reverberation-time") +
+                          ": a piezo disc does not hear the room; add --sensor microphone");
+  sensor.reverberation.level_db = options.reverberation_db.value_or(sensor.reverberation.level_db);
+  sensor.reverberation.decay_60db_s = options.reverberation_time_s.value_or(sensor.reverberation.decay_60db_s);
+}
+
 }  // namespace
 
 const Description& members_of(const SynthesizeOptions*) {
   using O = SynthesizeOptions;
   static const Description options{
       member("sensor", &O::sensor, "Sensor").one_of({"piezo", "microphone"}),
+      member("reverberation", &O::reverberation_db,
+             "Of a microphone's room: energy of its tail over that of the direct sound [dB] (default -15)")
+          .within(-60.0, 20.0),
+      member("reverberation_time", &O::reverberation_time_s, "The tail falls by 60 dB in this [s] (default 0.25)")
+          .within(0.02, 5.0),
       member("channel", &O::channels,
              "Position X,Y[,Z[,GAIN]] of a sensor from the plate's middle [m]; once for each of up to 8 channels; GAIN "
              "0 is a dead channel"),
@@ -76,6 +91,10 @@ const Description& members_of(const SynthesizeOptions*) {
       member<O>(
           "pause", [](auto& o) -> auto& { return o.config.pause_s; }, "After each drop's last impact [s]")
           .within(0.05, 3600.0),
+      member<O>(
+          "together", [](auto& o) -> auto& { return o.config.together; },
+          "Balls at once: so many drops in turn, each released 0.05 to 0.5 s after the one before")
+          .within(1, 8),
       member("positions", &O::positions,
              "Where the ball strikes: as simulated (where the impacts have states) or drawn, one place a drop")
           .one_of({"simulated", "drawn"}),
@@ -86,6 +105,13 @@ const Description& members_of(const SynthesizeOptions*) {
       member<O>(
           "max_mode", [](auto& o) -> auto& { return o.config.max_mode_hz; }, "Modes of the ground up to this [Hz]")
           .within(100.0, 200e3),
+      member<O>(
+          "gain_control", [](auto& o) -> auto& { return o.config.gain_control_db; },
+          "A phone's automatic gain: how far the strongest impact pushes it down, back within 0.3 s [dB]")
+          .within(0.0, 40.0),
+      member<O>(
+          "without_ball", [](auto& o) -> auto& { return o.config.without_ball; },
+          "The same recording but for the ball, which makes no sound: whatever is found in it is invented"),
       member("hard", &O::hard_case, hard_case_help())};
   return options;
 }
@@ -110,7 +136,9 @@ synthesis::SynthesisConfig synthesis_config(const SynthesizeOptions& options, st
   config.channels.front().z_m = default_z_m;
   if (!options.channels.empty()) config.channels.clear();
   for (const std::string& text : options.channels) config.channels.push_back(channel_of(text, default_z_m));
-  return options.hard_case.empty() ? config : synthesis::with_hard_case(config, options.hard_case);
+  if (!options.hard_case.empty()) config = synthesis::with_hard_case(config, options.hard_case);
+  set_room(options, config.sensor);
+  return config;
 }
 
 }  // namespace bouncelab::options

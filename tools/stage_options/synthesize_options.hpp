@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,15 @@ struct SynthesizeOptions {
   std::string sensor = "piezo";
   std::string bits = "24";
   std::string positions = "simulated";
-  std::vector<std::string> channels;  ///< X,Y[,Z[,GAIN]]
+  std::vector<std::string> channels;                             ///< X,Y[,Z[,GAIN]]
+  std::optional<double> reverberation_db, reverberation_time_s;  ///< of a microphone's room, instead of the preset's
   std::string hard_case;
 
   std::string impacts;     ///< table to read
   std::string out;         ///< sound to write
   std::string truth;       ///< default: out with .truth.csv
   bool each_drop = false;  ///< one file for each drop
+  std::string codec;       ///< NAME:KBITS through which the sound goes; empty: none
 };
 /// All but the files, the ball and disturbances.
 const Description& members_of(const SynthesizeOptions*);

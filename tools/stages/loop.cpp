@@ -44,6 +44,9 @@ SimulateOptions simulate_options(const LoopOptions& options) {
 SynthesizeOptions synthesize_options(const LoopOptions& options) {
   SynthesizeOptions synthesize = options.synthesize;
   synthesize.world = options.world;
+  if (synthesize.config.together > 1)
+    throw InvalidArgument("--together: a loop closes over one ball at a time; synthesize makes sound of several");
+  if (synthesize.config.without_ball) throw InvalidArgument("--without-ball: a loop closes over a ball's impacts");
   return synthesize;
 }
 

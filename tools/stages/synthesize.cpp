@@ -2,15 +2,23 @@
 #include "stages/synthesize.hpp"
 
 #include <fmt/format.h>
+#include <stdlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
+#include "bouncelab/audio/audio_writer.hpp"
+#include "bouncelab/core/child_process.hpp"
 #include "bouncelab/core/error.hpp"
 #include "bouncelab/core/files.hpp"
 #include "bouncelab/core/impacts.hpp"
@@ -130,12 +138,120 @@ class TruthFiles {
   throw InvalidArgument(std::string(error.what()) + ": simulate --plate-size X,Y, or --positions drawn here");
 }
 
+/// A lossy coding and the file in which it keeps its clock.
+struct Codec {
+  std::string name, encoder, container;
+  int kbits_per_s = 0;
+};
+
+/// @param text  aac:64
+Codec codec_of(const std::string& text) {
+  const std::string_view all = text;
+  const std::size_t colon = std::min(all.find(':'), all.size());
+  const std::string_view kbits = all.substr(std::min(colon + 1, all.size()));
+  for (Codec codec : {Codec{"aac", "aac", "mp4"}, Codec{"mp3", "libmp3lame", "mp3"}, Codec{"opus", "libopus", "ogg"},
+                      Codec{"vorbis", "libvorbis", "ogg"}}) {
+    const auto [end, status] = std::from_chars(kbits.data(), kbits.data() + kbits.size(), codec.kbits_per_s);
+    const bool is_number = status == std::errc{} && end == kbits.data() + kbits.size();
+    if (codec.name == all.substr(0, colon) && is_number && codec.kbits_per_s >= 6 && codec.kbits_per_s <= 512)
+      return codec;
+  }
+  throw InvalidArgument("--codec: '" + printable(text) +
+                        "' is not NAME:KBITS, aac, mp3, opus or vorbis and 6 to 512 kbit/s: aac:64");
+}
+
+/// The first line that ffmpeg complains in, without where in memory its encoder lies: "[libvorbis @ 0x55ba15f57840]".
+std::string reason_of(const std::string& complaints) {
+  std::string line = complaints.substr(0, complaints.find('\n'));
+  if (const std::size_t at = line.find(" @ 0x"); at != std::string::npos)
+    line.erase(at, std::min(line.find(']', at), line.size()) - at);
+  return line.empty() ? "no reason given" : line;
+}
+
+/// A folder for what is not kept, gone with this.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "bouncelab-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw FileError(name, "cannot be made; set TMPDIR to a folder that can");
+    path_ = name;
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::filesystem::path ffmpeg_for_codec() {
+  if (const auto found = find_program("ffmpeg")) return *found;
+  throw FileError("--codec",
+                  "needs ffmpeg; install it (Debian, Ubuntu: apt install ffmpeg; macOS: brew install ffmpeg)");
+}
+
+/// Writes what the codec leaves of a sound: as long, and at the same times, since the container tells the decoder what
+/// the encoder added.
+void write_coded(const std::filesystem::path& sound, const Codec& codec, const audio::AudioSpec& spec,
+                 std::int64_t n_frames, const std::filesystem::path& out, bool may_replace) {
+  const std::filesystem::path ffmpeg = ffmpeg_for_codec();
+  const std::string coded = sound.string() + "." + codec.container, n_channels = std::to_string(spec.n_channels);
+  const ProgramResult encoded =
+      run_program(ffmpeg,
+                  {"-nostdin", "-v", "error", "-i", sound.string(), "-ac", n_channels, "-c:a", codec.encoder, "-b:a",
+                   std::to_string(codec.kbits_per_s) + "k", "-f", codec.container, coded},
+                  out.string(), -1, {});
+  if (!encoded.ended_well)
+    throw InvalidArgument("--codec: ffmpeg cannot encode " + n_channels + " channels at " +
+                          std::to_string(spec.rate_hz) + " Hz by " + codec.encoder + " at " +
+                          std::to_string(codec.kbits_per_s) + " kbit/s: " + reason_of(encoded.complaints));
+  ChildProcess decoder(ffmpeg,
+                       {"-nostdin", "-v", "error", "-i", coded, "-ar", std::to_string(spec.rate_hz), "-ac", n_channels,
+                        "-f", "f32le", "pipe:1"},
+                       out.string(), -1, {});
+  audio::AudioWriter writer(out, spec, n_frames, may_replace);
+  std::vector<float> piece(static_cast<std::size_t>(spec.n_channels) << 14);
+  std::int64_t left = n_frames * spec.n_channels;
+  const auto write_piece = [&](std::size_t n_samples) {
+    const std::size_t n = std::min(n_samples, static_cast<std::size_t>(left));
+    writer.write(std::span<const float>(piece).first(n));
+    left -= static_cast<std::int64_t>(n);
+  };
+  std::size_t n_decoded = 1;
+  while (left > 0 && n_decoded > 0) {
+    n_decoded = decoder.read(std::as_writable_bytes(std::span(piece))) / sizeof(float);
+    write_piece(n_decoded);
+  }
+  if (left > 0 && !decoder.ended_well())
+    throw FileError(out.string(), "ffmpeg cannot decode what it encoded: " + reason_of(decoder.complaints()));
+  std::fill(piece.begin(), piece.end(), 0.0F);  // an encoder may cut off the last frames
+  while (left > 0) write_piece(piece.size());
+  writer.commit();
+}
+
 synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const synthesis::SynthesisConfig& config,
                                       TruthFiles& truth, const Run& run) {
+  const std::filesystem::path out = options.out;
+  const auto synthesize_to = [&](const std::filesystem::path& sound) {
+    const auto add_truth = [&](const synthesis::DropTruth& drop) { truth.add({out, drop.impacts, drop.others}); };
+    return synthesis::synthesize(impact_file(options.impacts), config, sound, run.common.force, add_truth,
+                                 progress_line(run, "synthesize", "s of sound"));
+  };
   try {
-    return synthesis::synthesize(
-        impact_file(options.impacts), config, options.out, run.common.force,
-        [&](const synthesis::DropTruth& drop) { truth.add(drop); }, progress_line(run, "synthesize", "s of sound"));
+    if (options.codec.empty()) return synthesize_to(out);
+    const Codec codec = codec_of(options.codec);
+    ffmpeg_for_codec();
+    const audio::AudioSpec spec{config.rate_hz, static_cast<int>(config.channels.size()), config.encoding};
+    audio::validate(out, spec);
+    const ScratchFolder scratch;
+    const std::filesystem::path sound = scratch.path() / "sound.wav";
+    synthesis::SynthesisResult result = synthesize_to(sound);
+    write_coded(sound, codec, spec, std::llround(result.duration_s * config.rate_hz), out, run.common.force);
+    return result;
   } catch (const synthesis::OffThePlate& error) {
     refuse(error);
   }
@@ -160,6 +276,9 @@ Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
   const std::filesystem::path out = options.out;
   if (is_stream(out) && options.truth.empty())
     throw InvalidArgument("--out " + printable(options.out) + ": no truth can lie beside it; name one with --truth");
+  if (!options.codec.empty() && (is_stream(out) || options.each_drop))
+    throw InvalidArgument("--codec: goes with one file, not with " +
+                          std::string(options.each_drop ? "--each-drop" : "a stream"));
   const std::filesystem::path truth =
       options.truth.empty() ? beside(out, ".truth.csv") : std::filesystem::path(options.truth);
   check_files(

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sndfile.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -66,6 +67,8 @@ TEST_F(SynthesizeFile, SameBytesForAnyNumberOfThreads) {
 
 TEST_F(SynthesizeFile, DropByDropItHoldsTheSamplesAndTheTruthOfTheWhole) {
   SynthesisConfig config = with_hard_case(quiet(), "rough");
+  config.disturbances.speech_per_s = 2.0;
+  config.gain_control_db = 20.0;
   config.encoding = audio::SampleEncoding::float32;
   config.channels = {Channel{}, Channel{-0.1, 0.05, 0.0, 0.7}};
   Impacts five;
@@ -102,6 +105,52 @@ TEST_F(SynthesizeFile, DropByDropItHoldsTheSamplesAndTheTruthOfTheWhole) {
     }
     EXPECT_EQ(n_others, whole.others().size());
   }
+}
+
+TEST_F(SynthesizeFile, OfBallsTogetherEachDropIsItselfReleasedWithinTheFirst) {
+  SynthesisConfig config = quiet();
+  config.encoding = audio::SampleEncoding::float32;
+  config.start_spread_m = 0.02;
+  Impacts five;
+  for (int drop = 0; drop < 5; ++drop)
+    for (int k = 0; k < 30; ++k) five.rows.push_back(impact(drop, k, 0.2 + 0.05 * k, 1.0 - 0.01 * k - 0.02 * drop));
+  const SyntheticRecording apart(five, config);
+  config.together = 2;
+  const SyntheticRecording whole(five, config);
+  ASSERT_EQ(whole.truth().size(), 150u);
+  EXPECT_TRUE(std::is_sorted(whole.truth().begin(), whole.truth().end(),
+                             [](const TrueImpact& a, const TrueImpact& b) { return a.t_s < b.t_s; }));
+  std::vector<std::vector<TrueImpact>> of_drop(5);
+  for (const TrueImpact& hit : whole.truth()) of_drop[static_cast<std::size_t>(hit.drop)].push_back(hit);
+  for (std::size_t drop = 0; drop < 5; ++drop) {
+    ASSERT_EQ(of_drop[drop].size(), 30u);
+    for (std::size_t k = 0; k < 30; ++k) {
+      const TrueImpact &a = of_drop[drop][k], &b = apart.truth()[30 * drop + k];
+      EXPECT_EQ(a.impact, b.impact);
+      EXPECT_NEAR(a.t_s - of_drop[drop][0].t_s, b.t_s - apart.truth()[30 * drop].t_s, 1e-12) << "rounding of 10 s";
+      EXPECT_EQ(a.x_m, b.x_m) << "each drop has its own place";
+      EXPECT_EQ(a.contact_time_s, b.contact_time_s);
+    }
+  }
+  for (const std::size_t first : {0u, 2u}) {
+    const double later_s = of_drop[first + 1][0].t_s - of_drop[first][0].t_s;
+    EXPECT_GT(later_s, 0.05);
+    EXPECT_LT(later_s, 0.5);
+  }
+  EXPECT_NEAR(of_drop[2][0].t_s, of_drop[1][29].t_s + config.pause_s + 0.2, 1e-12) << "after the last of its group";
+
+  std::vector<DropTruth> truth;
+  synthesize(drops_of(five), config, folder_ / "a.wav", false, collect(truth));
+  ASSERT_EQ(truth.size(), 3u) << "one for each group";
+  EXPECT_EQ(truth[1].impacts[7].t_s, whole.truth()[67].t_s);
+  SF_INFO info{};
+  SNDFILE* file = sf_open((folder_ / "a.wav").c_str(), SFM_READ, &info);
+  ASSERT_NE(file, nullptr);
+  std::vector<float> samples(static_cast<std::size_t>(info.frames));
+  sf_read_float(file, samples.data(), info.frames);
+  sf_close(file);
+  EXPECT_EQ(samples, whole.samples_as_read_back());
+  EXPECT_THROW(synthesize_each_drop(drops_of(five), config, folder_ / "b.wav", false, {}), InvalidArgument);
 }
 
 TEST_F(SynthesizeFile, OneFileADropHasTheSameTruthAndItsOwnNoise) {

@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "bouncelab/audio/audio_writer.hpp"
 #include "bouncelab/core/ball.hpp"
@@ -257,7 +259,7 @@ TEST(Synthesis, AfterTheContactThereIsNothingButTheModesOfTheTable) {
 }
 
 TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
-  for (const double decay_60db_s : {0.15, 0.6}) {
+  for (const double decay_60db_s : {0.02, 0.15, 0.6}) {
     constexpr double kRate_hz = 48000.0;
     const ReverberationTail tail({-15.0, decay_60db_s}, kRate_hz);
     std::vector<double> x(static_cast<std::size_t>(3.0 * kRate_hz), 0.0);
@@ -269,6 +271,7 @@ TEST(Synthesis, TheRoomsTailHasItsLevelAndDecay) {
       return 10.0 * std::log10(sum);
     };
     EXPECT_NEAR(energy_from(0.0), -15.0, 0.05);
+    if (decay_60db_s < 0.1) continue;  // shorter than the longest of its lines
     // 30 dB in half the time; the first echoes are few, so 1.5 dB
     EXPECT_NEAR(energy_from(0.05) - energy_from(0.05 + 0.5 * decay_60db_s), 30.0, 1.5);
   }
@@ -319,6 +322,99 @@ TEST(Synthesis, DisturbancesAreThereAndLeaveTheTruthAlone) {
   EXPECT_TRUE(plain.others().empty());
   EXPECT_EQ(rough.samples(), rough.samples());
   EXPECT_GT(rms(rough.samples()), rms(plain.samples()));
+}
+
+TEST(Synthesis, SpeechIsVoicedInItsFormantsAndAsLoudAsSaid) {
+  SynthesisConfig config = quiet();
+  config.lead_in_s = 4.0;
+  config.disturbances.speech_per_s = 0.5;
+  const SyntheticRecording recording(impacts({8.0}), config);
+  ASSERT_GE(recording.others().size(), 2u);
+  const std::vector<double> x = recording.samples();
+  double strongest = 0.0, likeness = 0.0;
+  int n_syllables = 0;
+  for (const OtherSound& syllable : recording.others()) {
+    EXPECT_EQ(syllable.kind, OtherSoundKind::speech);
+    const auto begin = static_cast<std::size_t>(syllable.t_s * config.rate_hz);
+    if (begin + 32768 > static_cast<std::size_t>(11.9 * config.rate_hz)) continue;  // the ball
+    std::vector<double> sound(x.begin() + static_cast<std::ptrdiff_t>(begin),
+                              x.begin() + static_cast<std::ptrdiff_t>(begin + 32768));
+    EXPECT_LT(rms(std::span(sound).first(300)), 0.02 * rms(sound)) << "it begins softly";
+    for (const double y : sound) strongest = std::max(strongest, std::abs(y));
+    const std::vector<Complex> spectrum = fourier(sound);
+    double within = 0.0, all = 0.0;
+    for (std::size_t f = 1; f < spectrum.size() / 2; ++f) {
+      const double f_hz = static_cast<double>(f) * config.rate_hz / static_cast<double>(spectrum.size());
+      all += std::norm(spectrum[f]);
+      if (f_hz > 150.0 && f_hz < 3600.0) within += std::norm(spectrum[f]);
+    }
+    EXPECT_GT(within, 0.8 * all) << "formants from 300 to 3200 Hz; below, the pitch";
+    // voiced: like itself one period later, 85 to 240 Hz less what it fell by
+    const auto window = static_cast<std::size_t>(0.015 * config.rate_hz);
+    const auto piece = [&](std::size_t at) { return std::span(sound).subspan(at, window); };
+    const std::size_t from = 2 * window;
+    double best = 0.0;
+    for (auto lag = static_cast<std::size_t>(config.rate_hz / 240.0);
+         lag < static_cast<std::size_t>(config.rate_hz / 46.0); ++lag) {
+      const std::span<double> a = piece(from), b = piece(from + lag);
+      best = std::max(best, std::inner_product(a.begin(), a.end(), b.begin(), 0.0) /
+                                (rms(a) * rms(b) * static_cast<double>(window)));
+    }
+    likeness += best;
+    ++n_syllables;
+  }
+  EXPECT_GT(likeness / n_syllables, 0.83) << "0.92 over many; noise through these formants: 0.77";
+  EXPECT_GT(strongest, 0.5 * recording.levels().weakest_peak);
+  EXPECT_LT(strongest, 2.0 * 5.0 * recording.levels().weakest_peak) << "two may overlap";
+}
+
+TEST(Synthesis, GainControlScalesSoundAndNoiseAlike) {
+  SynthesisConfig config = quiet();
+  config.snr_db = 30.0;
+  Impacts three = impacts({0.05, 0.35, 0.36});
+  three.rows[1].v_mps = three.rows[2].v_mps = 0.6;
+  three.rows[1].v_after_mps = three.rows[2].v_after_mps = 0.55;
+  const SyntheticRecording plain(three, config);
+  config.gain_control_db = 20.0;
+  const SyntheticRecording controlled(three, config);
+  const std::vector<double> x = plain.samples(), y = controlled.samples();
+  const auto gain_db_at = [&](double t_s) {  // over 20 samples, which differ by the rounding of floats
+    const auto at = static_cast<std::size_t>(t_s * config.rate_hz);
+    return 20.0 * std::log10(rms(std::span(y).subspan(at, 20)) / rms(std::span(x).subspan(at, 20)));
+  };
+  const auto arrival_s = [&](std::size_t k) { return plain.truth()[k].t_s + plain.truth()[k].travel_time_s; };
+  EXPECT_NEAR(gain_db_at(arrival_s(0) - 0.02), 0.0, 1e-9) << "noise before the first impact";
+  EXPECT_NEAR(gain_db_at(arrival_s(0) + 1e-3), -20.0, 0.05) << "sound; 20 samples are 0.2 ms";
+  EXPECT_NEAR(gain_db_at(arrival_s(0) + 0.251), -20.0 * std::exp(-0.25 / 0.3), 0.05) << "noise";
+  const double weaker = plain.truth()[1].amplitude / plain.truth()[0].amplitude;
+  EXPECT_GT(weaker, 1.1 * std::exp(-1.0)) << "else the first would hide the second";
+  EXPECT_NEAR(gain_db_at(arrival_s(1) + 1e-3), -20.0 * weaker, 0.05);
+  EXPECT_NEAR(gain_db_at(arrival_s(2) + 0.201), -20.0 * weaker * std::exp(-0.2 / 0.3), 0.05) << "a maximum, no sum";
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(controlled.truth()[k].sigma_t_s, plain.truth()[k].sigma_t_s);
+}
+
+TEST(Synthesis, WithoutTheBallAllElseSoundsAsItDid) {
+  SynthesisConfig config = with_hard_case(quiet(), "rough");
+  config.disturbances.timbre_wander = 0.0;
+  const Impacts three = impacts({0.05, 0.35, 0.6});
+  const SyntheticRecording whole(three, config);
+  config.without_ball = true;
+  const SyntheticRecording others(three, config);
+  EXPECT_TRUE(others.truth().empty());
+  ASSERT_EQ(others.others().size(), whole.others().size());
+  EXPECT_EQ(others.levels().noise_rms, whole.levels().noise_rms);
+  // the ball alone, with noise 180 dB further down
+  SynthesisConfig alone = quiet();
+  alone.pause_s = config.pause_s;
+  alone.levels = whole.levels();
+  alone.levels->noise_rms = 1e-12;
+  const std::vector<double> x = whole.samples(), y = others.samples(),
+                            ball = SyntheticRecording(three, alone).samples();
+  ASSERT_EQ(y.size(), x.size());
+  ASSERT_EQ(ball.size(), x.size());
+  // resonators stop 80 dB below the noise
+  for (std::size_t k = 0; k < x.size(); ++k) ASSERT_NEAR(x[k] - ball[k], y[k], 1e-3 * whole.levels().noise_rms) << k;
+  EXPECT_GT(*std::max_element(ball.begin(), ball.end()), 5.0 * whole.levels().noise_rms);
 }
 
 TEST(Synthesis, ADeadChannelHoldsNoiseOnlyAndClippingIsFlagged) {

@@ -177,6 +177,8 @@ void Renderer::parts_of(std::size_t channel, std::int64_t first, std::int64_t n,
       if (!whole.empty())
         for (std::size_t k = 0; k < part.size(); ++k) part[k] += static_cast<T>(whole[at + begin + k]);
       if (background_.is_white()) background_.add_white(channel, first + static_cast<std::int64_t>(at + begin), part);
+      if (!schedule_.pushes.empty())
+        apply_gain(schedule_.pushes, first + static_cast<std::int64_t>(at + begin), config_.rate_hz, part);
       use(at + begin, part);
     }
   }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "bouncelab/synthesis/synthesize.hpp"
 #include "bouncelab/synthesis/synthetic_recording.hpp"
 #include "excitation/resonator_bank.hpp"
 #include "render/strike_sound.hpp"
@@ -17,6 +18,8 @@ namespace bouncelab::synthesis {
 /// Throw InvalidArgument naming the first value out of range.
 void validate(const SynthesisConfig& config);
 void validate(const Impacts& impacts, const SynthesisConfig& config);
+/// The drops of a source in groups that sound together: each is asked for as one, of several drops.
+DropSource in_groups(const DropSource& drops, int n_together);
 /// @param duration_s  of a contact; the rate bounds how finely it can be followed
 void check_contact(double duration_s, const SynthesisConfig& config);
 

@@ -42,7 +42,7 @@ StrikeSound::StrikeSound(const SynthesisConfig& config, std::shared_ptr<const In
 
 StrikeSound::~StrikeSound() = default;
 
-/// A few at a time: those of the drop that sounds and of the one before, in each channel. All are the same whoever asks
+/// A few at a time: those of the drops that sound and of those before, in each channel. All are the same whoever asks
 /// first.
 std::shared_ptr<const PointResponse> StrikeSound::response(std::size_t channel, const Strike& strike) const {
   const Responses::Place place{channel, strike.x_m, strike.y_m};
@@ -50,7 +50,7 @@ std::shared_ptr<const PointResponse> StrikeSound::response(std::size_t channel, 
   auto& kept = responses_->kept;
   for (const auto& [at, response] : kept)
     if (at == place) return response;
-  if (kept.size() == 2 * config_.channels.size()) kept.erase(kept.begin());
+  if (kept.size() == 2 * config_.channels.size() * static_cast<std::size_t>(config_.together)) kept.erase(kept.begin());
   kept.emplace_back(place, std::make_shared<const PointResponse>(instrument_->bank(), amplitudes(channel, strike)));
   return kept.back().second;
 }

@@ -34,6 +34,7 @@ void validate(const Disturbances& d, double pause_s) {
   require_range("double_hit_fraction", d.double_hit_fraction, 0.0, 1.0);
   require_range("timbre_wander", d.timbre_wander, 0.0, 3.0);
   require_range("phase_wander_rad", d.phase_wander_rad, 0.0, 10.0);
+  require_range("speech_per_s", d.speech_per_s, 0.0, 20.0);
   if (d.robot_cycle) require_range("pause_s with the robot's cycle", pause_s, 2.0, 3600.0);
 }
 
@@ -64,7 +65,9 @@ void validate(const SynthesisConfig& config) {
   require_range("peak", config.peak, 1e-6, 1e3);
   require_range("lead_in_s", config.lead_in_s, 0.01, 3600.0);
   require_range("pause_s", config.pause_s, 0.05, 3600.0);
+  require_range("together", config.together, 1, 8);
   require_range("start_spread_m", config.start_spread_m, 0.0, 1.0);
+  require_range("gain_control_db", config.gain_control_db, 0.0, 40.0);
   require_range("max_mode_hz", config.max_mode_hz, 100.0, 200e3);
   require_range("ball radius_m", config.ball.radius_m, 1e-5, 1.0);
   const Material& plate = contact_material(config.ground);

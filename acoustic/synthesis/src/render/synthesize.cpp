@@ -28,14 +28,15 @@ Survey survey(const DropSource& drops, const SynthesisConfig& config, const Stri
   Scheduler scheduler(config, 0.0);
   double weakest_peak = 0.0, strongest_peak = 0.0;
   std::int64_t drop_before = 0;
-  Impacts drop;
-  for (std::int64_t k = 0; drops(k, drop); ++k) {
+  const DropSource groups = in_groups(drops, config.together);
+  Impacts group;
+  for (std::int64_t k = 0; groups(k, group); ++k) {
     const bool is_first = k == 0;
-    validate(drop, config);
-    if (!is_first && drop.rows.front().drop <= drop_before)
-      throw InvalidArgument("drop " + std::to_string(drop.rows.front().drop) + " comes after drop " +
+    validate(group, config);
+    if (!is_first && group.rows.front().drop <= drop_before)
+      throw InvalidArgument("drop " + std::to_string(group.rows.front().drop) + " comes after drop " +
                             std::to_string(drop_before) + "; sort by drop and time");
-    const std::vector<Strike> strikes = scheduler.place_ball(drop);
+    const std::vector<Strike> strikes = scheduler.place_balls(group);
     for (const Strike& strike : strikes) check_contact(strike.duration_s, config);
     const auto weakest_strike = std::min_element(
         strikes.begin(), strikes.end(), [](const auto& a, const auto& b) { return a.impulse_ns < b.impulse_ns; });
@@ -47,7 +48,7 @@ Survey survey(const DropSource& drops, const SynthesisConfig& config, const Stri
       weakest_peak = is_first ? *weakest : std::min(weakest_peak, *weakest);
       strongest_peak = std::max(strongest_peak, *strongest);
     }
-    drop_before = drop.rows.front().drop;
+    drop_before = group.rows.back().drop;
     if (progress) progress(0.0, 0.0);
   }
   result.duration_s = scheduler.duration_s();
@@ -78,14 +79,15 @@ class RecordingWriter {
   void write(const DropSource& drops, const TruthSink& truth, const ProgressCallback& progress,
              SynthesisResult& result) {
     const std::int64_t batch_frames = resolved_threads(config_.n_threads) * renderer_.segment_frames();
-    Impacts drop;
-    std::int64_t n_drops = 0;
+    const DropSource groups = in_groups(drops, config_.together);
+    Impacts group;
+    std::int64_t n_groups = 0;
     for (std::int64_t first = 0; first < n_frames_; first += batch_frames) {
       const double begin_s = static_cast<double>(first) / config_.rate_hz;
       const double end_s = static_cast<double>(first + batch_frames) / config_.rate_hz;
-      while (schedule_.duration_s < end_s + renderer_.reach_ahead_s() && drops(n_drops, drop)) {
-        ++n_drops;
-        add(drop, truth, result);
+      while (schedule_.duration_s < end_s + renderer_.reach_ahead_s() && groups(n_groups, group)) {
+        ++n_groups;
+        add(group, truth, result);
       }
       const std::size_t n_before = schedule_.strikes.size();
       forget(schedule_, begin_s - renderer_.reach_back_s());
@@ -100,19 +102,20 @@ class RecordingWriter {
   }
 
  private:
-  void add(const Impacts& drop, const TruthSink& truth, SynthesisResult& result) {
+  void add(const Impacts& group, const TruthSink& truth, SynthesisResult& result) {
     const std::size_t n_before = schedule_.strikes.size();
-    scheduler_.add_drop(drop, schedule_);
+    scheduler_.add_group(group, schedule_);
     std::vector<ContactWave> waves;
-    DropTruth of_drop{out_, sound_.truth(std::span(schedule_.strikes).subspan(n_before), &waves),
-                      std::exchange(schedule_.others, {})};
+    DropTruth true_values{out_, sound_.truth(std::span(schedule_.strikes).subspan(n_before), &waves),
+                          std::exchange(schedule_.others, {})};
     std::move(waves.begin(), waves.end(), std::back_inserter(waves_));
-    scale_to(survey_.levels, of_drop.impacts);
-    result.n_impacts += static_cast<std::int64_t>(of_drop.impacts.size());
-    result.n_other_sounds += static_cast<std::int64_t>(of_drop.others.size());
-    result.n_clipped += std::count_if(of_drop.impacts.begin(), of_drop.impacts.end(),
+    scale_to(survey_.levels, true_values.impacts);
+    add_pushes(config_, true_values.impacts, schedule_);
+    result.n_impacts += static_cast<std::int64_t>(true_values.impacts.size());
+    result.n_other_sounds += static_cast<std::int64_t>(true_values.others.size());
+    result.n_clipped += std::count_if(true_values.impacts.begin(), true_values.impacts.end(),
                                       [](const TrueImpact& impact) { return impact.flags.has(Flag::clipped); });
-    if (truth) truth(of_drop);
+    if (truth) truth(true_values);
   }
 
   void write_batch(std::int64_t first, std::int64_t end) {
@@ -173,6 +176,19 @@ DropSource drops_of(const Impacts& impacts) {
   };
 }
 
+DropSource in_groups(const DropSource& drops, int n_together) {
+  if (n_together == 1) return drops;
+  return [drops, n_together](std::int64_t k, Impacts& group) {
+    group = {};
+    Impacts drop;
+    for (int n = 0; n < n_together && drops(k * n_together + n, drop); ++n) {
+      group.rows.insert(group.rows.end(), drop.rows.begin(), drop.rows.end());
+      group.states.insert(group.states.end(), drop.states.begin(), drop.states.end());
+    }
+    return !group.rows.empty();
+  };
+}
+
 SynthesisConfig config_of_drop(const SynthesisConfig& config, const Levels& levels, std::int64_t drop) {
   SynthesisConfig own = config;
   own.levels = levels;
@@ -201,6 +217,9 @@ SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& confi
 SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config,
                                      const std::filesystem::path& out, bool may_replace, const TruthSink& truth,
                                      const ProgressCallback& progress) {
+  if (config.together > 1)
+    throw InvalidArgument("together is " + std::to_string(config.together) +
+                          ": drops that sound together are in one file, not one in each; ask for one of the two");
   check_file(out, config);
   const auto instrument = make_instrument(config);
   SynthesisResult all;

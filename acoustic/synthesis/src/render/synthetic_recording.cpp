@@ -17,7 +17,7 @@ std::shared_ptr<const Instrument> make_instrument(const SynthesisConfig& config)
 
 struct SyntheticRecording::State {
   State(const Impacts& impacts, const SynthesisConfig& config_, std::shared_ptr<const Instrument> instrument)
-      : config(config_),
+      : config(with_levels(impacts, config_, instrument)),
         sound(config, std::move(instrument)),
         schedule(schedule_of(impacts, config)),
         truth(sound.truth(schedule.strikes, &waves)),
@@ -25,18 +25,29 @@ struct SyntheticRecording::State {
         renderer(config, sound, schedule, levels, waves),
         n_frames(static_cast<std::int64_t>(std::ceil(schedule.duration_s * config.rate_hz))) {
     scale_to(levels, truth);
+    add_pushes(config, truth, schedule);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
+
+  /// Where the ball makes no sound, the levels are still those of its impacts.
+  static SynthesisConfig with_levels(const Impacts& impacts, SynthesisConfig config,
+                                     const std::shared_ptr<const Instrument>& instrument) {
+    if (!config.without_ball || config.levels) return config;
+    config.without_ball = false;
+    config.levels = State(impacts, config, instrument).levels;
+    config.without_ball = true;
+    return config;
+  }
 
   static Schedule schedule_of(const Impacts& impacts, const SynthesisConfig& config) {
     double weakest_ns = impulse_ns(config, impacts.rows.front());
     for (const Impact& impact : impacts.rows) weakest_ns = std::min(weakest_ns, impulse_ns(config, impact));
     Schedule schedule;
     Scheduler scheduler(config, weakest_ns);
-    const DropSource drops = drops_of(impacts);
-    Impacts drop;
-    for (std::int64_t k = 0; drops(k, drop); ++k) scheduler.add_drop(drop, schedule);
+    const DropSource groups = in_groups(drops_of(impacts), config.together);
+    Impacts group;
+    for (std::int64_t k = 0; groups(k, group); ++k) scheduler.add_group(group, schedule);
     for (const Strike& strike : schedule.strikes) check_contact(strike.duration_s, config);
     return schedule;
   }
@@ -121,6 +132,8 @@ const char* to_string(OtherSoundKind kind) {
       return "motor";
     case OtherSoundKind::pickup:
       return "pickup";
+    case OtherSoundKind::speech:
+      return "speech";
   }
   return "";
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "bouncelab/core/elementary.hpp"
@@ -13,7 +14,8 @@
 namespace bouncelab::synthesis {
 namespace {
 
-constexpr std::uint64_t kPhaseItem = 255;  // of the disturbance stream, beside those of schedule.cpp
+// of the disturbance stream, beside those of schedule.cpp
+constexpr std::uint64_t kPhaseItem = 255, kWhineItem = 254, kVoiceItem = 253;
 
 /// Adds amplitude sin(2 pi f n / rate + phase) by rotation; started anew in each call, so the error stays below 1e-11.
 void add_tone(double frequency_hz, double phase_rad, double amplitude, double rate_hz, std::int64_t first,
@@ -44,7 +46,7 @@ Background::Background(const SynthesisConfig& config, const Schedule& schedule, 
 bool Background::is_white() const {
   const Disturbances& d = config_.disturbances;
   return flicker_.memory_frames() == 0 && d.hum_level <= 0.0 && d.drift_level <= 0.0 && d.clicks_per_s <= 0.0 &&
-         !d.robot_cycle;
+         d.speech_per_s <= 0.0 && !d.robot_cycle;
 }
 
 void Background::add(std::size_t channel, std::int64_t first, std::span<double> out) const {
@@ -128,12 +130,45 @@ std::vector<double> Background::rush(const Burst& burst, std::int64_t from, std:
 std::vector<double> Background::whine(const Burst& burst, std::int64_t from, std::size_t n) const {
   constexpr int kTones = 24;
   std::vector<double> sound(n, 0.0);
-  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | (kPhaseItem - 1));
+  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | kWhineItem);
   for (int k = 0; k < kTones; ++k) {
     const double frequency_hz = burst.lowest_hz * pow(burst.highest_hz / burst.lowest_hz, random.uniform());
     add_tone(std::min(frequency_hz, 0.45 * config_.rate_hz), random.uniform(0.0, 2.0 * std::numbers::pi),
              std::sqrt(2.0 / kTones), config_.rate_hz, from, sound);
   }
+  return sound;
+}
+
+/// Source and filter: pulses of the glottis through resonators in cascade. Source: Klatt, J. Acoust. Soc. Am. 67, 971
+/// (1980), doi:10.1121/1.383940, eqs. 1 and 2.
+std::vector<double> Background::voice(const Burst& burst, std::size_t n) const {
+  Random random(config_.seed, RandomStream::disturbance, (burst.number << 8) | kVoiceItem);
+  const double pitch_hz = random.uniform(85.0, 240.0), fall = random.uniform(0.10, 0.45);
+  const double rate_hz = config_.rate_hz, length = static_cast<double>(n);
+  std::vector<double> sound(n, 0.0);
+  for (double at = 0.0; at + 1.0 < length; at += rate_hz / (pitch_hz * (1.0 - fall * at / length))) {
+    const double sine = sin(std::numbers::pi * at / length), second = at - std::floor(at);
+    const auto k = static_cast<std::size_t>(at);  // a pulse between two samples is in both
+    sound[k] += (1.0 - second) * sine * sine;
+    sound[k + 1] += second * sine * sine;
+  }
+  struct Formant {
+    double lowest_hz, highest_hz, width_hz;
+  };
+  double peak = 0.0;
+  for (const Formant& formant : {Formant{300, 800, 80}, Formant{900, 2200, 120}, Formant{2300, 3200, 200}}) {
+    const double keep = exp(-std::numbers::pi * formant.width_hz / rate_hz);
+    const double turn_rad = 2.0 * std::numbers::pi * random.uniform(formant.lowest_hz, formant.highest_hz) / rate_hz;
+    const double b = 2.0 * keep * cos(turn_rad), c = -keep * keep, a = 1.0 - b - c;
+    double before = 0.0, before_that = 0.0;
+    peak = 0.0;
+    for (double& y : sound) {
+      y = a * y + b * before + c * before_that;
+      before_that = std::exchange(before, y);
+      peak = std::max(peak, std::abs(y));
+    }
+  }
+  for (double& y : sound) y /= peak;
   return sound;
 }
 
@@ -144,7 +179,13 @@ void Background::add_burst(const Burst& burst, std::int64_t first, std::span<dou
   const std::int64_t lo = std::max(begin, first), hi = std::min(end, first + static_cast<std::int64_t>(out.size()));
   if (lo >= hi) return;
   const auto n = static_cast<std::size_t>(hi - lo);
-  const std::vector<double> sound = burst.tonal ? whine(burst, lo - begin, n) : rush(burst, lo - begin, n);
+  std::vector<double> sound;
+  if (burst.kind == OtherSoundKind::speech) {
+    const std::vector<double> all = voice(burst, static_cast<std::size_t>(end - begin));
+    sound.assign(all.begin() + (lo - begin), all.begin() + (hi - begin));
+  } else {
+    sound = burst.kind == OtherSoundKind::motor ? whine(burst, lo - begin, n) : rush(burst, lo - begin, n);
+  }
   const double length = static_cast<double>(end - begin), level = burst.level * levels_.weakest_peak;
   for (std::size_t k = 0; k < sound.size(); ++k) {
     const double share = (static_cast<double>(lo - begin) + static_cast<double>(k)) / length;

@@ -36,6 +36,8 @@ class Background {
   /// Sound of rms 1 from frame `from` of the burst on.
   std::vector<double> rush(const Burst& burst, std::int64_t from, std::size_t n) const;
   std::vector<double> whine(const Burst& burst, std::int64_t from, std::size_t n) const;
+  /// The whole of a syllable, of peak 1: a voice whose pitch falls, through three formants.
+  std::vector<double> voice(const Burst& burst, std::size_t n) const;
   void add_burst(const Burst& burst, std::int64_t first, std::span<double> out) const;
 
   const SynthesisConfig& config_;

@@ -91,7 +91,8 @@ const Description& members_of(const Disturbances*) {
       member("timbre_wander", &D::timbre_wander, "Standard deviation of ln(mode amplitude) between impacts")
           .within(0.0, 3.0),
       member("phase_wander", &D::phase_wander_rad, "Standard deviation of mode phases between impacts [rad]")
-          .within(0.0, 10.0)};
+          .within(0.0, 10.0),
+      member("speech", &D::speech_per_s, "Voiced syllables, peaks at levels 0.5 to 5 [1/s]").within(0.0, 20.0)};
   return options;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "bouncelab/core/elementary.hpp"
@@ -15,7 +16,7 @@ namespace bouncelab::synthesis {
 namespace {
 
 /// Items of the disturbance stream: one kind of thing a row, so that switching one off leaves the others as they were.
-enum class Item : std::uint64_t { clicks, knocks, double_hits, robot };
+enum class Item : std::uint64_t { clicks, knocks, double_hits, robot, speech };
 
 Random random_of(const SynthesisConfig& config, Item item, std::uint64_t index = 0) {
   return {config.seed, RandomStream::disturbance, (index << 8) | static_cast<std::uint64_t>(item)};
@@ -49,40 +50,55 @@ Scheduler::Scheduler(const SynthesisConfig& config, double weakest_impulse_ns)
       weakest_impulse_ns_(weakest_impulse_ns),
       knocks_(random_of(config, Item::knocks)),
       clicks_(random_of(config, Item::clicks)),
+      speech_(random_of(config, Item::speech)),
       next_knock_s_(waiting_s(knocks_, config.disturbances.knocks_per_s)),
-      next_click_s_(waiting_s(clicks_, config.disturbances.clicks_per_s)) {}
+      next_click_s_(waiting_s(clicks_, config.disturbances.clicks_per_s)),
+      next_syllable_s_(waiting_s(speech_, config.disturbances.speech_per_s)) {}
 
-std::vector<Strike> Scheduler::place_ball(const Impacts& drop) {
-  const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
-  Random random(config_.seed, RandomStream::plate, static_cast<std::uint64_t>(drop.rows.front().drop));
-  double x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
-  double y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
-  const bool moves = config_.simulated_positions && !drop.states.empty();
+std::vector<Strike> Scheduler::place_balls(const Impacts& group) {
+  double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
+  const bool moves = config_.simulated_positions && !group.states.empty();
   const ContactDuration contact_s = contact_duration(config_.ball, contact_material(config_.ground)).value();
+  double x_m = 0.0, y_m = 0.0;
   std::vector<Strike> strikes;
-  for (std::size_t k = 0; k < drop.rows.size(); ++k) {
-    const Impact& impact = drop.rows[k];
+  for (std::size_t k = 0; k < group.rows.size(); ++k) {
+    const Impact& impact = group.rows[k];
+    if (k == 0 || impact.drop != group.rows[k - 1].drop) {
+      Random random(config_.seed, RandomStream::plate, static_cast<std::uint64_t>(impact.drop));
+      x_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+      y_m = random.uniform(-config_.start_spread_m, config_.start_spread_m);
+      if (k > 0) release_s += random.uniform(0.05, 0.5);
+    }
     if (moves) {
-      x_m = drop.states[k].position_m[0];
-      y_m = drop.states[k].position_m[1];
+      x_m = group.states[k].position_m[0];
+      y_m = group.states[k].position_m[1];
     }
     strikes.push_back({release_s + impact.t_s, x_m, y_m, contact_s.at(impact.v_mps), impulse_ns(config_, impact),
                        n_impacts_++, impact.drop, impact.impact, impact.v_mps, !moves});
   }
+  sort_by_time(strikes, 0);
   window_end_s_ = strikes.back().t_s + config_.pause_s;
   return strikes;
 }
 
-void Scheduler::add_drop(const Impacts& drop, Schedule& schedule) {
-  const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size();
+void Scheduler::add_group(const Impacts& group, Schedule& schedule) {
+  const std::size_t first_strike = schedule.strikes.size(), first_other = schedule.others.size(),
+                    first_burst = schedule.bursts.size();
   const double release_s = n_impacts_ == 0 ? config_.lead_in_s : window_end_s_;
-  const std::vector<Strike> ball = place_ball(drop);
-  schedule.strikes.insert(schedule.strikes.end(), ball.begin(), ball.end());
+  const std::vector<Strike> balls = place_balls(group);
+  schedule.strikes.insert(schedule.strikes.end(), balls.begin(), balls.end());
   schedule.duration_s = window_end_s_;
   add_knocks(first_strike, schedule);
   add_clicks(schedule);
-  add_robot({release_s, ball.back().t_s, window_end_s_}, drop.rows.front().drop, schedule);
+  add_speech(schedule);
+  add_robot({release_s, balls.back().t_s, window_end_s_}, group.rows.front().drop, schedule);
+  if (config_.without_ball) {
+    const auto first = schedule.strikes.begin() + static_cast<std::ptrdiff_t>(first_strike);
+    const auto is_ball = [](const Strike& strike) { return strike.impact_index >= 0; };
+    schedule.strikes.erase(std::remove_if(first, schedule.strikes.end(), is_ball), schedule.strikes.end());
+  }
   sort_by_time(schedule.strikes, first_strike);
+  sort_by_time(schedule.bursts, first_burst);
   sort_by_time(schedule.others, first_other);
 }
 
@@ -124,24 +140,72 @@ void Scheduler::add_clicks(Schedule& schedule) {
   }
 }
 
+void Scheduler::add_speech(Schedule& schedule) {
+  for (; next_syllable_s_ < window_end_s_; next_syllable_s_ += waiting_s(speech_, config_.disturbances.speech_per_s)) {
+    const double duration_s = speech_.uniform(0.08, 0.3), level = log_uniform(speech_, 0.5, 5.0);
+    schedule.bursts.push_back({next_syllable_s_, duration_s, level, 0.0, 0.0, OtherSoundKind::speech, n_syllables_++});
+    schedule.others.push_back({OtherSoundKind::speech, next_syllable_s_});
+  }
+}
+
 /// The cycle of the paper's set-up in shares of the pause: the ball rests, a fan blows it to its place (0.2 - 0.5), the
 /// tube touches it (0.6), the arm moves (0.65 - 0.9); the vacuum is switched off at the release.
 void Scheduler::add_robot(const Window& window, std::int64_t drop, Schedule& schedule) {
   if (!config_.disturbances.robot_cycle) return;
   Random random = random_of(config_, Item::robot, static_cast<std::uint64_t>(drop));
-  const auto add_burst = [&](OtherSoundKind kind, double begin, double length, Burst burst) {
+  const auto add_burst = [&](double begin, double length, Burst burst) {
     burst.t_s = window.last_impact_s + begin * config_.pause_s;
     burst.duration_s = length * config_.pause_s;
     burst.number = n_bursts_++;
     schedule.bursts.push_back(burst);
-    schedule.others.push_back({kind, burst.t_s});
+    schedule.others.push_back({burst.kind, burst.t_s});
   };
   add_knock(window.release_s, 0.3 * weakest_impulse_ns_, OtherSoundKind::release, random, schedule);
-  add_burst(OtherSoundKind::fan, 0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, false, 0});
+  add_burst(0.2, 0.3, {0.0, 0.0, random.uniform(0.3, 1.0), 80.0, 3000.0, OtherSoundKind::fan, 0});
   add_knock(window.last_impact_s + 0.6 * config_.pause_s, weakest_impulse_ns_, OtherSoundKind::pickup, random,
             schedule);
-  add_burst(OtherSoundKind::motor, 0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, true, 0});
+  add_burst(0.65, 0.25, {0.0, 0.0, random.uniform(0.3, 2.0), 400.0, 9000.0, OtherSoundKind::motor, 0});
 }
+
+void add_pushes(const SynthesisConfig& config, const std::vector<TrueImpact>& scaled, Schedule& schedule) {
+  if (config.gain_control_db <= 0.0) return;
+  std::vector<GainPush> pushes;
+  for (const TrueImpact& impact : scaled)
+    pushes.push_back({impact.t_s + impact.travel_time_s,
+                      config.gain_control_db * std::min(1.0, impact.amplitude / config.peak)});  // of the strongest
+  sort_by_time(pushes, 0);
+  for (const GainPush& push : pushes) {
+    const GainPush before = schedule.pushes.empty() ? GainPush{} : schedule.pushes.back();
+    if (push.reduction_db > before.reduction_db * exp(-(push.t_s - before.t_s) / kGainDecay_s))
+      schedule.pushes.push_back(push);
+  }
+}
+
+template <class T>
+void apply_gain(const std::vector<GainPush>& pushes, std::int64_t first, double rate_hz, std::span<T> samples) {
+  const auto comes_later = [](double t_s, const GainPush& push) { return t_s < push.t_s; };
+  const double begin_s = static_cast<double>(first) / rate_hz;
+  const double end_s = static_cast<double>(first + static_cast<std::int64_t>(samples.size())) / rate_hz;
+  // of those that decay the last is the largest
+  auto from = std::upper_bound(pushes.begin(), pushes.end(), begin_s - kGainRise_s, comes_later);
+  if (from != pushes.begin()) --from;
+  const auto to = std::upper_bound(from, pushes.end(), end_s, comes_later);
+  if (from == to) return;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double t_s = static_cast<double>(first + static_cast<std::int64_t>(k)) / rate_hz;
+    double reduction_db = 0.0;
+    for (auto push = from; push != to; ++push) {
+      const double after_s = t_s - push->t_s;
+      if (after_s <= 0.0 || after_s > kGainMemory_s) continue;
+      const double rise = sin(0.5 * std::numbers::pi * std::min(1.0, after_s / kGainRise_s));
+      const double decay = exp(-std::max(0.0, after_s - kGainRise_s) / kGainDecay_s);
+      reduction_db = std::max(reduction_db, push->reduction_db * rise * rise * decay);
+    }
+    samples[k] *= static_cast<T>(pow(10.0, -reduction_db / 20.0));
+  }
+}
+template void apply_gain(const std::vector<GainPush>&, std::int64_t, double, std::span<float>);
+template void apply_gain(const std::vector<GainPush>&, std::int64_t, double, std::span<double>);
 
 void forget(Schedule& schedule, double before_s) {
   const auto drop_from = [](auto& items, const auto& keep) {
@@ -150,6 +214,7 @@ void forget(Schedule& schedule, double before_s) {
   const auto begins_later = [before_s](const auto& item) { return item.t_s >= before_s; };
   drop_from(schedule.strikes, begins_later);
   drop_from(schedule.clicks, begins_later);
+  drop_from(schedule.pushes, [before_s](const GainPush& push) { return push.t_s + kGainMemory_s >= before_s; });
   drop_from(schedule.bursts, [before_s](const Burst& burst) { return burst.t_s + burst.duration_s >= before_s; });
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bouncelab/core/random.hpp"
@@ -28,14 +29,21 @@ struct Click {
   double level = 0.0;
 };
 
-/// Noise of a fan (filtered) or of a geared motor (tones): of limited duration, faded in and out.
+/// Noise of a fan (filtered) or of a geared motor (tones), or a syllable of speech: of limited duration, faded in and
+/// out.
 struct Burst {
   double t_s = 0.0;
   double duration_s = 0.0;
   double level = 0.0;
-  double lowest_hz = 0.0, highest_hz = 0.0;
-  bool tonal = false;
-  std::uint64_t number = 0;  ///< in the recording: chooses tones or noise
+  double lowest_hz = 0.0, highest_hz = 0.0;  ///< not of speech
+  OtherSoundKind kind = OtherSoundKind::fan;
+  std::uint64_t number = 0;  ///< in the recording, speech by itself: chooses tones, noise or voice
+};
+
+/// What an impact does to an automatic gain, from the arrival of its sound.
+struct GainPush {
+  double t_s = 0.0;
+  double reduction_db = 0.0;  ///< that it comes to by itself
 };
 
 /// All events of a recording, or of a part of it.
@@ -45,22 +53,39 @@ struct Schedule {
   std::vector<Click> clicks;       ///< by time
   std::vector<Burst> bursts;       ///< by time
   std::vector<OtherSound> others;  ///< by time
+  std::vector<GainPush> pushes;    ///< by time
 };
 
-/// Removes strikes and clicks that begin before a time and bursts that end before it.
+/// A phone's automatic gain, 10^(-G / 20), as a function of time:
+///
+///   G(t) = max_k D_k a(t - t_k),   a(u) = sin^2(pi u / 2 ms) up to 1 ms, then exp(-(u - 1 ms) / 0.3 s)
+///
+/// D_k is config.gain_control_db times the peak of impact k over that of the strongest. The maximum, not a sum, so that
+/// G is at most D of the strongest.
+constexpr double kGainRise_s = 1e-3, kGainDecay_s = 0.3, kGainMemory_s = 40.0 * kGainDecay_s;
+
+/// Appends the pushes of a group; one that an earlier one hides at all times is left out.
+void add_pushes(const SynthesisConfig& config, const std::vector<TrueImpact>& scaled, Schedule& schedule);
+/// Frames first ... first + samples.size() - 1 under the gain.
+template <class T>
+void apply_gain(const std::vector<GainPush>& pushes, std::int64_t first, double rate_hz, std::span<T> samples);
+
+/// Removes strikes and clicks that begin before a time and bursts and pushes that end before it.
 void forget(Schedule& schedule, double before_s);
 
-/// Lays the drops one after the other: lead-in, release, impacts, pause, release ... Everything else that sounds is
-/// laid into the window of a drop, from the end of the one before to the end of its pause.
+/// Lays the groups of drops one after the other: lead-in, release, impacts, pause, release ... Within a group each ball
+/// is released 0.05 to 0.5 s after the one before. Everything else that sounds is laid into the window of a group, from
+/// the end of the one before to the end of its pause; the robot goes through its cycle once in it.
 class Scheduler {
  public:
   /// @param weakest_impulse_ns  of all impacts: knocks are about as strong
   Scheduler(const SynthesisConfig& config, double weakest_impulse_ns);
-  /// The ball's strikes of the next drop. @throws InvalidArgument where an impact has no forward impulse
-  std::vector<Strike> place_ball(const Impacts& drop);
-  /// Appends the next drop with everything else that sounds in its window.
-  void add_drop(const Impacts& drop, Schedule& schedule);
-  /// End of the last drop's pause.
+  /// The balls' strikes of the next group, by time. @throws InvalidArgument where an impact has no forward impulse
+  std::vector<Strike> place_balls(const Impacts& group);
+  /// Appends the next group, unless the recording is one without the ball, with everything else that sounds in its
+  /// window.
+  void add_group(const Impacts& group, Schedule& schedule);
+  /// End of the last group's pause.
   double duration_s() const { return window_end_s_; }
 
  private:
@@ -70,15 +95,16 @@ class Scheduler {
   void add_knock(double t_s, double weakest_impulse_ns, OtherSoundKind kind, Random& random, Schedule& schedule) const;
   void add_knocks(std::size_t first_strike, Schedule& schedule);
   void add_clicks(Schedule& schedule);
+  void add_speech(Schedule& schedule);
   void add_robot(const Window& window, std::int64_t drop, Schedule& schedule);
 
   const SynthesisConfig& config_;
   double weakest_impulse_ns_;
   double window_end_s_ = 0.0;
   std::int64_t n_impacts_ = 0;
-  std::uint64_t n_bursts_ = 0;
-  Random knocks_, clicks_;
-  double next_knock_s_, next_click_s_;  // infinite: none
+  std::uint64_t n_bursts_ = 0, n_syllables_ = 0;
+  Random knocks_, clicks_, speech_;
+  double next_knock_s_, next_click_s_, next_syllable_s_;  // infinite: none
 };
 
 /// m (v + v_after) of an impact. @throws InvalidArgument where it is not forward

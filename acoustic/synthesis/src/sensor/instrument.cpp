@@ -64,8 +64,8 @@ void check(const Sensor& sensor) {
   require(sensor.quality > 0.5, "quality", sensor.quality, "above 0.5");
   require(sensor.reverberation.level_db >= -200.0 && sensor.reverberation.level_db <= 40.0, "reverberation level_db",
           sensor.reverberation.level_db, "from -200 to 40");
-  require(sensor.reverberation.decay_60db_s > 0.05 && sensor.reverberation.decay_60db_s <= 20.0,
-          "reverberation decay_60db_s", sensor.reverberation.decay_60db_s, "above 0.05 and at most 20");
+  require(sensor.reverberation.decay_60db_s >= 0.02 && sensor.reverberation.decay_60db_s <= 20.0,
+          "reverberation decay_60db_s", sensor.reverberation.decay_60db_s, "from 0.02 to 20");
   for (const Echo& echo : sensor.echoes) require(echo.delay_s >= 0.0, "echo delay_s", echo.delay_s, "0 or more");
 }
 

@@ -16,7 +16,7 @@ struct Echo {
 /// The diffuse sound of a room: after the direct sound a dense tail that falls by 60 dB in `decay_60db_s`.
 struct Reverberation {
   double level_db = -200.0;   ///< energy of the tail of a short sound over that of the direct sound; -200: none
-  double decay_60db_s = 0.3;  ///< > 0
+  double decay_60db_s = 0.3;  ///< 0.02 to 20
 };
 
 /// From the plate's motion to voltage. Both kinds respond to acceleration (a piezo disc by inertia, sound radiated by a

@@ -20,11 +20,11 @@ using DropSource = std::function<bool(std::int64_t k, Impacts& drop)>;
 /// The drops of impacts in memory, which must outlive the source.
 DropSource drops_of(const Impacts& impacts);
 
-/// True values of one drop in a recording.
+/// True values of one drop, or of those that sound together, in a recording.
 struct DropTruth {
   std::filesystem::path recording;
   std::vector<TrueImpact> impacts;  ///< by time
-  std::vector<OtherSound> others;   ///< by time; until the next drop's release
+  std::vector<OtherSound> others;   ///< by time; until the next release after the pause
 };
 /// Receives the truth drop by drop, in order.
 using TruthSink = std::function<void(const DropTruth&)>;
@@ -52,6 +52,7 @@ SynthesisResult synthesize(const DropSource& drops, const SynthesisConfig& confi
 
 /// One file for each drop, named by path_of_drop and configured by config_of_drop: gain and noise are those of
 /// all drops in one recording; the noise of each file is its own.
+/// @throws InvalidArgument where drops are to sound together
 /// @param progress  in impacts
 SynthesisResult synthesize_each_drop(const DropSource& drops, const SynthesisConfig& config,
                                      const std::filesystem::path& out, bool may_replace, const TruthSink& truth,

@@ -32,6 +32,7 @@ struct Disturbances {
   bool robot_cycle = false;    ///< release click; in each pause fan, pick-up tick and motor bursts; needs pause_s >= 2
   double timbre_wander = 0.0;  ///< standard deviation of ln(mode amplitude) from impact to impact
   double phase_wander_rad = 0.0;  ///< standard deviation of the modes' phases from impact to impact
+  double speech_per_s = 0.0;      ///< voiced syllables, peaks at levels 0.5 to 5, Poisson in time
 };
 const Description& members_of(const Disturbances*);
 
@@ -55,15 +56,18 @@ struct SynthesisConfig {
   Ball ball;
   int rate_hz = 96000;  ///< 8000 to 2,000,000
   audio::SampleEncoding encoding = audio::SampleEncoding::pcm24;
-  double snr_db = 30.0;             ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
-  double noise_corner_hz = 0.0;     ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
-  double peak = 0.5;                ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
-  double lead_in_s = 0.5;           ///< before the first release
-  double pause_s = 1.0;             ///< from the last impact of a drop to the next release, and to the end
+  double snr_db = 30.0;          ///< clean peak of the weakest wanted impact over noise rms, -40 to 200
+  double noise_corner_hz = 0.0;  ///< below it the noise grows like 1/f (down to 5 Hz); 0: white
+  double peak = 0.5;             ///< clean peak of the strongest impact, full scale = 1; above 1 it is clipped
+  double lead_in_s = 0.5;        ///< before the first release
+  double pause_s = 1.0;          ///< from the last impact of a group to the next release, and to the end
+  int together = 1;              ///< 1 to 8 balls at once: so many drops in turn are one group, and pauses part groups
   bool simulated_positions = true;  ///< points of contact from the states, if there are any
   double start_spread_m = 0.02;     ///< otherwise each drop strikes at one point, uniform in |x|, |y| <= this
-  double max_mode_hz = 45.0e3;      ///< modes above are left out; plate theory ends about here
+  double gain_control_db = 0.0;  ///< how far a phone's automatic gain is pushed down by the strongest impact, 0 to 40
+  double max_mode_hz = 45.0e3;   ///< modes above are left out; plate theory ends about here
   Disturbances disturbances;
+  bool without_ball = false;     ///< everything else sounds as it did, and there is no truth
   std::optional<Levels> levels;  ///< fixed, so that recordings made one by one belong together
   std::uint64_t seed = 1;
   int n_threads = 1;  ///< 0: all cores; the samples do not depend on it
@@ -74,8 +78,9 @@ struct TrueImpact {
   std::int64_t drop = 0;
   std::int64_t impact = 0;
   double t_s = 0.0;             ///< begin of contact at the plate, from the first sample; what eq. 2 of the paper needs
-  double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone
-  double amplitude = 0.0;       ///< clean peak, full scale = 1
+  double sigma_t_s = 0.0;       ///< Cramer-Rao bound of t_s for the known wave, this impact alone; gain control, which
+                                ///< scales sound and noise alike, leaves it as it is
+  double amplitude = 0.0;       ///< clean peak before gain control, full scale = 1
   double snr_db = 0.0;          ///< amplitude over noise rms
   double contact_time_s = 0.0;  ///< of the ball on the ground, core/ball.hpp
   double travel_time_s = 0.0;   ///< the sound begins at t_s + travel_time_s, which is what a detector finds
@@ -87,7 +92,7 @@ struct TrueImpact {
 const RowColumns<TrueImpact>& columns_of(const TrueImpact*);
 
 /// What makes a sound that is not an impact of the ball.
-enum class OtherSoundKind { release, click, knock, fan, motor, pickup };
+enum class OtherSoundKind { release, click, knock, fan, motor, pickup, speech };
 /// The enumerator's name, as tables of other sounds have it.
 const char* to_string(OtherSoundKind kind);
 
