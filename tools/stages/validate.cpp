@@ -21,6 +21,8 @@
 #include "bouncelab/core/parallel.hpp"
 #include "bouncelab/core/text.hpp"
 #include "bouncelab/detection/detect.hpp"
+#include "bouncelab/detection/wave_preview.hpp"
+#include "bouncelab/report/page.hpp"
 #include "stages/files/foreign_files.hpp"
 #include "stages/files/table_file.hpp"
 #include "stages/progress_line.hpp"
@@ -472,9 +474,9 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
                         const DetectorResult& result) {
   Values factors, recordings;
   for (const FactorScore& f : factor_scores(lists, cases, result))
-    factors.push_back(Object{{"option", f.option}, {"value", f.value}, {"score", value_of(f.score)}});
+    factors.emplace_back(Object{{"option", f.option}, {"value", f.value}, {"score", value_of(f.score)}});
   for (std::size_t k = 0; k < cases.size(); ++k)
-    recordings.push_back(Object{{"recording", cases[k].name},
+    recordings.emplace_back(Object{{"recording", cases[k].name},
                                 {"setting", loop::text_of(cases[k].settings)},
                                 {"score", value_of(result.marks[k].score)},
                                 {"failure", result.marks[k].failure}});
@@ -482,6 +484,33 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
           {"all", value_of(score_of_all(result))},
           {"factors", std::move(factors)},
           {"recordings", std::move(recordings)}};
+}
+
+Values times_of(const Onsets& onsets) {
+  Values times;
+  for (const Onset& onset : onsets) times.emplace_back(onset.t_s);
+  return times;
+}
+
+/// The sound of the three recordings in which a detector finds least, with its marks, for the page.
+Values worst_of(const std::vector<Case>& cases, const DetectorResult& result, bool offset_only) {
+  constexpr std::size_t kShown = 3;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < cases.size(); ++k)
+    if (const std::optional<double> f = result.marks[k].score.agreement[1].f_measure()) order.emplace_back(*f, k);
+  std::stable_sort(order.begin(), order.end());
+  order.resize(std::min(order.size(), kShown));
+  Values worst;
+  for (const auto& [f, k] : order) {
+    detection::WavePreview wave = detection::wave_preview(cases[k].sound, 0, {});
+    wave.copy = {};
+    worst.emplace_back(Object{{"recording", cases[k].name},
+                              {"f", f},
+                              {"wave", value_of(wave)},
+                              {"true_s", times_of(read_truth(cases[k].truth, offset_only).onsets)},
+                              {"marked_s", times_of(result.marks[k].onsets)}});
+  }
+  return worst;
 }
 
 std::string text_of(const std::vector<Case>& cases, const std::vector<loop::SweepAxis>& lists,
@@ -535,7 +564,7 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
       member("detector", &O::detectors,
              "Command that prints the times of onsets [s], one a line (a second number on the line: its standard "
              "error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is bouncelab's"),
-      member("out", &O::out, "Folder for scores.csv, validation.json and the recordings").looks_like("FOLDER"),
+      member("out", &O::out, "Folder for scores.csv, validation.json, report.html, and the recordings").looks_like("FOLDER"),
       member("recordings", &O::recordings, "Recordings that there are, or folders of them, in place of synthesized ones"),
       member("truth", &O::truth,
              "True times: of --recordings the folder with NAME.truth.csv or marks NAME.* of each, of --marks a file")
@@ -566,7 +595,7 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
   const bool is_synthesized = options.recordings.empty();
   const std::vector<Case> cases = is_synthesized ? cases_of(options, run, sounds) : given_cases(options);
   const OutputFolder output_folder(folder);
-  std::vector<fs::path> inputs, outputs{folder / "scores.csv", folder / "validation.json"};
+  std::vector<fs::path> inputs, outputs{folder / "scores.csv", folder / "validation.json", folder / "report.html"};
   for (const Case& c : cases) {
     for (const fs::path& file : {c.sound, c.truth}) (is_synthesized ? outputs : inputs).push_back(file);
     for (std::size_t d = 0; d < detectors.size(); ++d)
@@ -595,11 +624,20 @@ Outcome run_validate(const ValidateOptions& options, const Run& run) {
 
   write_table(run, folder / "scores.csv", table_of(cases, results), inputs);
   Outcome outcome;
-  Values all;
-  for (const DetectorResult& result : results) all.push_back(object_of_result(cases, run.sweep, result));
+  Values all, shown;
+  for (const DetectorResult& result : results) {
+    Object object = object_of_result(cases, run.sweep, result);
+    all.emplace_back(object);
+    object.emplace_back("worst", worst_of(cases, result, options.offset_only));
+    shown.emplace_back(std::move(object));
+  }
   outcome.result = {{"detectors", std::move(all)}};
   write_text(run, folder / "validation.json", json_text(outcome.result, 1) + "\n", inputs);
-  outcome.text = text_of(cases, run.sweep, results);
+  report::ReportInput page;
+  page.title = "Onset detectors against true times";
+  page.validation_json = json_text(Object{{"detectors", std::move(shown)}});
+  write_text(run, folder / "report.html", report::render(page), inputs);
+  outcome.text = text_of(cases, run.sweep, results) + "Report: " + (folder / "report.html").string() + "\n";
   outcome.warnings = failures_of(cases, results);
   return outcome;
 }
