@@ -37,8 +37,8 @@ std::vector<double> times_of(const Onsets& onsets) {
   return times;
 }
 
-/// The most pairs of ascending times within a tolerance, one to one: where the earlier of two has no partner that is not
-/// earlier than the other's, taking pairs as they come loses none.
+/// The most pairs of ascending times within a tolerance, one to one: where the earlier of two has no partner that is
+/// not earlier than the other's, taking pairs as they come loses none.
 std::size_t most_pairs(const std::vector<double>& truth, const std::vector<double>& marked, double tolerance_s) {
   std::size_t n = 0, i = 0, j = 0;
   while (i < truth.size() && j < marked.size()) {
@@ -197,7 +197,8 @@ void score_errors(const TrueTimes& truth, const Onsets& marked, const Matches& m
   score_neighbours(truth.onsets, marked, matches, error_of_each, score);
 }
 
-std::optional<double> median_of(const std::vector<DetectorScore>& scores, std::optional<double> DetectorScore::*member) {
+std::optional<double> median_of(const std::vector<DetectorScore>& scores,
+                                std::optional<double> DetectorScore::*member) {
   std::vector<double> values;
   for (const DetectorScore& score : scores)
     if (score.*member) values.push_back(*(score.*member));
@@ -269,8 +270,8 @@ DetectorScore pooled(const std::vector<DetectorScore>& scores) {
     all.processor_s += score.processor_s;
   }
   using S = DetectorScore;
-  for (const auto member : {&S::offset_s, &S::jitter_s, &S::typical_s, &S::within_law_s, &S::within_drops_s, &S::bound_s,
-                            &S::bound_ratio, &S::bound_ratio_within_drops, &S::eps_error})
+  for (const auto member : {&S::offset_s, &S::jitter_s, &S::typical_s, &S::within_law_s, &S::within_drops_s,
+                            &S::bound_s, &S::bound_ratio, &S::bound_ratio_within_drops, &S::eps_error})
     all.*member = median_of(scores, member);
   return all;
 }
@@ -280,15 +281,20 @@ const Description& members_of(const DetectorScore*) {
   const auto agreement = [](std::size_t k) { return [k](const S& s) -> const Agreement& { return s.agreement[k]; }; };
   static const Description members = [&] {
     Description all{result("n_recordings", &S::n_recordings, ""),
-                    result<S>("n_true", [](const S& s) { return s.agreement[0].n_true; }, "True impacts"),
-                    result<S>("n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks")};
+                    result<S>(
+                        "n_true", [](const S& s) { return s.agreement[0].n_true; }, "True impacts"),
+                    result<S>(
+                        "n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks")};
     const char* const names[] = {"50ms", "5ms", "1ms", "0.1ms"};
     for (std::size_t k = 0; k < kTolerances_s.size(); ++k) {
       const auto of = agreement(k);
       const std::string name = names[k];
-      all.push_back(result<S>("precision_" + name, [of](const S& s) { return of(s).precision(); }, ""));
-      all.push_back(result<S>("recall_" + name, [of](const S& s) { return of(s).recall(); }, ""));
-      all.push_back(result<S>("f_" + name, [of](const S& s) { return of(s).f_measure(); }, ""));
+      all.push_back(result<S>(
+          "precision_" + name, [of](const S& s) { return of(s).precision(); }, ""));
+      all.push_back(result<S>(
+          "recall_" + name, [of](const S& s) { return of(s).recall(); }, ""));
+      all.push_back(result<S>(
+          "f_" + name, [of](const S& s) { return of(s).f_measure(); }, ""));
     }
     const Description more{result("offset_s", &S::offset_s, ""),
                            result("jitter_s", &S::jitter_s, ""),

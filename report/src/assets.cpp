@@ -55,8 +55,8 @@ std::string asset_script() {
   std::string script;
   for (const std::string_view part :
        {asset_text(), asset_plot(), asset_law_figures(), asset_scatter_figures(), asset_sound_figures(),
-        asset_diagnostics(), asset_memory(), asset_reservoir(), asset_paper(), asset_sweep(), asset_compare(), asset_validation(),
-        asset_tables(), asset_ball(), asset_answer(), asset_page()})
+        asset_diagnostics(), asset_memory(), asset_reservoir(), asset_paper(), asset_sweep(), asset_compare(),
+        asset_validation(), asset_tables(), asset_ball(), asset_answer(), asset_page()})
     script += part;
   return script;
 }

@@ -26,7 +26,8 @@ constexpr double kExact = 1e-12;  // of sums of a few doubles below 10
 TEST(DetectorScore, CountsPairsWithin50MillisecondsAsMirEvalDoes) {
   // by hand: 0.97 takes 1.015 and 1.01 takes 1.055, 45 ms each, where nearest first would join 1.01 and 1.015 and leave
   // 0.97 alone; 2.0 has two marks; 3.0 has one 51 ms off
-  const DetectorScore score = score_detector({at({0.97, 1.01, 2.0, 3.0})}, at({1.015, 1.055, 1.99, 2.01, 3.051}), 4.0, 0.0);
+  const DetectorScore score =
+      score_detector({at({0.97, 1.01, 2.0, 3.0})}, at({1.015, 1.055, 1.99, 2.01, 3.051}), 4.0, 0.0);
   EXPECT_EQ(score.agreement[0].n_found, 3U);
   EXPECT_NEAR(*score.agreement[0].precision(), 3.0 / 5.0, kExact);
   EXPECT_NEAR(*score.agreement[0].recall(), 3.0 / 4.0, kExact);

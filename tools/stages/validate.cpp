@@ -125,7 +125,8 @@ bool changes_impacts(const ValidateOptions& options, const loop::Settings& setti
   });
 }
 
-void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, const fs::path& folder, const Run& run) {
+void make_sound(const ValidateOptions& options, const std::vector<Case>& cases, const fs::path& folder,
+                const Run& run) {
   const ValidateOptions first = with_settings(options, first_values(run.sweep));
   const ProgressCallback progress = progress_line(run, "synthesize", "recordings");
   Run quiet = run;
@@ -341,8 +342,7 @@ void detect_by_program(const Detector& detector, const ValidateOptions& options,
     argument = replaced(argument, "{out}", detector.has_shell ? quoted(file.string()) : file.string());
   }
   const ChildLimits limits{0.0, 0, options.time_limit_s};
-  const ProgramResult result =
-      run_program(detector.program, arguments, sound.string(), -1, limits, kMostOutput_bytes);
+  const ProgramResult result = run_program(detector.program, arguments, sound.string(), -1, limits, kMostOutput_bytes);
   marks.processor_s = result.processor_s;
   if (!result.ended_well) {
     const std::string said = result.complaints.substr(0, result.complaints.find('\n'));
@@ -455,7 +455,8 @@ Table table_of(const std::vector<Case>& cases, const std::vector<DetectorResult>
       failures.push_back(result.marks[k].failure);
       scores.push_back(result.marks[k].score);
     }
-  Table table{{{"detector", std::move(detectors)}, {"recording", std::move(recordings)}, {"setting", std::move(settings)}}};
+  Table table{
+      {{"detector", std::move(detectors)}, {"recording", std::move(recordings)}, {"setting", std::move(settings)}}};
   for (const Member& member : members_of(static_cast<const DetectorScore*>(nullptr))) {
     std::vector<double> cells;
     for (const DetectorScore& score : scores) {
@@ -477,9 +478,9 @@ Object object_of_result(const std::vector<Case>& cases, const std::vector<loop::
     factors.emplace_back(Object{{"option", f.option}, {"value", f.value}, {"score", value_of(f.score)}});
   for (std::size_t k = 0; k < cases.size(); ++k)
     recordings.emplace_back(Object{{"recording", cases[k].name},
-                                {"setting", loop::text_of(cases[k].settings)},
-                                {"score", value_of(result.marks[k].score)},
-                                {"failure", result.marks[k].failure}});
+                                   {"setting", loop::text_of(cases[k].settings)},
+                                   {"score", value_of(result.marks[k].score)},
+                                   {"failure", result.marks[k].failure}});
   return {{"detector", result.name},
           {"all", value_of(score_of_all(result))},
           {"factors", std::move(factors)},
@@ -564,8 +565,10 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
       member("detector", &O::detectors,
              "Command that prints the times of onsets [s], one a line (a second number on the line: its standard "
              "error); {wav} stands for the recording, {out} for a file that it writes instead. builtin is bouncelab's"),
-      member("out", &O::out, "Folder for scores.csv, validation.json, report.html, and the recordings").looks_like("FOLDER"),
-      member("recordings", &O::recordings, "Recordings that there are, or folders of them, in place of synthesized ones"),
+      member("out", &O::out, "Folder for scores.csv, validation.json, report.html, and the recordings")
+          .looks_like("FOLDER"),
+      member("recordings", &O::recordings,
+             "Recordings that there are, or folders of them, in place of synthesized ones"),
       member("truth", &O::truth,
              "True times: of --recordings the folder with NAME.truth.csv or marks NAME.* of each, of --marks a file")
           .looks_like("FILE"),
