@@ -87,6 +87,7 @@ function tables() {
 add('h1', {}, data.title);
 add('p', {class: 'sub'}, data.program);
 if (data.comparison) comparisonPage(data.comparison, data.points);
+if (data.validation) validationPage(data.validation);
 firstScreen();
 counts();
 questions();

@@ -38,6 +38,7 @@ BOUNCELAB_ASSET(reservoir, BOUNCELAB_SCRIPTS "/reservoir.js")
 BOUNCELAB_ASSET(paper, BOUNCELAB_SCRIPTS "/paper.js")
 BOUNCELAB_ASSET(sweep, BOUNCELAB_SCRIPTS "/sweep.js")
 BOUNCELAB_ASSET(compare, BOUNCELAB_SCRIPTS "/compare.js")
+BOUNCELAB_ASSET(validation, BOUNCELAB_SCRIPTS "/validation.js")
 BOUNCELAB_ASSET(tables, BOUNCELAB_SCRIPTS "/tables.js")
 BOUNCELAB_ASSET(ball, BOUNCELAB_SCRIPTS "/ball.js")
 BOUNCELAB_ASSET(answer, BOUNCELAB_SCRIPTS "/answer.js")
@@ -55,7 +56,7 @@ std::string asset_script() {
   for (const std::string_view part :
        {asset_text(), asset_plot(), asset_law_figures(), asset_scatter_figures(), asset_sound_figures(),
         asset_diagnostics(), asset_memory(), asset_reservoir(), asset_paper(), asset_sweep(), asset_compare(),
-        asset_tables(), asset_ball(), asset_answer(), asset_page()})
+        asset_validation(), asset_tables(), asset_ball(), asset_answer(), asset_page()})
     script += part;
   return script;
 }

@@ -90,6 +90,7 @@ std::string render(const ReportInput& input) {
   data["comparison"] = parsed(input.comparison_json, "comparison.json");
   data["points"] = parsed(input.comparison_points_json, "the points of the comparison");
   data["samples"] = parsed(input.samples_json, "the samples");
+  data["validation"] = parsed(input.validation_json, "validation.json");
 
   const std::array<std::pair<std::string_view, std::string>, 5> parts{{{"@TITLE@", escaped(input.title)},
                                                                        {"@STYLE@", std::string(asset_style())},

@@ -210,6 +210,7 @@ ChildProcess::ChildProcess(const Work& work, std::string file, int descriptor, c
 
 void ChildProcess::start(const std::function<void()>& run, bool is_function, int descriptor) {
   Pipe output(file_), errors(file_);
+  started_ = std::chrono::steady_clock::now();
   child_ = ::fork();
   if (child_ < 0)
     throw FileError(file_, std::string("no process can be started to read files (") + std::strerror(errno) +
@@ -249,10 +250,18 @@ void ChildProcess::take_complaints() {
   }
 }
 
+/// The child itself ends with this object.
+void ChildProcess::check_elapsed() const {
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
+  if (limits_.elapsed_s > 0.0 && elapsed.count() > limits_.elapsed_s)
+    throw FileError(file_, "the program was ended after " + amount(limits_.elapsed_s, "s"));
+}
+
 std::size_t ChildProcess::read(std::span<std::byte> out) {
   std::size_t n = 0;
   while (n < out.size() && output_ >= 0) {
     throw_if_stop_requested();
+    check_elapsed();
     std::array<pollfd, 2> ready{{{output_, POLLIN, 0}, {errors_, POLLIN, 0}}};  // -1 is passed over
     if (::poll(ready.data(), ready.size(), kPiece_ms) <= 0) continue;
     if (ready[1].revents != 0) take_complaints();
@@ -271,14 +280,20 @@ int ChildProcess::wait() {
   if (output_ >= 0) ::close(std::exchange(output_, -1));  // which ends a child that goes on writing
   while (errors_ >= 0) {
     throw_if_stop_requested();
+    check_elapsed();
     pollfd ready{errors_, POLLIN, 0};
     if (::poll(&ready, 1, kPiece_ms) > 0) take_complaints();
   }
   int status = 0;
   pid_t ended = -1;
-  do ended = ::waitpid(child_, &status, 0);
+  rusage used{};
+  do ended = ::wait4(child_, &status, 0, &used);
   while (ended < 0 && errno == EINTR);
   child_ = -1;
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  processor_s_ = seconds(used.ru_utime) + seconds(used.ru_stime);
   throw_if_stop_requested();  // Ctrl-C reaches the child too
   return ended > 0 ? status : -1;
 }
@@ -323,6 +338,7 @@ ProgramResult run_program(const std::filesystem::path& program, const std::vecto
   result.output.resize(running.read(std::as_writable_bytes(std::span(result.output))));
   if (result.output.size() < most_bytes) result.ended_well = running.ended_well();
   result.complaints = running.complaints();
+  result.processor_s = running.processor_s();
   return result;
 }
 

@@ -19,6 +19,7 @@ const std::vector<CommandName>& all_commands() {
       {"compare", compare_command, stages},
       {"report", report_command, stages},
       {"convert", convert_command, beside},
+      {"validate", validate_command, beside},
       {"balls", balls_command, beside},
       {"calibrate", calibrate_command, beside},
       {"completion", completion_command, beside},

@@ -24,6 +24,7 @@ struct Command {
   std::vector<Section> sections;  ///< their objects live as long as `run`
   std::function<Outcome(Run&)> run;
   std::vector<std::string> stages{};  ///< commands that it runs; a configuration file may have sections of them
+  bool runs_through_lists = false;    ///< of a configuration file
 };
 
 Command simulate_command();
@@ -36,6 +37,7 @@ Command roughness_command();
 Command compare_command();
 Command report_command();
 Command calibrate_command();
+Command validate_command();
 Command analyze_command();
 Command loop_command();
 Command completion_command();

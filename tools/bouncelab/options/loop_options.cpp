@@ -19,7 +19,8 @@ Command loop_command() {
         apply_loop_preset(*options, run);
         return run.sweep.empty() ? run_loop(*options, run) : run_sweep(*options, run);
       },
-      {"simulate", "synthesize", "detect", "restitution", "fit", "report"}};
+      {"simulate", "synthesize", "detect", "restitution", "fit", "report"},
+      true};
 }
 
 }  // namespace bouncelab::cli

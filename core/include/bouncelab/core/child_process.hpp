@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -34,6 +35,7 @@ constexpr bool kMayStartChildBesideThreads = !kHasAddressSanitizer;
 struct ChildLimits {
   double cpu_s = 0.0;  ///< processor time of a program; of a function, between two pieces of its output; 0: any
   std::int64_t memory_bytes = 0;  ///< in addition to what it begins with; 0: any. Not with the address sanitizer
+  double elapsed_s = 0.0;         ///< from its start until it has written all; 0: any
 };
 
 /// Where a program lies on PATH; nothing where it is not installed.
@@ -71,13 +73,15 @@ class ChildProcess {
   ~ChildProcess();
 
   /// Waits until all of `out` is filled or the child has closed its output. @return bytes read.
-  /// @throws FileError; Interrupted once a stop was requested
+  /// @throws FileError, also where it takes longer than it may; Interrupted once a stop was requested
   std::size_t read(std::span<std::byte> out);
 
   /// After the end of its output: waits for the end of a program. @return whether it ended well (exit code 0)
   bool ended_well();
   /// The first lines that a program wrote to standard error.
   const std::string& complaints() const { return complaints_; }
+  /// Processor time that it and its own children took; known after its end.
+  double processor_s() const { return processor_s_; }
 
   /// After the end of its output: waits for the end of a function.
   /// @param remedy  the end of the message where the child was ended: what to do with the file
@@ -88,6 +92,7 @@ class ChildProcess {
  private:
   void start(const std::function<void()>& run, bool is_function, int descriptor);
   void take_complaints();
+  void check_elapsed() const;
   int wait();
 
   std::string file_;
@@ -95,12 +100,15 @@ class ChildProcess {
   pid_t child_ = -1;
   int output_ = -1, errors_ = -1;
   std::string complaints_;
+  std::chrono::steady_clock::time_point started_{};
+  double processor_s_ = 0.0;
 };
 
 /// All that a program writes; it has not ended well where that is `most_bytes` or more. @throws FileError, Interrupted
 struct ProgramResult {
   bool ended_well = false;
   std::string output, complaints;
+  double processor_s = 0.0;
 };
 ProgramResult run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const std::string& file, int descriptor, const ChildLimits& limits,

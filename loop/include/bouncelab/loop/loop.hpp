@@ -4,6 +4,7 @@
 
 #include "bouncelab/loop/analyze.hpp"             // recordings -> impact times -> law
 #include "bouncelab/loop/closed_loop.hpp"         // the whole chain in one call
+#include "bouncelab/loop/detector_score.hpp"      // any onset detector against true times
 #include "bouncelab/loop/drops.hpp"               // drops to sound and back
 #include "bouncelab/loop/loop_score.hpp"          // what went in beside what came out; the paper's conclusions
 #include "bouncelab/loop/memory_calibration.hpp"  // the fit with memory against known truth

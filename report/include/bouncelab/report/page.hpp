@@ -20,6 +20,7 @@ struct ReportInput {
   std::string diagnostics_json;        ///< diagnostics.json of `analyze --diagnostics`
   std::string comparison_json;         ///< comparison.json of `compare`
   std::string comparison_points_json;  ///< report::points_json
+  std::string validation_json;         ///< of `validate`, with the worst recordings' sound
   std::string samples_json;            ///< {v_mps: [], eps: [], sigma_eps: []}; few samples are shown one by one
 };
 

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bouncelab/loop/detector_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "bouncelab/core/elementary.hpp"
+#include "bouncelab/core/numerics.hpp"
+#include "bouncelab/detection/score.hpp"
+
+namespace bouncelab::loop {
+namespace {
+
+constexpr std::size_t kJitterTolerance = 2;  // of kTolerances_s: the pairs that errors are taken of
+constexpr double kLargestOffset_s = 50e-3;
+
+std::optional<double> ratio(double numerator, double denominator) {
+  return denominator > 0.0 ? std::optional(numerator / denominator) : std::nullopt;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double median_size(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return median(std::move(values));
+}
+
+std::vector<double> times_of(const Onsets& onsets) {
+  std::vector<double> times;
+  for (const Onset& onset : onsets) times.push_back(onset.t_s);
+  return times;
+}
+
+/// The most pairs of ascending times within a tolerance, one to one: where the earlier of two has no partner that is
+/// not earlier than the other's, taking pairs as they come loses none.
+std::size_t most_pairs(const std::vector<double>& truth, const std::vector<double>& marked, double tolerance_s) {
+  std::size_t n = 0, i = 0, j = 0;
+  while (i < truth.size() && j < marked.size()) {
+    const double late_s = marked[j] - truth[i];
+    if (std::abs(late_s) <= tolerance_s) ++n;
+    if (late_s >= -tolerance_s) ++i;
+    if (late_s <= tolerance_s) ++j;
+  }
+  return n;
+}
+
+/// The latency at which most differences between marked and true times are within the tolerance.
+double commonest_difference(const std::vector<double>& truth, const std::vector<double>& marked, double tolerance_s) {
+  std::vector<double> differences;
+  for (const double t : truth)
+    for (auto it = std::lower_bound(marked.begin(), marked.end(), t - kLargestOffset_s);
+         it != marked.end() && *it <= t + kLargestOffset_s; ++it)
+      differences.push_back(*it - t);
+  std::sort(differences.begin(), differences.end());
+  std::size_t first = 0, best_first = 0, most = 0;
+  for (std::size_t last = 0; last < differences.size(); ++last) {
+    while (differences[last] - differences[first] > 2.0 * tolerance_s) ++first;
+    if (last + 1 - first > most) most = last + 1 - first, best_first = first;
+  }
+  return most == 0 ? 0.0 : differences[best_first + most / 2];
+}
+
+using Matches = std::vector<std::optional<std::size_t>>;  // for each true time, the index of its mark
+
+Matches matches_about(double offset_s, const Onsets& truth, Onsets marked, double tolerance_s) {
+  for (Onset& mark : marked) mark.t_s -= offset_s;
+  return detection::score_onsets(truth, marked, tolerance_s).match;
+}
+
+std::vector<double> errors_of(const Onsets& truth, const Onsets& marked, const Matches& matches) {
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    if (matches[k]) errors.push_back(marked[*matches[k]].t_s - truth[k].t_s);
+  return errors;
+}
+
+std::optional<double> offset_of(const Onsets& truth, const Onsets& marked) {
+  const double tolerance_s = kTolerances_s[kJitterTolerance];
+  double offset_s = commonest_difference(times_of(truth), times_of(marked), tolerance_s);
+  constexpr int kRounds = 3;  // the median settles in one or two
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> errors = errors_of(truth, marked, matches_about(offset_s, truth, marked, tolerance_s));
+    if (errors.empty()) return std::nullopt;
+    offset_s = median(std::move(errors));
+  }
+  return offset_s;
+}
+
+/// What a + b v^(-1/5) leaves of the errors, with a constant a for each group, where far-off ones count less: weighted
+/// least squares in turns with weights 1/sqrt(1 + (error / twice their typical size)^2).
+/// @param scaling  v^(-1/5); empty: b is 0
+std::vector<double> beyond_contact_law(const std::vector<double>& errors, const std::vector<double>& scaling,
+                                       const std::vector<std::int64_t>& groups) {
+  constexpr std::size_t kEnough = 4;  // for two constants
+  constexpr int kRounds = 20;
+  constexpr double kLeast_s = 2e-15;  // so that nothing is divided by 0
+  const bool has_law = !scaling.empty() && errors.size() >= kEnough;
+  struct Means {
+    double w = 0.0, u = 0.0, e = 0.0;
+  };
+  std::vector<double> rest = errors, weights(errors.size(), 1.0);
+  for (int round = 0; round < kRounds; ++round) {
+    std::map<std::int64_t, Means> means;
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      Means& m = means[groups[k]];
+      const double weight = square(weights[k]);
+      m.w += weight, m.u += has_law ? weight * scaling[k] : 0.0, m.e += weight * errors[k];
+    }
+    const auto off_mean = [&](std::size_t k) {
+      const Means& m = means[groups[k]];
+      return std::pair(has_law ? scaling[k] - m.u / m.w : 0.0, errors[k] - m.e / m.w);
+    };
+    double uu = 0.0, ue = 0.0;
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      const auto [u, e] = off_mean(k);
+      uu += square(weights[k]) * u * u, ue += square(weights[k]) * u * e;
+    }
+    const double slope = uu > 0.0 ? ue / uu : 0.0;
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      const auto [u, e] = off_mean(k);
+      rest[k] = e - slope * u;
+    }
+    const double size = kLeast_s + 2.0 * 1.4826 * median_size(rest);
+    for (std::size_t k = 0; k < errors.size(); ++k) weights[k] = 1.0 / std::sqrt(1.0 + square(rest[k] / size));
+  }
+  return rest;
+}
+
+/// True times of each drop that follow each other, in order of time.
+std::vector<std::vector<std::size_t>> drops_of(const Onsets& truth) {
+  std::map<std::int64_t, std::vector<std::size_t>> drops;
+  for (std::size_t k = 0; k < truth.size(); ++k) drops[truth[k].drop].push_back(k);
+  std::vector<std::vector<std::size_t>> all;
+  for (auto& [drop, impacts] : drops) {
+    std::sort(impacts.begin(), impacts.end(), [&](auto a, auto b) { return truth[a].t_s < truth[b].t_s; });
+    all.push_back(std::move(impacts));
+  }
+  return all;
+}
+
+/// @param error_s  of each true time that was found, less what is no error of an interval
+void score_neighbours(const Onsets& truth, const Onsets& marked, const Matches& matches,
+                      const std::vector<std::optional<double>>& error_s, DetectorScore& score) {
+  std::vector<double> eps_errors;
+  for (const std::vector<std::size_t>& drop : drops_of(truth)) {
+    for (std::size_t k = 0; k + 1 < drop.size(); ++k) {
+      const std::size_t a = drop[k], b = drop[k + 1];
+      if (!matches[a] || !matches[b]) continue;
+      const Onset &from = marked[*matches[a]], &to = marked[*matches[b]];
+      if (k + 2 < drop.size() && matches[drop[k + 2]]) {
+        const std::size_t c = drop[k + 2];
+        eps_errors.push_back((marked[*matches[c]].t_s - to.t_s) / (to.t_s - from.t_s) -
+                             (truth[c].t_s - truth[b].t_s) / (truth[b].t_s - truth[a].t_s));
+      }
+      if (!from.sigma_t_s || !to.sigma_t_s || !(*from.sigma_t_s > 0.0) || !(*to.sigma_t_s > 0.0)) continue;
+      const double pull = (*error_s[b] - *error_s[a]) / std::hypot(*from.sigma_t_s, *to.sigma_t_s);
+      constexpr double kNormal95 = 1.959963984540054;
+      ++score.n_stated;
+      score.n_covered += std::abs(pull) <= kNormal95 ? 1 : 0;
+      score.sum_pull2 += square(pull);
+    }
+  }
+  std::erase_if(eps_errors, [](double error) { return !std::isfinite(error); });  // two marks at one time
+  if (!eps_errors.empty()) score.eps_error = root_mean_square(eps_errors);
+}
+
+void score_errors(const TrueTimes& truth, const Onsets& marked, const Matches& matches, DetectorScore& score) {
+  std::vector<double> errors = errors_of(truth.onsets, marked, matches), scaling, bounds;
+  std::vector<std::int64_t> drops;
+  for (double& error : errors) error -= *score.offset_s;
+  for (std::size_t k = 0; k < truth.onsets.size(); ++k) {
+    if (!matches[k]) continue;
+    drops.push_back(truth.onsets[k].drop);
+    if (!truth.v_mps.empty()) scaling.push_back(pow(truth.v_mps[k], -0.2));
+    if (truth.onsets[k].sigma_t_s) bounds.push_back(*truth.onsets[k].sigma_t_s);
+  }
+  score.jitter_s = root_mean_square(errors);
+  score.typical_s = 1.4826 * median_size(errors);
+  const std::vector<std::int64_t> one_group(errors.size(), 0);
+  if (!scaling.empty()) score.within_law_s = root_mean_square(beyond_contact_law(errors, scaling, one_group));
+  const std::vector<double> within_drops = beyond_contact_law(errors, scaling, drops);
+  score.within_drops_s = root_mean_square(within_drops);
+  if (bounds.size() == errors.size()) {
+    score.bound_s = root_mean_square(bounds);
+    score.bound_ratio = ratio(score.within_law_s.value_or(*score.jitter_s), *score.bound_s);
+    score.bound_ratio_within_drops = ratio(*score.within_drops_s, *score.bound_s);
+  }
+  std::vector<std::optional<double>> error_of_each(truth.onsets.size());
+  for (std::size_t k = 0, n = 0; k < truth.onsets.size(); ++k)
+    if (matches[k]) error_of_each[k] = within_drops[n++];
+  score_neighbours(truth.onsets, marked, matches, error_of_each, score);
+}
+
+std::optional<double> median_of(const std::vector<DetectorScore>& scores,
+                                std::optional<double> DetectorScore::*member) {
+  std::vector<double> values;
+  for (const DetectorScore& score : scores)
+    if (score.*member) values.push_back(*(score.*member));
+  return values.empty() ? std::nullopt : std::optional(median(std::move(values)));
+}
+
+}  // namespace
+
+std::optional<double> Agreement::precision() const {
+  return ratio(static_cast<double>(n_found), static_cast<double>(n_marked));
+}
+std::optional<double> Agreement::recall() const {
+  return ratio(static_cast<double>(n_found), static_cast<double>(n_true));
+}
+std::optional<double> Agreement::f_measure() const {
+  return ratio(2.0 * static_cast<double>(n_found), static_cast<double>(n_true + n_marked));
+}
+
+std::optional<double> DetectorScore::pull() const {
+  const std::optional<double> mean = ratio(sum_pull2, static_cast<double>(n_stated));
+  return mean ? std::optional(std::sqrt(*mean)) : std::nullopt;
+}
+std::optional<double> DetectorScore::coverage() const {
+  return ratio(static_cast<double>(n_covered), static_cast<double>(n_stated));
+}
+std::optional<double> DetectorScore::invented_per_hour() const {
+  return ratio(3600.0 * static_cast<double>(n_invented), without_ball_s);
+}
+std::optional<double> DetectorScore::times_real_time() const { return ratio(duration_s, processor_s); }
+
+DetectorScore score_detector(const TrueTimes& truth, const Onsets& marked, double duration_s, double processor_s) {
+  DetectorScore score;
+  score.duration_s = duration_s;
+  score.processor_s = processor_s;
+  for (Agreement& agreement : score.agreement) agreement = {truth.onsets.size(), marked.size(), 0};
+  if (truth.onsets.empty()) {
+    score.without_ball_s = duration_s;
+    score.n_invented = marked.size();
+    return score;
+  }
+  score.agreement[0].n_found = most_pairs(times_of(truth.onsets), times_of(marked), kTolerances_s[0]);
+  score.offset_s = offset_of(truth.onsets, marked);
+  if (!score.offset_s) return score;
+  for (std::size_t k = 1; k < kTolerances_s.size(); ++k) {
+    const Matches matches = matches_about(*score.offset_s, truth.onsets, marked, kTolerances_s[k]);
+    score.agreement[k].n_found = static_cast<std::size_t>(
+        std::count_if(matches.begin(), matches.end(), [](const auto& match) { return match.has_value(); }));
+    if (k == kJitterTolerance) score_errors(truth, marked, matches, score);
+  }
+  return score;
+}
+
+DetectorScore pooled(const std::vector<DetectorScore>& scores) {
+  DetectorScore all;
+  all.n_recordings = 0;
+  for (const DetectorScore& score : scores) {
+    all.n_recordings += score.n_recordings;
+    for (std::size_t k = 0; k < kTolerances_s.size(); ++k) {
+      all.agreement[k].n_true += score.agreement[k].n_true;
+      all.agreement[k].n_marked += score.agreement[k].n_marked;
+      all.agreement[k].n_found += score.agreement[k].n_found;
+    }
+    all.n_stated += score.n_stated;
+    all.n_covered += score.n_covered;
+    all.sum_pull2 += score.sum_pull2;
+    all.without_ball_s += score.without_ball_s;
+    all.n_invented += score.n_invented;
+    all.duration_s += score.duration_s;
+    all.processor_s += score.processor_s;
+  }
+  using S = DetectorScore;
+  for (const auto member : {&S::offset_s, &S::jitter_s, &S::typical_s, &S::within_law_s, &S::within_drops_s,
+                            &S::bound_s, &S::bound_ratio, &S::bound_ratio_within_drops, &S::eps_error})
+    all.*member = median_of(scores, member);
+  return all;
+}
+
+const Description& members_of(const DetectorScore*) {
+  using S = DetectorScore;
+  const auto agreement = [](std::size_t k) { return [k](const S& s) -> const Agreement& { return s.agreement[k]; }; };
+  static const Description members = [&] {
+    Description all{result("n_recordings", &S::n_recordings, ""),
+                    result<S>(
+                        "n_true", [](const S& s) { return s.agreement[0].n_true; }, "True impacts"),
+                    result<S>(
+                        "n_marked", [](const S& s) { return s.agreement[0].n_marked; }, "Marks")};
+    const char* const names[] = {"50ms", "5ms", "1ms", "0.1ms"};
+    for (std::size_t k = 0; k < kTolerances_s.size(); ++k) {
+      const auto of = agreement(k);
+      const std::string name = names[k];
+      all.push_back(result<S>(
+          "precision_" + name, [of](const S& s) { return of(s).precision(); }, ""));
+      all.push_back(result<S>(
+          "recall_" + name, [of](const S& s) { return of(s).recall(); }, ""));
+      all.push_back(result<S>(
+          "f_" + name, [of](const S& s) { return of(s).f_measure(); }, ""));
+    }
+    const Description more{result("offset_s", &S::offset_s, ""),
+                           result("jitter_s", &S::jitter_s, ""),
+                           result("typical_s", &S::typical_s, ""),
+                           result("within_law_s", &S::within_law_s, ""),
+                           result("within_drops_s", &S::within_drops_s, ""),
+                           result("bound_s", &S::bound_s, ""),
+                           result("bound_ratio", &S::bound_ratio, ""),
+                           result("bound_ratio_within_drops", &S::bound_ratio_within_drops, ""),
+                           result("eps_error", &S::eps_error, ""),
+                           result("n_stated", &S::n_stated, ""),
+                           result("pull", &S::pull, ""),
+                           result("coverage", &S::coverage, ""),
+                           result("invented_per_hour", &S::invented_per_hour, ""),
+                           result("times_real_time", &S::times_real_time, "")};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }();
+  return members;
+}
+
+}  // namespace bouncelab::loop

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `validate`: synthesized sets, recordings with their truth, marks against truth; and detectors that fail.
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace bouncelab::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+class ValidateCommand : public ProgramTest {
+ protected:
+  static constexpr const char* kSmall = "--drops 1 --impacts 12 --asperities 1000 --rate 22050 --max-mode 10000 ";
+  Json result_of(const std::string& arguments, int exit_code = 0) const {
+    const Result result = run("validate " + arguments + " --json");
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    return Json::parse(result.out, nullptr, false);
+  }
+};
+
+TEST_F(ValidateCommand, ScoresMarksAgainstTruth) {
+  write("truth.csv", "drop,impact,t_s\n0,0,1.0\n0,1,1.5\n0,2,1.9\n");
+  write("marks.txt", "1.01\n1.51\n2.5\n");
+  const Json score = result_of("--marks marks.txt --truth truth.csv");
+  EXPECT_DOUBLE_EQ(score["recall_50ms"], 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(score["precision_50ms"], 2.0 / 3.0);
+  EXPECT_NEAR(score["offset_s"], 0.01, 1e-12);
+  EXPECT_TRUE(score["pull"].is_null());
+}
+
+TEST_F(ValidateCommand, RunsThroughEachListByItself) {
+  write("set.toml", "snr_db = [40, 20]\npeak = [0.5, 0.25, 3]\n");
+  const Json found = result_of(std::string("--config set.toml --detector builtin --out o ") + kSmall);
+  const Json& one = found["detectors"][0];
+  ASSERT_EQ(one["recordings"].size(), 4U);  // 1 + 1 + 2
+  EXPECT_EQ(one["recordings"][0]["recording"], "all_else");
+  EXPECT_EQ(one["factors"].size(), 5U);
+  for (const char* name : {"all_else", "snr-db_20", "peak_0.25", "peak_3"}) {
+    EXPECT_THAT(files(), testing::Contains("o"));
+    EXPECT_TRUE(fs::exists(folder_ / "o/recordings" / (std::string(name) + ".wav"))) << name;
+    EXPECT_TRUE(fs::exists(folder_ / "o/marks/1" / (std::string(name) + ".csv"))) << name;
+  }
+  // 12 impacts in quiet and at 20 dB are all found; a recording half as loud is the same sound
+  for (const Json& recording : one["recordings"]) EXPECT_EQ(recording["score"]["f_1ms"], 1.0) << recording;
+  EXPECT_THAT(content_of(folder_ / "o/report.html"), HasSubstr("Onset detectors"));
+  EXPECT_THAT(content_of(folder_ / "o/scores.csv"), HasSubstr("builtin,snr-db_20,snr-db 20,"));
+}
+
+TEST_F(ValidateCommand, TakesTimesFromOutputAndFromFiles) {
+  ASSERT_EQ(run(std::string("validate --detector builtin --out first ") + kSmall).exit_code, 0);
+  write("by_output.sh", "tail -n +2 first/recordings/all_else.truth.csv | cut -d, -f4\n");
+  write("by_file.sh", "echo t_s > \"$2\"; tail -n +2 first/recordings/all_else.truth.csv | cut -d, -f4 >> \"$2\"\n");
+  write("with_errors.sh", "tail -n +2 first/recordings/all_else.truth.csv | cut -d, -f4 | sed 's/$/ 1e-6/'\n");
+  const Json found = result_of(
+      "--recordings first/recordings --truth first/recordings --out second --detector 'sh by_output.sh {wav}' "
+      "--detector \"sh 'by_file.sh' {wav} {out}\" --detector 'sh with_errors.sh {wav}'");
+  ASSERT_EQ(found["detectors"].size(), 3U);
+  for (const Json& detector : found["detectors"]) {
+    EXPECT_EQ(detector["recordings"][0]["failure"], "");
+    EXPECT_EQ(detector["all"]["f_0.1ms"], 1.0) << detector["detector"];
+    EXPECT_LT(detector["all"]["eps_error"], 1e-9);
+  }
+  EXPECT_EQ(found["detectors"][2]["all"]["coverage"], 1.0);
+}
+
+TEST_F(ValidateCommand, LosesOneRecordingToADetectorThatFails) {
+  ASSERT_EQ(run(std::string("validate --detector builtin --out first ") + kSmall).exit_code, 0);
+  const std::string command = "validate --recordings first/recordings --truth first/recordings --time-limit 1 --out ";
+  const auto line_of = [&](const std::string& detector) {
+    const Result result = run(command + "o --force --detector " + detector + " --detector builtin");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("builtin"));
+    return result.err;
+  };
+  EXPECT_THAT(line_of("'sleep 100 {wav}'"), HasSubstr("time"));
+  EXPECT_THAT(line_of("'sh -c \"sleep 100\" {wav}'"), HasSubstr("ended after 1 s"));
+  EXPECT_THAT(line_of("'sh -c \"echo no >&2; exit 4\" {wav}'"), HasSubstr("no"));
+  EXPECT_THAT(line_of("'echo {wav}'"), HasSubstr("is no time in seconds"));
+  EXPECT_THAT(line_of("'sh -c \"echo 1e9\" {wav}'"), HasSubstr("1e+09 s is no time of a recording"));
+}
+
+TEST_F(ValidateCommand, RefusesWhatCannotWork) {
+  write("truth.csv", "t_s\n1\n");
+  expect_one_line_error(run("validate --out o --detector 'nosuchprogram {wav}'"), 2, {"nosuchprogram"});
+  expect_one_line_error(run("validate --out o --detector 'sh it'"), 2, {"{wav}"});
+  expect_one_line_error(run("validate --out o --detector 'sh \"it {wav}'"), 2, {"quotation"});
+  expect_one_line_error(run("validate --out o"), 2, {"--detector"});
+  expect_one_line_error(run("validate --marks truth.csv"), 2, {"--truth"});
+  write("set.toml", "snr_db = [40, 1000]\n");
+  EXPECT_EQ(run("validate --config set.toml --detector builtin --out o").exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+}  // namespace
+}  // namespace bouncelab::cli_test

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bouncelab/core/onsets.hpp"
+#include "bouncelab/loop/detector_score.hpp"
+#include "stage_options/simulate_options.hpp"
+#include "stage_options/synthesize_options.hpp"
+#include "stages/run.hpp"
+
+namespace bouncelab::stages {
+
+struct ValidateOptions {
+  std::vector<std::string> detectors;   ///< commands, or builtin
+  std::vector<std::string> recordings;  ///< files and folders of sound; empty: synthesized
+  std::string truth;                    ///< of the recordings a folder, of the marks a file
+  std::string marks;                    ///< times that exist already
+  std::string out;
+  double time_limit_s = 60.0;  ///< for one recording
+  bool shell = false;
+  bool offset_only = false;
+  BallChoice world = kPaperBall;
+  SimulateOptions simulate;
+  SynthesizeOptions synthesize;
+};
+std::vector<Section> validate_sections(ValidateOptions& options);
+
+/// Scores detectors against true times: those of synthesized recordings, one for each value of each list of the
+/// configuration file beside the first, or of recordings that there are; or marks against truth, file against file.
+/// Writes scores.csv, validation.json and, in folders, recordings and marks.
+/// @throws InvalidArgument, FileError; what a detector does wrong costs the recording only
+Outcome run_validate(const ValidateOptions& options, const Run& run);
+
+}  // namespace bouncelab::stages
