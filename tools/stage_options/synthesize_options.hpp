@@ -27,7 +27,7 @@ struct SynthesizeOptions {
   std::string out;         ///< sound to write
   std::string truth;       ///< default: out with .truth.csv
   bool each_drop = false;  ///< one file for each drop
-  std::string codec;       ///< NAME:KBITS through which the sound goes; empty: none
+  std::string codec = "none";  ///< NAME:KBITS through which the sound goes
 };
 /// All but the files, the ball and disturbances.
 const Description& members_of(const SynthesizeOptions*);

@@ -242,7 +242,7 @@ synthesis::SynthesisResult make_sound(const SynthesizeOptions& options, const sy
                                  progress_line(run, "synthesize", "s of sound"));
   };
   try {
-    if (options.codec.empty()) return synthesize_to(out);
+    if (options.codec == "none") return synthesize_to(out);
     const Codec codec = codec_of(options.codec);
     ffmpeg_for_codec();
     const audio::AudioSpec spec{config.rate_hz, static_cast<int>(config.channels.size()), config.encoding};
@@ -271,12 +271,20 @@ synthesis::SynthesisResult each_drop(const SynthesizeOptions& options, const syn
 
 }  // namespace
 
+const Description& codec_option() {
+  static const Description option{
+      member("codec", &SynthesizeOptions::codec,
+             "What is left of the sound by aac, mp3, opus or vorbis, by ffmpeg: aac:64 for 64 kbit/s")
+          .looks_like("NAME:KBITS")};
+  return option;
+}
+
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run) {
   const synthesis::SynthesisConfig config = synthesis_config(options, run.common.seed, run.common.n_threads);
   const std::filesystem::path out = options.out;
   if (is_stream(out) && options.truth.empty())
     throw InvalidArgument("--out " + printable(options.out) + ": no truth can lie beside it; name one with --truth");
-  if (!options.codec.empty() && (is_stream(out) || options.each_drop))
+  if (options.codec != "none" && (is_stream(out) || options.each_drop))
     throw InvalidArgument("--codec: goes with one file, not with " +
                           std::string(options.each_drop ? "--each-drop" : "a stream"));
   const std::filesystem::path truth =

@@ -10,6 +10,9 @@
 
 namespace bouncelab::stages {
 
+/// Option --codec, which needs files.
+const Description& codec_option();
+
 /// Reads options.impacts, writes options.out, the truth, and OUT.others.csv where there are sounds of other things.
 Outcome run_synthesize(const SynthesizeOptions& options, const Run& run);
 

@@ -584,6 +584,7 @@ std::vector<Section> validate_sections(ValidateOptions& options) {
           {"", &ball, &options.world, {"simulate", "synthesize"}},
           {"Ball, ground and drops", &members_of(&options.simulate), &options.simulate, {"simulate"}},
           {"Sound", &members_of(&options.synthesize), &options.synthesize, {"synthesize"}},
+          {"", &codec_option(), &options.synthesize, {"synthesize"}},
           disturbances};
 }
 

@@ -13,10 +13,7 @@ Command synthesize_command() {
       member("impacts", &O::impacts, "Impacts: FILE.csv or FILE.jsonl").required().positional(),
       member("out", &O::out, "Sound: .wav (RF64 above 4 GiB), .flac, .w64 or .rf64").looks_like("FILE").required(),
       member("truth", &O::truth, "True onsets (default OUT without its extension + .truth.csv)").looks_like("FILE"),
-      member("each_drop", &O::each_drop, "One file for each drop: NAME.0000.wav, NAME.0001.wav ..."),
-      member("codec", &O::codec,
-             "What is left of the sound by aac, mp3, opus or vorbis, by ffmpeg: aac:64 for 64 kbit/s")
-          .looks_like("NAME:KBITS")};
+      member("each_drop", &O::each_drop, "One file for each drop: NAME.0000.wav, NAME.0001.wav ...")};
   static const Description ball = ball_options("those of the impacts' .meta.json, else steel:6mm on glass");
   auto options = std::make_shared<O>();
   options->world = {};
@@ -26,6 +23,7 @@ Command synthesize_command() {
           {{"", &files, options.get()},
            {"", &ball, &options->world},
            {"Sound", &members_of(options.get()), options.get()},
+           {"", &codec_option(), options.get()},
            disturbances_section(*options)},
           [options](Run& run) {
             BallChoice& world = options->world = with_provenance(options->world, {options->impacts});

@@ -19,7 +19,7 @@ namespace {
 // limits of the search: what they leave out is no more probable than what is kept but by so much
 constexpr std::size_t kBeam = 8;       // hypotheses that end at one candidate
 constexpr double kBeamDepth = 10.0;    // log odds below the best of them
-constexpr double kHopeless = -7.0;     // log odds below which a hypothesis is not followed
+constexpr double kHopeless = -8.0;     // log odds below which a hypothesis is not followed
 constexpr double kMostOfSecond = 2.0;  // log odds that the second impact adds at most
 // log odds that a track may have lost because its own sounds, those to come above all, were counted as clutter
 constexpr double kOwnClutter = 5.0;
